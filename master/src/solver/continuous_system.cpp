@@ -310,7 +310,8 @@ void ContinuousSystem::handle_event(EventKind kind) {
 }
 
 /// Restarts the solver only if the event changes what the solver depends on. Some FMUs request an event after every
-/// step; with a restart after each step, the solver would never leave its shortest steps.
+/// step; with a restart after each step, the solver would never leave its shortest steps. CVODE compares the indicators
+/// with their values before the event, so it must restart if the event changes a sign.
 void ContinuousSystem::handle_step_event() {
   const auto requested_by = causes_;
   const auto before = solver_view();
@@ -327,7 +328,7 @@ void ContinuousSystem::handle_step_event() {
 
 /// Returns the values that the solver has from the members at the present time; empty if a member cannot compute them.
 std::optional<ContinuousSystem::SolverView> ContinuousSystem::solver_view() {
-  SolverView view{states_, tolerances_, std::vector<double>(states_.size()), next_event_s_};
+  SolverView view{states_, tolerances_, std::vector<double>(states_.size()), next_event_s_, above_};
   if (derivatives(time_s_, states_, view.derivatives) != Evaluation::ok) return std::nullopt;
   return view;
 }

@@ -108,6 +108,7 @@ class ContinuousSystem final : private Equations {
     std::vector<double> tolerances;
     std::vector<double> derivatives;
     double next_event_s;
+    std::vector<std::uint8_t> above;
 
     bool operator==(const SolverView&) const = default;
   };

@@ -240,6 +240,29 @@ TEST(ContinuousSystem, KeepsTheSolversStepsIfAStepEventChangesNothing) {
   EXPECT_EQ(with_events.statistics().counts.restarts, 1);
 }
 
+TEST(ContinuousSystem, RestartsIfAStepEventChangesTheSignOfAnIndicator) {
+  // A clock x' = 1 with the threshold v[1], which one step event moves from above x to below x.
+  const Laws laws = {
+      .states = 1,
+      .values = 2,
+      .indicators = 1,
+      .derivatives = [](double, const Values&, auto d) { d[0] = 1; },
+      .indicators_of = [](double, const Values& v, auto z) { z[0] = v[0] - v[1]; },
+      .update =
+          [](double t, Values& v) {
+            if (t > 0.5) v[1] = 0.25;
+            return DiscreteUpdate{};
+          },
+      .completed = [](double t, Values& v) { return CompletedStep{.enter_event_mode = t > 0.5 && v[1] == 2}; }};
+  PlainModel model("clock", laws, {0, 2});
+  ContinuousSystem system(parts_of({&model}), {});
+  system.initialize(0);
+  run(system, 1, 10);
+  EXPECT_EQ(system.statistics().counts.step_events, 1);
+  EXPECT_EQ(system.statistics().counts.restarts, 2) << "the solver must not compare with the sign before the event";
+  EXPECT_EQ(system.statistics().counts.state_events, 0) << "the step event itself moves the threshold";
+}
+
 TEST(ContinuousSystem, PassesEventsOnToOtherMembers) {
   // `a` jumps at 0.5. In event mode, `b` counts the increases of its input.
   const Laws jump = {.values = 1, .update = [](double t, Values& v) {
