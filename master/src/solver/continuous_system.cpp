@@ -302,6 +302,7 @@ void ContinuousSystem::enter_event_mode() {
 }
 
 void ContinuousSystem::handle_event(EventKind kind) {
+  MEBOTS_ASSERT(kind != EventKind::none);
   count_event(kind);
   if (kind == EventKind::step) return handle_step_event();
   if (kind != EventKind::input) limit_events();
