@@ -174,7 +174,7 @@ void check_own_binary(const fs::path& library, Findings findings) {
   if (is_there(library)) return;
   findings.warning(fmt::format("there is no binary for {} (binaries/{}/{})", modeldesc::this_platform().text,
                                library.parent_path().filename().string(), library.filename().string()),
-                   "build one: its behaviour cannot be checked here");
+                   "build one; here, its behaviour is checked in part or not at all");
 }
 
 void check_symbols(const ModelDescription& model, FmuKind kind, const fs::path& library, Findings findings) {
