@@ -6,6 +6,10 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cstdlib>
+#include <string>
+
 namespace mebots::check {
 namespace {
 
@@ -38,6 +42,18 @@ TEST(CheckPlatforms, ABinaryInTheFolderOfAnotherPlatformIsAnError) {
   const auto found = findings(fmu, true);
   EXPECT_THAT(found, Contains(HasSubstr("error: binaries/win32/culprit.dll is for x86-64 Windows, but win32 means")));
   EXPECT_THAT(found, Contains(HasSubstr("binaries/aarch64-linux/culprit.so is no library of a known platform")));
+}
+
+TEST(CheckPlatforms, SaysWhyAnFmuForWindowsIsNotRun) {
+  setenv("MEBOTS_WINE", "/no/such/wine", 1);
+  Workshop workshop;
+  const auto fmu = workshop.archive({{"modelDescription.xml", culprit_description("none")},
+                                     {"binaries/win64/culprit.dll", test::windows_dll({}, {})}});
+  const auto report = check_fmu(fmu, {});
+  const auto plain = std::ranges::find_if(
+      report.checks, [](const Check& check) { return check.name.find("under wine") != std::string::npos; });
+  ASSERT_NE(plain, report.checks.end());
+  EXPECT_THAT(plain->skipped, HasSubstr("there is no file /no/such/wine"));
 }
 
 }  // namespace

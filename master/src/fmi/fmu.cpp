@@ -247,8 +247,12 @@ std::filesystem::path Fmu::windows_library_file() const {
   return folder_ / "binaries" / windows->folder(description_.is_fmi3()) / (name + std::string(windows->suffix));
 }
 
+bool Fmu::is_for_windows_alone() const {
+  return !is_there(library_file()) && is_there(windows_library_file());
+}
+
 bool Fmu::runs_under_wine() const {
-  return !is_there(library_file()) && is_there(windows_library_file()) && windows::find_wine();
+  return is_for_windows_alone() && windows::find_wine();
 }
 
 void Fmu::load_under_wine() {
