@@ -28,11 +28,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kUsualStep_s = 0.01;
-constexpr int kMostSteps = 20;
-
 /// Index of the probe with the plain run.
 constexpr std::size_t kPlainRun = 1;
+
+std::string plain_run_name(const char* end) {
+  return fmt::format("a plain run of {} steps {}, with finite scalar outputs", kPlainSteps, end);
+}
 
 bool has_error(const Check& check) {
   return std::ranges::find(check.findings, Severity::error, &Finding::severity) != check.findings.end();
@@ -121,7 +122,7 @@ class FmuCheck {
     const auto run = [&](int instances) {
       return [&, instances](Witness& witness) { run_plainly(fmu_, folder_.path(), instances, kPlainStep_s, witness); };
     };
-    Check& one = add(Group::behaviour, "a plain run of 20 steps succeeds, with finite outputs");
+    Check& one = add(Group::behaviour, plain_run_name("succeeds"));
     run_in_child(crash_rule(), one, run(1));
     Check& two = add(Group::behaviour, "two instances run in one process");
     if (flags->can_be_instantiated_only_once_per_process) two.skipped = "the FMU allows one instance per process";
@@ -233,7 +234,7 @@ class FmuCheck {
     } catch (const Error&) {  // the FMU is for model exchange only, or the checks of the description report the error
       return;
     }
-    Check& plain = add(Group::behaviour, "a plain run of 20 steps under wine succeeds, with finite outputs");
+    Check& plain = add(Group::behaviour, plain_run_name("under wine succeeds"));
     plain.skipped = master::windows::find_wine().missing;
     if (plain.skipped.empty())
       run_in_child(crash_rule(), plain, [&](Witness& witness) { run_plainly(fmu_, folder, 1, step_s, witness); });
@@ -328,10 +329,11 @@ class FmuCheck {
 
   void behaviour() {
     const auto& experiment = model_.default_experiment;
-    const double h = experiment.step_size_s.value_or(kUsualStep_s);
+    const double h = experiment.step_size_s.value_or(kPlainStep_s);
     const double length =
         experiment.stop_time_s ? *experiment.stop_time_s - experiment.start_time_s.value_or(0) : HUGE_VAL;
-    const int steps = static_cast<int>(std::clamp(std::floor(length / h + 1e-6), 2.0, static_cast<double>(kMostSteps)));
+    const int steps =
+        static_cast<int>(std::clamp(std::floor(length / h + 1e-6), 2.0, static_cast<double>(kPlainSteps)));
     Target target{&model_, folder_.path(), library_path(model_.co_simulation->model_identifier, folder_.path()), h,
                   steps};
     target.experiment.tolerance = experiment.usable_tolerance();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fmi3_instance.hpp"
 
+#include "plain_run.hpp"
+
 #include <fmt/format.h>
 
 #include <cmath>
@@ -9,8 +11,6 @@
 
 namespace mebots::check {
 namespace {
-
-constexpr double kAssumedStep_s = 0.01;
 
 template <typename T>
 std::vector<double> numbers_in(const std::string& bytes) {
@@ -31,8 +31,8 @@ Fmi3Library::Fmi3Library(const Fmi3Target& target, Witness& witness) : target_(t
   if (handle_ == nullptr) throw Fmi3Refused(fmt::format("the library cannot be loaded: {}", dlerror()));
   const auto experiment = target.description->root().child("DefaultExperiment");
   const auto fixed = target.description->root().child("CoSimulation").attribute("fixedInternalStepSize");
-  step_s_ = fixed ? fixed.as_double() : experiment.attribute("stepSize").as_double(kAssumedStep_s);
-  if (!(step_s_ > 0)) step_s_ = kAssumedStep_s;
+  step_s_ = fixed ? fixed.as_double() : experiment.attribute("stepSize").as_double(kPlainStep_s);
+  if (!(step_s_ > 0)) step_s_ = kPlainStep_s;
   start_s_ = experiment.attribute("startTime").as_double(0);
 }
 

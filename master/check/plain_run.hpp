@@ -12,7 +12,7 @@ inline constexpr int kPlainSteps = 20;
 inline constexpr double kPlainStep_s = 0.01;
 
 /// Runs `instances` instances of the co-simulation FMU that is unpacked in `folder` for a few steps, as the master
-/// does, and reads all outputs. Must be called inside a child process only.
+/// does, and reads all scalar Real outputs. Must be called inside a child process only.
 void run_plainly(const std::filesystem::path& archive, const std::filesystem::path& folder, int instances,
                  double step_s, Witness& witness);
 
