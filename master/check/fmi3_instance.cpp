@@ -2,6 +2,7 @@
 #include "fmi3_instance.hpp"
 
 #include "plain_run.hpp"
+#include "trace_number.hpp"
 
 #include <fmt/format.h>
 
@@ -12,8 +13,13 @@
 namespace mebots::check {
 namespace {
 
+/// True if the functions of this type access the variable.
+bool has_type(const Fmi3Declared& variable, std::string_view type) {
+  return variable.type == type || (variable.type == "Enumeration" && type == "Int64");
+}
+
 template <typename T>
-std::vector<double> numbers_in(const std::string& bytes) {
+std::vector<double> decoded(const std::string& bytes) {
   std::vector<double> numbers(bytes.size() / sizeof(T));
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     T value{};
@@ -97,12 +103,12 @@ std::string Fmi3Instance::read(const Fmi3Declared& variable) {
   const auto count = variable.elements;
   const fmi3ValueReference* const reference = &variable.reference;
   std::string bytes;
-#define MEBOTS_READ(name, ctype)                                                                          \
-  if (variable.type == #name || (variable.type == "Enumeration" && std::string_view(#name) == "Int64")) { \
-    std::vector<std::byte> values(count * sizeof(ctype));                                                 \
-    auto* const typed = reinterpret_cast<ctype*>(values.data());                                          \
-    MEBOTS_CALL(*this, fmi3Get##name, reference, std::size_t{1}, typed, count);                           \
-    return {reinterpret_cast<const char*>(values.data()), values.size()};                                 \
+#define MEBOTS_READ(name, ctype)                                                \
+  if (has_type(variable, #name)) {                                              \
+    std::vector<std::byte> values(count * sizeof(ctype));                       \
+    auto* const typed = reinterpret_cast<ctype*>(values.data());                \
+    MEBOTS_CALL(*this, fmi3Get##name, reference, std::size_t{1}, typed, count); \
+    return {reinterpret_cast<const char*>(values.data()), values.size()};       \
   }
   MEBOTS_FMI3_EACH_NUMBER_TYPE(MEBOTS_READ)
 #undef MEBOTS_READ
@@ -124,21 +130,21 @@ void Fmi3Instance::set_numbers(const Fmi3Declared& variable, std::span<const dou
   if (values.size() != variable.elements)
     throw Fmi3Refused(
         fmt::format("the trace has {} values for {}, which has {}", values.size(), variable.name, variable.elements));
+  const auto subject = fmt::format("{} {}", variable.type, variable.name);
 #define MEBOTS_WRITE(name, ctype)                                                                              \
-  if (variable.type == #name || (variable.type == "Enumeration" && std::string_view(#name) == "Int64")) {      \
+  if (has_type(variable, #name)) {                                                                             \
     const auto typed = std::make_unique<ctype[]>(values.size());                                               \
-    for (std::size_t i = 0; i < values.size(); ++i) typed[i] = static_cast<ctype>(values[i]);                  \
+    for (std::size_t i = 0; i < values.size(); ++i) typed[i] = exact<ctype>(values[i], subject);               \
     return MEBOTS_CALL(*this, fmi3Set##name, &variable.reference, std::size_t{1}, typed.get(), values.size()); \
   }
   MEBOTS_FMI3_EACH_NUMBER_TYPE(MEBOTS_WRITE)
 #undef MEBOTS_WRITE
 }
 
-std::vector<double> Fmi3Instance::numbers(const Fmi3Declared& variable) {
+std::vector<double> Fmi3Instance::get_numbers(const Fmi3Declared& variable) {
   const auto bytes = read(variable);
-#define MEBOTS_CONVERT(name, ctype)                                                                     \
-  if (variable.type == #name || (variable.type == "Enumeration" && std::string_view(#name) == "Int64")) \
-    return numbers_in<ctype>(bytes);
+#define MEBOTS_CONVERT(name, ctype) \
+  if (has_type(variable, #name)) return decoded<ctype>(bytes);
   MEBOTS_FMI3_EACH_NUMBER_TYPE(MEBOTS_CONVERT)
 #undef MEBOTS_CONVERT
   return {};

@@ -84,9 +84,10 @@ class Fmi3Instance {
   void step(double time_s, double step_s);
   /// True if the FMU requested the end in its last step.
   bool ended() const { return ended_; }
-  /// Accesses a variable of a type of numbers or Boolean; whole numbers are exact up to 2^53.
+  /// Access a variable of a type of numbers or Boolean; whole numbers are exact up to 2^53. Throws Error if the type
+  /// cannot hold a value.
   void set_numbers(const Fmi3Declared& variable, std::span<const double> values);
-  std::vector<double> numbers(const Fmi3Declared& variable);
+  std::vector<double> get_numbers(const Fmi3Declared& variable);
   /// Returns all outputs except clocked ones.
   Fmi3Values outputs();
   std::string serialized();

@@ -130,9 +130,9 @@ void states_restore_in_place(const Fmi3Library& library) {
 std::vector<ChildProbe> fmi3_probes(const Fmi3Target& target) {
   const auto root = target.description->root();
   const auto co_simulation = root.child("CoSimulation");
-  const auto probe = [&](const char* name, std::string skipped, void (*run)(const Fmi3Library&),
+  const auto probe = [&](std::string name, std::string skipped, void (*run)(const Fmi3Library&),
                          bool is_plain = false) {
-    return ChildProbe{name, std::move(skipped),
+    return ChildProbe{std::move(name), std::move(skipped),
                       [target, run](Witness& witness) {
                         try {
                           run(Fmi3Library(target, witness));
@@ -148,6 +148,7 @@ std::vector<ChildProbe> fmi3_probes(const Fmi3Target& target) {
   };
   const bool has_states = co_simulation.attribute("canGetAndSetFMUState").as_bool();
   const bool serializes = co_simulation.attribute("canSerializeFMUState").as_bool();
+  const auto traces = no_steps.empty() ? fmi3_trace_scope(target) : Fmi3TraceScope{.obstacle = no_steps};
   return {probe("a plain run reaches its end with finite outputs", no_steps, &plain_run, true),
           probe("two instances do not disturb each other",
                 unless(no_steps, !co_simulation.attribute("canBeInstantiatedOnlyOncePerProcess").as_bool(),
@@ -158,8 +159,10 @@ std::vector<ChildProbe> fmi3_probes(const Fmi3Target& target) {
                 &states_restore_in_place),
           probe("a serialised state restores",
                 unless(no_steps, serializes, "the FMU does not offer canSerializeFMUState"), &states_restore),
-          probe("reference traces are reproduced", no_steps.empty() ? fmi3_trace_obstacle(target) : no_steps,
-                &replay_trace)};
+          probe(traces.compared == traces.columns ? "reference traces are reproduced"
+                                                  : fmt::format("reference traces are reproduced, in {} of {} columns",
+                                                                traces.compared, traces.columns),
+                traces.obstacle, &replay_trace)};
 }
 
 }  // namespace mebots::check

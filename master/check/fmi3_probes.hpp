@@ -4,6 +4,7 @@
 #include "child.hpp"
 #include "fmi3_description.hpp"
 
+#include <cstddef>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -20,9 +21,16 @@ struct Fmi3Target {
 
 class Fmi3Library;
 
-/// Returns why a run cannot be compared with reference traces; empty if it can. Inputs may be named as in FMI 2.0,
-/// where this FMU has arrays.
-std::string fmi3_trace_obstacle(const Fmi3Target& target);
+/// What of the reference traces a run can be compared with. Columns may be named as in FMI 2.0, where this FMU has
+/// arrays.
+struct Fmi3TraceScope {
+  std::string obstacle = {};  ///< why nothing can be compared; empty if something can
+  std::size_t columns = 0;    ///< of outputs, with an obstacle 0
+  std::size_t compared = 0;   ///< of them, those that are numbers of this FMU
+};
+
+/// If a file cannot be read, there is no obstacle: replay_trace() throws the error.
+Fmi3TraceScope fmi3_trace_scope(const Fmi3Target& target);
 /// Compares a run with the reference traces. Output columns that are no numbers of this FMU are ignored.
 void replay_trace(const Fmi3Library& library);
 

@@ -22,7 +22,7 @@ constexpr double kRelative = 1e-6;
 constexpr double kAbsolute = 1e-9;
 
 /// Returns the numbers in a cell. XML Schema's words for Booleans count as 0 and 1.
-Trace::Cell numbers_of(const data::CsvReader& reader, std::size_t column) {
+Trace::Cell cell_numbers(const data::CsvReader& reader, std::size_t column) {
   Trace::Cell numbers;
   for (const auto& word : modeldesc::words_of(reader.cell(column))) {
     const bool is_boolean = word == "true" || word == "false";
@@ -90,10 +90,16 @@ Trace read_trace(const fs::path& file, bool ignores_others,
   while (reader.next()) {
     trace.times.push_back(reader.number(0));
     auto& row = trace.rows.emplace_back();
-    for (const auto column : kept) row.push_back(numbers_of(reader, column));
+    for (const auto column : kept) row.push_back(cell_numbers(reader, column));
   }
   if (trace.rows.empty()) throw Error(ErrorCode::syntax_error, fmt::format("{}: there are no rows", reader.name()));
   return trace;
+}
+
+Trace read_inputs(const TraceFiles& files, bool ignores_others,
+                  const std::function<bool(const std::string& name)>& is_number) {
+  if (files.inputs.empty()) return {.names = {}, .times = {0}, .rows = {{}}};
+  return read_trace(files.inputs, ignores_others, is_number);
 }
 
 bool replay(Witness& witness, const TraceFiles& files, const Trace& inputs, const Trace& outputs,

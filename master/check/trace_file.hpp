@@ -40,6 +40,11 @@ struct Trace {
 Trace read_trace(const std::filesystem::path& file, bool ignores_others,
                  const std::function<bool(const std::string& name)>& is_number);
 
+/// Reads the inputs of the traces in the same way. Without a file of inputs, returns a trace of one row without
+/// columns.
+Trace read_inputs(const TraceFiles& files, bool ignores_others,
+                  const std::function<bool(const std::string& name)>& is_number);
+
 /// The calls of an instance that a comparison needs.
 struct TracedInstance {
   std::function<void()> enter_initialization;

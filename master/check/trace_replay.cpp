@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "behaviour_check.hpp"
+#include "trace_number.hpp"
 
 #include <fmt/format.h>
 
@@ -15,7 +16,6 @@ double only(const Variable& variable, std::span<const double> values) {
 
 void set(Instance& instance, const Variable& variable, double value) {
   const auto reference = variable.value_reference;
-  const auto whole = static_cast<fmi2Integer>(value);
   const auto& f = instance.functions();
   const auto call = fmt::format("setting {} = {}", variable.name, value);
   instance.doing(call);
@@ -23,11 +23,15 @@ void set(Instance& instance, const Variable& variable, double value) {
     case Type::real:
       instance.require(call, f.set_real(instance.component(), &reference, 1, &value));
       break;
-    case Type::boolean:
-      instance.require(call, f.set_boolean(instance.component(), &reference, 1, &whole));
+    case Type::boolean: {
+      const fmi2Boolean truth = exact<bool>(value, "Boolean " + variable.name);
+      instance.require(call, f.set_boolean(instance.component(), &reference, 1, &truth));
       break;
-    default:
+    }
+    default: {
+      const auto whole = exact<fmi2Integer>(value, "Integer " + variable.name);
       instance.require(call, f.set_integer(instance.component(), &reference, 1, &whole));
+    }
   }
 }
 
@@ -55,8 +59,7 @@ void replay(const Library& library, const TraceFiles& files) {
     return variable != nullptr && variable->type != Type::string;
   };
   const auto outputs = read_trace(files.outputs, files.of_many_versions, is_number);
-  const auto inputs =
-      files.inputs.empty() ? Trace{{}, {0}, {{}}} : read_trace(files.inputs, files.of_many_versions, is_number);
+  const auto inputs = read_inputs(files, files.of_many_versions, is_number);
   Instance instance(library, "replay");
   instance.setup();
   const bool reached =

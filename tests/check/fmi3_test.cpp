@@ -4,16 +4,23 @@
 #include "checks.hpp"
 #include "fmi3_description.hpp"
 #include "support.hpp"
+#include "trace_number.hpp"
 
+#include "mebots/error.hpp"
 #include "mebots/modeldesc/archive.hpp"
 #include "mebots/text_file.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <limits>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace mebots::check {
 namespace {
@@ -250,7 +257,69 @@ TEST(CheckFmi3, ReferenceTracesAreReplayed) {
     EXPECT_THAT(with_trace(folder, "time,y\n0,0\n1,one\n"), Contains(HasSubstr("this is not a number")));
     EXPECT_THAT(with_trace(folder, "time,y\n0,1\n", "time,y.x\n0,0\n"), IsEmpty())
         << "skipped: inputs of another version";
+    EXPECT_THAT(with_trace(folder, "time,y\n0,0\n", "\n"), Contains(HasSubstr("there is no header"))) << folder;
+    EXPECT_THAT(with_trace(folder, "time,y\n0,0\n", "time;y\n0;0\n"), Contains(HasSubstr("it_in.csv"))) << folder;
+    EXPECT_THAT(with_trace(folder, "time;y\n0;0\n"), Contains(HasSubstr("it_out.csv"))) << folder;
   }
+}
+
+/// Returns the check of reference traces in bank.fmu, which has arrays of several types.
+Check check_of_bank(const std::string& in, const std::string& out) {
+  const modeldesc::TemporaryFolder folder("bank");
+  modeldesc::unpack(MEBOTS_BINARY_DIR "/test_fmus/bank.fmu", folder.path());
+  std::vector<std::pair<std::string, std::string>> files{{"documentation/reference/it_in.csv", in},
+                                                         {"documentation/reference/it_out.csv", out}};
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path())) {
+    if (entry.is_regular_file())
+      files.emplace_back(entry.path().lexically_relative(folder.path()).string(), text_of(entry.path()));
+  }
+  Workshop workshop;
+  auto report = check_fmu(workshop.archive(files), {});
+  const auto found = std::ranges::find_if(
+      report.checks, [](const Check& check) { return check.name.starts_with("reference traces are reproduced"); });
+  return found == report.checks.end() ? Check{} : *found;
+}
+
+std::vector<std::string> texts_of(const Check& check) {
+  std::vector<std::string> texts;
+  for (const auto& finding : check.findings) texts.push_back(finding.text);
+  return texts;
+}
+
+TEST(CheckFmi3, ReferenceTracesHaveArraysOfAllTypes) {
+  // bank.fmu integrates the inputs from 0 and 10; the mode 0 holds an output.
+  const std::string in = "time,line.u,line.mode\n0,1 2,1 0\n";
+  const std::string out = "time,line.y,line.moving,far.bytes\n0,0 10,true true,0\n0.5,0.5 10,1 1,0\n";
+  const auto good = check_of_bank(in, out);
+  EXPECT_EQ(good.name, "reference traces are reproduced");
+  EXPECT_EQ(good.skipped, "");
+  EXPECT_THAT(texts_of(good), IsEmpty());
+  EXPECT_THAT(texts_of(check_of_bank(in, out + "1,1 10,true false,0\n")),
+              Contains(HasSubstr("at 1 s: line.moving is 1 1, the trace has 1 0")));
+  EXPECT_THAT(texts_of(check_of_bank(in, out + "1,1 10,true true,3\n")),
+              Contains(HasSubstr("at 1 s: far.bytes is 0, the trace has 3")));
+  EXPECT_THAT(texts_of(check_of_bank("time,line.mode\n0,0.5 1\n", out)),
+              Contains(HasSubstr("the trace has 0.5 for the Enumeration line.mode")));
+}
+
+TEST(CheckFmi3, ReferenceTracesSayHowManyColumnsAreCompared) {
+  const std::string in = "time,line.u\n0,0 0\n";
+  EXPECT_EQ(check_of_bank(in, "time,line[1].y,line.y\n0,0,0 10\n").name,
+            "reference traces are reproduced, in 1 of 2 columns");
+  EXPECT_EQ(check_of_bank(in, "time,line[1].y\n0,0\n").skipped, "it_out.csv has no column with numbers of this FMU");
+}
+
+TEST(CheckFmi3, ReferenceTracesHaveNumbersThatTheirTypesHold) {
+  EXPECT_EQ(exact<std::uint8_t>(255, "UInt8 x"), 255);
+  EXPECT_EQ(exact<std::int64_t>(-9223372036854775808.0, "Int64 x"), std::numeric_limits<std::int64_t>::min());
+  EXPECT_EQ(exact<float>(0.1, "Float32 x"), 0.1F);
+  EXPECT_TRUE(exact<bool>(1, "Boolean x"));
+  EXPECT_THROW(exact<std::uint8_t>(256, "UInt8 x"), Error);
+  EXPECT_THROW(exact<std::uint32_t>(-1, "UInt32 x"), Error);
+  EXPECT_THROW(exact<std::int32_t>(1.5, "Int32 x"), Error);
+  EXPECT_THROW(exact<std::int64_t>(9223372036854775808.0, "Int64 x"), Error);
+  EXPECT_THROW(exact<float>(1e300, "Float32 x"), Error);
+  EXPECT_THROW(exact<bool>(2, "Boolean x"), Error);
 }
 
 TEST(CheckFmi3, OurOwnFmusAreCleanAndAreRun) {

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/error.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <string_view>
+#include <type_traits>
+
+namespace mebots::check {
+
+/// Converts a finite number of a trace to the type of a variable, such as "Int32 x". Throws Error if the type cannot
+/// hold it. A Float32 has the nearest number.
+template <typename T>
+T exact(double value, std::string_view variable) {
+  using Limits = std::numeric_limits<T>;
+  bool fits = false;
+  if constexpr (std::is_floating_point_v<T>) {
+    fits = std::abs(value) <= static_cast<double>(Limits::max());
+  } else {
+    const double end = std::ldexp(1.0, Limits::digits);  // the largest number itself may not be a double
+    fits = std::trunc(value) == value && value < end && value >= (Limits::is_signed ? -end : 0);
+  }
+  if (fits) return static_cast<T>(value);
+  throw Error(ErrorCode::syntax_error, fmt::format("the trace has {} for the {}", value, variable));
+}
+
+}  // namespace mebots::check
