@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <utility>
 
 namespace mebots::live {
 namespace {
@@ -55,6 +56,10 @@ bool Connection::begins_request() {
 
 void Connection::complete_request() {
   if (served != nullptr) served->is_reading_ = false;
+}
+
+void Connection::after_sending(std::function<void()> then) {
+  if (served != nullptr) served->after_sending_ = std::move(then);
 }
 
 void Connection::shut_down() {

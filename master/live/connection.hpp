@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstddef>
+#include <functional>
 #include <mutex>
 #include <set>
 #include <string>
@@ -65,6 +66,12 @@ class Connection final : public httplib::Stream {
   bool begins_request();
   /// Marks the request of the calling thread's connection as complete.
   static void complete_request();
+  /// Lets the calling thread's connection call `then` in report_sent().
+  static void after_sending(std::function<void()> then);
+  /// Reports that the whole answer has been sent.
+  void report_sent() const {
+    if (after_sending_) after_sending_();
+  }
 
   bool is_readable() const override;
   bool is_writable() const override;
@@ -90,6 +97,7 @@ class Connection final : public httplib::Stream {
   std::atomic<bool> is_reading_{true};
   Clock::time_point request_until_;
   Clock::time_point answer_until_{};
+  std::function<void()> after_sending_;
   std::size_t bytes_left_ = kRequestBytes;
 };
 

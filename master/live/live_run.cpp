@@ -29,12 +29,13 @@ using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
 
 constexpr auto kPatience = 20s;     ///< for a browser's thread: a step may take long
-constexpr auto kLinger = 3s;        ///< at the end, for active clients that are no page
+constexpr auto kClientLinger = 3s;  ///< at the end, for active clients that are no page
 constexpr auto kLookedLately = 5s;  ///< such a client is active if its last request is not older
-/// The same for a page. It reports when it closes, so this is only for a browser that crashed. On a busy machine, a
-/// page may take many seconds to draw.
+/// At the end, for open pages. On a busy machine, a page may take many seconds to draw.
 constexpr auto kPageLinger = 30s;
-constexpr std::size_t kMostPages = 32;
+/// A page is open if its last request is not older. It reports when it closes, so this is only for a browser that was
+/// killed. Browsers let a hidden page ask once a minute.
+constexpr auto kPageOpen = 70s;
 constexpr std::string_view kLeaveOrder = "leave=";
 constexpr auto kHeldNap = 50ms;  ///< between checks of the interrupt flag while the run is paused
 constexpr std::string_view kPaceOrder = "pace=";
@@ -75,7 +76,17 @@ LiveRun::LiveRun(master::Run& run, const LiveOptions& options)
   };
   Server::Answers answers;
   answers.page = [page] { return *page; };
-  answers.data = [this, in_run](const Known& known) { return in_run([this, known] { return data(known); }); };
+  answers.data = [this, in_run](const Known& known) {
+    // Shared, because the run may answer a question whose asker has stopped waiting.
+    const auto has_end = std::make_shared<bool>(false);
+    auto body = in_run([this, known, has_end] {
+      *has_end = ended_;
+      return data(known);
+    });
+    Server::Answer answer{std::move(body), [] {}};
+    if (*has_end) answer.after_sending = [this, page = known.page] { note_end_sent(page); };
+    return answer;
+  };
   answers.control = [this, in_run](const std::string& order) {
     return in_run([this, order] { return control(order); });
   };
@@ -147,25 +158,28 @@ void LiveRun::linger() {
 
 bool LiveRun::is_awaited(Clock::time_point end) const {
   const auto waited = Clock::now() - end;
-  const auto is_open = [&](const auto& page) { return end - page.second < kPageLinger; };
-  if (waited < kPageLinger && std::ranges::any_of(pages_, is_open)) return true;
-  return !end_seen_ && waited < kLinger && end - last_look_ < kLookedLately;
+  if (waited < kPageLinger && pages_.any_since(end - kPageOpen)) return true;
+  return !end_sent_ && waited < kClientLinger && end - last_look_ < kLookedLately;
 }
 
-void LiveRun::note_look(const std::string& page) {
-  const auto now = Clock::now();
+void LiveRun::note_request(const std::string& page) {
   if (page.empty()) {
-    last_look_ = now;
-    end_seen_ = ended_;
-  } else if (ended_) {
-    pages_.erase(page);
-  } else if (pages_.size() < kMostPages || pages_.contains(page)) {
-    pages_[page] = now;
+    last_look_ = Clock::now();
+  } else {
+    pages_.note_request(page);
+  }
+}
+
+void LiveRun::note_end_sent(const std::string& page) {
+  if (page.empty()) {
+    end_sent_ = true;
+  } else {
+    pages_.remove(page);
   }
 }
 
 std::string LiveRun::data(const Known& known) {
-  note_look(known.page);
+  note_request(known.page);
   for_browser_ = false;
   master::report::RunFolder folder;
   folder.live = {{"held", held_},
@@ -208,7 +222,7 @@ std::string LiveRun::control(const std::string& order) {
     }
     set_pace(*pace);
   } else if (order.starts_with(kLeaveOrder)) {
-    pages_.erase(order.substr(kLeaveOrder.size()));
+    pages_.remove(order.substr(kLeaveOrder.size()));
   } else {
     throw InputError(ErrorCode::invalid_argument,
                      fmt::format("'{}' must be hold, step, go, pace=NUMBER or leave=PAGE", order));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "open_pages.hpp"
 #include "report/run_folder.hpp"
 #include "run/run.hpp"
 
@@ -13,7 +14,6 @@
 #include <deque>
 #include <functional>
 #include <future>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -93,9 +93,11 @@ class LiveRun {
   void set_pace(double pace);
   /// Returns the wall time until the next step is due at the requested pace.
   std::chrono::steady_clock::duration until_due() const;
-  /// True if a page is open, or another client was active, that has not received the end.
+  /// True if a page is open, or another client was active, that has not been sent the end.
   bool is_awaited(std::chrono::steady_clock::time_point end) const;
-  void note_look(const std::string& page);
+  void note_request(const std::string& page);
+  /// Notes that the client has been sent an answer with the end of the run. May be called from any thread.
+  void note_end_sent(const std::string& page);
   std::string data(const Known& known);
   void add_constant_data(master::report::RunFolder& folder) const;
   std::string control(const std::string& order);
@@ -115,10 +117,9 @@ class LiveRun {
   bool one_step_ = false;
   bool ended_ = false;
   // Of clients that are no page.
-  bool end_seen_ = false;
+  std::atomic<bool> end_sent_{false};
   std::chrono::steady_clock::time_point last_look_{};
-  /// Open pages that have not received the end, with the time of their last request.
-  std::map<std::string, std::chrono::steady_clock::time_point> pages_;
+  OpenPages pages_;
   nlohmann::ordered_json scenario_ = nlohmann::ordered_json::array();
   std::unique_ptr<Server> server_;
 };

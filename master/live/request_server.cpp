@@ -102,8 +102,10 @@ void RequestServer::route(const std::string& token, int port, const LiveRun::Ser
   });
   Get("/[0-9a-f]+/data", [answers](const httplib::Request& request, httplib::Response& response) {
     reply(response, "application/octet-stream", [&] {
-      return answers.data({count_of(request, "rows"), count_of(request, "pictures"), count_of(request, "log"),
-                           request.get_param_value("page")});
+      auto answer = answers.data({count_of(request, "rows"), count_of(request, "pictures"), count_of(request, "log"),
+                                  request.get_param_value("page")});
+      Connection::after_sending(std::move(answer.after_sending));
+      return std::move(answer.body);
     });
   });
   Post("/[0-9a-f]+/control", [answers](const httplib::Request& request, httplib::Response& response) {
@@ -127,7 +129,9 @@ bool RequestServer::answer(httplib::Stream& stream) {
 
 bool RequestServer::process_and_close_socket(socket_t socket) {
   Connection connection(connections_, socket);
-  return connection.begins_request() && answer(connection);
+  if (!connection.begins_request() || !answer(connection)) return false;
+  connection.report_sent();
+  return true;
 }
 
 }  // namespace mebots::live

@@ -6,6 +6,7 @@
 
 #include <httplib.h>
 
+#include <functional>
 #include <string>
 
 namespace mebots::live {
@@ -14,11 +15,16 @@ namespace mebots::live {
 /// returns within a second, whatever clients do.
 class LiveRun::Server {
  public:
+  struct Answer {
+    std::string body;
+    std::function<void()> after_sending;  ///< called in the server's thread if the whole answer was sent
+  };
+
   /// The functions behind the page's requests. They are called in the server's threads and may throw; the page shows
   /// the text of an InputError.
   struct Answers {
     std::function<std::string()> page;
-    std::function<std::string(const Known& known)> data;
+    std::function<Answer(const Known& known)> data;
     std::function<std::string(const std::string& order)> control;
     std::function<std::string(const std::string& variable, const std::string& value)> set;
   };

@@ -54,7 +54,7 @@ live::RequestServer& server() {
     auto* const made = new live::RequestServer;
     live::LiveRun::Server::Answers answers;
     answers.page = [] { return answered(); };
-    answers.data = [](const auto& /*known*/) { return answered(); };
+    answers.data = [](const auto& /*known*/) { return live::LiveRun::Server::Answer{answered(), [] {}}; };
     answers.control = [](const auto& /*order*/) { return answered(); };
     answers.set = [](const auto& /*variable*/, const auto& /*value*/) { return answered(); };
     made->route(kToken, kPort, answers);

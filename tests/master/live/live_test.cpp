@@ -10,7 +10,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <thread>
@@ -32,12 +34,15 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// A server that serves the text "the page".
+/// A server that serves the text "the page", and data that no socket's buffers can hold.
 class LiveClients : public testing::Test {
  protected:
-  static live::LiveRun::Server::Answers answers() {
+  live::LiveRun::Server::Answers answers() {
     live::LiveRun::Server::Answers answers;
     answers.page = [] { return std::string("the page"); };
+    answers.data = [this](const auto& /*known*/) {
+      return live::LiveRun::Server::Answer{std::string(std::size_t{64} << 20, 'd'), [this] { is_sent_ = true; }};
+    };
     return answers;
   }
 
@@ -70,6 +75,7 @@ class LiveClients : public testing::Test {
     for (const int line : lines_) close(line);
   }
 
+  std::atomic<bool> is_sent_{false};
   std::unique_ptr<live::LiveRun::Server> server_ = std::make_unique<live::LiveRun::Server>(0, answers());
   std::vector<int> lines_;
 };
@@ -98,6 +104,29 @@ TEST_F(LiveClients, DoNotBlockABrowser) {
   ASSERT_TRUE(page);
   EXPECT_EQ(page->body, "the page");
   EXPECT_LT(seconds_since(start), 5);  // 1 s on an idle machine; the slow clients take 2 s each
+}
+
+TEST_F(LiveClients, HaveAnAnswerOnlyAfterAllOfItWasSent) {
+  const int line = connect_slowly("GET " + path() + "data HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port()) +
+                                  "\r\nConnection: close\r\n\r\n");
+  char byte = 0;
+  ASSERT_EQ(recv(line, &byte, 1, 0), 1);  // the answer was computed
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_FALSE(is_sent_);
+  std::vector<char> rest(std::size_t{1} << 20);
+  while (recv(line, rest.data(), rest.size(), 0) > 0) continue;
+  server_.reset();  // waits for the server's threads
+  EXPECT_TRUE(is_sent_);
+}
+
+TEST_F(LiveClients, DoNotHaveAnAnswerThatTheyLeft) {
+  const int line = connect_slowly("GET " + path() + "data HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port()) +
+                                  "\r\nConnection: close\r\n\r\n");
+  char byte = 0;
+  ASSERT_EQ(recv(line, &byte, 1, 0), 1);
+  shutdown(line, SHUT_RDWR);
+  server_.reset();
+  EXPECT_FALSE(is_sent_);
 }
 
 TEST(LiveRun, PrintsItsAddressEvenWhenQuiet) {
