@@ -9,6 +9,8 @@ import type { Window } from "./view/window";
 
 /** Time between two requests [ms]. */
 const PERIOD = 400;
+/** HTTP status of a run that cannot answer now. */
+const BUSY = 503;
 /** Offered paces, in multiples of real time. */
 const PACES = [0, 0.1, 0.5, 1, 2, 5, 10];
 
@@ -18,10 +20,24 @@ const PAGE = String(Math.random()).slice(2);
 /** The run has answered that it cannot give the data now, because a step takes long. */
 class Busy extends Error {}
 
+/** Fetches all data. While the run is busy, tries again. From now on, the run counts this page as open until it closes. */
+export async function fetchAll(): Promise<Payload> {
+  addEventListener("pagehide", () => navigator.sendBeacon("control", new URLSearchParams({ order: `leave=${PAGE}` })));
+  for (;;) {
+    try {
+      return await fetchPayload();
+    } catch (error) {
+      if (!(error instanceof Busy)) throw error;
+    }
+    await new Promise((done) => setTimeout(done, PERIOD));
+  }
+}
+
 /** Fetches all data, or only the data that this page lacks. */
-export async function fetchPayload(known = { rows: 0, pictures: 0, log: 0 }): Promise<Payload> {
+async function fetchPayload(known = { rows: 0, pictures: 0, log: 0 }): Promise<Payload> {
   const answer = await fetch(`data?rows=${known.rows}&pictures=${known.pictures}&log=${known.log}&page=${PAGE}`);
-  if (!answer.ok) throw new Busy(await answer.text());
+  if (answer.status === BUSY) throw new Busy(await answer.text());
+  if (!answer.ok) throw new Error(await answer.text());
   return readPayload(new Uint8Array(await answer.arrayBuffer()));
 }
 
@@ -78,7 +94,6 @@ export function follow(run: Run, clock: Clock, span: Window): HTMLElement {
     }
   };
   show();
-  addEventListener("pagehide", () => navigator.sendBeacon("control", new URLSearchParams({ order: `leave=${PAGE}` })));
   setTimeout(keepLooking, PERIOD);
   return element("span", { class: "live" }, badge, " ", hold, " ", step, " ", pace);
 }

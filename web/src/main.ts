@@ -3,7 +3,7 @@
 import { Clock } from "./clock";
 import { panelsOf } from "./data/panels";
 import { readPayload } from "./data/payload";
-import { fetchPayload, follow, makeInputs } from "./live";
+import { fetchAll, follow, makeInputs } from "./live";
 import { Run } from "./data/run";
 import { setTimeScale, shown } from "./data/units";
 import { element } from "./dom";
@@ -38,7 +38,7 @@ const ROOMY_HEIGHT = 150;
 
 async function main(): Promise<void> {
   const isLive = document.getElementById("mebots-data")!.textContent!.trim() === "";
-  const payload = isLive ? await fetchPayload() : readPayload(await globalThis.window.mebots.inflated("mebots-data"));
+  const payload = isLive ? await fetchAll() : readPayload(await globalThis.window.mebots.inflated("mebots-data"));
   const runs = payload.runs.map((header) => new Run(header, payload));
   const run = runs[0];
   const clock = new Clock(Math.max(...runs.map(({ end }) => end)));
