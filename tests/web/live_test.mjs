@@ -5,7 +5,7 @@ import assert from "node:assert/strict";
 import { spawn, spawnSync } from "node:child_process";
 import { once } from "node:events";
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
-import { request } from "node:http";
+import { createServer, request } from "node:http";
 import { join, resolve } from "node:path";
 
 const [, , mebots, configs, out, chromium] = process.argv;
@@ -65,6 +65,25 @@ async function header(live, query = "") {
   const answer = await fetch(new URL(`data${query}`, live.address));
   const bytes = new DataView(await answer.arrayBuffer());
   return JSON.parse(new TextDecoder().decode(new Uint8Array(bytes.buffer, 4, bytes.getUint32(0, true))));
+}
+
+/** Forwards a browser's requests to the run. `seen` gets the path and the text of each answered request. */
+async function forward(live, seen) {
+  const server = createServer(async (asked, answer) => {
+    const pieces = [];
+    for await (const piece of asked) pieces.push(piece);
+    const headers = { ...asked.headers, host: live.address.host, connection: "close" };
+    if (headers.origin) headers.origin = live.address.origin;
+    const sent = request(new URL(asked.url, live.address), { method: asked.method, headers }, (got) => {
+      answer.writeHead(got.statusCode, got.headers);
+      got.pipe(answer);
+      got.on("end", () => seen({ path: asked.url, text: Buffer.concat(pieces).toString(), status: got.statusCode }));
+    });
+    sent.on("error", () => answer.destroy());
+    sent.end(Buffer.concat(pieces));
+  });
+  await once(server.listen(0, "127.0.0.1"), "listening");
+  return { server, address: `http://127.0.0.1:${server.address().port}${live.address.pathname}` };
 }
 
 /** Polls until the condition holds, because a command takes effect between two steps. */
@@ -243,6 +262,35 @@ const overHttp = {
 };
 
 const inTheBrowser = {
+  async "a page that closes says so, and the run does not wait for it"() {
+    const { launch, openUrl } = await import("./browser.mjs");
+    const browser = await launch(chromium);
+    const live = await runLive("closed_page", system, ["--stop-time", "1"]);
+    let name = null;
+    let leave;
+    const left = new Promise((done) => { leave = done; });
+    const { server, address } = await forward(live, ({ path, text, status }) => {
+      name ??= /[?&]page=(\d+)/.exec(path)?.[1] ?? null;
+      const orders = new URLSearchParams(text);
+      if (orders.get("order")?.startsWith("leave=")) leave({ order: orders.get("order"), status });
+    });
+    try {
+      await order(live, "hold");
+      const { page, problems } = await openUrl(browser, address);
+      assert.deepEqual(problems, []);
+      await page.close();
+      assert.deepEqual(await left, { order: `leave=${name}`, status: 200 });
+      const start = Date.now();
+      await order(live, "go");
+      assert.equal(await live.ended, 0);
+      assert.ok(Date.now() - start < 25000, `${Date.now() - start} ms`); // it waits 30 s for a page that is open
+    } finally {
+      live.child.kill();
+      await browser.close();
+      server.close();
+    }
+  },
+
   async "the page follows a flight, holds it, and shows its end"() {
     const { launch, openUrl } = await import("./browser.mjs");
     const browser = await launch(chromium); // may take longer than the flight
