@@ -16,7 +16,7 @@ class ClockRange {
  public:
   /// Adds a span of time at a clock.
   void add(double hz, Picoseconds span);
-  /// Returns whether the core has had power for some time. The other functions need this.
+  /// Returns whether the core has had power for some time. If false, the functions below must not be called.
   bool has_run() const { return span_ > 0; }
   double least_hz() const { return least_hz_; }
   double most_hz() const { return most_hz_; }

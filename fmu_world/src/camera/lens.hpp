@@ -68,8 +68,8 @@ class Lens {
   /// axis.
   Lens(const Intrinsics& intrinsics, const LensSettings& settings);
 
-  /// Returns the size of the undistorted picture to render: with the lens's focal length, and large enough for the
-  /// lens.
+  /// Returns the intrinsics of the undistorted picture to render: the lens's focal length, and a size that is large
+  /// enough for the lens.
   const Intrinsics& pinhole() const { return pinhole_; }
 
   /// Computes the light on the sensor from a pinhole's light, row by row from the top left, multiplied by `factor`.

@@ -42,8 +42,9 @@ std::map<std::string, std::string> environment_for(const std::filesystem::path& 
   return variables;
 }
 
-/// Ends this process with the signal that Linux sends for the same fault. See rt_sigqueueinfo(2): a process may send
-/// itself a signal with any code.
+/// Ends this process with the signal that Linux sends for the same fault. Handlers recognise a fault by its code
+/// (isolation/guard.cpp), which raise() does not give. A process may send itself a signal with any code: see
+/// rt_sigqueueinfo(2).
 [[noreturn]] void end_by_fault(int signal, std::uint64_t address) {
   siginfo_t info{};
   info.si_signo = signal;

@@ -140,8 +140,8 @@ class Evidence:
 
     @property
     def design_error(self) -> float:
-        """Returns the permitted error of one statement about one design. All statements about one design use half of
-        ``error``; comparisons of two designs use the other half.
+        """Returns the permitted error of one statement about one design. All statements about single designs together
+        use half of ``error``; comparisons of two designs use the other half.
         """
         statements = len(self.study.constraints) + (self.study.stop is not None) + len(self._senses)
         return self.study.error / 2 / (max(len(self.counts), 1) * max(statements, 1))

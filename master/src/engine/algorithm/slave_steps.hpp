@@ -20,7 +20,7 @@ struct GridStep {
 };
 
 /// Steps the slaves on the grid of points t_k, for every algorithm. A slave's step is the communication step, or its
-/// own multiple of h. A multiple starts at every n-th point, and no communication step passes such a point.
+/// own multiple of h. A step of n times h starts at every n-th point, and no communication step passes such a point.
 class SlaveSteps {
  public:
   /// `system`, `ensemble` and `interrupted` must outlive this object.
