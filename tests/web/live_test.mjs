@@ -67,11 +67,14 @@ async function header(live, query = "") {
   return JSON.parse(new TextDecoder().decode(new Uint8Array(bytes.buffer, 4, bytes.getUint32(0, true))));
 }
 
-/** Forwards a browser's requests to the run. `seen` gets the path and the text of each answered request. */
-async function forward(live, seen) {
+/** Forwards a browser's requests to the run. `seen` gets the path and the text of each answered request. If `refusal` returns a status for a path, the
+ * request is not forwarded and gets it. */
+async function forward(live, { seen = () => {}, refusal = () => null }) {
   const server = createServer(async (asked, answer) => {
     const pieces = [];
     for await (const piece of asked) pieces.push(piece);
+    const status = refusal(asked.url);
+    if (status) return answer.writeHead(status).end("refused");
     const headers = { ...asked.headers, host: live.address.host, connection: "close" };
     if (headers.origin) headers.origin = live.address.origin;
     const sent = request(new URL(asked.url, live.address), { method: asked.method, headers }, (got) => {
@@ -269,11 +272,11 @@ const inTheBrowser = {
     let name = null;
     let leave;
     const left = new Promise((done) => { leave = done; });
-    const { server, address } = await forward(live, ({ path, text, status }) => {
+    const { server, address } = await forward(live, { seen: ({ path, text, status }) => {
       name ??= /[?&]page=(\d+)/.exec(path)?.[1] ?? null;
-      const orders = new URLSearchParams(text);
-      if (orders.get("order")?.startsWith("leave=")) leave({ order: orders.get("order"), status });
-    });
+      const given = new URLSearchParams(text).get("order");
+      if (given?.startsWith("leave=")) leave({ order: given, status });
+    } });
     try {
       await order(live, "hold");
       const { page, problems } = await openUrl(browser, address);
@@ -284,6 +287,38 @@ const inTheBrowser = {
       await order(live, "go");
       assert.equal(await live.ended, 0);
       assert.ok(Date.now() - start < 25000, `${Date.now() - start} ms`); // it waits 30 s for a page that is open
+    } finally {
+      live.child.kill();
+      await browser.close();
+      server.close();
+    }
+  },
+
+  async "a page tries again while the run is busy, also when it opens, and no longer if it is refused"() {
+    const { launch, openUrl } = await import("./browser.mjs");
+    const browser = await launch(chromium);
+    const live = await runLive("busy");
+    let refused = 503;
+    let asked = 0;
+    const { server, address } = await forward(live, { refusal: (path) => {
+      if (!path.includes("/data?")) return null;
+      if (++asked === 3) refused = null;
+      return refused;
+    } });
+    try {
+      await order(live, "hold");
+      const { page, problems } = await openUrl(browser, address);
+      assert.deepEqual(problems.filter((text) => !text.includes("503")), []);
+      const says = (text) => page.waitForFunction((what) => document.getElementById("live").textContent.includes(what), { timeout: 60000 }, text);
+      refused = 503;
+      await says("waiting for the run");
+      refused = null;
+      await says("held");
+      refused = 403;
+      await says("no longer responds");
+      const last = asked;
+      await new Promise((done) => setTimeout(done, 1500)); // more than three times the page's period
+      assert.equal(asked, last);
     } finally {
       live.child.kill();
       await browser.close();
