@@ -90,8 +90,8 @@ def measure(size, sims, instructions, repeats, folder):
 
 
 def spread(heights, least):
-    """Spreads the labels of a plot: raises each height that is less than `least` above the next lower one. Returns the
-    heights in the same order."""
+    """Returns heights for the labels of a plot, in the order of the argument. Raises heights so that neighbours differ
+    by at least `least`."""
     lifted, below = {}, float("-inf")
     for i in sorted(range(len(heights)), key=heights.__getitem__):
         below = lifted[i] = max(heights[i], below + least)

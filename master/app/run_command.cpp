@@ -93,7 +93,7 @@ void show_end(const Run& run, const ReportOptions& options, Console& console) {
   }
 }
 
-/// Performs the drawn runs of a run that has ended, and adds their intervals to its summary.
+/// Repeats an ended run with random calibration parameters. Adds the interval of each number to the summary of `run`.
 void fly_draws(Run& run, Console& console) {
   master::DrawnFlights draws(run);
   const auto progress = [&console](int flight) {

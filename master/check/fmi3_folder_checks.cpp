@@ -40,7 +40,7 @@ void check_terminal(pugi::xml_node terminal, const std::set<std::string>& variab
     const std::string name = member.attribute("memberName").value();
     if (!variables.contains(variable))
       findings.error(fmt::format("terminal {}: {} is not a variable", terminal.attribute("name").value(), variable),
-                     "name one of modelDescription.xml");
+                     "use the name of a variable in modelDescription.xml");
     if (by_name && (name.empty() || !members.insert(name).second))
       findings.error(fmt::format("terminal {}: {}", terminal.attribute("name").value(),
                                  name.empty() ? fmt::format("{} has no memberName", variable)

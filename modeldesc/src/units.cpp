@@ -228,9 +228,9 @@ class UnitParser {
                     : fmt::format("{} is expected behind '{}'", what, text_.substr(0, at_));
   }
   [[noreturn]] void fail(const std::string& why) const {
-    throw Error(ErrorCode::wrong_unit,
-                fmt::format("\"{}\" is not a unit: {}; units are products such as m/s2, kg.m2 or rad/(s.V), and 1",
-                            text_, why));
+    throw Error(
+        ErrorCode::wrong_unit,
+        fmt::format("\"{}\" is not a unit: {}; a unit is 1 or a product such as m/s2, kg.m2 or rad/(s.V)", text_, why));
   }
   [[noreturn]] void fail_unknown(std::string_view name) const {
     std::vector<std::string> known;

@@ -72,7 +72,8 @@ TEST(Integrator, TwoHalfStepsAgreeWithOneWithinTheTolerance) {
   integrator.advance(once, ledger_once, load_of(9), Protection::closed, 0.1);
   integrator.advance(twice, ledger_twice, load_of(9), Protection::closed, 0.05);
   integrator.advance(twice, ledger_twice, load_of(9), Protection::closed, 0.05);
-  // The error control has per component 1e-9 relative and, absolute, 1e-12 of the charge, 1e-10 V and 1e-10 J.
+  // The relative tolerance of each component is 1e-9. The absolute tolerances are 1e-12 for the state of charge,
+  // 1e-10 V and 1e-10 J.
   EXPECT_NEAR(once.soc, twice.soc, 1e-9);
   EXPECT_NEAR(once.pair1_v, twice.pair1_v, 2e-10);
   EXPECT_NEAR(once.pair2_v, twice.pair2_v, 2e-10);

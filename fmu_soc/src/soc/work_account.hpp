@@ -23,8 +23,8 @@ class WorkAccount {
   const StateTimes& state_times() const { return state_times_; }
   const Decisions& decisions() const { return decisions_; }
 
-  /// Records that the chip may have changed at `time`, or at the fabric controller's time if the controller is awake
-  /// and its time is later.
+  /// Adds the time since the last call to the previous state of the chip, and determines the new state. The call's time
+  /// is `time`, or the fabric controller's time if the controller is awake and has advanced further.
   void pass(Picoseconds time);
   void picture_stored(const PictureTimes& times) { decisions_.picture_stored(times, work_at(times.stored)); }
   void setpoints_sent(std::string_view sender, Picoseconds now);

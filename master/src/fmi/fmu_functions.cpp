@@ -43,7 +43,7 @@ void require_text(const LibraryOwner& owner, const Expected& expected, Function*
 
 constexpr const char* kVersionCall = "asked for its version";
 constexpr const char* kPlatformCall = "asked for its platform";
-constexpr const char* kOtherSizes = ": its numbers have other sizes";
+constexpr const char* kOtherSizes = ": the FMU's number types differ in size from those of mebots";
 
 /// Throws InputError if a function is null for which `is_needed` is true. `for_each` is the version's
 /// for_each_function.

@@ -430,8 +430,8 @@ void Run::note_slaves(Ensemble& ensemble) {
   }
 }
 
-/// Checks the process in the first, second, fourth ... step of this call and at its end. Detects a changed signal mask
-/// earlier, because it would block interrupts.
+/// Checks the state of the process after steps 1, 2, 4, 8 ... of this call and at its end. Checks the signal mask alone
+/// every 64 steps, because a changed mask would block interrupts.
 void Run::step_until(std::int64_t until_ns) {
   // The check has intervals, because checking the process costs more than a step.
   std::optional<ProcessWatch> watch;

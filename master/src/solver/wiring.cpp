@@ -162,7 +162,7 @@ Evaluation Wiring::read(const Stage& stage) {
   return Evaluation::ok;
 }
 
-/// Computes the inputs of a stage from the outputs.
+/// Computes the inputs that `stage` writes: each is the sum of its connected outputs, after factor and offset.
 void Wiring::collect(const Stage& stage) {
   for (const auto& call : stage.writes) {
     for (auto input = call.first; input < call.first + call.references.size(); ++input) {

@@ -318,8 +318,7 @@ TEST(Config, ReadingTakesTimeByTheNumberOfInstancesNotByItsSquare) {
     EXPECT_EQ(read_config(folder.path() / "many.json").instances.size(), static_cast<std::size_t>(count));
     return static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
   };
-  // The list has ten times as many elements. A linear reader takes about ten times as long, a quadratic one a hundred
-  // times.
+  // For ten times the elements, a linear reader takes about ten times as long, and a quadratic one a hundred times.
   EXPECT_LT(seconds(100'000), 40 * seconds(10'000));
 }
 

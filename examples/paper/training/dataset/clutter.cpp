@@ -53,8 +53,8 @@ Box part(const Stand& stand, const Vector3d& middle, const Vector3d& size, const
   return box;
 }
 
-/// Adds a frame around a filled inside, upright in the stand's y and z around `middle`. The inside protrudes from the
-/// frame by 5 mm on both sides, so that it is visible.
+/// Adds a vertical board with a frame. `middle` is its centre in the stand's coordinates; its width is along y, its
+/// height along z. The painted inside protrudes from the frame by 5 mm on both sides, so that it is visible.
 void add_framed(Random& random, const Stand& stand, const Vector3d& middle, double width_m, double height_m,
                 Scene& scene) {
   const double level = random.chance(0.5) ? random.between(200.0, 255.0) : random.between(0.0, 255.0);

@@ -19,17 +19,17 @@ namespace mebots::soc {
 ///   offer()          The picture with that count has arrived: exposure and read-out start.
 ///   after the delay  The picture is in the buffer, ready is set, the interrupt line goes up.
 ///
-/// A request without a usable buffer, or while busy, is refused at once: the bit is set, without an interrupt. A
-/// picture is dropped if it does not fit into the buffer, or if it does not have .frame_width times .frame_height
-/// pixels. Then refused is set and the line goes up, so that the firmware does not wait without end. The camera draws
-/// its active current from offer() to the end, and its idle current otherwise.
+/// If the buffer is not usable or the camera is busy, a request is refused: the status bit kRefused is set, without an
+/// interrupt. A picture is dropped if it does not fit into the buffer, or if it does not have .frame_width times
+/// .frame_height pixels. Then kRefused is set and the line goes up, so that the firmware does not wait without end. The
+/// camera draws its active current from offer() to the end, and its idle current otherwise.
 ///
-/// If the parameter .frame_lines is above 0, the camera has an HM01B0's times instead of the delay. Rows follow each
-/// other, each in .line_clocks of .pixel_clock, after .exposure_lines in which the first row is exposed. At most one
-/// picture is read out per .frame_lines.
+/// If the parameter .frame_lines is above 0, the camera has an HM01B0's times instead of the delay. A line takes
+/// .line_clocks periods of .pixel_clock. The first row is exposed for .exposure_lines lines. Then one row is read out
+/// per line. At most one picture is read out per .frame_lines lines.
 ///
-/// Its variables are those of its entry that begin with its name: inputs and parameters .frame, .frame_id,
-/// .frame.base64, .frame_width, .frame_height and the four above, output .trigger.
+/// All variables begin with the device's name. Inputs: .frame, .frame_id and .frame.base64. Parameters: .frame_width,
+/// .frame_height, .frame_lines, .line_clocks, .pixel_clock and .exposure_lines. Output: .trigger.
 class Camera final : public Device {
  public:
   static constexpr std::uint32_t kBusy = 1;

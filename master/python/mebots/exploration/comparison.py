@@ -168,7 +168,8 @@ class Evidence:
         return [_estimated(objective, values[:count], self.study.error, methods) for count in counts]
 
     def shown(self, design: int, objective: Objective) -> Estimate:
-        """Returns the estimate for the tables, valid at level 1 - ``error`` for each number separately."""
+        """Returns the estimate that the study's tables show. Its interval contains the true value with probability
+        1 - ``error``, for this objective and design alone."""
         return self.estimate(design, objective, self.study.error, SEQUENCES if self.study.looks else SHOWN)
 
     def known_of(self, design: int, objective: Objective) -> Interval:
