@@ -18,7 +18,7 @@ import riscv_tests
 from tools import COMPILER, CannotRun, commit, run, spike
 
 EXPLAINED = {
-    "rv32mi breakpoint": "It asks for triggers of the debug specification, which GAP8's cores and this model lack",
+    "rv32mi breakpoint": "The test needs triggers of the debug specification, which GAP8's cores and this model lack",
 }
 
 
@@ -48,16 +48,17 @@ def failures(verdicts):
 
 def page(versions, results):
     lines = ["# Conformance", "",
-             "Look up which published test suites the model of the chip passes. `scripts/conformance.sh` generates this page; its first comment",
-             "names the sources of the programs. Every program runs twice, translated and interpreted, and passes only if both runs pass.", "",
-             "| suite | judged by | passed |", "|---|---|---|"]
+             "Look up which published test suites the model of the chip passes. `scripts/conformance.sh` generates this page. The comment at the start",
+             "of this script names the sources of the programs. Every program runs twice: once translated to host code, and once interpreted. A program",
+             "passes if both runs pass.", "",
+             "| suite | criterion | passed |", "|---|---|---|"]
     for name, judged, verdicts in results:
         lines.append(f"| {name} | {judged} | {sum(v.passed for v in verdicts)} of {len(verdicts)} |")
     failed = [line for _, _, verdicts in results for line in failures(verdicts)]
     lines += ["", "## Failures", "", *(failed or ["None."])]
     lines += ["", "## Instructions of whole programs", "",
-              "Every program executes as many instructions as in Spike; a difference of one is a failure. Each program runs its main loop once and "
-              "checks its own result.", "",
+              "The table has the number of executed instructions. It must equal Spike's number exactly. Each program runs its main loop once and checks",
+              "its own result.", "",
               "| program | " + " | ".join(f"`{level}`" for level in benchmarks.LEVELS) + " |", "|---|---|---|"]
     notes = {verdict.name: verdict.note for verdict in results[-1][2]}
     for program in dict.fromkeys(name.split()[0] for name in notes):
@@ -76,9 +77,9 @@ def main():
     try:
         with tempfile.TemporaryDirectory() as name:
             work = pathlib.Path(name)
-            results = [("riscv-tests: " + ", ".join(riscv_tests.SUITES), "the tests", riscv_tests.judge(folder, soc, work, each)),
-                       ("riscv-arch-test: " + ", ".join(arch_test.SUITES), "equal signatures in Spike", arch_test.judge(folder, soc, work, each)),
-                       ("Embench-IoT, CoreMark", "the programs, and Spike's number of instructions", benchmarks.judge(folder, soc, work, each))]
+            results = [("riscv-tests: " + ", ".join(riscv_tests.SUITES), "the check of each test", riscv_tests.judge(folder, soc, work, each)),
+                       ("riscv-arch-test: " + ", ".join(arch_test.SUITES), "the signature is equal to Spike's", arch_test.judge(folder, soc, work, each)),
+                       ("Embench-IoT, CoreMark", "the check of each program, and Spike's number of instructions", benchmarks.judge(folder, soc, work, each))]
         versions = {"Spike": run([spike(), "--help"])[1].splitlines()[0], "compiler": run([COMPILER, "--version"])[1].splitlines()[0]}
     except CannotRun as error:
         print(f"conformance.sh: {error}", file=sys.stderr)
