@@ -84,10 +84,10 @@ class Page:
 
 def all_targets(page, rows):
     page.heading("Targets")
-    page.text("The paper names its motor model and not what else it counts. First column: our motors, after Bitcraze's bench, "
-              "with the flight controller's 0.96 W and the cell's resistance. Then the paper's motors, and from column to "
-              "column one thing less. The last three are the battery model's answer to the powers of a flight (study/replay.py); "
-              "where the drone flew is the flight's own. A dash: not flown with these motors.")
+    page.text("The paper names its motor model, but not the other loads and losses that it includes. Column \"bench motors\" has the motors of "
+              "MEbots, measured on Bitcraze's bench, the flight controller's 0.96 W and the cell's resistance. The next column has the paper's "
+              "motors instead. Each further column leaves out one more load or loss. The last three columns were not flown: the battery "
+              "model was run with the recorded powers of a flight (study/replay.py). A dash: not computed with these motors.")
     page.table(("target", "what", "paper", "bench motors", *(label for label, _, _ in READINGS.values()), "what it depends on"),
                [(row.target, row.what, row.paper, *row.texts(), row.tells) for row in rows])
 
@@ -106,10 +106,10 @@ def endurance(page, data):
     fell = {motors: sum(entry["crashed"] for kinds in lives.values() for kind, entry in kinds.items() if kind != "empty")
             for motors, lives in data["lives"].items()}
     flights = 2 * len(BATTERIES)
-    page.text("Told to land at 10 % charge, as in the paper. " + " ".join(
-        f"With the {MOTORS[motors]} {count} of {flights} flights end in a fall." for motors, count in fell.items())
-        + " The cell's voltage drops under the 2.8 V of its protection before the drone is down, its motors stop, and it hits the "
-        "ground faster than 1 m/s. Seconds count from leaving the ground.")
+    page.text("The drone begins to land at 10 % charge, as in the paper. It falls if the cell's voltage drops below the 2.8 V of the protection "
+              "before the drone has landed. Then the motors stop, and the drone hits the ground at more than 1 m/s. " + " ".join(
+                  f"With the {MOTORS[motors]}, {count} of {flights} flights end in a fall." for motors, count in fell.items())
+              + " Times start when the drone leaves the ground.")
     page.table(("motors", "battery", "flight", "until 10 % are left [s]", "in the air [s]", "end"), rows)
     if "landing" in data:
         landing(page, data)
@@ -117,10 +117,10 @@ def endurance(page, data):
 
 def landing(page, data):
     page.heading("The charge at which a landing must begin", 3)
-    page.text("Hover at 1 m, and the landing begins at a charge that differs from flight to flight; it takes 3.5 s. The drone "
-              "reaches the ground under power if the protection has not opened by then. A smaller cell has more resistance for "
-              "the same current, so it has to land earlier. With the bench's motors, the paper's 10 % for all cells is too low for "
-              "the two of 250 mAh.")
+    page.text("In these flights, the drone hovers at 1 m and begins to land at a different charge in each flight. A landing takes 3.5 s. The "
+              "drone lands under power if the protection does not open during the landing. A smaller cell has a higher resistance "
+              "for the same current, so the drone must begin to land at a higher charge. With the bench motors, 10 %, which the paper uses for "
+              "all cells, is too low for the two cells of 250 mAh.")
     rows = [(MOTORS[motors], BATTERIES[battery][0], n(entry["opens"]),
              ", ".join(f"{f['charge']:.1f}" for f in entry["flights"] if f["landed"]) or "-",
              ", ".join(f"{f['charge']:.1f}" for f in entry["flights"] if not f["landed"]) or "-",
@@ -247,11 +247,11 @@ def on_both_chips(page, data, beside):
     first, second = FIRST_CHIP, SECOND_CHIP
     both = {first: data, second: beside}
     page.heading("The same flights on GAP8's own devices")
-    page.text(f"All above is of board {first}: our devices, a picture in the paper's 16.7 ms, joules of a table fitted at one point. "
-              f"Its exposure waits for the co-simulation's picture. Board {second} has GAP8's own devices and an HM01B0: "
-              "20.2 ms for the rows of a picture. Its frame of 21.6 ms, in which it draws its active current, allows the study's 30 "
-              "pictures a second and not the paper's 60. Its joules are calibrated on silicon. Application, network, world, starts and "
-              "seeds are the same, and so is what the middle of the camera sees.")
+    page.text(f"All results above are for board {first}, which has MEbots' own devices. Its camera needs 16.7 ms for a picture, as in the "
+              "paper, and starts the exposure when the picture of the co-simulation has arrived. "
+              f"Board {second} has GAP8's own devices and an HM01B0, whose rows take 20.2 ms. The sensor draws its active current for a "
+              "frame of 21.6 ms. So it can take the study's 30 pictures per second, but not the paper's 60. Application, network, "
+              "world, starts and seeds are the same for both boards, and both cameras see the same in the middle of the picture.")
     page.text("Checks against silicon allow " + " and ".join(
         "{:.2f} to {:.2f} times the joules of {}'s chip".format(*chips.bounds(of), chip) for chip, of in both.items())
         + ". These are no confidence intervals.")
@@ -304,8 +304,9 @@ def write(data, out, beside=None):
     contains the results of the first of CHIPS, `beside` those of the second."""
     page = Page(out)
     page.heading("The paper's study, flown again", 1)
-    page.text("The drone's firmware on the simulated chip, its network on every picture, instruction by instruction; world, motors "
-              "and battery around it. Written by `study/study.py`.")
+    page.text("See how the results of the paper compare with those of MEbots. In every flight, the simulated chip executes the drone's "
+              "firmware and its network instruction by instruction, together with models of world, motors and battery. "
+              "`study/study.py` writes this page.")
     lines = []
     if "speeds" in data:
         rows = targets.rows(data)
