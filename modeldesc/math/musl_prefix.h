@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Precedes each of musl's mathematical functions, so that they compile with the headers of any C library. With GCC or Clang.
+// Precedes each of musl's mathematical functions, so that they compile with the headers of any C library. With GCC or
+// Clang.
 #define _GNU_SOURCE
 #include <errno.h>
 #include <float.h>
