@@ -21,12 +21,12 @@ struct Fmi3Target {
 
 class Fmi3Library;
 
-/// What of the reference traces a run can be compared with. Columns may be named as in FMI 2.0, where this FMU has
-/// arrays.
+/// The part of the reference traces that a run can be compared with. Columns may have names of FMI 2.0 where this FMU
+/// has arrays.
 struct Fmi3TraceScope {
-  std::string obstacle = {};  ///< why nothing can be compared; empty if something can
-  std::size_t columns = 0;    ///< of outputs, with an obstacle 0
-  std::size_t compared = 0;   ///< of them, those that are numbers of this FMU
+  std::string obstacle = {};  ///< reason why nothing can be compared; empty if something can
+  std::size_t columns = 0;    ///< number of output columns; 0 with an obstacle
+  std::size_t compared = 0;   ///< number of output columns that are numbers of this FMU
 };
 
 /// If a file cannot be read, there is no obstacle: replay_trace() throws the error.

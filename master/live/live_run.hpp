@@ -116,7 +116,7 @@ class LiveRun {
   bool held_ = false;
   bool one_step_ = false;
   bool ended_ = false;
-  // Of clients that are no page.
+  // State of clients that are not pages.
   std::atomic<bool> end_sent_{false};
   std::chrono::steady_clock::time_point last_look_{};
   OpenPages pages_;

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <stdint.h>
 
-// What musl's own headers define.
+// Replaces definitions of musl's internal headers.
 #define hidden
 #define weak_alias(old, replacement) _Static_assert(1, "")
 #ifndef __BYTE_ORDER
