@@ -163,9 +163,9 @@ def speeds(page, data):
 
 def robustness(page, data):
     page.heading("From starts drawn at random")
-    page.text("A flight passes if the centre crosses the opening and the drone lands after the frame without contact to it. "
-              "Intervals: 95 % (Wilson). "
-              f"A drone that the referee calls stuck is left on the frame for {STUCK_S:.0f} s more.")
+    page.text("A flight passes if the drone's centre crosses the opening and the drone lands behind the frame without touching it. "
+              "Intervals are 95 % (Wilson). "
+              f"A flight ends {STUCK_S:.0f} s after the world has reported that the drone is stuck.")
     page.table(("starts", "flights", "passed", "95 %", "without a touch", "crossed the opening", "not passed", "would pass in a straight line"),
                [(name, n(part["flights"], 0), n(part["passed"], 0),
                  Number(" to ".join(f"{100 * x:.0f}" for x in part["interval"]) + " %"), n(part["clean"], 0),
@@ -175,8 +175,8 @@ def robustness(page, data):
                  Number(f"{100 * part['straight']:.0f} %")) for name, part in data["robustness"].items()])
     for name, part in data["robustness"].items():
         forwards, sideways, turned = part["spread"]
-        page.text(f"{name}: starts up to {forwards} m forwards or back, {sideways} m sideways, {turned} rad turned; the camera's "
-                  "noise differs too.")
+        page.text(f"{name}: each start is moved by up to {forwards} m forwards or back and {sideways} m sideways, and turned by up to {turned} rad. "
+                  "The camera's noise also differs.")
         page.figure(f"starts_{name}", f"Random starts: {name}", figures.starts(part, scenario(name)["world.scene.name"]))
         failures(page, name, part["failures"])
 
@@ -184,9 +184,9 @@ def robustness(page, data):
 def failures(page, name, found):
     if not found:
         return
-    page.text(f"{name}: {len(found)} flights that did not pass, each with the camera's picture a metre before the gate. A click shows "
-              "the flight, where its page was made: `examples/paper/run.sh --parts hard` flies every one again, with all that can be "
-              "recorded, and writes the pages beside its report.")
+    page.text(f"{name}: {len(found)} flights that did not pass, each with the camera's picture a metre before the gate. "
+              "`examples/paper/run.sh --parts hard` repeats these flights, records everything, and writes a page for each. Then a click on "
+              "a picture opens the page of the flight.")
     page.markdown.append(f"![The camera's picture a metre before the gate]({PICTURES}failures_{name}.png)")
     figures.style.save(figures.failures(found), page.folder / f"failures_{name}.png")
     for failed in found:
@@ -229,7 +229,7 @@ def what_it_rests_on(page, data):
     page.heading("Sources and assumptions")
     for line in data.get("notes", []):
         page.text(line)
-    page.text("Replayed with their own loads, the hard flights' charge comes back to "
+    page.text("If the battery model is run with the recorded loads of the hard flights, the charge differs by at most "
               f"{data['readings']['error']:.2f} % of the capacity.")
     sources = json.loads((ROOT / "examples/paper/scenarios.json").read_text())
     page.table(("scenario", "parameter", "value", "source"),

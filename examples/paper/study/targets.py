@@ -38,7 +38,7 @@ def of_batteries(data):
     standard = [ten["bitcraze_250"][c] for c in COLUMNS]
     yield row("T1", "hovering until 10 % are left, standard battery", "410 s", "{:.0f} s", standard,
               f"Landing adds 3.5 s. The paper's motors without cell resistance and flight controller come nearest, "
-              f"{100 * (standard[3] / 410 - 1):+.0f} %; each thing that is counted takes its part.")
+              f"{100 * (standard[3] / 410 - 1):+.0f} %; each load and loss takes a part.")
     for speed, paper in zip(EASY_SPEEDS, (3.0, 3.5, 2.8)):
         used = data["batteries"]["used"]
         ours = 100 * (1 - used["ufx_250"][str(speed)]["real"] / used["bitcraze_250"][str(speed)]["real"])
@@ -73,7 +73,7 @@ def of_speeds(data):
         target = "T7, calibrated on" if name == "0.3" else "T6" if paper == "passed" else "T8"
         yield row(target, f"hard, {name} km/h", paper.replace("_", " and "),
                   "{}", [flights[name]["outcome"].replace("_", " and ")],
-                  f"{offset(flights[name])} off the middle where the plane was crossed.")
+                  f"{offset(flights[name])} off the middle in the plane of the gate.")
     for name, paper in (("0.1", 0.55), ("0.2", 1.1)):
         yield row("T9", f"distance in 20 s of cruise at {name} km/h", f"{paper:g} m",
                   "{:.2f} m", [flights[name]["in_20_s_m"]], "v t = 0.56 and 1.11 m.")
@@ -96,7 +96,7 @@ def of_speeds(data):
         label = "adaptive" if name == "adaptive" else f"{name} km/h"
         when = "at the landing" if where == "end" else "at the gate's plane"
         tells = {("0.1", "end"): "The paper's motors without flight controller are nearest.",
-                 ("0.1", "gate"): "At the plane, too.",
+                 ("0.1", "gate"): "The paper's motors without flight controller are nearest.",
                  ("adaptive", "gate"): "At the paper's own 0.244 % a second 89 s would leave 78.4 %."}[name, where]
         yield row("T11", f"charge left, {label}, {when}", f"{paper} %",
                   "{:.1f} %", [left[name][c][where] for c in COLUMNS], tells)
@@ -105,7 +105,7 @@ def of_speeds(data):
         yield row("T12", f"path to the plane, adaptive against {name} km/h", f"{paper} %", "{:+.1f} %", [ours],
                   "The paper does not say from where to where it measures.")
     yield row("", "hard, adaptive: outcome", "passed", "{}", [adaptive["outcome"].replace("_", " ")],
-              f"{offset(adaptive)} off the middle; the paper says nothing of a touch.")
+              f"{offset(adaptive)} off the middle; the paper does not mention a touch.")
 
 
 def rows(data):
