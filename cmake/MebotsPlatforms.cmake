@@ -36,8 +36,8 @@ endfunction()
 # Writes the toolchain file of a platform. A missing compiler is an error that names its package.
 function(_mebots_write_toolchain name file)
   _mebots_platform(${name} system processor triplet ending package)
-  find_program(compiler ${triplet}-g++${ending} NO_CACHE)
-  if(NOT compiler)
+  find_program(_mebots_compiler ${triplet}-g++${ending} NO_CACHE)
+  if(NOT _mebots_compiler)
     message(FATAL_ERROR "MEBOTS_PLATFORMS has ${name}, but its compiler ${triplet}-g++${ending} is missing: apt-get install ${package}")
   endif()
   file(CONFIGURE OUTPUT ${file} @ONLY CONTENT [[

@@ -17,7 +17,6 @@
 
 #include <algorithm>
 #include <span>
-#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -254,13 +253,17 @@ std::string Mailbox::ask(Question question, std::chrono::milliseconds patience) 
   auto answer = task.get_future();
   {
     const std::lock_guard lock(mutex_);
-    if (closed_) throw std::runtime_error("the run is over");
+    if (closed_) throw NoAnswer("the run is over");
     waiting_.push_back(std::move(task));
     any_.store(true, std::memory_order_release);
   }
   arrived_.notify_one();
-  if (answer.wait_for(patience) != std::future_status::ready) throw std::runtime_error("the run does not respond");
-  return answer.get();
+  if (answer.wait_for(patience) != std::future_status::ready) throw NoAnswer("the run does not respond");
+  try {
+    return answer.get();
+  } catch (const std::future_error&) {  // close() has discarded the query
+    throw NoAnswer("the run is over");
+  }
 }
 
 void Mailbox::answer_all() {

@@ -16,9 +16,16 @@
 #include <future>
 #include <memory>
 #include <mutex>
+#include <stdexcept>
 #include <string>
 
 namespace mebots::live {
+
+/// The run gave no answer in time, or has ended.
+class NoAnswer : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 /// Queries from other threads to the thread that steps a run. Only that thread accesses the run: it takes the queries
 /// between two steps and answers them there.
@@ -27,14 +34,14 @@ class Mailbox {
   using Question = std::function<std::string()>;
 
   /// Runs `question` in the run's thread, and returns its result or throws its exception. May be called from any
-  /// thread. Throws std::exception if no answer arrives within `patience`, and after close().
+  /// thread. Throws NoAnswer if no answer arrives within `patience`, and after close().
   std::string ask(Question question, std::chrono::milliseconds patience);
 
   /// Answers all waiting queries. Must be called from the run's thread. Costs one atomic read if there are no queries.
   void answer_all();
   /// Waits at most `patience` for a query, and then acts as answer_all().
   void wait_and_answer(std::chrono::milliseconds patience);
-  /// Ends all queries: each waiting thread gets an exception.
+  /// Ends all queries: each waiting thread gets NoAnswer.
   void close();
 
  private:

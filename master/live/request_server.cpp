@@ -74,8 +74,11 @@ void reply(httplib::Response& response, const char* type, const std::function<st
   } catch (const InputError& error) {
     response.status = 400;
     response.set_content(error.what(), "text/plain; charset=utf-8");
-  } catch (const std::exception& error) {
+  } catch (const NoAnswer& error) {
     response.status = 503;
+    response.set_content(error.what(), "text/plain; charset=utf-8");
+  } catch (const std::exception& error) {
+    response.status = 500;
     response.set_content(error.what(), "text/plain; charset=utf-8");
   }
 }

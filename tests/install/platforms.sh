@@ -11,7 +11,7 @@ refused() {  # EXPECTED OPTION..., in a message that CMake breaks into lines
   grep -q -- "$1" <<<"$(tr -s '\n ' ' ' <refused.log)" || { cat refused.log; exit 1; }
 }
 refused "use linux64, win64 or aarch64-linux" "-DMEBOTS_PLATFORMS=linux64;win46"
-refused "apt-get install g++-mingw-w64-x86-64-posix" -DMEBOTS_PLATFORMS=win64 -DMEBOTS_CXX_win64=
+refused "apt-get install g++-mingw-w64-x86-64-posix" -DMEBOTS_PLATFORMS=win64 -D_mebots_compiler=
 refused "expected 7d5b0b60" -DMEBOTS_FMU_SOURCES=ON -DMEBOTS_MUSL_SOURCE="$PWD/motor_thermal.json"
 
 platforms="linux64"

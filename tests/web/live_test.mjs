@@ -217,7 +217,7 @@ const overHttp = {
   },
 
   async "the run waits at its end for each open page that is slow, until it has the last rows or closes"() {
-    const live = await runLive("slow_pages", system, ["--stop-time", "1"]);
+    const live = await runLive("slow_pages", system, ["--stop-time", "1", "--live-start", "browser"]);
     await order(live, "hold");
     for (const page of ["slow", "closed"]) await header(live, `?page=${page}`);
     let over = false;
@@ -268,7 +268,7 @@ const inTheBrowser = {
   async "a page that closes says so, and the run does not wait for it"() {
     const { launch, openUrl } = await import("./browser.mjs");
     const browser = await launch(chromium);
-    const live = await runLive("closed_page", system, ["--stop-time", "1"]);
+    const live = await runLive("closed_page", system, ["--stop-time", "1", "--live-start", "browser"]);
     let name = null;
     let leave;
     const left = new Promise((done) => { leave = done; });
@@ -282,7 +282,8 @@ const inTheBrowser = {
       const { page, problems } = await openUrl(browser, address);
       assert.deepEqual(problems, []);
       await page.close();
-      assert.deepEqual(await left, { order: `leave=${name}`, status: 200 });
+      const late = new Promise((_, fail) => setTimeout(() => fail(new Error("the page did not say that it closes")), 60000).unref());
+      assert.deepEqual(await Promise.race([left, late]), { order: `leave=${name}`, status: 200 });
       const start = Date.now();
       await order(live, "go");
       assert.equal(await live.ended, 0);

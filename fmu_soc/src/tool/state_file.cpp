@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tool/state_file.hpp"
 
+#include "devices/core/kind_library.hpp"
+
 #include "mebots/error.hpp"
 #include "mebots/state/layout.hpp"
 #include "mebots/state/save.hpp"
@@ -20,7 +22,7 @@
 namespace mebots::soc::tool {
 namespace {
 
-constexpr std::string_view kFormat = "mebots-soc state 1";
+constexpr std::string_view kFormat = "mebots-soc state 2";
 constexpr auto kNone = "none";
 
 std::string checksum_of(std::string_view bytes) {
@@ -31,23 +33,25 @@ std::string checksum_of_file(const std::optional<std::string>& path) {
   return path ? checksum_of(text_of(*path)) : kNone;
 }
 
-/// Returns a checksum of the names and contents of a folder's files whose names end with `ending`.
-std::string checksum_of_folder(const std::filesystem::path& folder, std::string_view ending) {
+/// Returns a checksum of the names and contents of a folder's files.
+std::string checksum_of_folder(const std::optional<std::string>& folder) {
+  if (!folder) return kNone;
   std::set<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    if (entry.is_regular_file() && entry.path().string().ends_with(ending)) files.insert(entry.path());
+  for (const auto& entry : std::filesystem::directory_iterator(*folder)) {
+    if (entry.is_regular_file()) files.insert(entry.path());
   }
   std::string all;
   for (const auto& file : files) all += fmt::format("{} {}\n", file.filename().string(), checksum_of(text_of(file)));
   return checksum_of(all);
 }
 
-/// Returns a checksum of the libraries of devices, which are in the folders of --devices or beside the board file.
-std::string checksum_of_libraries(const Options& options, const std::optional<std::string>& board) {
-  auto folders = options.device_folders;
-  if (folders.empty() && board) folders.push_back(std::filesystem::absolute(*board).parent_path().string());
+/// Returns a checksum of the board's libraries of devices.
+std::string checksum_of_libraries(const Options& options, const BoardDescription& board) {
+  const std::vector<std::filesystem::path> folders(options.device_folders.begin(), options.device_folders.end());
   std::string all;
-  for (const auto& folder : folders) all += checksum_of_folder(folder, ".so");
+  for (const auto& name : board.libraries) {
+    all += fmt::format("{} {}\n", name, checksum_of(text_of(kind_library_file(board, name, folders))));
+  }
   return checksum_of(all);
 }
 
@@ -65,11 +69,11 @@ StateFile::StateFile(const Options& options, const Soc& soc) {
   const auto board = options.board ? std::optional(board_file(*options.board).string()) : std::nullopt;
   lines_ = {{"program", checksum_of_file(options.program)},
             {"--board", checksum_of_file(board)},
-            {"--devices", checksum_of_libraries(options, board)},
+            {"--devices", checksum_of_libraries(options, soc.board())},
             {"--core", options.core.value_or(kNone)},
             {"--ram", fmt::format("{}", fmt::join(options.ram, " "))},
             {"--flash", checksum_of_file(options.flash)},
-            {"--pictures", options.pictures ? checksum_of_folder(*options.pictures, "") : kNone},
+            {"--pictures", checksum_of_folder(options.pictures)},
             {"mebots-soc", checksum_of_file("/proc/self/exe")},
             {"layout", fmt::format("{:016x}", state::layout_of(soc))}};
 }

@@ -70,7 +70,8 @@ class HostTranslator : public Translator {
     };
     // Translated code follows the System V ABI on each system.
     using Enter = Return(__attribute__((sysv_abi))*)(Execution*, const std::uint8_t*);
-    const auto enter = reinterpret_cast<Enter>(stubs_.prologue);
+    const auto enter =
+        reinterpret_cast<Enter>(const_cast<std::uint8_t*>(stubs_.prologue));  // functions are never const
     const auto [exit, stopped] = enter(&execution, code);
     if (exit == kNoExit) return {nullptr, stopped};
     last_exit_ = static_cast<std::uint32_t>(exit);

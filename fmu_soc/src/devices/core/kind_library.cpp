@@ -28,14 +28,14 @@ KindLibrary::KindLibrary(const std::filesystem::path& path) : path_(path) {
   }
 }
 
-KindLibrary find_kind_library(const BoardDescription& board, const std::string& name,
-                              std::span<const std::filesystem::path> folders) {
+std::filesystem::path kind_library_file(const BoardDescription& board, const std::string& name,
+                                        std::span<const std::filesystem::path> folders) {
   std::vector<std::filesystem::path> places = {board.folder / name};
   for (const auto& folder : folders) places.push_back(folder / name);
   std::string looked;
   for (const auto& place : places) {
     std::error_code error;
-    if (std::filesystem::exists(place, error)) return KindLibrary(place);
+    if (std::filesystem::exists(place, error)) return place;
     looked += fmt::format("{}{}", looked.empty() ? "" : ", ", place.string());
   }
   throw Error(ErrorCode::file_not_found,

@@ -26,9 +26,9 @@ class KindLibrary {
   const DeviceLibrary* library_ = nullptr;
 };
 
-/// Opens a library that a board names. It is next to the board's file, or in the first of the folders that contains it.
-/// Throws Error.
-KindLibrary find_kind_library(const BoardDescription& board, const std::string& name,
-                              std::span<const std::filesystem::path> folders);
+/// Returns the file of a library that a board names. It is next to the board's file, or in the first of the folders
+/// that contains it. Throws Error if no folder contains it.
+std::filesystem::path kind_library_file(const BoardDescription& board, const std::string& name,
+                                        std::span<const std::filesystem::path> folders);
 
 }  // namespace mebots::soc

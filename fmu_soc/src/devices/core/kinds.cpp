@@ -56,7 +56,7 @@ void check_registers(const BoardDevice& entry, std::span<const board::RegisterNa
 Kinds::Kinds(const BoardDescription& board, std::span<const std::filesystem::path> folders) {
   for (const auto& name : board.libraries) {
     auto taken = names();
-    const auto& library = libraries_.emplace_back(find_kind_library(board, name, folders));
+    const auto& library = libraries_.emplace_back(kind_library_file(board, name, folders));
     for (const auto& kind : library.kinds()) {
       if (std::ranges::find(taken, kind.name) != taken.end()) {
         throw Error(ErrorCode::duplicate_name, fmt::format("{}: there is a kind '{}' already; give it another name",
