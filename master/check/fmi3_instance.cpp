@@ -133,8 +133,9 @@ void Fmi3Instance::set_numbers(const Fmi3Declared& variable, std::span<const dou
   const auto subject = fmt::format("{} {}", variable.type, variable.name);
 #define MEBOTS_WRITE(name, ctype)                                                                              \
   if (has_type(variable, #name)) {                                                                             \
-    const auto typed = std::make_unique<ctype[]>(values.size());                                               \
-    for (std::size_t i = 0; i < values.size(); ++i) typed[i] = exact<ctype>(values[i], subject);               \
+    using Value = ctype;                                                                                       \
+    const auto typed = std::make_unique<Value[]>(values.size());                                               \
+    for (std::size_t i = 0; i < values.size(); ++i) typed[i] = exact<Value>(values[i], subject);               \
     return MEBOTS_CALL(*this, fmi3Set##name, &variable.reference, std::size_t{1}, typed.get(), values.size()); \
   }
   MEBOTS_FMI3_EACH_NUMBER_TYPE(MEBOTS_WRITE)
