@@ -24,7 +24,7 @@
 #define __cosl mebots_musl_cosl
 #define __tanl mebots_musl_tanl
 
-// One rounding for each operation, on processors that could fuse two. musl calls fma() if it is fast.
+// Each operation rounds once, also on processors that could fuse two operations. musl calls fma() if it is fast.
 #pragma GCC optimize("fp-contract=off")
 #undef __FP_FAST_FMA
 #undef __FP_FAST_FMAF

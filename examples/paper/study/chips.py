@@ -79,9 +79,9 @@ def describe_experiments(both):
     first, second = both.values()
     flights, otherwise = ends_apart(first, second)
     apart = " and by ".join(f"{most:.1f} {unit} ({what})" for unit, (most, what) in targets_apart(first, second).items())
-    yield ((f"Of the {flights} flights of both experiments these have different outcomes with the two chips: {'; '.join(otherwise)}. "
+    yield ((f"Of the {flights} flights of both experiments, the outcome differs between the two chips in: {'; '.join(otherwise)}. "
             if otherwise else
-            f"None of the {flights} flights of both experiments has a different outcome. ")
+            f"All {flights} flights of both experiments have the same outcome with both chips. ")
            + f"The targets in the tables below differ by at most {apart}.")
     alone = [f"{kind} on {BATTERIES[battery][0]}'s cell with the {MOTORS[motors]} ({chip})"
              for motors, battery, kind, a, b in lives_of_both(first, second)

@@ -68,7 +68,7 @@ class Memory {
   /// Clears marks of every word that the bytes touch.
   void unmark(std::uint32_t address, std::uint32_t count, std::uint8_t marks);
 
-  /// Returns a mark for one more decode cache. Each cache has a mark of its own, so that it can clear the mark
+  /// Returns a mark for one more decode cache. Each cache has its own mark, so that it can clear the mark
   /// independently. Throws Error if there are no more marks.
   std::uint8_t add_code_mark();
   /// Must be called after bytes in RAM were changed other than by loading a program. Then cores invalidate the code

@@ -98,7 +98,7 @@ class RigidWorld::Impl {
     prepare_thread();
     world_ = dWorldCreate();
     // By default, all worlds share one list of jobs, which two threads must not use at the same time. Therefore each
-    // world has a list of its own.
+    // world gets its own list.
     threading_ = dThreadingAllocateSelfThreadedImplementation();
     dWorldSetStepThreadingImplementation(world_, dThreadingImplementationGetFunctions(threading_), threading_);
     dWorldSetGravity(world_, 0.0, 0.0, -kGravity_m_per_s2);

@@ -66,7 +66,7 @@ class Fmu {
   std::filesystem::path library_file() const;
   /// True if the FMU has a library for 64-bit Windows and none for this platform.
   bool is_for_windows_alone() const;
-  /// True if the FMU is for Windows alone and wine can run it. Such a library is loaded in a process of its own.
+  /// True if the FMU is for Windows alone and wine can run it. Such a library is loaded in a separate process.
   bool runs_under_wine() const;
   bool is_loaded() const { return library_ != nullptr || windows_library_ != nullptr; }
   /// Returns the loaded shared library, a `link_map`; null if it is not loaded.

@@ -20,7 +20,7 @@ struct Wine {
 const Wine& find_wine();
 
 /// Creates a folder of settings for wine with links to its DLLs. wine itself would take 15 s and 700 MB to create one.
-/// Each FMU has a folder of its own: wineserver serves all programs of one folder, and ends with the process that
+/// Each FMU has its own folder: wineserver serves all programs of one folder, and ends with the process that
 /// started it.
 void create_wine_settings(const std::filesystem::path& folder);
 
