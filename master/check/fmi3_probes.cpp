@@ -148,7 +148,7 @@ std::vector<ChildProbe> fmi3_probes(const Fmi3Target& target) {
   };
   const bool has_states = co_simulation.attribute("canGetAndSetFMUState").as_bool();
   const bool serializes = co_simulation.attribute("canSerializeFMUState").as_bool();
-  const auto traces = no_steps.empty() ? fmi3_trace_scope(target) : Fmi3TraceScope{.obstacle = no_steps};
+  const auto traces = no_steps.empty() ? fmi3_trace_scope(target) : TraceScope{.obstacle = no_steps};
   return {probe("a plain run reaches its end with finite outputs", no_steps, &plain_run, true),
           probe("two instances do not disturb each other",
                 unless(no_steps, !co_simulation.attribute("canBeInstantiatedOnlyOncePerProcess").as_bool(),
@@ -159,10 +159,7 @@ std::vector<ChildProbe> fmi3_probes(const Fmi3Target& target) {
                 &states_restore_in_place),
           probe("a serialised state restores",
                 unless(no_steps, serializes, "the FMU does not offer canSerializeFMUState"), &states_restore),
-          probe(traces.compared == traces.columns ? "reference traces are reproduced"
-                                                  : fmt::format("reference traces are reproduced, in {} of {} columns",
-                                                                traces.compared, traces.columns),
-                traces.obstacle, &replay_trace)};
+          probe(traces.check_name(), traces.obstacle, &replay_trace)};
 }
 
 }  // namespace mebots::check

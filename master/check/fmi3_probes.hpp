@@ -3,8 +3,8 @@
 
 #include "child.hpp"
 #include "fmi3_description.hpp"
+#include "trace_file.hpp"
 
-#include <cstddef>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -21,16 +21,9 @@ struct Fmi3Target {
 
 class Fmi3Library;
 
-/// The part of the reference traces that a run can be compared with. Columns may have names of FMI 2.0 where this FMU
-/// has arrays.
-struct Fmi3TraceScope {
-  std::string obstacle = {};  ///< reason why nothing can be compared; empty if something can
-  std::size_t columns = 0;    ///< number of output columns; 0 with an obstacle
-  std::size_t compared = 0;   ///< number of output columns that are numbers of this FMU
-};
-
-/// If a file cannot be read, there is no obstacle: replay_trace() throws the error.
-Fmi3TraceScope fmi3_trace_scope(const Fmi3Target& target);
+/// Returns the part of the reference traces that a run can be compared with. Columns may have names of FMI 2.0 where
+/// this FMU has arrays.
+TraceScope fmi3_trace_scope(const Fmi3Target& target);
 /// Compares a run with the reference traces. Output columns that are no numbers of this FMU are ignored.
 void replay_trace(const Fmi3Library& library);
 

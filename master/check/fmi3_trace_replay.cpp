@@ -2,12 +2,6 @@
 #include "fmi3_instance.hpp"
 #include "trace_file.hpp"
 
-#include "mebots/data/csv.hpp"
-#include "mebots/error.hpp"
-#include "mebots/text_file.hpp"
-
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -23,35 +17,11 @@ const Fmi3Declared* find_number(const Fmi3Description& description, const std::s
   return is_number ? &*found : nullptr;
 }
 
-/// Returns the names of the columns after the first, which is time.
-std::vector<std::string> columns_of(const std::filesystem::path& file) {
-  const auto content = text_of(file);
-  const data::CsvReader reader(content, file.filename().string());
-  return {reader.header().begin() + 1, reader.header().end()};
-}
-
 }  // namespace
 
-Fmi3TraceScope fmi3_trace_scope(const Fmi3Target& target) {
-  const auto files = find_traces(target.folder);
-  if (!files) return {.obstacle = "the FMU has none in documentation/reference or extra/org.fmi-standard.fmi-ls-ref"};
-  const auto is_number = [&](const std::string& name) { return find_number(*target.description, name) != nullptr; };
-  try {
-    const auto inputs = files->inputs.empty() ? std::vector<std::string>{} : columns_of(files->inputs);
-    const auto unknown = std::ranges::find_if_not(inputs, is_number);
-    if (unknown != inputs.end())
-      return {.obstacle = fmt::format("{} has \"{}\", which is no variable with numbers of this FMU",
-                                      files->inputs.filename().string(), *unknown)};
-    const auto outputs = columns_of(files->outputs);
-    const auto compared = static_cast<std::size_t>(std::ranges::count_if(outputs, is_number));
-    if (compared == 0) {
-      static_cast<void>(read_trace(files->outputs, true, is_number));  // throws if the file is not CSV
-      return {.obstacle = fmt::format("{} has no column with numbers of this FMU", files->outputs.filename().string())};
-    }
-    return {.columns = outputs.size(), .compared = compared};
-  } catch (const Error&) {
-    return {};
-  }
+TraceScope fmi3_trace_scope(const Fmi3Target& target) {
+  return trace_scope(find_traces(target.folder),
+                     [&](const std::string& name) { return find_number(*target.description, name) != nullptr; });
 }
 
 void replay_trace(const Fmi3Library& library) {
@@ -60,7 +30,7 @@ void replay_trace(const Fmi3Library& library) {
   const auto files = find_traces(target.folder).value();
   const auto is_number = [&](const std::string& name) { return find_number(description, name) != nullptr; };
   const auto outputs = read_trace(files.outputs, true, is_number);
-  const auto inputs = read_inputs(files, false, is_number);
+  const auto inputs = read_inputs(files, is_number);
   Fmi3Instance instance(library, "replay");
   const bool reached = replay(
       library.witness(), files, inputs, outputs,

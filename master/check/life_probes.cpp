@@ -378,6 +378,7 @@ std::vector<Probe> life_probes(const Target& target, double half_step_tolerance)
   const std::string fixed_step =
       flags.can_handle_variable_communication_step_size ? once : "canHandleVariableCommunicationStepSize is false";
   const auto traces = find_traces(target.folder);
+  const auto scope = scope_of(traces, *target.model);
   std::vector<Probe> probes;
   const auto add = [&](Level level, std::string name, std::function<void(const Library&)> run,
                        std::string skipped = "") {
@@ -399,8 +400,7 @@ std::vector<Probe> life_probes(const Target& target, double half_step_tolerance)
   add(interoperable, "an instance can be freed at any time", check_free_orders);
   add(standard, "100 instances leak nothing", check_growth);
   add(
-      standard, "reference traces are reproduced", [traces](const Library& library) { replay(library, *traces); },
-      traces ? "" : "the FMU has none in documentation/reference or extra/org.fmi-standard.fmi-ls-ref");
+      standard, scope.check_name(), [traces](const Library& library) { replay(library, *traces); }, scope.obstacle);
   return probes;
 }
 

@@ -34,6 +34,13 @@ Trace::Cell cell_numbers(const data::CsvReader& reader, std::size_t column) {
   return numbers;
 }
 
+/// Returns the names of the columns after the first, which is time.
+std::vector<std::string> columns_of(const fs::path& file) {
+  const auto content = text_of(file);
+  const data::CsvReader reader(content, file.filename().string());
+  return {reader.header().begin() + 1, reader.header().end()};
+}
+
 void apply(const TracedInstance& instance, const Trace& trace, double time_s) {
   std::size_t row = 0;
   while (row + 1 < trace.times.size() && trace.times[row + 1] <= time_s + kAbsolute) ++row;
@@ -72,6 +79,30 @@ std::optional<TraceFiles> find_traces(const fs::path& folder) {
   return std::nullopt;
 }
 
+std::string TraceScope::check_name() const {
+  constexpr auto kName = "reference traces are reproduced";
+  return compared == columns ? kName : fmt::format("{}, in {} of {} columns", kName, compared, columns);
+}
+
+TraceScope trace_scope(const std::optional<TraceFiles>& files,
+                       const std::function<bool(const std::string& name)>& is_number) {
+  if (!files) return {.obstacle = "the FMU has none in documentation/reference or extra/org.fmi-standard.fmi-ls-ref"};
+  try {
+    const auto inputs = files->inputs.empty() ? std::vector<std::string>{} : columns_of(files->inputs);
+    const auto unknown = std::ranges::find_if_not(inputs, is_number);
+    if (unknown != inputs.end())
+      return {.obstacle = fmt::format("{} has \"{}\", which is no variable with numbers of this FMU",
+                                      files->inputs.filename().string(), *unknown)};
+    const auto outputs = columns_of(files->outputs);
+    const auto compared = static_cast<std::size_t>(std::ranges::count_if(outputs, is_number));
+    if (compared == 0)
+      return {.obstacle = fmt::format("{} has no column with numbers of this FMU", files->outputs.filename().string())};
+    return {.columns = outputs.size(), .compared = compared};
+  } catch (const Error&) {
+    return {};
+  }
+}
+
 Trace read_trace(const fs::path& file, bool ignores_others,
                  const std::function<bool(const std::string& name)>& is_number) {
   const auto content = text_of(file);
@@ -96,10 +127,9 @@ Trace read_trace(const fs::path& file, bool ignores_others,
   return trace;
 }
 
-Trace read_inputs(const TraceFiles& files, bool ignores_others,
-                  const std::function<bool(const std::string& name)>& is_number) {
+Trace read_inputs(const TraceFiles& files, const std::function<bool(const std::string& name)>& is_number) {
   if (files.inputs.empty()) return {.names = {}, .times = {0}, .rows = {{}}};
-  return read_trace(files.inputs, ignores_others, is_number);
+  return read_trace(files.inputs, false, is_number);
 }
 
 bool replay(Witness& witness, const TraceFiles& files, const Trace& inputs, const Trace& outputs,

@@ -27,6 +27,20 @@ struct TraceFiles {
 /// Returns the traces of an unpacked FMU, if it has any.
 std::optional<TraceFiles> find_traces(const std::filesystem::path& folder);
 
+/// The part of the traces that a run can be compared with.
+struct TraceScope {
+  std::string obstacle = {};  ///< reason why nothing can be compared; empty if something can
+  std::size_t columns = 0;    ///< number of output columns; 0 with an obstacle
+  std::size_t compared = 0;   ///< number of output columns that are numbers of this FMU
+
+  /// Returns the name of the check, with the number of compared columns if there are others.
+  std::string check_name() const;
+};
+
+/// Reads the names of the columns. If a file cannot be read, there is no obstacle: read_trace() throws the error.
+TraceScope trace_scope(const std::optional<TraceFiles>& files,
+                       const std::function<bool(const std::string& name)>& is_number);
+
 /// Numeric columns of a trace. A cell is a number, or the numbers of an array separated by blanks.
 struct Trace {
   using Cell = std::vector<double>;
@@ -40,10 +54,9 @@ struct Trace {
 Trace read_trace(const std::filesystem::path& file, bool ignores_others,
                  const std::function<bool(const std::string& name)>& is_number);
 
-/// Reads the inputs of the traces in the same way. Without a file of inputs, returns a trace of one row without
-/// columns.
-Trace read_inputs(const TraceFiles& files, bool ignores_others,
-                  const std::function<bool(const std::string& name)>& is_number);
+/// Reads the inputs of the traces. Without a file of inputs, returns a trace of one row without columns. Throws Error
+/// if a cell is not a number, or a column is no number of this FMU.
+Trace read_inputs(const TraceFiles& files, const std::function<bool(const std::string& name)>& is_number);
 
 /// The calls of an instance that a comparison needs.
 struct TracedInstance {

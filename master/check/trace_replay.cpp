@@ -50,16 +50,23 @@ double get(Instance& instance, const Variable& variable) {
   return value;
 }
 
+bool is_number(const ModelDescription& model, const std::string& name) {
+  const auto* const variable = model.find(name);
+  return variable != nullptr && variable->type != Type::string;
+}
+
 }  // namespace
+
+TraceScope scope_of(const std::optional<TraceFiles>& files, const ModelDescription& model) {
+  if (files && !files->of_many_versions) return {};
+  return trace_scope(files, [&](const std::string& name) { return is_number(model, name); });
+}
 
 void replay(const Library& library, const TraceFiles& files) {
   const auto& model = *library.target().model;
-  const auto is_number = [&](const std::string& name) {
-    const auto* const variable = model.find(name);
-    return variable != nullptr && variable->type != Type::string;
-  };
-  const auto outputs = read_trace(files.outputs, files.of_many_versions, is_number);
-  const auto inputs = read_inputs(files, files.of_many_versions, is_number);
+  const auto is_number_of_model = [&](const std::string& name) { return is_number(model, name); };
+  const auto outputs = read_trace(files.outputs, files.of_many_versions, is_number_of_model);
+  const auto inputs = read_inputs(files, is_number_of_model);
   Instance instance(library, "replay");
   instance.setup();
   const bool reached =

@@ -282,18 +282,24 @@ TEST(CheckBehaviour, ReferenceTracesAreReplayed) {
 
 TEST(CheckBehaviour, TracesOfTheLayeredStandardAreReplayed) {
   Workshop workshop;
-  const auto with_trace = [&](const std::string& out) {
+  const auto fmu_with_trace = [&](const std::string& out) {
     const std::string folder = "extra/org.fmi-standard.fmi-ls-ref/";
-    return findings(
-        workshop.culprit(
-            "none", {{folder + "fmi-ls-manifest.xml",
-                      R"(<fmiReferences><Related type="text/csv" source="it_out.csv" role="result"/></fmiReferences>)"},
-                     {folder + "it_out.csv", out}}),
-        true);
+    return workshop.culprit(
+        "none", {{folder + "fmi-ls-manifest.xml",
+                  R"(<fmiReferences><Related type="text/csv" source="it_out.csv" role="result"/></fmiReferences>)"},
+                 {folder + "it_out.csv", out}});
   };
+  const auto with_trace = [&](const std::string& out) { return findings(fmu_with_trace(out), true); };
   // For u = 1, y is 2 (1 - exp(-1)). The same file serves FMI 2.0 and 3.0: columns of the other version are ignored.
   EXPECT_THAT(with_trace("time,binary,y\n0,666f6f,0\n1,666f6f,1.2642411176571153\n"), IsEmpty());
   EXPECT_THAT(with_trace("time,y\n0,0\n1,1.3\n"), Contains(HasSubstr("it_out.csv: first divergence at 1 s")));
+  const auto check_of = [&](const std::string& out) {
+    const auto report = check_fmu(fmu_with_trace(out), {});
+    return *std::ranges::find_if(report.checks,
+                                 [](const Check& check) { return check.name.starts_with("reference traces"); });
+  };
+  EXPECT_THAT(check_of("time,binary,y\n0,666f6f,0\n").name, HasSubstr("in 1 of 2 columns"));
+  EXPECT_THAT(check_of("time,binary\n0,666f6f\n").skipped, HasSubstr("it_out.csv has no column with numbers"));
 }
 
 TEST(CheckBehaviour, MissingLibrariesAndForeignBinariesAreNamed) {
