@@ -10,8 +10,8 @@ endif()
 # Fills <generated folder>/sources<version> with the files that no build changes, and lists the files to compile in sources<version>.txt.
 function(_mebots_stage_sources identifier out_dir versions)
   mebots_musl_source(musl musl_files)
-  set(data_files csv document nearest_names node estimate object parse text_file text_lines fmt)
-  list(TRANSFORM data_files APPEND .cpp)
+  file(GLOB data_files RELATIVE ${MEBOTS_MODELDESC}/data ${MEBOTS_MODELDESC}/data/*.cpp)
+  list(FILTER data_files EXCLUDE REGEX "^(packed|page_file|png_file)[.]cpp$")  # they need other libraries, and no model of an own FMU uses them
   foreach(version IN LISTS versions)
     set(folder ${out_dir}/sources${version})
     file(REMOVE_RECURSE ${folder} ${folder}.stamp)

@@ -135,7 +135,7 @@ void Fmi3Instance::set_numbers(const Fmi3Declared& variable, std::span<const dou
   if (has_type(variable, #name)) {                                                                             \
     using Value = ctype;                                                                                       \
     const auto typed = std::make_unique<Value[]>(values.size());                                               \
-    for (std::size_t i = 0; i < values.size(); ++i) typed[i] = exact<Value>(values[i], subject);               \
+    for (std::size_t i = 0; i < values.size(); ++i) typed[i] = converted<Value>(values[i], subject);           \
     return MEBOTS_CALL(*this, fmi3Set##name, &variable.reference, std::size_t{1}, typed.get(), values.size()); \
   }
   MEBOTS_FMI3_EACH_NUMBER_TYPE(MEBOTS_WRITE)

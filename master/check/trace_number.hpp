@@ -15,7 +15,7 @@ namespace mebots::check {
 /// Converts a finite number of a trace to the type of a variable, such as "Int32 x". Throws Error if the type cannot
 /// hold it. A Float32 has the nearest number.
 template <typename T>
-T exact(double value, std::string_view variable) {
+T converted(double value, std::string_view variable) {
   using Limits = std::numeric_limits<T>;
   bool fits = false;
   if constexpr (std::is_floating_point_v<T>) {

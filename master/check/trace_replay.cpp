@@ -24,12 +24,12 @@ void set(Instance& instance, const Variable& variable, double value) {
       instance.require(call, f.set_real(instance.component(), &reference, 1, &value));
       break;
     case Type::boolean: {
-      const fmi2Boolean truth = exact<bool>(value, "Boolean " + variable.name);
+      const fmi2Boolean truth = converted<bool>(value, "Boolean " + variable.name);
       instance.require(call, f.set_boolean(instance.component(), &reference, 1, &truth));
       break;
     }
     default: {
-      const auto whole = exact<fmi2Integer>(value, "Integer " + variable.name);
+      const auto whole = converted<fmi2Integer>(value, "Integer " + variable.name);
       instance.require(call, f.set_integer(instance.component(), &reference, 1, &whole));
     }
   }

@@ -15,16 +15,24 @@ class OpenPages {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Notes a request of a page. If there are too many pages, ignores a new one.
+  /// Notes a request of a page, unless the page was removed: the request may have been on its way then. If there are
+  /// too many pages, ignores a new one.
   void note_request(const std::string& page) {
     constexpr std::size_t kMost = 32;
     const std::lock_guard lock(mutex_);
-    if (last_requests_.size() < kMost || last_requests_.contains(page)) last_requests_[page] = Clock::now();
+    const auto known = last_requests_.find(page);
+    if (known != last_requests_.end()) {
+      if (known->second != kRemoved) known->second = Clock::now();
+      return;
+    }
+    if (last_requests_.size() >= kMost)
+      std::erase_if(last_requests_, [](const auto& one) { return one.second == kRemoved; });
+    if (last_requests_.size() < kMost) last_requests_.emplace(page, Clock::now());
   }
   /// Removes a page, because it has closed or has received the end.
   void remove(const std::string& page) {
     const std::lock_guard lock(mutex_);
-    last_requests_.erase(page);
+    if (const auto known = last_requests_.find(page); known != last_requests_.end()) known->second = kRemoved;
   }
   /// Returns true if one of these pages sent a request after `time`.
   bool any_since(Clock::time_point time) const {
@@ -33,6 +41,8 @@ class OpenPages {
   }
 
  private:
+  static constexpr Clock::time_point kRemoved = Clock::time_point::min();
+
   mutable std::mutex mutex_;
   std::map<std::string, Clock::time_point> last_requests_;
 };

@@ -310,16 +310,16 @@ TEST(CheckFmi3, ReferenceTracesSayHowManyColumnsAreCompared) {
 }
 
 TEST(CheckFmi3, ReferenceTracesHaveNumbersThatTheirTypesHold) {
-  EXPECT_EQ(exact<std::uint8_t>(255, "UInt8 x"), 255);
-  EXPECT_EQ(exact<std::int64_t>(-9223372036854775808.0, "Int64 x"), std::numeric_limits<std::int64_t>::min());
-  EXPECT_EQ(exact<float>(0.1, "Float32 x"), 0.1F);
-  EXPECT_TRUE(exact<bool>(1, "Boolean x"));
-  EXPECT_THROW(exact<std::uint8_t>(256, "UInt8 x"), Error);
-  EXPECT_THROW(exact<std::uint32_t>(-1, "UInt32 x"), Error);
-  EXPECT_THROW(exact<std::int32_t>(1.5, "Int32 x"), Error);
-  EXPECT_THROW(exact<std::int64_t>(9223372036854775808.0, "Int64 x"), Error);
-  EXPECT_THROW(exact<float>(1e300, "Float32 x"), Error);
-  EXPECT_THROW(exact<bool>(2, "Boolean x"), Error);
+  EXPECT_EQ(converted<std::uint8_t>(255, "UInt8 x"), 255);
+  EXPECT_EQ(converted<std::int64_t>(-9223372036854775808.0, "Int64 x"), std::numeric_limits<std::int64_t>::min());
+  EXPECT_EQ(converted<float>(0.1, "Float32 x"), 0.1F);
+  EXPECT_TRUE(converted<bool>(1, "Boolean x"));
+  EXPECT_THROW(converted<std::uint8_t>(256, "UInt8 x"), Error);
+  EXPECT_THROW(converted<std::uint32_t>(-1, "UInt32 x"), Error);
+  EXPECT_THROW(converted<std::int32_t>(1.5, "Int32 x"), Error);
+  EXPECT_THROW(converted<std::int64_t>(9223372036854775808.0, "Int64 x"), Error);
+  EXPECT_THROW(converted<float>(1e300, "Float32 x"), Error);
+  EXPECT_THROW(converted<bool>(2, "Boolean x"), Error);
 }
 
 TEST(CheckFmi3, OurOwnFmusAreCleanAndAreRun) {

@@ -50,6 +50,7 @@ TEST(CheckPlatforms, SaysWhyAnFmuForWindowsIsNotRun) {
   const auto fmu = workshop.archive({{"modelDescription.xml", culprit_description("none")},
                                      {"binaries/win64/culprit.dll", test::windows_dll({}, {})}});
   const auto report = check_fmu(fmu, {});
+  unsetenv("MEBOTS_WINE");
   const auto plain = std::ranges::find_if(
       report.checks, [](const Check& check) { return check.name.find("under wine") != std::string::npos; });
   ASSERT_NE(plain, report.checks.end());

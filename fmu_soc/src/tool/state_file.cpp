@@ -96,7 +96,11 @@ void StateFile::load(const std::string& path, Soc& soc) const {
     throw Error(ErrorCode::state_damaged,
                 fmt::format("--load-state {}: the file is damaged; save the state again", path));
   }
-  state::restore(soc, std::as_bytes(std::span(rest)));
+  try {
+    state::restore(soc, std::as_bytes(std::span(rest)));
+  } catch (const Error& error) {
+    throw Error(error.code(), fmt::format("--load-state {}: {}", path, error.what()));
+  }
 }
 
 void StateFile::save(observe::TextFile& file, const Soc& soc) const {

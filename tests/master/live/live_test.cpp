@@ -41,7 +41,7 @@ class LiveClients : public testing::Test {
     live::LiveRun::Server::Answers answers;
     answers.page = [] { return std::string("the page"); };
     answers.data = [this](const auto& /*known*/) {
-      return live::LiveRun::Server::Answer{std::string(std::size_t{64} << 20, 'd'), [this] { is_sent_ = true; }};
+      return live::LiveRun::Server::Answer{std::string(std::size_t{16} << 20, 'd'), [this] { is_sent_ = true; }};
     };
     return answers;
   }
@@ -52,6 +52,8 @@ class LiveClients : public testing::Test {
   /// Connects and sends the start of a request.
   int connect_slowly(const std::string& beginning) {
     const int line = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    const int buffer = 1 << 16;
+    EXPECT_EQ(setsockopt(line, SOL_SOCKET, SO_RCVBUF, &buffer, sizeof buffer), 0);
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_port = htons(static_cast<std::uint16_t>(port()));
