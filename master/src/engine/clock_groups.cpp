@@ -1,13 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/clock_groups.hpp"
 
-#include "engine/discrete_links.hpp"
+#include "engine/clock_links.hpp"
+#include "slave/clocked/clocked_slave.hpp"
 #include "slave/fmi/make_slave.hpp"
 #include "slave/isolation/isolated_interfaces.hpp"
 
 #include <utility>
 
 namespace mebots::master {
+namespace {
+
+/// `instance` is the second interface of `slave`.
+std::unique_ptr<Slave> in_group(std::unique_ptr<Slave> slave, EventInstance& instance,
+                                const std::shared_ptr<ClockGroup>& group) {
+  auto holding = std::make_unique<HoldingSlave>(std::move(slave));
+  const auto member = group->add(*holding, instance);
+  return std::make_unique<ClockedSlave>(std::move(holding), member, group);
+}
+
+}  // namespace
 
 ClockGroups::ClockGroups(const ResolvedSystem& system, MessageSink& messages, const std::atomic<bool>* interrupted)
     : system_(system), messages_(messages), interrupted_(interrupted), places_(system.instances.size()) {
@@ -25,7 +37,7 @@ std::unique_ptr<Slave> ClockGroups::make_slave(std::size_t instance) {
     auto isolated =
         std::make_unique<isolation::IsolatedEventSlave>(resolved, messages_, interrupted_, system_.description->grid());
     auto& remote = *isolated;
-    return std::make_unique<ClockedSlave>(std::move(isolated), remote, group);
+    return in_group(std::move(isolated), remote, group);
   }
   auto [slave, events] = make_event_slave_here({.name = resolved.description->name,
                                                 .fmu = resolved.fmu,
@@ -33,24 +45,13 @@ std::unique_ptr<Slave> ClockGroups::make_slave(std::size_t instance) {
                                                 .log_categories = resolved.log_categories,
                                                 .grid = system_.description->grid()},
                                                messages_);
-  return std::make_unique<ClockedSlave>(std::move(slave), *events, group);
+  return in_group(std::move(slave), *events, group);
 }
 
 void ClockGroups::connect() {
   for (std::size_t g = 0; g < groups_.size(); ++g) {
-    std::vector<ClockLink> clocks;
-    std::vector<ClockedLink> values;
-    for (const auto& connection : system_.clock_groups[g].connections) {
-      const auto& from = *connection.from.variable;
-      const auto& to = *connection.to.variable;
-      const auto from_member = places_[connection.from.instance].member;
-      const auto to_member = places_[connection.to.instance].member;
-      if (from.type == modeldesc::Type::clock) {
-        clocks.push_back({from_member, to_member, from.value_reference, to.value_reference});
-        continue;
-      }
-      values.push_back({link_of(connection, from_member, to_member), from.fmi3->clocks, to.fmi3->clocks});
-    }
+    auto [clocks, values] = clock_links(system_.clock_groups[g].connections,
+                                        [this](std::size_t instance) { return places_[instance].member; });
     groups_[g]->connect(std::move(clocks), std::move(values));
   }
 }

@@ -2,6 +2,7 @@
 #include "engine/continuous_groups.hpp"
 
 #include "base/time.hpp"
+#include "engine/clock_links.hpp"
 #include "engine/discrete_links.hpp"
 #include "slave/fmi/make_slave.hpp"
 #include "slave/isolation/isolated_interfaces.hpp"
@@ -44,6 +45,17 @@ std::optional<std::vector<ValueReference>> dependencies_of(const modeldesc::Mode
   return references;
 }
 
+/// `instance` is the second interface of `slave`.
+std::unique_ptr<Slave> in_group(std::unique_ptr<Slave> slave, ContinuousInstance& instance, bool clocks_tick,
+                                const std::shared_ptr<ContinuousGroup>& group) {
+  if (!clocks_tick) return std::make_unique<ContinuousSlave>(std::move(slave), instance, group);
+  auto holding = std::make_unique<HoldingSlave>(std::move(slave));
+  auto& clocked = *holding;
+  auto member = std::make_unique<ContinuousSlave>(std::move(holding), instance, group);
+  group->clocks().add(member->index(), clocked, *instance.clocks());
+  return member;
+}
+
 }  // namespace
 
 ContinuousGroups::ContinuousGroups(const ResolvedSystem& system, MessageSink& messages, const SlaveOptions& options)
@@ -78,7 +90,7 @@ std::unique_ptr<Slave> ContinuousGroups::make_slave(std::size_t instance) {
     auto isolated = std::make_unique<isolation::IsolatedModelExchange>(resolved, messages_, interrupted_,
                                                                        system_.description->grid());
     auto& remote = *isolated;
-    return std::make_unique<ContinuousSlave>(std::move(isolated), remote, group);
+    return in_group(std::move(isolated), remote, resolved.clocks_tick, group);
   }
   auto [slave, continuous] = make_continuous_here({.name = resolved.description->name,
                                                    .fmu = resolved.fmu,
@@ -86,20 +98,25 @@ std::unique_ptr<Slave> ContinuousGroups::make_slave(std::size_t instance) {
                                                    .log_categories = resolved.log_categories,
                                                    .grid = system_.description->grid()},
                                                   messages_);
-  return std::make_unique<ContinuousSlave>(std::move(slave), *continuous, group);
+  return in_group(std::move(slave), *continuous, resolved.clocks_tick, group);
 }
 
 void ContinuousGroups::connect() {
   for (const auto& connection : system_.connections) {
     if (connection.inner) connect(connection);
   }
-  for (std::size_t s = 0; s < groups_.size(); ++s) groups_[s]->connect(std::move(wires_[s]), std::move(links_[s]));
+  for (std::size_t s = 0; s < groups_.size(); ++s) {
+    groups_[s]->connect(std::move(wires_[s]), std::move(links_[s]));
+    auto [clocks, values] = clock_links(system_.continuous_systems[s].clock_connections,
+                                        [this](std::size_t instance) { return places_[instance].member; });
+    groups_[s]->clocks().connect(std::move(clocks), std::move(values));
+  }
 }
 
 /// True for a connection of continuous Reals. The solver evaluates these within the right-hand side; all other
-/// connections transfer values in events only.
+/// connections transfer values in events only. The value of a clocked variable is that of its last tick.
 bool ContinuousGroups::is_wire(const ResolvedConnection& connection) const {
-  return kind_of(connection.from.variable->type) == ValueKind::real &&
+  return !is_clocked(*connection.from.variable) && kind_of(connection.from.variable->type) == ValueKind::real &&
          kind_of(connection.to.variable->type) == ValueKind::real &&
          connection.to.variable->variability == Variability::continuous;
 }

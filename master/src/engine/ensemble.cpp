@@ -181,7 +181,7 @@ SignalId Ensemble::watch(const ResolvedVariable& variable) {
       (is_clocked(watched) && !system_->instances[variable.instance].clocks_tick)) {
     throw InputError(
         ErrorCode::not_offered,
-        fmt::format("{}: a Clock has no value between its ticks, and clocks tick only in co-simulation FMUs "
+        fmt::format("{}: a Clock has no value between its ticks, and in co-simulation clocks tick only in FMUs "
                     "with hasEventMode = true; use variables without a clock",
                     system_->text(variable)));
   }

@@ -85,7 +85,7 @@ struct ResolvedInstance {
   std::shared_ptr<const modeldesc::ModelDescription> model;  ///< the FMU's description, with elements in place of
                                                              ///< arrays
   FmuKind kind = FmuKind::co_simulation;
-  bool clocks_tick = false;        ///< it is in a clock group
+  bool clocks_tick = false;        ///< the master handles its clocks
   IsolationDescription isolation;  ///< as described, or a separate process if the FMU cannot share one
   Interpreter interpreter;         ///< for an FMU in a separate process
   std::vector<StartValue> starts;
@@ -102,6 +102,7 @@ struct ResolvedInstance {
 struct ResolvedContinuousSystem {
   std::vector<std::size_t> members;  ///< in the order of the config
   const SolverDescription* solver = nullptr;
+  std::vector<ResolvedConnection> clock_connections = {};  ///< between clocks, and between clocked variables
 };
 
 /// Co-simulation instances whose clocks are connected, or one instance with clocks. They step together from tick to
@@ -136,9 +137,10 @@ struct ResolvedSystem {
   std::vector<ResolvedInstance> instances;       ///< in the order of the config
   std::vector<ResolvedConnection> connections;   ///< ordered by target, so that their order in the config is nothing
   std::vector<ResolvedClockGroup> clock_groups;  ///< their connections are not among those above
-  std::vector<ResolvedContinuousSystem> continuous_systems;  ///< every instance of model exchange is in one
-  std::optional<ResolvedStepControl> step_control;           ///< if the description has one
-  std::map<ResolvedVariable, InputSignal> inputs;  ///< by target, so that their order in the config does not matter
+  /// Every instance of model exchange is in one. Connections of their clocks are not among those above.
+  std::vector<ResolvedContinuousSystem> continuous_systems;
+  std::optional<ResolvedStepControl> step_control;  ///< if the description has one
+  std::map<ResolvedVariable, InputSignal> inputs;   ///< by target, so that their order in the config does not matter
   std::vector<std::shared_ptr<const Signal>> scenario_signals;  ///< one per scenario entry; null for other actions
   std::vector<std::string> notices;                             ///< notices for the user, such as unconnected inputs
 

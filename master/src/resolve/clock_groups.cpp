@@ -14,14 +14,24 @@ namespace {
 using modeldesc::Causality;
 using modeldesc::Type;
 
-bool is_carried_by_ticks(const ResolvedConnection& connection) {
-  return is_clocked(*connection.from.variable) && is_clocked(*connection.to.variable);
+/// Returns the connections that ticks of these members' clocks cause.
+std::vector<ResolvedConnection> connections_within(const ResolvedSystem& system,
+                                                   const std::vector<std::size_t>& members) {
+  std::vector<ResolvedConnection> found;
+  std::ranges::copy_if(system.connections, std::back_inserter(found), [&](const auto& connection) {
+    return is_carried_by_ticks(connection) && std::ranges::binary_search(members, connection.from.instance);
+  });
+  return found;
 }
 
 }  // namespace
 
+bool is_carried_by_ticks(const ResolvedConnection& connection) {
+  return is_clocked(*connection.from.variable) && is_clocked(*connection.to.variable);
+}
+
 bool has_ticking_clocks(const modeldesc::ModelDescription& model, FmuKind kind) {
-  if (kind != FmuKind::co_simulation || !model.is_fmi3() || !model.co_simulation->has_event_mode) return false;
+  if (!model.is_fmi3() || (kind == FmuKind::co_simulation && !model.co_simulation->has_event_mode)) return false;
   return std::ranges::any_of(model.variables, [](const auto& variable) {
     return variable.type == Type::clock && variable.causality != Causality::local;
   });
@@ -32,15 +42,16 @@ void resolve_clock_groups(ResolvedSystem& system) {
   for (const auto& connection : system.connections) {
     if (is_carried_by_ticks(connection)) groups.join(connection.from.instance, connection.to.instance);
   }
-  for (auto& members : groups.of([&](std::size_t i) { return system.instances[i].clocks_tick; })) {
+  const auto is_member = [&](std::size_t i) {
+    return system.instances[i].clocks_tick && system.instances[i].kind == FmuKind::co_simulation;
+  };
+  for (auto& members : groups.of(is_member)) {
     check_members(system, members, {.member = "has clocks", .group = "group of clocks"});
-    ResolvedClockGroup group;
-    for (const auto& connection : system.connections) {
-      const bool is_inside = std::ranges::binary_search(members, connection.from.instance);
-      if (is_inside && is_carried_by_ticks(connection)) group.connections.push_back(connection);
-    }
-    group.members = std::move(members);
-    system.clock_groups.push_back(std::move(group));
+    auto connections = connections_within(system, members);
+    system.clock_groups.push_back({.members = std::move(members), .connections = std::move(connections)});
+  }
+  for (auto& continuous : system.continuous_systems) {
+    continuous.clock_connections = connections_within(system, continuous.members);
   }
   std::erase_if(system.connections, is_carried_by_ticks);
 }

@@ -6,12 +6,15 @@
 
 namespace mebots::master {
 
-/// True if the master handles the clocks of such an instance: co-simulation with an event mode and an input or output
-/// of type Clock.
+/// True if the master handles the clocks of such an instance: FMI 3.0, an event mode, and an input or output of type
+/// Clock.
 bool has_ticking_clocks(const modeldesc::ModelDescription& model, FmuKind kind);
 
-/// Moves connections between clocked variables from the system to its clock groups. Throws InputError if members cannot
-/// step together.
+/// True for a connection of clocks, or of clocked variables: it acts at instants at which both ends tick.
+bool is_carried_by_ticks(const ResolvedConnection& connection);
+
+/// Moves connections between clocked variables from the system to its clock groups and continuous systems. Throws
+/// InputError if members cannot step together.
 void resolve_clock_groups(ResolvedSystem& system);
 
 }  // namespace mebots::master

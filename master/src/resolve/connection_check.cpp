@@ -79,14 +79,21 @@ class ConnectionCheck {
     return *system_.instances[variable.instance].model;
   }
 
+  FmuKind kind(const ResolvedVariable& variable) const { return system_.instances[variable.instance].kind; }
+
   void check_clocks() const {
     for (const auto* end : {&connection_.from, &connection_.to}) {
       const auto& variable = *end->variable;
       if (!is_clocked(variable) || system_.instances[end->instance].clocks_tick) continue;
-      fail(fmt::format(
-          "'{}' {}, and clocks tick only in co-simulation FMUs that have hasEventMode = true and a Clock as "
-          "an input or output",
-          variable.name, variable.type == Type::clock ? "is a Clock" : "belongs to a Clock"));
+      fail(
+          fmt::format("'{}' {}, and clocks tick only in FMUs that have a Clock as an input or output, and "
+                      "hasEventMode = true for co-simulation",
+                      variable.name, variable.type == Type::clock ? "is a Clock" : "belongs to a Clock"));
+    }
+    if (is_clocked(from_) && is_clocked(to_) && kind(connection_.from) != kind(connection_.to)) {
+      fail(
+          "ticks do not pass between model exchange and co-simulation; set \"kind\" so that both instances have the "
+          "same kind");
     }
     if (from_.type != Type::clock && to_.type != Type::clock) return;
     if (from_.type != to_.type) {
@@ -168,11 +175,10 @@ class ConnectionCheck {
   /// True for types between which `narrow` permits a connection. The values of a Clock, and values that a solver
   /// transfers between model exchange instances, are not checked individually.
   bool can_narrow() const {
-    const auto is_integrated = [&](const ResolvedVariable& end) {
-      return system_.instances[end.instance].kind == FmuKind::model_exchange;
-    };
     if (connection_.pointer || is_clocked(from_) || is_clocked(to_)) return false;
-    if (is_integrated(connection_.from) && is_integrated(connection_.to)) return false;
+    if (kind(connection_.from) == FmuKind::model_exchange && kind(connection_.to) == FmuKind::model_exchange) {
+      return false;
+    }
     if (fmi::is_float(to_.type))
       return from_.type != Type::uint64 && (fmi::is_float(from_.type) || fmi::is_whole(from_.type));
     return fmi::is_whole(from_.type) && fmi::is_whole(to_.type) && to_.type != Type::enumeration;

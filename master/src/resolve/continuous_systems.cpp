@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Determines which model exchange instances one solver integrates, and which connections it evaluates.
 #include "model/resolved_system.hpp"
+#include "resolve/clock_groups.hpp"
 #include "resolve/instance_groups.hpp"
 #include "resolve/signal_coverage.hpp"
 
@@ -60,9 +61,11 @@ class Grouping {
         return system_.instances[end.instance].kind == FmuKind::model_exchange && !overridden.contains(end);
       };
       connection.inner = is_exchanged(connection.from) && is_exchanged(connection.to) && !connection.pointer;
+      const bool is_exchange = system_.instances[connection.from.instance].kind == FmuKind::model_exchange;
+      connection.inner |= is_exchange && is_carried_by_ticks(connection);
       if (!connection.sum) continue;
       auto& whole = inner_sums.try_emplace(connection.to, true).first->second;
-      whole &= connection.inner && is_real(connection.from) &&
+      whole &= connection.inner && is_real(connection.from) && !is_clocked(*connection.from.variable) &&
                connection.to.variable->variability == Variability::continuous;
     }
     for (auto& connection : system_.connections) {

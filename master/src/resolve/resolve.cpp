@@ -164,20 +164,6 @@ bool has_own_timing(const Variable& variable) {
   return variable.type == modeldesc::Type::clock && variable.fmi3->timing->is_time_based();
 }
 
-/// FMI 3.0 permits Clocks in model exchange; here they tick in co-simulation only.
-void note_silent_clocks(const ResolvedInstance& instance, std::vector<std::string>& notices) {
-  const auto is_open_clock = [](const Variable& variable) {
-    return variable.type == modeldesc::Type::clock && variable.causality != Causality::local;
-  };
-  const auto clock = std::ranges::find_if(instance.model->variables, is_open_clock);
-  if (instance.kind != FmuKind::model_exchange || clock == instance.model->variables.end()) return;
-  notices.push_back(
-      fmt::format("{}: its Clocks, such as '{}', do not tick in model exchange, and variables of a Clock keep their "
-                  "values{}",
-                  instance.description->name, clock->name,
-                  instance.model->co_simulation ? R"(. In "kind": "co_simulation" they tick)" : ""));
-}
-
 void note_open_inputs(ResolvedSystem& system) {
   auto connection = system.connections.begin();  // in the order of the target instances
   auto input = system.inputs.begin();            // in the same order
@@ -248,7 +234,6 @@ ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library
       resolved.kind = resolved.fmu->kind();
     });
     resolved.clocks_tick = has_ticking_clocks(*resolved.model, resolved.kind);
-    note_silent_clocks(resolved, system.notices);
     resolved.isolation = instance.isolation;
     if (resolved.implementation().needs_execution_tool) {
       system.notices.push_back(fmt::format(

@@ -39,6 +39,9 @@ const ResolvedConnection* connection_to(const ResolvedSystem& system, const Reso
   for (const auto& group : system.clock_groups) {
     if (const auto* const found = found_in(group.connections); found != nullptr) return found;
   }
+  for (const auto& continuous : system.continuous_systems) {
+    if (const auto* const found = found_in(continuous.clock_connections); found != nullptr) return found;
+  }
   return nullptr;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "model/value_kind.hpp"
+#include "solver/clock_instance.hpp"
 
 #include <cstddef>
 #include <optional>
@@ -56,6 +57,9 @@ class ContinuousInstance {
   virtual void enter_continuous_time_mode() = 0;
   virtual bool needs_completed_step() const { return true; }
   virtual CompletedStep completed_step() = 0;
+
+  /// Returns the clocks of an FMI 3.0 instance; null for other versions.
+  virtual ClockInstance* clocks() { return nullptr; }
 
   virtual bool has_directional_derivatives() const { return false; }
   virtual std::span<const ValueReference> state_references() const { return {}; }

@@ -376,6 +376,7 @@ std::string ContinuousSystem::causes() const {
 void ContinuousSystem::iterate_event() {
   propagate_in_event();
   for (int update = 0; update < kMostUpdates; ++update) {
+    tick_clocks();
     const bool again = update_members();
     if (!terminated_by_.empty()) return;
     const bool changed = propagate_in_event();
@@ -389,13 +390,28 @@ void ContinuousSystem::iterate_event() {
                   subject(), kMostUpdates, causes()));
 }
 
-/// Returns true if a member needs another update.
+/// Activates the clocks that are due at this instant, and propagates ticks and values until nothing changes.
+void ContinuousSystem::tick_clocks() {
+  if (parts_.clocks == nullptr) return;
+  parts_.clocks->begin_instant(time_s_);
+  for (int transfer = 0; transfer < kMostTransfers; ++transfer) {
+    const bool ticked = parts_.clocks->propagate(time_s_);
+    if (!propagate_in_event() && !ticked) return;
+  }
+  throw Error(ErrorCode::algebraic_loop,
+              fmt::format("{}: the values of clocks along the connections still change after {} transfers", subject(),
+                          kMostTransfers));
+}
+
+/// Returns true if a member needs another update, or a clock ticks again at this time.
 bool ContinuousSystem::update_members() {
   bool again = false;
   next_event_s_ = kNoEvent;
   causes_.clear();
   for (std::size_t m = 0; m < parts_.members.size(); ++m) {
+    if (parts_.clocks != nullptr) parts_.clocks->before_update(m);
     const auto result = parts_.members[m]->update_discrete_states();
+    if (parts_.clocks != nullptr) parts_.clocks->after_update(m, time_s_);
     if (result.terminate && terminated_by_.empty()) terminated_by_ = parts_.members[m]->name();
     if (result.needs_another) {
       again = true;
@@ -405,7 +421,28 @@ bool ContinuousSystem::update_members() {
     next_event_s_ = *result.next_event_s;
     next_event_member_ = m;
   }
-  return again;
+  return (parts_.clocks != nullptr && schedule_tick()) || again;
+}
+
+/// Makes the next tick of a clock a time event. Returns true if it is at the present time.
+bool ContinuousSystem::schedule_tick() {
+  const double tick_s = on_grid(parts_.clocks->next_tick_s());
+  if (tick_s < next_event_s_) {
+    next_event_s_ = tick_s;
+    next_event_member_ = parts_.clocks->next_member();
+  }
+  if (tick_s > time_s_) return false;
+  causes_.push_back(parts_.clocks->next_member());
+  return true;
+}
+
+/// Returns the communication point at this time, within the resolution of the master's clock. Without a point, returns
+/// the time itself. Otherwise a tick of 3 * 0.1 s would occur one step after the point 0.3 s.
+double ContinuousSystem::on_grid(double time_s) const {
+  constexpr double kLatest_s = 9e9;  // of the master's clock
+  if (!(time_s < kLatest_s)) return time_s;
+  const double point_s = parts_.grid.time_s(std::llround(time_s * 1e9));
+  return std::abs(point_s - time_s) <= kSameTime_s ? point_s : time_s;
 }
 
 /// Transfers values over all connections until no discrete input changes. Returns true if an input has changed.

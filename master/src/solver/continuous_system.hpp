@@ -2,10 +2,12 @@
 #pragma once
 
 #include "base/signal_guard.hpp"
+#include "base/time_grid.hpp"
 #include "mebots/state/visitor.hpp"
 #include "model/solver_description.hpp"
 #include "model/solver_statistics.hpp"
 #include "solver/integrator.hpp"
+#include "solver/system_clocks.hpp"
 #include "solver/wiring.hpp"
 
 #include <atomic>
@@ -54,6 +56,8 @@ class ContinuousSystem final : private Equations {
     std::vector<Wire> wires;
     DiscreteLinks* discrete = nullptr;    ///< null if there are none
     OuterInputs* inputs = nullptr;        ///< null if no input depends on time
+    SystemClocks* clocks = nullptr;       ///< null if no member has clocks
+    TimeGrid grid = {};                   ///< the communication points
     double relative_tolerance = 1e-6;     ///< if the description has none
     std::optional<double> latest_s = {};  ///< the system is never evaluated after this time
     const std::atomic<bool>* interrupted = &kNeverInterrupted;
@@ -137,6 +141,9 @@ class ContinuousSystem final : private Equations {
   std::optional<SolverView> solver_view();
   void iterate_event();
   bool update_members();
+  bool schedule_tick();
+  double on_grid(double time_s) const;
+  void tick_clocks();
   bool propagate_in_event();
   void leave_event_mode();
   void start_solver();

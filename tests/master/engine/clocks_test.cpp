@@ -83,18 +83,14 @@ TEST(Clocks, TicksWithoutEndAreReported) {
 }
 
 /// An FMU with a periodic clock. The FMU itself returns shift and interval of the clock.
-class ShiftedInstance final : public EventInstance {
+class ShiftedInstance final : public ClockInstance {
  public:
   explicit ShiftedInstance(double shift_s) : shift_s_(shift_s) {}
   const std::string& name() const override { return name_; }
-  std::optional<StepEnd> step_until(double /*start_s*/, double /*end_s*/) override { return std::nullopt; }
-  void enter_event_mode() override {}
-  void enter_step_mode() override {}
   bool ticks(ValueReference /*clock*/) override { return false; }
   void tick(ValueReference /*clock*/) override {}
   std::optional<double> new_interval(ValueReference /*clock*/) override { return 0.5; }
   double shift(ValueReference /*clock*/) override { return shift_s_; }
-  DiscreteUpdate update_discrete_states() override { return {}; }
 
  private:
   std::string name_ = "a";

@@ -3,32 +3,18 @@
 
 #include "base/time_grid.hpp"
 #include "message/message_hub.hpp"
-#include "slave/clocked/clocked_slave.hpp"
-#include "slave/clocked/timed_clock.hpp"
+#include "slave/clocked/clock_network.hpp"
+#include "slave/clocked/event_instance.hpp"
+#include "slave/slave.hpp"
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
-#include <set>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace mebots::master {
-
-/// A connection of clocks: whenever the first clock ticks, the second clock ticks at the same instant.
-struct ClockLink {
-  std::size_t from = 0;  ///< member
-  std::size_t to = 0;
-  ValueReference from_clock = 0;
-  ValueReference to_clock = 0;
-};
-
-/// A connection of clocked variables. A value is transferred at instants at which the clocks of both ends tick.
-struct ClockedLink {
-  DiscreteLink link;
-  std::vector<ValueReference> from_clocks;
-  std::vector<ValueReference> to_clocks;
-};
 
 /// The co-simulation slaves whose clocks are connected, or a single one with clocks. Steps them from tick to tick and
 /// handles their events (FMI 3.0.2, sections 2.2.8 and 4.2.1). When the first member steps, the whole group advances.
@@ -36,15 +22,18 @@ struct ClockedLink {
 /// Members step one after the other. If a member returns early to handle an event, later members step only to the time
 /// of this event. Earlier members are then ahead, and handle the event at their own time. If a member cannot step to
 /// any time (canHandleVariableCommunicationStepSize = false), clocks tick at communication points only.
-class ClockGroup {
+class ClockGroup final : private EventModes {
  public:
   /// Both arguments must outlive the group.
   ClockGroup(const TimeGrid& grid, MessageSink& messages) : grid_(grid), messages_(&messages) {}
 
-  /// Adds a slave, which must outlive the group's last call. Returns its index among the members.
-  std::size_t add(ClockedSlave& slave);
+  /// Adds an instance with both of its interfaces, which must outlive the group's last call. Returns its index among
+  /// the members.
+  std::size_t add(HoldingSlave& slave, EventInstance& instance);
   /// Must be called before the first member leaves initialisation mode.
-  void connect(std::vector<ClockLink> clocks, std::vector<ClockedLink> values);
+  void connect(std::vector<ClockLink> clocks, std::vector<ClockedLink> values) {
+    network_.connect(std::move(clocks), std::move(values));
+  }
 
   void setup_experiment(const Experiment& experiment) { start_ns_ = experiment.start_ns; }
   /// Queries the first ticks of a member's clocks. The member must be in initialisation mode.
@@ -53,7 +42,7 @@ class ClockGroup {
   void exit_initialization();
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns);
   /// Returns the next tick of any clock [s]; TimedClock::kNever if none is scheduled.
-  double next_tick_s() const;
+  double next_tick_s() const { return network_.next_tick_s(); }
 
   /// Returns the times of members and clocks; the first member stores them.
   std::vector<std::byte> save() const;
@@ -62,39 +51,28 @@ class ClockGroup {
 
  private:
   struct Member {
-    ClockedSlave* slave = nullptr;
-    std::vector<TimedClock> timed;
-    std::vector<ValueReference> outputs;  // clocks
+    EventInstance* instance = nullptr;
     double time_s = 0;
     bool needs_event = false;
     bool in_event = false;
-    std::set<ValueReference> ticking;  // clocks that tick at this instant
-    std::set<ValueReference> ticked;   // clocks that have ticked since the member entered event mode
-
-    EventInstance& instance() const { return slave->instance(); }
-    void visit(state::Visitor& v);
   };
+
+  bool is_in_event(std::size_t member) const override { return members_[member].in_event; }
+  void enter_event(std::size_t member, double time_s) override;
+  void note_late_tick(std::size_t member, double tick_s) override;
 
   StepResult advance(double end_s);
   StepResult step_members(double& target_s);
   bool is_anything_due(double time_s) const;
   bool handle_events(double time_s);
-  void enter(Member& member, double time_s);
   void notice(const Member& member, double time_s, const std::string& text);
-  bool tick(Member& member, ValueReference clock, double time_s);
-  void tick_timed_clocks(double time_s);
-  void propagate(double time_s);
-  bool propagate_ticks(double time_s);
-  bool propagate_values();
   [[noreturn]] void fail_to_rest(double time_s) const;
   bool update_members(double time_s, bool& terminated);
 
   TimeGrid grid_;
   MessageSink* messages_;
   std::vector<Member> members_;
-  std::vector<ClockLink> clock_links_;
-  std::vector<ClockedLink> value_links_;
-  std::vector<std::optional<LinkValue>> sent_;  // by value link, at this instant
+  ClockNetwork network_{*this};
   std::int64_t start_ns_ = 0;
   std::size_t initialised_ = 0;
   bool ended_ = false;        // a member ended the simulation at its start

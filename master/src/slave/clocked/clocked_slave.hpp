@@ -1,28 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/state/visitor.hpp"
-#include "slave/clocked/event_instance.hpp"
-#include "slave/discrete_link.hpp"
 #include "slave/forwarding_slave.hpp"
 
+#include <cstddef>
 #include <cstdint>
-#include <map>
 #include <memory>
+#include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 namespace mebots::master {
 
 class ClockGroup;
 
-/// An instance with clocks as a slave. A step advances the whole group of its clocks. Between ticks, reading a clocked
-/// variable returns its value at the last tick; set values wait for the next tick.
+/// A co-simulation instance with clocks as a slave. A step advances the whole group of its clocks.
 class ClockedSlave final : public ForwardingSlave {
  public:
-  /// `instance` is the second interface of `inner`.
-  ClockedSlave(std::unique_ptr<Slave> inner, EventInstance& instance, std::shared_ptr<ClockGroup> group);
+  /// `inner` is the slave that the group has as this member.
+  ClockedSlave(std::unique_ptr<Slave> inner, std::size_t member, std::shared_ptr<ClockGroup> group);
 
   void setup_experiment(const Experiment& experiment) override;
   void exit_initialization() override;
@@ -30,54 +26,14 @@ class ClockedSlave final : public ForwardingSlave {
   std::optional<double> next_event_s() const override;
   std::uint32_t output_derivative_order() const override { return 0; }
 
-  void get_reals(std::span<const ValueReference> references, std::span<double> values) override;
-  void get_integers(std::span<const ValueReference> references, std::span<std::int64_t> values) override;
-  void get_booleans(std::span<const ValueReference> references, std::span<std::int64_t> values) override;
-  void get_strings(std::span<const ValueReference> references, std::span<std::string> values) override;
-  void get_binaries(std::span<const ValueReference> references, std::span<std::string> values) override;
-  void set_reals(std::span<const ValueReference> references, std::span<const double> values) override;
-  void set_integers(std::span<const ValueReference> references, std::span<const std::int64_t> values) override;
-  void set_booleans(std::span<const ValueReference> references, std::span<const std::int64_t> values) override;
-  void set_strings(std::span<const ValueReference> references, std::span<const std::string> values) override;
-  void set_binaries(std::span<const ValueReference> references, std::span<const std::string> values) override;
-
   std::unique_ptr<SlaveState> save_state() override;
   void restore_state(const SlaveState& state) override;
   std::vector<std::byte> serialize(const SlaveState& state) override;
   std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) override;
 
-  EventInstance& instance() { return *instance_; }
-  /// Returns the wrapped instance, without the handling of its clocks.
-  Slave& alone() { return inner(); }
-  /// At a tick of the clock, sets the waiting inputs in the FMU.
-  void give_inputs(ValueReference clock);
-  /// At a tick of the clock, stores the values of its outputs.
-  void store_outputs(ValueReference clock);
-
-  void visit(state::Visitor& v);
-
  private:
-  /// The value of a clocked variable between ticks.
-  struct Held {
-    const modeldesc::Variable* variable = nullptr;
-    bool waits = false;  // the value is to be set at the next tick
-    LinkValue value;
-
-    void visit(state::Visitor& v);
-  };
-
-  Held* held(ValueReference reference);
-  template <typename T>
-  void get(std::span<const ValueReference> references, std::span<T> values,
-           void (Slave::*from_inner)(std::span<const ValueReference>, std::span<T>));
-  template <typename T>
-  void set(std::span<const ValueReference> references, std::span<const T> values,
-           void (Slave::*to_inner)(std::span<const ValueReference>, std::span<const T>));
-
-  EventInstance* instance_;
   std::shared_ptr<ClockGroup> group_;
   std::size_t member_;
-  std::map<ValueReference, Held> held_;
 };
 
 }  // namespace mebots::master

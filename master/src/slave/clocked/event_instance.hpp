@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "model/value_kind.hpp"
+#include "solver/clock_instance.hpp"
 #include "solver/continuous_instance.hpp"
 
 #include <optional>
@@ -29,14 +29,7 @@ class EventInstance {
   virtual void enter_event_mode() = 0;
   virtual void enter_step_mode() = 0;
 
-  /// In event mode, returns true if an output clock ticks at this instant.
-  virtual bool ticks(ValueReference clock) = 0;
-  /// In event mode, activates an input clock.
-  virtual void tick(ValueReference clock) = 0;
-  /// Returns the interval of a clock until its next tick; empty if it is unchanged or not known yet.
-  virtual std::optional<double> new_interval(ValueReference clock) = 0;
-  /// In initialisation mode, returns the time of a periodic clock's first tick after the start.
-  virtual double shift(ValueReference clock) = 0;
+  virtual ClockInstance& clocks() = 0;
   virtual DiscreteUpdate update_discrete_states() = 0;
 };
 

@@ -26,7 +26,7 @@ double TimedClock::periodic_s(double count) const {
   return base_s_ + ticks / static_cast<double>(*timing.resolution);
 }
 
-double TimedClock::checked(const EventInstance& instance, std::string_view what, double time_s,
+double TimedClock::checked(const ClockInstance& instance, std::string_view what, double time_s,
                            bool may_be_zero) const {
   if (std::isfinite(time_s) && (time_s > 0 || (time_s == 0 && may_be_zero))) return time_s;
   throw Error(ErrorCode::fmu_failed,
@@ -34,7 +34,7 @@ double TimedClock::checked(const EventInstance& instance, std::string_view what,
                           variable_->name, what, time_s, may_be_zero ? "of at least" : "above"));
 }
 
-void TimedClock::start(EventInstance& instance, double start_s) {
+void TimedClock::start(ClockInstance& instance, double start_s) {
   const auto& timing = *variable_->fmi3->timing;
   base_s_ = start_s;
   count_ = 0;
@@ -60,7 +60,7 @@ void TimedClock::ticked() {
   next_s_ = is_periodic() ? periodic_s(++count_) : kNever;
 }
 
-void TimedClock::update(EventInstance& instance, double time_s, bool has_ticked) {
+void TimedClock::update(ClockInstance& instance, double time_s, bool has_ticked) {
   const auto& timing = *variable_->fmi3->timing;
   const auto variability = timing.interval_variability;
   const bool asks = variability == IntervalVariability::countdown ||

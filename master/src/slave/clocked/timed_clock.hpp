@@ -2,7 +2,7 @@
 #pragma once
 
 #include "mebots/state/visitor.hpp"
-#include "slave/clocked/event_instance.hpp"
+#include "solver/clock_instance.hpp"
 
 #include <cstdint>
 #include <limits>
@@ -25,12 +25,12 @@ class TimedClock {
 
   /// Queries the first tick. The instance must be in initialisation mode. Throws Error as update() does, and if the
   /// shift is negative or not a number.
-  void start(EventInstance& instance, double start_s);
+  void start(ClockInstance& instance, double start_s);
   /// Marks the scheduled tick as done. The next tick is already known only for periodic clocks.
   void ticked();
   /// Queries intervals after an update of the discrete states at `time_s`. `has_ticked` is true if the clock ticked in
   /// this event. Throws Error if an interval is negative, not a number, or zero for a periodic clock.
-  void update(EventInstance& instance, double time_s, bool has_ticked);
+  void update(ClockInstance& instance, double time_s, bool has_ticked);
 
   void visit(state::Visitor& v);
 
@@ -38,7 +38,7 @@ class TimedClock {
   bool is_periodic() const;
   double periodic_s(double count) const;
   /// Returns the time. Throws Error if the time is negative, not a number, or zero where zero is not permitted.
-  double checked(const EventInstance& instance, std::string_view what, double time_s, bool may_be_zero) const;
+  double checked(const ClockInstance& instance, std::string_view what, double time_s, bool may_be_zero) const;
 
   const modeldesc::Variable* variable_;
   double next_s_ = kNever;

@@ -35,6 +35,8 @@ void ContinuousGroup::exit_initialization() {
   parts.wires = wires_;
   if (!links_.empty()) parts.discrete = this;
   parts.inputs = this;
+  if (!clocks_.empty()) parts.clocks = &clocks_;
+  parts.grid = setup_.grid;
   parts.relative_tolerance = setup_.relative_tolerance;
   if (experiment_.stop_ns) parts.latest_s = setup_.grid.time_s(*experiment_.stop_ns);
   parts.interrupted = setup_.interrupted;
@@ -83,12 +85,17 @@ bool ContinuousGroup::transfer() {
   return changed;
 }
 
+void ContinuousGroup::visit(state::Visitor& v) {
+  v("system", *system_);
+  v("clocks", clocks_);
+}
+
 std::vector<std::byte> ContinuousGroup::save() const {
-  return state::save(*system_);
+  return state::save(*this);
 }
 
 void ContinuousGroup::restore(std::span<const std::byte> bytes) {
-  state::restore(*system_, bytes);
+  state::restore(*this, bytes);
   given_to_ = 0;
   terminated_by_.reset();
   report();

@@ -3,6 +3,7 @@
 
 #include "base/time_grid.hpp"
 #include "message/message_hub.hpp"
+#include "slave/clocked/clock_network.hpp"
 #include "slave/continuous/continuous_slave.hpp"
 #include "solver/continuous_system.hpp"
 
@@ -19,7 +20,7 @@ namespace mebots::master {
 
 /// The slaves of one continuous system. When the first slave steps, the group advances the whole system. When the other
 /// slaves step, they return the same result.
-class ContinuousGroup final : private DiscreteLinks, private OuterInputs {
+class ContinuousGroup final : private DiscreteLinks, private OuterInputs, private EventModes {
  public:
   struct Setup {
     SolverDescription solver;
@@ -37,8 +38,12 @@ class ContinuousGroup final : private DiscreteLinks, private OuterInputs {
   std::size_t add(ContinuousSlave& slave);
   /// Must be called before the first member leaves initialisation mode.
   void connect(std::vector<Wire> wires, std::vector<DiscreteLink> links);
+  /// The clocks of the members. A member with clocks must be added in a HoldingSlave.
+  ClockNetwork& clocks() { return clocks_; }
 
   void setup_experiment(const Experiment& experiment);
+  /// Queries the first ticks of a member's clocks. The member must be in initialisation mode.
+  void start_clocks(std::size_t member) { clocks_.start(member, setup_.grid.time_s(experiment_.start_ns)); }
   /// Iterates the events at the start, after the last member has left initialisation mode.
   void exit_initialization();
   bool is_integrating() const { return system_ != nullptr; }
@@ -51,8 +56,14 @@ class ContinuousGroup final : private DiscreteLinks, private OuterInputs {
   /// Returns the solver's state; the first member stores it.
   std::vector<std::byte> save() const;
   void restore(std::span<const std::byte> bytes);
+  void visit(state::Visitor& v);
 
  private:
+  // All members enter event mode together, before a clock ticks.
+  bool is_in_event(std::size_t /*member*/) const override { return true; }
+  void enter_event(std::size_t /*member*/, double /*time_s*/) override {}
+  void note_late_tick(std::size_t /*member*/, double /*tick_s*/) override {}
+
   bool transfer() override;
   Evaluation set_at(double time_s) override;
   void advance(std::int64_t start_ns, std::int64_t duration_ns);
@@ -64,6 +75,7 @@ class ContinuousGroup final : private DiscreteLinks, private OuterInputs {
   std::vector<ContinuousSlave*> members_;
   std::vector<Wire> wires_;
   std::vector<DiscreteLink> links_;
+  ClockNetwork clocks_{*this};
   Experiment experiment_;
   std::size_t initialised_ = 0;
   std::optional<std::string> terminated_by_;

@@ -30,6 +30,7 @@ ContinuousSlave::ContinuousSlave(std::unique_ptr<Slave> inner, ContinuousInstanc
     const bool is_continuous = variable.causality == Causality::input && kind_of(variable.type) == ValueKind::real &&
                                variable.variability == Variability::continuous;
     if (is_continuous) continuous_inputs_.insert(variable.value_reference);
+    if (is_clocked(variable)) clocked_.insert(variable.value_reference);
   }
 }
 
@@ -39,6 +40,7 @@ void ContinuousSlave::setup_experiment(const Experiment& experiment) {
 }
 
 void ContinuousSlave::exit_initialization() {
+  group_->start_clocks(member_);
   inner().exit_initialization();
   group_->exit_initialization();
 }
@@ -62,6 +64,7 @@ void ContinuousSlave::set_reals(std::span<const ValueReference> references, std:
     if (!reals_.update(references[i], values[i]) && !had_course) continue;
     changed.push_back(references[i]);
     changed_values.push_back(values[i]);
+    if (clocked_.contains(references[i])) continue;
     (continuous_inputs_.contains(references[i]) ? continuous : discrete) = true;
   }
   if (changed.empty()) return;
@@ -78,13 +81,15 @@ void ContinuousSlave::set_discrete(KnownValues<T>& known, std::span<const ValueR
                                    void (Slave::*set)(std::span<const ValueReference>, std::span<const T>)) {
   std::vector<ValueReference> changed;
   std::vector<T> changed_values;
+  bool is_event = false;
   for (std::size_t i = 0; i < references.size(); ++i) {
     if (!known.update(references[i], values[i])) continue;
     changed.push_back(references[i]);
     changed_values.push_back(values[i]);
+    is_event |= !clocked_.contains(references[i]);
   }
   if (changed.empty()) return;
-  if (group_->is_integrating()) group_->enter_event_mode();
+  if (is_event && group_->is_integrating()) group_->enter_event_mode();
   (inner().*set)(changed, changed_values);
 }
 
@@ -98,6 +103,10 @@ void ContinuousSlave::set_booleans(std::span<const ValueReference> references, s
 
 void ContinuousSlave::set_strings(std::span<const ValueReference> references, std::span<const std::string> values) {
   set_discrete(strings_, references, values, &Slave::set_strings);
+}
+
+void ContinuousSlave::set_binaries(std::span<const ValueReference> references, std::span<const std::string> values) {
+  set_discrete(strings_, references, values, &Slave::set_binaries);
 }
 
 void ContinuousSlave::set_input_derivatives(std::span<const ValueReference> references,

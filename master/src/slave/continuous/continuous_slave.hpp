@@ -21,7 +21,7 @@ class ContinuousGroup;
 /// value does not disturb the solver.
 class ContinuousSlave final : public ForwardingSlave {
  public:
-  /// `instance` is the second interface of `inner`.
+  /// `instance` is the second interface of `inner`, or of the slave in the HoldingSlave `inner`.
   ContinuousSlave(std::unique_ptr<Slave> inner, ContinuousInstance& instance, std::shared_ptr<ContinuousGroup> group);
 
   void setup_experiment(const Experiment& experiment) override;
@@ -37,6 +37,7 @@ class ContinuousSlave final : public ForwardingSlave {
   void set_integers(std::span<const ValueReference> references, std::span<const WholeNumber> values) override;
   void set_booleans(std::span<const ValueReference> references, std::span<const WholeNumber> values) override;
   void set_strings(std::span<const ValueReference> references, std::span<const std::string> values) override;
+  void set_binaries(std::span<const ValueReference> references, std::span<const std::string> values) override;
 
   std::unique_ptr<SlaveState> save_state() override;
   void restore_state(const SlaveState& state) override;
@@ -44,6 +45,8 @@ class ContinuousSlave final : public ForwardingSlave {
   std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) override;
 
   ContinuousInstance& instance() { return *instance_; }
+  /// Returns the index of the slave among the members of its group.
+  std::size_t index() const { return member_; }
   /// Returns the instance without the group.
   Slave& alone() { return inner(); }
   /// Sets inputs that are polynomials in the time since the last communication point.
@@ -74,10 +77,11 @@ class ContinuousSlave final : public ForwardingSlave {
   std::shared_ptr<ContinuousGroup> group_;
   std::size_t member_;
   std::set<ValueReference> continuous_inputs_;
+  std::set<ValueReference> clocked_;  // variables that wait for a tick of their clocks
   KnownValues<double> reals_;
   KnownValues<WholeNumber> integers_;
   KnownValues<WholeNumber> booleans_;
-  KnownValues<std::string> strings_;
+  KnownValues<std::string> strings_;  // and Binaries
   std::vector<Course> courses_;
 };
 

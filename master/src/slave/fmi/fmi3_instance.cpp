@@ -115,6 +115,35 @@ DiscreteUpdate Fmi3Instance::update_event() {
   return update;
 }
 
+bool Fmi3Instance::ticks(ValueReference clock) {
+  calls_.require_function("fmi3GetClock", functions_->get_clock);
+  fmi3Clock active = false;
+  calls_.require("fmi3GetClock", functions_->get_clock, &clock, std::size_t{1}, &active);
+  return active;
+}
+
+void Fmi3Instance::tick(ValueReference clock) {
+  calls_.require_function("fmi3SetClock", functions_->set_clock);
+  const fmi3Clock active = true;
+  calls_.require("fmi3SetClock", functions_->set_clock, &clock, std::size_t{1}, &active);
+}
+
+std::optional<double> Fmi3Instance::new_interval(ValueReference clock) {
+  calls_.require_function("fmi3GetIntervalDecimal", functions_->get_interval_decimal);
+  double interval_s = 0;
+  auto qualifier = fmi3IntervalNotYetKnown;
+  calls_.require("fmi3GetIntervalDecimal", functions_->get_interval_decimal, &clock, std::size_t{1}, &interval_s,
+                 &qualifier);
+  return qualifier == fmi3IntervalChanged ? std::optional(interval_s) : std::nullopt;
+}
+
+double Fmi3Instance::shift(ValueReference clock) {
+  calls_.require_function("fmi3GetShiftDecimal", functions_->get_shift_decimal);
+  double shift_s = 0;
+  calls_.require("fmi3GetShiftDecimal", functions_->get_shift_decimal, &clock, std::size_t{1}, &shift_s);
+  return shift_s;
+}
+
 void Fmi3Instance::terminate() {
   calls_.watched("fmi3Terminate", [&] { calls_.require("fmi3Terminate", functions_->terminate); });
 }

@@ -6,6 +6,7 @@
 #include "slave/fmi/fmu_states.hpp"
 #include "slave/fmi/instance_calls.hpp"
 #include "slave/slave.hpp"
+#include "solver/clock_instance.hpp"
 #include "solver/continuous_instance.hpp"
 
 #include <memory>
@@ -16,7 +17,7 @@
 namespace mebots::master {
 
 /// An FMI 3.0 instance in this process, except for the advance of time, which depends on the kind of FMU.
-class Fmi3Instance : public Slave {
+class Fmi3Instance : public Slave, public ClockInstance {
  public:
   ~Fmi3Instance() override;
   Fmi3Instance(const Fmi3Instance&) = delete;
@@ -61,6 +62,11 @@ class Fmi3Instance : public Slave {
   void set_binaries(std::span<const ValueReference> references, std::span<const std::string> values) override {
     values_.set(ValueKind::binary, references, values);
   }
+
+  bool ticks(ValueReference clock) override;
+  void tick(ValueReference clock) override;
+  std::optional<double> new_interval(ValueReference clock) override;
+  double shift(ValueReference clock) override;
 
   std::unique_ptr<SlaveState> save_state() override { return states_.save(); }
   void restore_state(const SlaveState& state) override { states_.restore(state); }

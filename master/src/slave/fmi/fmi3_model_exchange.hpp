@@ -43,6 +43,8 @@ class Fmi3ModelExchange final : public Fmi3Instance, public ContinuousInstance {
   bool needs_completed_step() const override;
   CompletedStep completed_step() override;
 
+  ClockInstance* clocks() override { return this; }
+
   bool has_directional_derivatives() const override;
   std::span<const ValueReference> state_references() const override { return continuous_.references; }
   std::span<const ValueReference> derivative_references() const override { return continuous_.derivatives; }

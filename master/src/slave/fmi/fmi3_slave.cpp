@@ -91,35 +91,6 @@ void Fmi3Slave::enter_step_mode() {
   calls().require("fmi3EnterStepMode", functions().enter_step_mode);
 }
 
-bool Fmi3Slave::ticks(ValueReference clock) {
-  calls().require_function("fmi3GetClock", functions().get_clock);
-  fmi3Clock active = false;
-  calls().require("fmi3GetClock", functions().get_clock, &clock, std::size_t{1}, &active);
-  return active;
-}
-
-void Fmi3Slave::tick(ValueReference clock) {
-  calls().require_function("fmi3SetClock", functions().set_clock);
-  const fmi3Clock active = true;
-  calls().require("fmi3SetClock", functions().set_clock, &clock, std::size_t{1}, &active);
-}
-
-std::optional<double> Fmi3Slave::new_interval(ValueReference clock) {
-  calls().require_function("fmi3GetIntervalDecimal", functions().get_interval_decimal);
-  double interval_s = 0;
-  auto qualifier = fmi3IntervalNotYetKnown;
-  calls().require("fmi3GetIntervalDecimal", functions().get_interval_decimal, &clock, std::size_t{1}, &interval_s,
-                  &qualifier);
-  return qualifier == fmi3IntervalChanged ? std::optional(interval_s) : std::nullopt;
-}
-
-double Fmi3Slave::shift(ValueReference clock) {
-  calls().require_function("fmi3GetShiftDecimal", functions().get_shift_decimal);
-  double shift_s = 0;
-  calls().require("fmi3GetShiftDecimal", functions().get_shift_decimal, &clock, std::size_t{1}, &shift_s);
-  return shift_s;
-}
-
 StepResult Fmi3Slave::terminated(double time_s) const {
   StepResult result;
   result.done = false;

@@ -44,10 +44,7 @@ class Fmi3Slave final : public Fmi3Instance, public EventInstance {
   std::optional<StepEnd> step_until(double start_s, double end_s) override;
   void enter_event_mode() override;
   void enter_step_mode() override;
-  bool ticks(ValueReference clock) override;
-  void tick(ValueReference clock) override;
-  std::optional<double> new_interval(ValueReference clock) override;
-  double shift(ValueReference clock) override;
+  ClockInstance& clocks() override { return *this; }
   DiscreteUpdate update_discrete_states() override { return update_event(); }
 
  private:

@@ -166,6 +166,7 @@ class Host {
   bool dispatch(Call call, SharedReader& commands) {
     if (continuous_ != nullptr && isolation::dispatch(*continuous_, call, commands, answers_)) return true;
     if (events_ != nullptr && isolation::dispatch(*events_, call, commands, answers_)) return true;
+    if (clocks_ != nullptr && isolation::dispatch(*clocks_, call, commands, answers_)) return true;
     switch (call) {
       case Call::open:
         open(commands);
@@ -315,10 +316,12 @@ class Host {
       auto parts = make_continuous_here(std::move(request), log_);
       slave_ = std::move(parts.slave);
       continuous_ = parts.instance;
+      clocks_ = parts.instance->clocks();
     } else if (clocks_tick) {
       auto parts = make_event_slave_here(std::move(request), log_);
       slave_ = std::move(parts.slave);
       events_ = parts.instance;
+      clocks_ = &parts.instance->clocks();
     } else {
       slave_ = make_slave_here(std::move(request), log_);
     }
@@ -461,6 +464,7 @@ class Host {
   std::unique_ptr<Slave> slave_;
   ContinuousInstance* continuous_ = nullptr;  // the second interface of an instance of model exchange
   EventInstance* events_ = nullptr;           // the second interface of an instance with clocks
+  ClockInstance* clocks_ = nullptr;           // its third interface, or that of an instance of model exchange
   std::map<std::uint64_t, std::unique_ptr<SlaveState>> states_;
   bool closed_ = false;
   bool keeps_library_ = false;

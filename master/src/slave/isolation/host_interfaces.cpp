@@ -119,6 +119,18 @@ bool dispatch(EventInstance& instance, Call call, SharedReader& commands, Shared
     case Call::enter_step_mode:
       instance.enter_step_mode();
       break;
+    case Call::update_discrete_states:
+      put_update(answers, instance.update_discrete_states());
+      return true;
+    default:
+      return false;
+  }
+  answers.put(Answer::done);
+  return true;
+}
+
+bool dispatch(ClockInstance& instance, Call call, SharedReader& commands, SharedWriter& answers) {
+  switch (call) {
     case Call::ticks: {
       const bool ticks = instance.ticks(commands.get<ValueReference>());
       answers.put(Answer::done);
@@ -140,9 +152,6 @@ bool dispatch(EventInstance& instance, Call call, SharedReader& commands, Shared
       answers.put(shift_s);
       return true;
     }
-    case Call::update_discrete_states:
-      put_update(answers, instance.update_discrete_states());
-      return true;
     default:
       return false;
   }

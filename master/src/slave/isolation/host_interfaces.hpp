@@ -2,6 +2,7 @@
 #pragma once
 
 #include "slave/clocked/event_instance.hpp"
+#include "solver/clock_instance.hpp"
 #include "solver/continuous_instance.hpp"
 
 #include "protocol.hpp"
@@ -15,5 +16,9 @@ bool dispatch(ContinuousInstance& instance, Call call, SharedReader& commands, S
 /// Executes a call of an instance whose events the master handles, and writes the answer. Returns false if the call
 /// does not belong to this interface.
 bool dispatch(EventInstance& instance, Call call, SharedReader& commands, SharedWriter& answers);
+
+/// Executes a call about the clocks of such an instance, and writes the answer. Returns false if the call does not
+/// belong to this interface.
+bool dispatch(ClockInstance& instance, Call call, SharedReader& commands, SharedWriter& answers);
 
 }  // namespace mebots::master::isolation

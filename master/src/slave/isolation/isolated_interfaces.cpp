@@ -27,9 +27,34 @@ std::int64_t nanoseconds(double time_s) {
 
 }  // namespace
 
+bool IsolatedClocks::ticks(ValueReference clock) {
+  bool ticks = false;
+  exchange(
+      Call::ticks, [&](SharedReader& answers) { ticks = answers.get_flag(); }, clock);
+  return ticks;
+}
+
+void IsolatedClocks::tick(ValueReference clock) {
+  defer(Call::tick, clock);
+}
+
+std::optional<double> IsolatedClocks::new_interval(ValueReference clock) {
+  std::optional<double> interval_s;
+  exchange(
+      Call::new_interval, [&](SharedReader& answers) { interval_s = answers.get_optional(); }, clock);
+  return interval_s;
+}
+
+double IsolatedClocks::shift(ValueReference clock) {
+  double shift_s = 0;
+  exchange(
+      Call::shift, [&](SharedReader& answers) { shift_s = answers.get<double>(); }, clock);
+  return shift_s;
+}
+
 IsolatedModelExchange::IsolatedModelExchange(const ResolvedInstance& instance, MessageSink& messages,
                                              const std::atomic<bool>* interrupted, const TimeGrid& grid)
-    : IsolatedSlave(instance, messages, interrupted, grid),
+    : IsolatedClocks(instance, messages, interrupted, grid),
       continuous_(continuous_states_of(*instance.model, IsolatedSlave::name())) {}
 
 template <typename... Arguments>
@@ -143,31 +168,6 @@ void IsolatedEventSlave::enter_event_mode() {
 
 void IsolatedEventSlave::enter_step_mode() {
   defer(Call::enter_step_mode);
-}
-
-bool IsolatedEventSlave::ticks(ValueReference clock) {
-  bool ticks = false;
-  exchange(
-      Call::ticks, [&](SharedReader& answers) { ticks = answers.get_flag(); }, clock);
-  return ticks;
-}
-
-void IsolatedEventSlave::tick(ValueReference clock) {
-  defer(Call::tick, clock);
-}
-
-std::optional<double> IsolatedEventSlave::new_interval(ValueReference clock) {
-  std::optional<double> interval_s;
-  exchange(
-      Call::new_interval, [&](SharedReader& answers) { interval_s = answers.get_optional(); }, clock);
-  return interval_s;
-}
-
-double IsolatedEventSlave::shift(ValueReference clock) {
-  double shift_s = 0;
-  exchange(
-      Call::shift, [&](SharedReader& answers) { shift_s = answers.get<double>(); }, clock);
-  return shift_s;
 }
 
 DiscreteUpdate IsolatedEventSlave::update_discrete_states() {

@@ -3,6 +3,7 @@
 
 #include "slave/clocked/event_instance.hpp"
 #include "slave/fmi/continuous_states.hpp"
+#include "solver/clock_instance.hpp"
 #include "solver/continuous_instance.hpp"
 
 #include "isolated_slave.hpp"
@@ -13,8 +14,20 @@
 
 namespace mebots::master::isolation {
 
+/// An instance in a separate process, with the calls for its clocks.
+class IsolatedClocks : public IsolatedSlave, public ClockInstance {
+ public:
+  using IsolatedSlave::IsolatedSlave;
+
+  const std::string& name() const override { return IsolatedSlave::name(); }
+  bool ticks(ValueReference clock) override;
+  void tick(ValueReference clock) override;
+  std::optional<double> new_interval(ValueReference clock) override;
+  double shift(ValueReference clock) override;
+};
+
 /// A model exchange instance in a separate process. Each evaluation takes one hand-over.
-class IsolatedModelExchange final : public IsolatedSlave, public ContinuousInstance {
+class IsolatedModelExchange final : public IsolatedClocks, public ContinuousInstance {
  public:
   /// The arguments are those of IsolatedSlave.
   IsolatedModelExchange(const ResolvedInstance& instance, MessageSink& messages, const std::atomic<bool>* interrupted,
@@ -40,6 +53,8 @@ class IsolatedModelExchange final : public IsolatedSlave, public ContinuousInsta
   bool needs_completed_step() const override;
   CompletedStep completed_step() override;
 
+  ClockInstance* clocks() override { return this; }
+
   bool has_directional_derivatives() const override { return provides_directional_derivatives(); }
   std::span<const ValueReference> state_references() const override { return continuous_.references; }
   std::span<const ValueReference> derivative_references() const override { return continuous_.derivatives; }
@@ -56,18 +71,15 @@ class IsolatedModelExchange final : public IsolatedSlave, public ContinuousInsta
 };
 
 /// A co-simulation instance with clocks, in a separate process.
-class IsolatedEventSlave final : public IsolatedSlave, public EventInstance {
+class IsolatedEventSlave final : public IsolatedClocks, public EventInstance {
  public:
-  using IsolatedSlave::IsolatedSlave;
+  using IsolatedClocks::IsolatedClocks;
 
   const std::string& name() const override { return IsolatedSlave::name(); }
   std::optional<StepEnd> step_until(double start_s, double end_s) override;
   void enter_event_mode() override;
   void enter_step_mode() override;
-  bool ticks(ValueReference clock) override;
-  void tick(ValueReference clock) override;
-  std::optional<double> new_interval(ValueReference clock) override;
-  double shift(ValueReference clock) override;
+  ClockInstance& clocks() override { return *this; }
   DiscreteUpdate update_discrete_states() override;
 };
 

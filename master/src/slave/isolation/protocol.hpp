@@ -60,6 +60,8 @@ enum class Call : std::uint32_t {
   // of an EventInstance
   step_until,
   enter_step_mode,
+
+  // of a ClockInstance
   ticks,
   tick,
   new_interval,

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+
+namespace mebots::master {
+
+/// Times closer together than this are the same: the resolution of the master's clock.
+constexpr double kSameTime_s = 0.5e-9;
+
+/// The clocks of the members of a system (FMI 3.0). They tick at instants in event mode. An instant begins with the
+/// clocks that are due, and ends with the update of the discrete states.
+class SystemClocks {
+ public:
+  virtual ~SystemClocks() = default;
+
+  /// Returns the time of the next tick [s]; infinity if none is scheduled.
+  virtual double next_tick_s() const = 0;
+  /// Returns the member whose clock is the next to tick.
+  virtual std::size_t next_member() const = 0;
+  /// Activates the clocks that are due.
+  virtual void begin_instant(double time_s) = 0;
+  /// Propagates ticks and values of clocked variables along the connections until nothing changes. Returns true if a
+  /// clock starts to tick or an input changes.
+  virtual bool propagate(double time_s) = 0;
+  /// Must be called directly before and after a member's update of its discrete states.
+  virtual void before_update(std::size_t member) = 0;
+  virtual void after_update(std::size_t member, double time_s) = 0;
+};
+
+}  // namespace mebots::master
