@@ -139,7 +139,7 @@ if(MEBOTS_PAGES)
     PATTERN CMakeFiles EXCLUDE)
 endif()
 foreach(fmu fmu_battery fmu_battery_fmi3 fmu_motors fmu_motors_fmi3 fmu_radio fmu_radio_fmi3 fmu_world fmu_world_fmi3 fmu_soc fmu_soc_fmi3 fmu_gap8
-        fmu_gap8_drone fmu_flight_controller ${world_fmus})
+        fmu_gap8_drone fmu_flight_controller fmu_ai_deck_uart fmu_flight_controller_uart ${world_fmus})
   if(NOT TARGET ${fmu})
     continue()
   endif()
@@ -157,10 +157,13 @@ if(MEBOTS_CHIP)
   install(DIRECTORY fmu_soc/include/mebots/soc DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/mebots)
   install(DIRECTORY fmu_soc/firmware/runtime fmu_soc/firmware/drivers fmu_soc/firmware/gap8
     fmu_soc/firmware/kernels fmu_soc/firmware/app fmu_soc/firmware/flight DESTINATION ${share}/fmu_soc/firmware)
-  install(FILES ${PROJECT_BINARY_DIR}/boards/gap8_drone.json DESTINATION ${share}/configs/boards)
+  foreach(board gap8_drone ai_deck_uart flight_controller_uart)
+    install(FILES ${PROJECT_BINARY_DIR}/boards/${board}.json DESTINATION ${share}/configs/boards)
+  endforeach()
   # mebots_soc_fmu() needs these headers, because it compiles its model with the variables of each board. They are not
   # public.
   install(FILES fmu_soc/description.json fmu_soc/model.png DESTINATION ${share}/fmu_soc)
+  install(DIRECTORY fmu_soc/boards DESTINATION ${share}/fmu_soc)
   install(FILES fmu_soc/src/fmu.cpp DESTINATION ${share}/fmu_soc/src)
   install(FILES fmu_soc/src/fmu/model.cpp fmu_soc/src/fmu/variable_fields.cpp DESTINATION ${share}/fmu_soc/src/fmu)
   # These three headers include headers of the chip, which are determined during the installation.
@@ -189,7 +192,7 @@ configure_package_config_file(cmake/mebotsConfig.cmake.in ${installed_package}/m
   INSTALL_DESTINATION ${package_dir} PATH_VARS share CMAKE_INSTALL_BINDIR NO_SET_AND_CHECK_MACRO)
 write_basic_package_version_file(${installed_package}/mebotsConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${installed_package}/mebotsConfig.cmake ${installed_package}/mebotsConfigVersion.cmake
-  cmake/MebotsFmu.cmake cmake/MebotsParts.cmake cmake/MebotsSoc.cmake cmake/MebotsTarget.cmake cmake/fmi2.map cmake/fmi3.map cmake/list_exports.cmake
+  cmake/MebotsFmu.cmake cmake/MebotsParts.cmake cmake/MebotsSoc.cmake cmake/BoardWith.cmake cmake/MebotsTarget.cmake cmake/fmi2.map cmake/fmi3.map cmake/list_exports.cmake
   cmake/MebotsCross.cmake cmake/MebotsFmuSources.cmake cmake/MebotsMath.cmake cmake/MebotsMathNames.cmake cmake/MebotsMuslSource.cmake
   cmake/MebotsPlatforms.cmake
   DESTINATION ${package_dir})

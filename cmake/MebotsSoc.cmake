@@ -9,6 +9,7 @@ if(NOT MEBOTS_ROOT)
   get_filename_component(MEBOTS_ROOT ${CMAKE_CURRENT_LIST_DIR}/.. ABSOLUTE)
 endif()
 set_property(GLOBAL PROPERTY MEBOTS_ROOT ${MEBOTS_ROOT})
+include(${CMAKE_CURRENT_LIST_DIR}/BoardWith.cmake)
 
 # mebots_find_riscv_gcc()
 # Sets MEBOTS_RISCV_GCC and MEBOTS_RISCV_LIBGCC in the cache. Stops with an error if there is no such compiler.
@@ -222,8 +223,16 @@ function(mebots_add_flight_controller name)
     endif()
   endif()
   set(flight estimator.c goal.c main.c)
+  set(drivers imu)
+  # On a board with a UART, set-points come from there.
+  get_target_property(board_file ${ARG_BOARD}_headers MEBOTS_BOARD_FILE)
+  file(READ ${board_file} board_text)
+  if(board_text MATCHES "\"kind\"[ \t\r\n]*:[ \t\r\n]*\"uart\"")
+    list(APPEND flight companion.c)
+    list(APPEND drivers setpoint_frame)
+  endif()
   list(TRANSFORM flight PREPEND ${root}/fmu_soc/firmware/flight/)
-  mebots_add_firmware(${name} BOARD ${ARG_BOARD} NO_CLUSTER C_LIBRARY SOURCES ${flight} ${ARG_SOURCES} DRIVERS imu
+  mebots_add_firmware(${name} BOARD ${ARG_BOARD} NO_CLUSTER C_LIBRARY SOURCES ${flight} ${ARG_SOURCES} DRIVERS ${drivers}
     OPTIONS -fno-math-errno -ffp-contract=off ${ARG_OPTIONS})
 endfunction()
 

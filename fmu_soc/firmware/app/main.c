@@ -66,6 +66,7 @@ static bool wait_for_phase(uint32_t wanted, uint32_t least_charge_ppm) {
     if (phase == FLIGHT_PHASE_CRASHED || battery_charge_ppm() < least_charge_ppm) {
       return false;
     }
+    flight_repeat();
     next_ns += PHASE_POLL_NS;
     timer_sleep_until(next_ns);
   }

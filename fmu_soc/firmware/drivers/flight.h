@@ -6,16 +6,21 @@
 #include <stdint.h>
 
 #include "board.h"
+#include "drivers/setpoint.h"
 
-// Set-points for the flight controller.
-typedef struct {
-  uint32_t mode;            // FLIGHT_MODE_...
-  int32_t velocity_x_um_s;  // forward
-  int32_t yaw_rate_urad_s;  // positive = left
-  int32_t altitude_um;      // above ground
-} setpoint_t;
+#ifdef UART_DATA
+// Sends a frame with the set-points by UART (drivers/flight_uart.c).
+void flight_send(const setpoint_t* setpoint);
+// Sends the last set-points again, since a frame can get lost.
+void flight_repeat(void);
+#else
+static inline void flight_send(const setpoint_t* setpoint) {
+  (void)setpoint;
+}
+static inline void flight_repeat(void) {}
+#endif
 
-// Sends all set-points together.
+// Sends all set-points together: to the variables of the FMU, and by UART if the board has one.
 static inline void flight_command(const setpoint_t* setpoint) {
   FLIGHT_MODE = setpoint->mode;
   FLIGHT_VELOCITY_X = (uint32_t)setpoint->velocity_x_um_s;
@@ -23,6 +28,7 @@ static inline void flight_command(const setpoint_t* setpoint) {
   FLIGHT_YAW_RATE = (uint32_t)setpoint->yaw_rate_urad_s;
   FLIGHT_ALTITUDE = (uint32_t)setpoint->altitude_um;
   FLIGHT_COMMIT = 1;
+  flight_send(setpoint);
 }
 
 static inline uint32_t flight_phase(void) {

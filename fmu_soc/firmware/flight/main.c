@@ -3,6 +3,7 @@
 #include "board.h"
 #include "drivers/imu.h"
 #include "drivers/rotors.h"
+#include "flight/companion.h"
 #include "flight/controller.h"
 #include "flight/estimator.h"
 #include "flight/goal.h"
@@ -37,6 +38,9 @@ int main(void) {
       is_late = true;
       print("the loop takes more than 1 ms at %u us\n", sample.time_us);
     }
+#ifdef UART_DATA
+    companion_update(sample.time_us);
+#endif
     estimator_update(&sample, flew);
     const flight_state_t* state = estimator_state();
     const bool flies = goal_update(state, estimator_range());

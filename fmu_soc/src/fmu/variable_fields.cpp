@@ -56,8 +56,12 @@ void VariableFields::find(const DeviceSet::Member& slot, const BoardVariable& va
   const auto& name = variable.name;
   const auto causality = causality_of(variable);
   if (variable.type == "String") {
-    const auto* from = required(fmu::text_field(variables, causality, name), name);
-    texts_.push_back({from, known(slot.device->text_input(name), *slot.entry, name)});
+    auto* field = required(fmu::text_field(variables, causality, name), name);
+    if (variable.is_input()) {
+      texts_.push_back({field, known(slot.device->text_input(name), *slot.entry, name)});
+    } else {
+      text_outputs_.push_back({known(slot.device->text_output(name), *slot.entry, name), field});
+    }
     return;
   }
   if (variable.type == "Binary") {
@@ -92,6 +96,7 @@ void VariableFields::take() {
 
 void VariableFields::write(double step_s) {
   for (const auto& output : outputs_) output.to.set(*output.from);
+  for (const auto& output : text_outputs_) *output.to = *output.from;
   for (const auto& energy : energies_) {
     const auto now_j = soc_.power().energy_j(*energy.device);
     if (energy.energy_j) energy.energy_j->set(now_j);

@@ -45,6 +45,10 @@ class VariableFields {
     const fmu::BinaryRef* from = nullptr;
     std::span<const std::uint8_t>* to = nullptr;
   };
+  struct TextOutput {
+    const std::string* from = nullptr;
+    std::string* to = nullptr;
+  };
   struct Output {
     const double* from = nullptr;
     fmu::NumberField to;
@@ -64,6 +68,7 @@ class VariableFields {
   std::vector<Text> texts_;
   std::vector<Bytes> bytes_;
   std::vector<Output> outputs_;
+  std::vector<TextOutput> text_outputs_;
   std::vector<Energy> energies_;
 };
 

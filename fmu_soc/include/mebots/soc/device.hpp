@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 
 namespace mebots::soc {
@@ -48,13 +49,14 @@ class Device {
   virtual bool interrupt() const { return false; }
 
   /// Return the storage of one of the entry's variables by its name in the board file; null if the device has no such
-  /// variable. input() is for numbers of all types (Boolean: 0 and 1; enumeration: the item's value), the others for
-  /// texts and bytes that come in. Called once, at construction of the chip. Texts and bytes are valid until
+  /// variable. input() and output() are for numbers of all types (Boolean: 0 and 1; enumeration: the item's value), the
+  /// others for texts and bytes. Called once, at construction of the chip. Texts and bytes are valid until
   /// begin_step() returns.
   virtual double* input(std::string_view /*variable*/) { return nullptr; }
   virtual std::string_view* text_input(std::string_view /*variable*/) { return nullptr; }
   virtual std::span<const std::uint8_t>* bytes_input(std::string_view /*variable*/) { return nullptr; }
   virtual const double* output(std::string_view /*variable*/) const { return nullptr; }
+  virtual const std::string* text_output(std::string_view /*variable*/) const { return nullptr; }
   /// Begins a step at `now`. Parameters and inputs have been set, and stay constant until the next step.
   virtual void begin_step(Picoseconds /*now*/) {}
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "devices/core/active_time.hpp"
 #include "devices/core/kinds.hpp"
+#include "devices/generic/random_numbers.hpp"
 #include "mebots/error.hpp"
 #include "mebots/soc/device.hpp"
 #include "mebots/soc/fixed_point.hpp"
@@ -27,18 +28,12 @@ double standard_pressure_pa(double altitude_m) {
   return 101325.0 * sum;
 }
 
-/// Returns a number with mean 0 and variance 1: the sum of twelve uniform numbers less 6, from a counter (splitmix64,
-/// Steele, Lea and Flood 2014).
+/// Returns a number with mean 0 and variance 1: the sum of twelve uniform numbers less 6.
 double normal(std::uint64_t seed, std::uint64_t index) {
-  std::uint64_t state = seed * 0xd1342543de82ef95U + index * 12 * 0x9e3779b97f4a7c15U;
+  constexpr unsigned kNumbers = 12;
+  auto state = random_state(seed, index, kNumbers);
   double sum = -6.0;
-  for (int i = 0; i < 12; ++i) {
-    state += 0x9e3779b97f4a7c15U;
-    std::uint64_t z = state;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
-    sum += static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
-  }
+  for (unsigned i = 0; i < kNumbers; ++i, state += kSplitMixStep) sum += uniform_number(state);
   return sum;
 }
 

@@ -53,10 +53,10 @@ inline std::optional<NumberField> number_field(void* variables, Causality causal
   return NumberField(found->type, static_cast<std::byte*>(variables) + found->offset);
 }
 
-inline const std::string* text_field(const void* variables, Causality causality, std::string_view name) {
+inline std::string* text_field(void* variables, Causality causality, std::string_view name) {
   const auto* found = find_variable(causality, name);
   if (found == nullptr || found->type != Type::string) return nullptr;
-  return reinterpret_cast<const std::string*>(static_cast<const std::byte*>(variables) + found->offset);
+  return reinterpret_cast<std::string*>(static_cast<std::byte*>(variables) + found->offset);
 }
 
 /// Returns an OSMP triple by the common prefix of its three names.

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Set-points as a frame of bytes, for a line that may lose or garble bytes:
+//
+//   mark 0xA5, number, mode, forward velocity, yaw rate, altitude, checksum
+//
+// Number and mode have one byte each, velocity, yaw rate and altitude four, the checksum two; least significant byte
+// first. The number counts frames, modulo 256. The checksum is CRC-16/CCITT-FALSE (polynomial 0x1021, start value
+// 0xFFFF) of all bytes before it.
+#pragma once
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "drivers/setpoint.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define SETPOINT_FRAME_BYTES 17
+
+void setpoint_frame_write(const setpoint_t* setpoint, uint8_t number, uint8_t frame[SETPOINT_FRAME_BYTES]);
+
+// Finds frames among received bytes. All zeros at the start.
+typedef struct {
+  uint8_t bytes[SETPOINT_FRAME_BYTES];  // from a mark on
+  unsigned count;
+  uint32_t frames;      // valid frames
+  uint32_t lost;        // frames that are missing between two valid ones, by their numbers
+  uint8_t next_number;  // of the frame after the last valid one
+} setpoint_reader_t;
+
+// Takes a received byte. If it completes a valid frame, sets `setpoint` and returns true.
+bool setpoint_reader_take(setpoint_reader_t* reader, uint8_t byte, setpoint_t* setpoint);
+
+// Returns the checksum of CRC-16/CCITT-FALSE.
+uint16_t setpoint_frame_checksum(const uint8_t* bytes, unsigned count);
+
+#ifdef __cplusplus
+}
+#endif
