@@ -162,6 +162,54 @@ TEST(MissionObserve, ADebuggerPausesTheMissionWhichThenContinuesWithTheSameBits)
   EXPECT_TRUE(bytes == state_after({}, kSteps));
 }
 
+/// Steps of 2 ms. The firmware sleeps most of the time, so some steps have few instructions or none.
+TEST(MissionObserve, ADebuggerGoesBackOverStepsOfTheMissionAndTheBitsStay) {
+  Parameters debugged;
+  debugged.gdb_port = 0;
+  constexpr int kSteps = 30;
+  const auto handler = Elf::read(MEBOTS_BINARY_DIR "/firmware/gate.elf").symbol("on_timer").value();
+  std::thread caller;
+  std::vector<std::string> answers;
+  const auto bytes = state_after(debugged, kSteps, [&](std::string_view message) {
+    const auto port = std::stoi(std::string(message.substr(message.rfind(':') + 1)));
+    caller = std::thread([port, handler, &answers] {
+      Caller gdb(port);
+      const auto pc = [&gdb] { return gdb.ask("p20"); };
+      const auto time = [&gdb] { return gdb.ask("qRcmd,74696d65"); };  // "time"
+      gdb.ask("?");
+      const auto begin = pc();
+      const auto begin_time = time();
+      gdb.ask(fmt::format("Z0,{:x},4", handler));
+      for (int i = 0; i < 2; ++i) answers.push_back(gdb.ask("c"));  // the handler of the timer, each 20 ms
+      const auto present = pc();
+      const auto present_time = time();
+      answers.push_back(gdb.ask("bc"));
+      EXPECT_EQ(pc(), present) << "the same breakpoint";
+      EXPECT_NE(time(), present_time) << "an earlier time";
+      answers.push_back(gdb.ask("bc"));
+      EXPECT_EQ(pc(), begin);
+      EXPECT_EQ(time(), begin_time);
+      gdb.ask("c");
+      gdb.ask("c");
+      EXPECT_EQ(pc(), present);
+      EXPECT_EQ(time(), present_time) << "the same place after a replay";
+      gdb.ask("s");
+      gdb.ask("s");
+      gdb.ask("bs");
+      gdb.ask("bs");
+      EXPECT_EQ(pc(), present);
+      EXPECT_EQ(time(), present_time);
+      answers.push_back(gdb.ask("D"));
+    });
+  });
+  caller.join();
+  ASSERT_EQ(answers.size(), 5U);
+  EXPECT_THAT(answers[2], testing::HasSubstr("swbreak"));
+  EXPECT_THAT(answers[3], testing::HasSubstr("replaylog:begin"));
+  EXPECT_EQ(answers[4], "OK");
+  EXPECT_TRUE(bytes == state_after({}, kSteps));
+}
+
 TEST(MissionObserve, ADebuggerThatVanishesLetsTheMissionContinue) {
   Parameters debugged;
   debugged.gdb_port = 0;

@@ -101,7 +101,7 @@ Elf firmware_of(const Parameters& parameters, const std::filesystem::path& resou
   }
 }
 
-observe::Requests requests_of(const Parameters& parameters, const Listeners& listeners) {
+observe::Requests requests_of(const Parameters& parameters) {
   const auto path = [](const std::string& text) {
     return text.empty() ? std::nullopt : std::optional<std::string>(text);
   };
@@ -112,10 +112,24 @@ observe::Requests requests_of(const Parameters& parameters, const Listeners& lis
   requests.power_trace = path(parameters.observe_power_trace);
   if (parameters.gdb_port >= 0) requests.gdb_port = parameters.gdb_port;
   requests.gdb_kill = debug::GdbServer::Kill::detaches;
-  requests.announce = [&listeners](std::string_view text) {
-    if (listeners.observe) listeners.observe(text);
-  };
   return requests;
+}
+
+/// Files of a recording would contain repeated instructions, so with them gdb cannot go back in time.
+bool is_reversible(const observe::Requests& requests) {
+  return requests.gdb_port && !requests.writes();
+}
+
+/// Returns listeners that get nothing while a debugger repeats a part of the run.
+Listeners muted_in_replay(Listeners listeners, const std::optional<Past>& past) {
+  if (!past) return listeners;
+  for (auto* listener : {&listeners.console, &listeners.faults}) {
+    if (!*listener) continue;
+    *listener = [inner = *listener, &past](std::string_view text) {
+      if (!past->history.repeats()) inner(text);
+    };
+  }
+  return listeners;
 }
 
 }  // namespace
@@ -126,13 +140,18 @@ Model::Model(Variables& variables, const std::filesystem::path& resources, Liste
 Model::Model(Variables& variables, const std::filesystem::path& resources, const BoardDescription& board,
              Listeners listeners)
     : variables_(variables),
-      listeners_(listeners),
+      past_(is_reversible(requests_of(variables.parameters)) ? std::make_optional<Past>() : std::nullopt),
+      listeners_(muted_in_replay(std::move(listeners), past_)),
       energies_(variables.parameters.energy_name.empty() ? board.energy : variables.parameters.energy_name),
       chip_(calibrated_chip(energies_, variables.parameters.calibration_energy)),
       soc_(board, chip_, settings_of(variables.parameters), firmware_of(variables.parameters, resources, board),
-           std::move(listeners)),
+           listeners_),
       fields_(soc_, &variables) {
-  const auto requests = requests_of(variables.parameters, listeners_);
+  auto requests = requests_of(variables.parameters);
+  requests.announce = [this](std::string_view text) {
+    if (listeners_.observe) listeners_.observe(text);
+  };
+  if (past_) requests.history = &past_->history;
   if (requests.any()) session_ = std::make_unique<observe::Session>(requests, soc_);
 }
 
@@ -161,9 +180,10 @@ void Model::step(std::int64_t start_ns, std::int64_t duration_ns) {
         "the step would end more than {} s after its start; the chip's time in picoseconds cannot represent that",
         kLongestNs / 1'000'000'000));
   }
+  if (session_) session_->checkpoint();
   take_inputs();
   const auto energy_before = soc_.energy();
-  soc_.advance(start_ns - origin_ns_ + duration_ns);
+  advance(start_ns - origin_ns_ + duration_ns);
   if (session_) session_->stepped();
   report_spinning();
   const auto duration_s = static_cast<double>(duration_ns) * kNanosecond;
@@ -187,8 +207,28 @@ void Model::report_spinning() {
                   soc_.program().where(pc)));
 }
 
+void Model::advance(std::int64_t end_ns) {
+  if (past_) past_->add(soc_.now(), end_ns, fields_);
+  soc_.advance(end_ns);
+  while (session_ && session_->rewind()) replay();
+}
+
+/// Repeats the steps from the restored state to the present one, or until gdb goes back again.
+void Model::replay() {
+  for (auto i = past_->present(soc_.now()); i < past_->steps.size() && !past_->history.leaves(); ++i) {
+    session_->checkpoint();
+    fields_.set(past_->steps[i].inputs);
+    begin_step();
+    soc_.advance(past_->steps[i].end_ns);
+  }
+}
+
 void Model::take_inputs() {
   fields_.take();
+  begin_step();
+}
+
+void Model::begin_step() {
   const auto least_v = soc_.board().supply.least_v;
   if (const auto* supply_v = fields_.supply_v();
       supply_v != nullptr && *supply_v < least_v && soc_.end() != End::powered_off) {
@@ -256,7 +296,9 @@ void Model::write_decisions() {
 void Model::visit(state::Visitor& v) {
   v("origin_ns", origin_ns_);
   v("soc", soc_);
-  if (v.restores() && session_) session_->restored();
+  if (!v.restores()) return;
+  if (past_) past_->forget();
+  if (session_) session_->restored();
 }
 
 }  // namespace mebots::soc

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "fmu/past.hpp"
 #include "fmu/variable_fields.hpp"
 #include "fmu_soc/variables.hpp"
 #include "mebots/state/visitor.hpp"
@@ -10,6 +11,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <string>
 
 namespace mebots::soc {
 
@@ -43,11 +46,15 @@ class Model {
         Listeners listeners);
 
   void take_inputs();
+  void begin_step();
+  void advance(std::int64_t end_ns);
+  void replay();
   void write(double step_s);
   void write_decisions();
   void report_spinning();
 
   Variables& variables_;
+  std::optional<Past> past_;  // if a debugger can go back in time
   Listeners listeners_;
   std::string energies_;
   Chip chip_;

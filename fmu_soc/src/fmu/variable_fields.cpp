@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace mebots::soc {
@@ -91,7 +92,31 @@ void VariableFields::take() {
   }
   for (const auto& text : texts_) *text.to = *text.from;
   for (const auto& bytes : bytes_) *bytes.to = bytes.from->bytes();
+  begin_energies();
+}
+
+void VariableFields::begin_energies() {
   for (auto& energy : energies_) energy.before_j = soc_.power().energy_j(*energy.device);
+}
+
+StepInputs VariableFields::inputs(const StepInputs* before) const {
+  StepInputs inputs;
+  for (const auto& number : numbers_) inputs.numbers.push_back(*number.to);
+  for (const auto& text : texts_) inputs.texts.push_back(*text.from);
+  for (std::size_t i = 0; i < bytes_.size(); ++i) {
+    const auto bytes = bytes_[i].from->bytes();
+    const bool same = before != nullptr && std::ranges::equal(*before->bytes[i], bytes);
+    inputs.bytes.push_back(same ? before->bytes[i]
+                                : std::make_shared<const std::vector<std::uint8_t>>(bytes.begin(), bytes.end()));
+  }
+  return inputs;
+}
+
+void VariableFields::set(const StepInputs& inputs) {
+  for (std::size_t i = 0; i < numbers_.size(); ++i) *numbers_[i].to = inputs.numbers[i];
+  for (std::size_t i = 0; i < texts_.size(); ++i) *texts_[i].to = inputs.texts[i];
+  for (std::size_t i = 0; i < bytes_.size(); ++i) *bytes_[i].to = *inputs.bytes[i];
+  begin_energies();
 }
 
 void VariableFields::write(double step_s) {

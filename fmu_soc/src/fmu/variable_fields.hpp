@@ -6,12 +6,20 @@
 #include "soc/soc.hpp"
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace mebots::soc {
+
+/// The parameters and inputs of a step.
+struct StepInputs {
+  std::vector<double> numbers;
+  std::vector<std::string> texts;
+  std::vector<std::shared_ptr<const std::vector<std::uint8_t>>> bytes;  // shared by steps with equal bytes
+};
 
 /// Copies values between the FMU's variables and the devices that use them, as the entries in the board file say:
 ///
@@ -27,6 +35,10 @@ class VariableFields {
 
   /// Throws Error if an input is not a number.
   void take();
+  /// Returns what take() has just passed to the devices. `before` are the inputs of the step before, or null.
+  StepInputs inputs(const StepInputs* before) const;
+  /// Passes the inputs of an earlier step to the devices. They must outlive the devices' begin_step().
+  void set(const StepInputs& inputs);
   void write(double step_s);
   /// Returns the supply voltage of the chip; null if the board has none.
   const double* supply_v() const { return supply_v_; }
@@ -61,6 +73,7 @@ class VariableFields {
   };
 
   void find(const DeviceSet::Member& slot, const BoardVariable& variable, void* variables);
+  void begin_energies();
 
   Soc& soc_;
   const double* supply_v_ = nullptr;
