@@ -128,6 +128,34 @@ TEST(Coverage, CountsLinesFunctionsAndBranches) {
   EXPECT_THAT(text, HasSubstr("LF:6\nLH:5\nend_of_record\n"));
 }
 
+/// Compilers write such rows for optimised code: line 10 begins at an address whose code belongs to line 30.
+TEST(Coverage, CountsStatementsWithoutCodeOfTheirOwn) {
+  constexpr std::string_view kOptimised = R"(
+    .file 1 "main.c"
+    .type _start, @function
+_start: .loc 1 10
+    .loc 1 30 is_stmt 0
+    li t0, 2
+1:  .loc 1 11 is_stmt 1
+    .loc 1 30 is_stmt 0
+    addi t0, t0, -1
+    bnez t0, 1b
+    .loc 1 15 is_stmt 1
+    la t0, tohost
+    li t1, 1
+    sw t1, 0(t0)
+3:  j 3b
+    .size _start, . - _start
+)";
+  const Folder folder;
+  const auto program = folder.program(fmt::format("{}{}", kOptimised, kTohost));
+  const auto run = run_tool(fmt::format("run {} --coverage {}", program, folder / "lcov.info"));
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const auto text = read_file(folder / "lcov.info");
+  EXPECT_THAT(text, HasSubstr("FN:10,_start\nFNDA:1,_start\n"));
+  EXPECT_THAT(text, HasSubstr("DA:10,1\nDA:11,2\nDA:15,1\n"));
+}
+
 TEST(Coverage, OfALineThatEndsBeyondAllCodeEndsWithTheProgram) {
   // DWARF 5, 6.2, in the form of version 2: line 1 from _start to the last address.
   constexpr std::string_view kDamaged = R"(

@@ -363,11 +363,13 @@ std::optional<SourceLine> find_line(const LineSections& sections, std::uint32_t 
   return found;
 }
 
+/// In optimised code, a statement often begins at the address of the next row, which is no statement. Such a statement
+/// has an empty range: its address still tells how often it began.
 std::vector<LineRange> all_lines(const LineSections& sections) {
   std::vector<LineRange> ranges;
   for_each_unit(sections, [&](LineProgram& program) {
     program.for_each([&](const Row& row, std::uint32_t end) {
-      if (row.statement && row.line != 0 && row.address < end) {
+      if (row.statement && row.line != 0 && row.address <= end) {
         ranges.push_back({row.address, end, program.file(row.file), row.line});
       }
       return false;
