@@ -13,9 +13,9 @@
 
 namespace mebots::soc {
 
-/// What a debugger needs to go back over the steps of a mission: saved states of the chip, and the inputs of each step.
-/// Only the chip goes back. A replay gives it the same inputs again, so that it comes to the present with the same
-/// bits, and the other models, which wait at the present, are not concerned.
+/// Saved states of the chip, and the inputs of all steps, with which a debugger goes back in time. Only the chip goes
+/// back. A replay gives it the same inputs, so that it reaches the present with the same bits. Meanwhile the other
+/// models wait at the present.
 struct Past {
   struct Step {
     std::uint64_t position = 0;  // of the history at the start of the step
