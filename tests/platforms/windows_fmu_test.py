@@ -33,8 +33,11 @@ DESCRIPTION = f"""<?xml version="1.0" encoding="UTF-8"?>
 
 
 def missing():
-    wine = shutil.which("wine64") or shutil.which("wine") or Path("/usr/lib/wine/wine64").exists()
-    return not wine or not shutil.which("x86_64-w64-mingw32-gcc-posix") or not (MEBOTS.parent / "mebots-windows-host.exe").exists()
+    """Return what is missing for this test, by the name of its package."""
+    found = {"wine64": shutil.which("wine64") or shutil.which("wine") or Path("/usr/lib/wine/wine64").exists(),
+             "g++-mingw-w64-x86-64-posix": shutil.which("x86_64-w64-mingw32-gcc-posix"),
+             "mebots-windows-host.exe (build again with MinGW)": (MEBOTS.parent / "mebots-windows-host.exe").exists()}
+    return [package for package, is_there in found.items() if not is_there]
 
 
 class WindowsFmu(unittest.TestCase):
@@ -163,6 +166,25 @@ class WindowsFmu(unittest.TestCase):
         self.assertIn("printed by the FMU", done.stderr)
         self.assertNotIn("printed", done.stdout)
 
+    def test_a_locale_of_the_fmu_changes_no_results(self):
+        results = []
+        for fault in ("", "locale"):
+            done, out = self.run_fmu("dll", fault)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            results.append((out / "results.csv").read_text())
+        self.assertEqual(*results)
+        self.assertIn("locale: 1,5", done.stderr, "the FMU has set a locale with a decimal comma")
+
+    def check(self, kind):
+        """Return the result of the plain run of `mebots check` and its findings."""
+        done = subprocess.run([MEBOTS, "check", "--json", f"{kind}/probe.fmu"], cwd=self.folder, capture_output=True, text=True, timeout=200,
+                              check=False)
+        plain = next(check for check in json.loads(done.stdout)["checks"] if "under wine" in check["name"])
+        return plain["result"], json.dumps(plain["findings"])
+
+    def test_check_makes_a_plain_run(self):
+        self.assertEqual(self.check("dll"), ("passed", "[]"))
+
     def test_a_missing_dll_is_reported(self):
         broken = self.folder / "broken.dll"
         broken.write_bytes((self.folder / "probe.dll").read_bytes().replace(b"msvcrt.dll", b"nodll0.dll"))
@@ -171,9 +193,13 @@ class WindowsFmu(unittest.TestCase):
         done, _ = self.run_fmu("broken")
         self.assertEqual(done.returncode, 2)
         self.assertIn("it needs a DLL that was not found", done.stderr)
+        result, findings = self.check("broken")
+        self.assertEqual(result, "failed")
+        self.assertIn("it needs a DLL that was not found", findings)
 
 
 if __name__ == "__main__":
     if missing():
+        print("skipped: not installed:", ", ".join(missing()))
         sys.exit(77)
     unittest.main(argv=sys.argv[:1])

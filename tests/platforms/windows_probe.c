@@ -5,6 +5,7 @@
 //   fault names the fault that occurs in the step that reaches 0.5 s
 #include "fmi2.h"
 
+#include <locale.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -76,6 +77,10 @@ static void fail(Probe* p) {
   }
   while (strcmp(fault, "memory") == 0) memset(malloc(16 << 20), 1, 16 << 20);
 #ifdef _WIN32
+  if (strcmp(fault, "locale") == 0) {
+    setlocale(LC_ALL, "German_Germany.1252");
+    fprintf(stderr, "locale: %g\n", 1.5);
+  }
   if (strcmp(fault, "raise") == 0) RaiseException(0xe06d7363, 0, 0, NULL);
 #endif
 }
