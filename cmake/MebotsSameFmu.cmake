@@ -1,15 +1,31 @@
 # SPDX-License-Identifier: Apache-2.0
 
 # mebots_require_same_fmu(<archive> <archive of this build>)
-# Fails if the two are not builds of one FMU, which have the same description.
+# Fails unless <archive> has all files of this build's archive, with the same bytes: its binaries for other platforms are then of the same code.
+# The documentation is not compared.
 function(mebots_require_same_fmu archive own)
   set(folder ${own}.compared)
+  file(REMOVE_RECURSE ${folder})
   foreach(file archive own)
-    file(ARCHIVE_EXTRACT INPUT ${${file}} DESTINATION ${folder}/${file} PATTERNS modelDescription.xml)
-    file(SHA256 ${folder}/${file}/modelDescription.xml hash_of_${file})
+    file(ARCHIVE_EXTRACT INPUT ${${file}} DESTINATION ${folder}/${file})
+  endforeach()
+  file(GLOB_RECURSE names RELATIVE ${folder}/own ${folder}/own/*)
+  list(FILTER names EXCLUDE REGEX "^documentation/")
+  set(different)
+  foreach(name IN LISTS names)
+    set(hash_of_archive)
+    if(EXISTS ${folder}/archive/${name})
+      file(SHA256 ${folder}/archive/${name} hash_of_archive)
+    endif()
+    file(SHA256 ${folder}/own/${name} hash_of_own)
+    if(NOT hash_of_archive STREQUAL hash_of_own)
+      list(APPEND different ${name})
+    endif()
   endforeach()
   file(REMOVE_RECURSE ${folder})
-  if(NOT hash_of_archive STREQUAL hash_of_own)
-    message(FATAL_ERROR "${archive} is not a build of the same FMU as ${own}: their modelDescription.xml differ. Run scripts/platforms.sh again")
+  if(different)
+    list(JOIN different ", " different)
+    message(FATAL_ERROR "${archive} is not of the same code and options as ${own}: they differ in ${different}. "
+      "Run scripts/platforms.sh again on a build of this state (docs/platforms.md)")
   endif()
 endfunction()
