@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fly a mission with an FMU's binaries for several platforms at once, and compare all values at every communication point.
 
-    fly.py --loader PLATFORM=COMMAND... CONFIG FMU_FOLDER STOP_TIME
+    fly.py --loader PLATFORM=COMMAND... [--real-s LIMIT] CONFIG FMU_FOLDER STOP_TIME
 
 COMMAND is run_fmu of this folder. This program is the master: outputs at a communication point are inputs of the step that follows. It has no
 code in common with MEbots. Pictures reach the chip as base64. Each platform has its own instances, whose inputs come from each other alone.
-Exit code 1: a value differs, or the chip took no picture.
+LIMIT ends a flight after this many seconds of real time, and the report names the simulated time that it reached. Exit code 1: a value differs,
+or the chip took no picture.
 """
 
 import argparse
@@ -111,6 +112,7 @@ class Flight:
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("--loader", action="append", required=True, metavar="PLATFORM=COMMAND")
+    parser.add_argument("--real-s", type=float, default=float("inf"), metavar="LIMIT")
     parser.add_argument("config", type=Path)
     parser.add_argument("fmus", type=Path, metavar="FMU_FOLDER")
     parser.add_argument("stop_time", type=float)
@@ -132,11 +134,13 @@ def main():
                 if found[platform] != found[own]:
                     first.setdefault(platform, step)
                 flight.begin_step(step)
+            if time.monotonic() - began > arguments.real_s:
+                break
         for flight in flights.values():
             flight.end_step()
             flight.close()
         pictures = flights[own].pictures - 1  # the first is the empty one at the start
-    print(f"{arguments.config.name}, {arguments.stop_time} s: {values} values, {pictures} pictures, {time.monotonic() - began:.0f} s of real time")
+    print(f"{arguments.config.name}, {step * config['step']:g} of {arguments.stop_time:g} s: {values} values, {pictures} pictures, {time.monotonic() - began:.0f} s of real time")
     for platform in list(flights)[1:]:
         difference = f"; first difference at step {first[platform]}" if platform in first else ""
         print(f"  {platform}: {equal[platform]} of {values} equal{difference}")
