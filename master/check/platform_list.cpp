@@ -81,9 +81,9 @@ class FolderReader {
   }
 
   void read_elf(const fs::path& file) {
-    const auto library = modeldesc::read_elf_library(file);
-    for (const auto& version : modeldesc::read_needed_versions(file)) glibc_ = std::max(glibc_, glibc_version(version));
-    for (const auto& name : library.needed)
+    const auto needs = modeldesc::read_elf_needs(file);
+    for (const auto& version : needs.versions) glibc_ = std::max(glibc_, glibc_version(version));
+    for (const auto& name : needs.libraries)
       if (!modeldesc::is_part_of_linux(name) && !names_.contains(name)) missing_.insert(name);
   }
 

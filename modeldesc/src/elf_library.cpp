@@ -2,7 +2,6 @@
 #include "mebots/modeldesc/elf_library.hpp"
 
 #include "mebots/elf_bytes.hpp"
-#include "mebots/modeldesc/system_libraries.hpp"
 
 #include <elf.h>
 #include <fcntl.h>
@@ -13,6 +12,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <map>
 #include <span>
@@ -65,7 +65,17 @@ class ElfImage {
   ElfImage(std::string name, std::uint64_t base) : name_(std::move(name)), base_(base) {}
 
   void add(Segment segment) { segments_.push_back(segment); }
-  void set_dynamic(std::uint64_t address) { read_dynamic(address); }
+  template <typename Entry>
+  void set_dynamic(std::uint64_t address) {
+    for (;; address += sizeof(Entry)) {
+      const auto entry = at<Entry>(address);
+      if (entry.d_tag == DT_NULL) return;
+      if (entry.d_tag == DT_NEEDED || entry.d_tag == DT_SONAME || entry.d_tag == DT_RPATH || entry.d_tag == DT_RUNPATH)
+        names_.emplace_back(entry.d_tag, entry.d_un.d_val);
+      else
+        values_[entry.d_tag] = entry.d_un.d_val;
+    }
+  }
 
   [[noreturn]] void fail(std::string_view what) const {
     throw Error(ErrorCode::fmu_inconsistent, fmt::format("{}: {}", name_, what));
@@ -82,6 +92,7 @@ class ElfImage {
   }
 
   /// Returns the versions of symbols in other libraries. Each needed library has an entry with a list of version names.
+  /// The table is the same in 32-bit files.
   std::vector<std::string> needed_versions() const {
     std::size_t most = 0;  // a row of the table has 16 bytes
     for (const auto& segment : segments_) most += segment.bytes.size() / sizeof(Elf64_Vernaux);
@@ -129,17 +140,6 @@ class ElfImage {
   }
 
  private:
-  void read_dynamic(std::uint64_t address) {
-    for (;; address += sizeof(Elf64_Dyn)) {
-      const auto entry = at<Elf64_Dyn>(address);
-      if (entry.d_tag == DT_NULL) return;
-      if (entry.d_tag == DT_NEEDED || entry.d_tag == DT_SONAME || entry.d_tag == DT_RPATH || entry.d_tag == DT_RUNPATH)
-        names_.emplace_back(entry.d_tag, entry.d_un.d_val);
-      else
-        values_[entry.d_tag] = entry.d_un.d_val;
-    }
-  }
-
   std::uint64_t value(std::int64_t tag) const {
     const auto found = values_.find(tag);
     return found == values_.end() ? 0 : found->second;
@@ -271,28 +271,40 @@ class ElfFile {
   explicit ElfFile(const std::filesystem::path& file)
       : mapping_(file), bytes_(mapping_.bytes(), file.string(), ErrorCode::fmu_inconsistent), image_(file.string(), 0) {
     if (!bytes_.has_magic()) bytes_.fail("is not an ELF file");
-    header_ = bytes_.get<Elf64_Ehdr>(0, "the ELF header");
-    if (header_.e_ident[EI_CLASS] != ELFCLASS64 || header_.e_ident[EI_DATA] != ELFDATA2LSB)
-      bytes_.fail("is not a 64-bit little-endian ELF file");
-    if (header_.e_type != ET_DYN) bytes_.fail("is not a shared library");
-    map_segments();
+    const auto ident = bytes_.get<std::array<unsigned char, EI_NIDENT>>(0, "the ELF header");
+    is_64_bit_ = ident[EI_CLASS] == ELFCLASS64;
+    if ((!is_64_bit_ && ident[EI_CLASS] != ELFCLASS32) || ident[EI_DATA] != ELFDATA2LSB)
+      bytes_.fail("is not a little-endian ELF file of 32 or 64 bits");
+    if (is_64_bit_)
+      read_file<Elf64_Ehdr, Elf64_Phdr, Elf64_Dyn>();
+    else
+      read_file<Elf32_Ehdr, Elf32_Phdr, Elf32_Dyn>();
   }
 
-  std::vector<std::string> needed_versions() const { return image_.needed_versions(); }
+  ElfNeeds needs() const {
+    ElfLibrary names;
+    image_.read_names(names);
+    return {names.needed, image_.needed_versions()};
+  }
 
   ElfLibrary read() const {
+    if (!is_64_bit_) bytes_.fail("is not a 64-bit ELF file");
     ElfLibrary library;
-    library.machine = header_.e_machine;
+    library.machine = machine_;
     image_.read_names(library);
     library.symbols = image_.symbols();
     return library;
   }
 
  private:
-  void map_segments() {
+  template <typename Header, typename ProgramHeader, typename DynamicEntry>
+  void read_file() {
+    const auto header = bytes_.get<Header>(0, "the ELF header");
+    if (header.e_type != ET_DYN) bytes_.fail("is not a shared library");
+    machine_ = header.e_machine;
     std::vector<std::uint64_t> dynamic;
-    for (std::uint64_t i = 0; i < header_.e_phnum; ++i) {
-      const auto segment = bytes_.get<Elf64_Phdr>(header_.e_phoff + i * header_.e_phentsize, "a program header");
+    for (std::uint64_t i = 0; i < header.e_phnum; ++i) {
+      const auto segment = bytes_.get<ProgramHeader>(header.e_phoff + i * header.e_phentsize, "a program header");
       if (segment.p_type == PT_DYNAMIC) dynamic.push_back(segment.p_vaddr);
       if (segment.p_type != PT_LOAD || segment.p_filesz == 0) continue;
       const auto bytes = bytes_.part(segment.p_offset, segment.p_filesz, "a segment");
@@ -301,13 +313,14 @@ class ElfFile {
                   (segment.p_flags & PF_W) != 0});
     }
     if (dynamic.empty()) bytes_.fail("has no dynamic section");
-    image_.set_dynamic(dynamic.front());
+    image_.set_dynamic<DynamicEntry>(dynamic.front());
   }
 
   Mapping mapping_;
   ElfBytes bytes_;
   ElfImage image_;
-  Elf64_Ehdr header_{};
+  bool is_64_bit_ = false;
+  std::uint16_t machine_ = 0;
 };
 
 LoadedLibrary read_loaded(const dl_phdr_info& info, UniqueSymbols unique) {
@@ -323,7 +336,7 @@ LoadedLibrary read_loaded(const dl_phdr_info& info, UniqueSymbols unique) {
   LoadedLibrary loaded;
   loaded.file = info.dlpi_name;
   if (dynamic == nullptr) return loaded;
-  image.set_dynamic(dynamic->p_vaddr);
+  image.set_dynamic<ElfW(Dyn)>(dynamic->p_vaddr);
   ElfLibrary names;
   image.read_names(names);
   loaded.soname = names.soname;
@@ -350,8 +363,8 @@ std::vector<std::string> ElfLibrary::imports() const {
   return names_of(symbols, false);
 }
 
-std::vector<std::string> read_needed_versions(const std::filesystem::path& file) {
-  return ElfFile(file).needed_versions();
+ElfNeeds read_elf_needs(const std::filesystem::path& file) {
+  return ElfFile(file).needs();
 }
 
 ElfLibrary read_elf_library(const std::filesystem::path& file) {

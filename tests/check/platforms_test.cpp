@@ -2,6 +2,7 @@
 // Tests `mebots check` on FMUs with binaries for several platforms.
 #include "support.hpp"
 
+#include "support/elf32_library.hpp"
 #include "support/windows_dll.hpp"
 
 #include <gmock/gmock.h>
@@ -33,6 +34,28 @@ TEST(CheckPlatforms, ListsWhatEachBinaryNeeds) {
   EXPECT_THAT(report.platforms[1].missing, ElementsAre("VCRUNTIME140.dll"));
   EXPECT_THAT(to_text(report), HasSubstr("binaries/win64: x86-64 Windows, needs VCRUNTIME140.dll\n"));
   EXPECT_THAT(to_json(report), HasSubstr("\"machine\": \"x86-64 Windows\""));
+}
+
+TEST(CheckPlatforms, ListsWhatA32BitLibraryNeeds) {
+  Workshop workshop;
+  const auto library = test::elf32_library({"libc.so.6", "libgfortran.so.5"}, "GLIBC_2.17");
+  const auto fmu = workshop.culprit("none", {{"binaries/linux32/culprit.so", library}});
+  Options options;
+  options.run = false;
+  const auto report = check_fmu(fmu, options);
+  ASSERT_EQ(report.platforms.size(), 2U);
+  EXPECT_EQ(to_text(report.platforms[0]), "32-bit x86 Linux, glibc 2.17 or newer, needs libgfortran.so.5");
+}
+
+TEST(CheckPlatforms, ADamaged32BitLibraryIsNoCrash) {
+  Workshop workshop;
+  const auto whole = test::elf32_library({"libc.so.6"}, "GLIBC_2.17");
+  Options options;
+  options.run = false;
+  for (std::size_t size = 0; size < whole.size(); size += 7) {
+    const auto fmu = workshop.culprit("none", {{"binaries/linux32/culprit.so", whole.substr(0, size)}});
+    EXPECT_EQ(check_fmu(fmu, options).platforms[0].glibc, "") << size;
+  }
 }
 
 TEST(CheckPlatforms, ABinaryInTheFolderOfAnotherPlatformIsAnError) {

@@ -39,6 +39,15 @@ struct ElfLibrary {
 /// file is not a 64-bit little-endian shared library.
 ElfLibrary read_elf_library(const std::filesystem::path& file);
 
+/// Libraries and symbols of others that a library needs.
+struct ElfNeeds {
+  std::vector<std::string> libraries;  ///< in the order of the file
+  std::vector<std::string> versions;   ///< versions of their symbols, such as GLIBC_2.34
+};
+
+/// Reads a little-endian shared library of 32 or 64 bits. Throws mebots::Error if the file is none.
+ElfNeeds read_elf_needs(const std::filesystem::path& file);
+
 /// Returns the folders of DT_RPATH or DT_RUNPATH of the library in `file`, with `$ORIGIN` expanded.
 std::vector<std::string> search_folders(const std::vector<std::string>& paths, const std::filesystem::path& file);
 
