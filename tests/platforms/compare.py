@@ -56,7 +56,9 @@ class Fmu:
 
     def __init__(self, archive, folder):
         with zipfile.ZipFile(archive) as packed:
-            packed.extractall(folder)
+            for member in packed.infolist():
+                member.filename = member.filename.replace("\\", "/")  # some tools for Windows write it
+                packed.extract(member, folder)
         self.folder = folder
         root = ElementTree.parse(folder / "modelDescription.xml").getroot()
         self.is_fmi3 = root.get("fmiVersion").startswith("3")

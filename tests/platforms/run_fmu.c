@@ -5,9 +5,10 @@
 //   run_fmu < ORDERS
 //
 // An order is a line of UTF-8 text; numbers are bits in hexadecimal:
-//   library PATH | guid TEXT | resources TEXT | instantiate VERSION | initialise | step TIME LENGTH
+//   library PATH | guid TEXT | resources TEXT | instantiate VERSION | enter | exit | initialise | step TIME LENGTH
 //   real|integer|boolean|string REFERENCE VALUE... | read real|integer|int64|boolean|string REFERENCE COUNT
 //   text REFERENCE | answer
+// `enter` and `exit` begin and end initialisation, `initialise` does both.
 // `read string` prints a hash, `text` the string itself. `answer` ends the line of output and flushes it.
 // The resources are a file URI for FMI 2.0, and a folder for FMI 3.0.
 #include <stdarg.h>
@@ -108,7 +109,7 @@ static void instantiate(void) {
   if (component == NULL) fail("there is no instance");
 }
 
-static void initialise(void) {
+static void enter_initialisation(void) {
   if (version == 2) {
     check(((int (*)(Component, int, double, double, int, double))function("SetupExperiment"))(component, 0, 0, 0, 0, 0),
           "SetupExperiment");
@@ -117,6 +118,9 @@ static void initialise(void) {
     typedef int (*Enter)(Component, _Bool, double, double, _Bool, double);
     check(((Enter)function("EnterInitializationMode"))(component, 0, 0, 0, 0, 0), "EnterInitializationMode");
   }
+}
+
+static void exit_initialisation(void) {
   check(((int (*)(Component))function("ExitInitializationMode"))(component), "ExitInitializationMode");
 }
 
@@ -216,8 +220,13 @@ static void perform(const char* order, char* rest) {
   } else if (strcmp(order, "instantiate") == 0) {
     version = atoi(rest);
     instantiate();
+  } else if (strcmp(order, "enter") == 0) {
+    enter_initialisation();
+  } else if (strcmp(order, "exit") == 0) {
+    exit_initialisation();
   } else if (strcmp(order, "initialise") == 0) {
-    initialise();
+    enter_initialisation();
+    exit_initialisation();
   } else if (strcmp(order, "text") == 0) {
     print_text((Reference)strtoul(rest, NULL, 10));
   } else if (strcmp(order, "answer") == 0) {
