@@ -17,7 +17,6 @@ foreach(library "fmt::fmt-header-only;fmt;libfmt-dev" "nlohmann_json::nlohmann_j
   set_target_properties(${target} PROPERTIES INTERFACE_INCLUDE_DIRECTORIES ${PROJECT_BINARY_DIR}/headers)
 endforeach()
 
-enable_language(C)
 include(${CMAKE_CURRENT_LIST_DIR}/MebotsMath.cmake)
 add_subdirectory(${MEBOTS_ROOT}/sources/modeldesc ${PROJECT_BINARY_DIR}/mebots EXCLUDE_FROM_ALL)
 foreach(library fmt data shell)

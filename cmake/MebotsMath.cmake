@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-# Adds the target mebots_math: the mathematical functions of musl's C library, copied from Debian's static archive. glibc selects variants of sin(),
-# exp(), pow() ... by the processor (with FMA or without), and their last bits differ. musl has one variant of each, for any x86-64. Functions that
-# are exact in both (sqrt, floor, fmod, remainder ...) are still glibc's.
+# Adds the target mebots_math: the mathematical functions of musl's C library, copied from Debian's static archive or, for other platforms, compiled
+# from Debian's sources. glibc selects variants of sin(), exp(), pow() ... by the processor (with FMA or without), and their last bits differ. musl
+# has one variant of each, for any x86-64. Functions that are exact in both (sqrt, floor, fmod, remainder ...) are still glibc's.
 
 include(${CMAKE_CURRENT_LIST_DIR}/MebotsMathNames.cmake)
 
-if(MEBOTS_PLATFORM)  # Debian has no archive for it
+if(CMAKE_CROSSCOMPILING)  # Debian has no archive for Windows; in that for ARM, products and sums are fused
+  enable_language(C)
   include(${CMAKE_CURRENT_LIST_DIR}/MebotsMuslSource.cmake)
   mebots_musl_source(folder objects)
   list(TRANSFORM objects PREPEND ${folder}/)
@@ -37,15 +38,15 @@ list(TRANSFORM options PREPEND -fno-builtin-)
 
 # Programs do not export these functions to the libraries that they load: foreign FMUs use their own functions.
 add_library(mebots_math STATIC ${objects})
-set_target_properties(mebots_math PROPERTIES LINKER_LANGUAGE CXX EXPORT_NAME math)
+set_target_properties(mebots_math PROPERTIES LINKER_LANGUAGE CXX EXPORT_NAME math UNITY_BUILD OFF)  # each file of musl has static names
 target_compile_options(mebots_math INTERFACE ${options})
 target_link_options(mebots_math INTERFACE LINKER:--exclude-libs,libmebots_math.a)
 add_library(mebots::math ALIAS mebots_math)
 
 # The licence for the archives into which the library is linked.
-if(MEBOTS_PLATFORM)
+if(CMAKE_CROSSCOMPILING)
   mebots_musl_part(math_part)
-  target_compile_options(mebots_math PRIVATE -O2 -ffp-contract=off)
+  target_compile_options(mebots_math PRIVATE -O2 -ffp-contract=off ${options})
 else()
   mebots_part(math_part linked ${MUSL_ARCHIVE})
 endif()

@@ -22,6 +22,7 @@ done
 scripts/arm64_sysroot.sh
 sysroot=$PWD/build/arm64-sysroot
 cmake --preset release -B build/arm64 "-DCMAKE_TOOLCHAIN_FILE=$PWD/cmake/arm64.cmake" "-DCMAKE_SYSROOT=$sysroot" \
+  "-DMEBOTS_MUSL_SOURCE=$(echo "$PWD"/build/arm64-sources/musl_*.orig.tar.gz)" \
   -DMEBOTS_SOC_TRANSLATE=OFF -DMEBOTS_EXAMPLES=OFF -DMEBOTS_PYTHON=OFF -DMEBOTS_PAGES=OFF
 cmake --build build/arm64
 

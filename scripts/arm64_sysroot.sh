@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Puts Debian's libraries for 64-bit ARM into build/arm64-sysroot, for scripts/arm64.sh. Rebuilds ODE, libccd, libpng and musl's functions
-# from Debian's sources: Debian's own builds fuse a product and a sum into one operation with one rounding, as compilers for ARM do by
-# default. So their last bits differ from those of x86-64. ARKODE is not rebuilt: it is C99, for which compilers do not fuse.
+# Puts Debian's libraries for 64-bit ARM into build/arm64-sysroot, for scripts/arm64.sh. Rebuilds ODE, libccd and libpng from Debian's sources:
+# Debian's own builds fuse a product and a sum into one operation with one rounding, as compilers for ARM do by default. So their last bits
+# differ from those of x86-64. ARKODE is not rebuilt: it is C99, for which compilers do not fuse. Fetches musl's sources, which
+# cmake/MebotsMath.cmake compiles.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/debian_sources.sh
@@ -25,14 +26,6 @@ unpack_packages() {
   cp -a "$place/root/." "$sysroot/"
   rm -rf "$place/root"
 }
-
-build_musl() (
-  cd "$place"/musl-*/
-  # musl calls fma() by name only if the compiler says that it is fast.
-  ./configure "--target=$target" "CROSS_COMPILE=$target-" "CFLAGS=$plain -U__FP_FAST_FMA -U__FP_FAST_FMAF"
-  make -j"$(nproc)" lib/libc.a
-  cp lib/libc.a "$sysroot/usr/lib/aarch64-linux-musl/"
-)
 
 build_libccd() {
   cmake -S "$place"/libccd-*/ -B "$place/libccd" -G Ninja -DCMAKE_BUILD_TYPE=None "-DCMAKE_TOOLCHAIN_FILE=$PWD/cmake/arm64.cmake" \
@@ -59,7 +52,6 @@ build_ode() (
 
 step packages unpack_packages
 step sources debian_sources "$place" musl ode libccd libpng1.6
-step musl build_musl
 step libccd build_libccd
 step libpng build_libpng
 step ode build_ode

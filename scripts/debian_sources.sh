@@ -18,12 +18,13 @@ begin_sysroot() {
 # step NAME COMMAND...
 # Executes COMMAND, with its output in the log, unless it has succeeded before. Prints the time that it took.
 step() {
-  local name=$1 start=$SECONDS
+  local name=$1
   shift
   if [[ -e $steps/$name ]]; then return; fi
-  "$@" >>"$log" 2>&1
+  local TIMEFORMAT
+  TIMEFORMAT="$(basename "$0"): $name in %0R s; processor time %0U s + %0S s"
+  time "$@" >>"$log" 2>&1
   touch "$steps/$name"
-  echo "$(basename "$0"): $name in $((SECONDS - start)) s"
 }
 
 # debian_sources FOLDER PACKAGE...

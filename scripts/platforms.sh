@@ -32,14 +32,14 @@ build() {
   cmake --preset release -B "build/$name" "-DMEBOTS_HOST_TOOLS=$host/bin" -DMEBOTS_WORLD_DRONES= "$@" >/dev/null
   local targets=()
   for fmu in $fmus; do targets+=("${fmu}_archive"); done
-  SECONDS=0
-  cmake --build "build/$name" --target "${targets[@]}"
-  echo "platforms.sh: built for $name in $SECONDS s"
+  local TIMEFORMAT="platforms.sh: built for $name in %0R s; processor time %0U s + %0S s"
+  time cmake --build "build/$name" --target "${targets[@]}"
 }
 scripts/win64_sysroot.sh
-build win64 "-DCMAKE_TOOLCHAIN_FILE=$PWD/cmake/win64.cmake" "-DMUSL_ARCHIVE=$PWD/build/win64-sysroot/lib/libc.a"
+build win64 "-DCMAKE_TOOLCHAIN_FILE=$PWD/cmake/win64.cmake" "-DMEBOTS_MUSL_SOURCE=$(echo "$PWD"/build/win64-sources/musl_*.orig.tar.gz)"
 scripts/arm64_sysroot.sh
-build arm64-fmus "-DCMAKE_TOOLCHAIN_FILE=$PWD/cmake/arm64.cmake" "-DCMAKE_SYSROOT=$PWD/build/arm64-sysroot"
+build arm64-fmus "-DCMAKE_TOOLCHAIN_FILE=$PWD/cmake/arm64.cmake" "-DCMAKE_SYSROOT=$PWD/build/arm64-sysroot" \
+  "-DMEBOTS_MUSL_SOURCE=$(echo "$PWD"/build/arm64-sources/musl_*.orig.tar.gz)"
 
 python3 tests/platforms/dll_test.py build/win64/fmu_binaries
 

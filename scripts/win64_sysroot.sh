@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds the libraries that the FMUs link, for 64-bit Windows, from Debian's sources. They are in build/win64-sysroot, for scripts/platforms.sh. Needs
-# g++-mingw-w64-x86-64-posix and dpkg-dev, and the headers that scripts/setup.sh installs. Continues where an earlier run was interrupted.
+# Builds the libraries that the FMUs link, for 64-bit Windows, from Debian's sources. They are in build/win64-sysroot, for scripts/platforms.sh.
+# Fetches musl's sources, which cmake/MebotsMath.cmake compiles. Needs g++-mingw-w64-x86-64-posix and dpkg-dev, and the headers that scripts/setup.sh
+# installs. Continues where an earlier run was interrupted.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/debian_sources.sh
@@ -11,7 +12,7 @@ target=x86_64-w64-mingw32
 toolchain=$PWD/cmake/win64.cmake
 
 plain="-O2 -ffp-contract=off"
-begin_sysroot "$sysroot" "$place" "$(cat scripts/win64_sysroot.sh scripts/debian_sources.sh cmake/win64.cmake cmake/MebotsMath.cmake | sha256sum)"
+begin_sysroot "$sysroot" "$place" "$(cat scripts/win64_sysroot.sh scripts/debian_sources.sh cmake/win64.cmake | sha256sum)"
 
 # Headers without libraries are the same everywhere.
 copy_headers() {
@@ -24,26 +25,6 @@ copy_headers() {
   cp -r /usr/lib/x86_64-linux-gnu/cmake/fmt "$sysroot/fmt/lib/cmake/"
   rm -f "$sysroot"/fmt/lib/cmake/fmt/fmt-targets-*.cmake  # its libraries; the FMUs take the headers alone
 }
-
-# musl's mathematical functions, which cmake/MebotsMath.cmake takes from the archive. musl's own headers describe them; `long` has 32 bits
-# on Windows, so its 64-bit types become `long long`.
-build_math() (
-  cd "$place"/musl-*/
-  sed -i 's/^#define _\(Addr\|Int64\|Reg\) long$/#define _\1 long long/' arch/x86_64/bits/alltypes.h.in
-  mkdir -p obj/include/bits math
-  sed -f tools/mkalltypes.sed arch/x86_64/bits/alltypes.h.in include/alltypes.h.in >obj/include/bits/alltypes.h
-  local sources=()
-  for file in src/math/*.c; do
-    [[ -e src/math/x86_64/$(basename "$file") || $file == *l.c || $file == *rint* || $file == *round* ]] || sources+=("$file")
-  done
-  for file in "${sources[@]}"; do
-    $target-gcc-posix -std=c99 -nostdinc -ffreestanding -fexcess-precision=standard -frounding-math -fno-strict-aliasing \
-      -D_XOPEN_SOURCE=700 -I arch/x86_64 -I arch/generic -I obj/src/internal -I src/include -I src/internal -I obj/include -I include \
-      $plain -c "$file" -o "math/$(basename "${file%.c}").lo"
-  done
-  rm -f "$sysroot/lib/libc.a"
-  $target-ar rcs "$sysroot/lib/libc.a" math/*.lo
-)
 
 build_libccd() {
   cmake -S "$place"/libccd-*/ -B "$place/libccd" -G Ninja -DCMAKE_BUILD_TYPE=None "-DCMAKE_TOOLCHAIN_FILE=$toolchain" \
@@ -85,7 +66,6 @@ build_ode() (
 
 step sources debian_sources "$place" musl ode libccd libpng1.6 sundials zlib
 step headers copy_headers
-step musl build_math
 step libccd build_libccd
 step sundials build_sundials
 step zlib build_zlib
