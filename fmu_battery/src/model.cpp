@@ -32,7 +32,7 @@ double checked_soc(double soc) {
 
 }  // namespace
 
-Model::Model(const Parameters& parameters, const std::filesystem::path& resources, EventLog log)
+Model::Model(const Parameters& parameters, const std::filesystem::path& resources, Log log)
     : log_(std::move(log)),
       cell_(load_cell(data::find_file(resources / "cells", parameters.cell_name, "cell.name"),
                       {parameters.calibration_resistance, parameters.calibration_capacity,
@@ -43,7 +43,7 @@ Model::Model(const Parameters& parameters, const std::filesystem::path& resource
     load_converter_[i] = load_converter(resources / "converters.json", parameters.load_converter[i],
                                         fmt::format("{}.converter", load::kWords[i]));
   }
-  for (const auto& warning : cell_.warnings) log_(warning);
+  for (const auto& warning : cell_.warnings) log_(Message::warning, warning);
   state_.soc = checked_soc(parameters.cell_initial_state_of_charge);
   full_ = state_.soc >= 1;
 }
@@ -62,7 +62,7 @@ void Model::start(const Inputs& inputs, std::int64_t start_ns, Outputs& outputs)
   } else if (now.terminal_w() > power_limit_w(source_v, circuit.series_ohm, source_v / 2)) {
     handle(Event::no_power, seconds(start_ns));
   }
-  write(inputs, start_ns, outputs);
+  write(inputs, outputs);
   outputs.losses_power_w = 0;
 }
 
@@ -93,8 +93,9 @@ void Model::step(const Inputs& inputs, std::int64_t start_ns, std::int64_t durat
     }
   }
   const double lost_j = (ledger_.ohmic_j - before.ohmic_j) + (ledger_.converters_j - before.converters_j);
-  write(inputs, start_ns + duration_ns, outputs);
+  write(inputs, outputs);
   outputs.losses_power_w = lost_j / duration_s;
+  watch_current(outputs.cell_current_a, start_ns + duration_ns, duration_ns);
 }
 
 Demand Model::demand(const Inputs& inputs) const {
@@ -118,13 +119,13 @@ Demand Model::demand(const Inputs& inputs) const {
 void Model::handle(Event event, double time_s) {
   if (event == Event::full) {
     full_ = true;
-    log_(fmt::format("t = {:.9g} s: the cell is full and takes no more charge until it is below {}", time_s,
-                     kResumeChargingBelow));
+    report(fmt::format("t = {:.9g} s: the cell is full and takes no more charge until it is below {}", time_s,
+                       kResumeChargingBelow));
     return;
   }
   if (event == Event::release) {
     connected_ = true;
-    log_(fmt::format(
+    report(fmt::format(
         "t = {:.9g} s: the charging source lifts the terminal voltage to {} V at a state of charge of {:.4f}; the "
         "protection closes",
         time_s, cell_.release_voltage_v, state_.soc));
@@ -160,7 +161,7 @@ void Model::handle_low(double time_s) {
 void Model::open(std::string_view why, double time_s) {
   connected_ = false;
   low_ = false;
-  log_(fmt::format("t = {:.9g} s: {}; the protection opens", time_s, why));
+  report(fmt::format("t = {:.9g} s: {}; the protection opens", time_s, why));
 }
 
 Protection Model::protection() const {
@@ -168,21 +169,36 @@ Protection Model::protection() const {
   return low_ ? Protection::low : Protection::closed;
 }
 
-void Model::watch_current(double current_a, std::int64_t now_ns) {
-  const bool over = std::abs(current_a) > cell_.continuous_current_a;
-  if (over && !over_current_) {
-    over_current_since_ns_ = now_ns;
-    over_current_warned_ = false;
-  }
-  over_current_ = over;
-  if (!over || over_current_warned_ || now_ns - over_current_since_ns_ < kWarnOverCurrentAfterNs) return;
-  over_current_warned_ = true;
-  log_(fmt::format(
-      "t = {:.9g} s: the current has been above the cell's continuous limit of {} A for {:.9g} s; now {:.3f} A",
-      seconds(now_ns), cell_.continuous_current_a, seconds(now_ns - over_current_since_ns_), current_a));
+bool Model::over_current(double current_a) const {
+  return std::abs(current_a) > cell_.continuous_current_a;
 }
 
-void Model::write(const Inputs& inputs, std::int64_t now_ns, Outputs& outputs) {
+// The thermal model of IEC 60255-149 without its margin: a first-order mean of the squared current, here from a cold
+// cell, by the implicit Euler method.
+void Model::watch_current(double current_a, std::int64_t now_ns, std::int64_t duration_ns) {
+  const double duration_s = seconds(duration_ns);
+  mean_square_a2_ += (current_a * current_a - mean_square_a2_) * duration_s / (kHeatingTimeConstant_s + duration_s);
+  highest_current_a_ = std::max(highest_current_a_, std::abs(current_a));
+  if (over_current(current_a)) over_current_ns_ += duration_ns;
+  const double limit_a = cell_.continuous_current_a;
+  if (overload_warned_ || mean_square_a2_ <= limit_a * limit_a) return;
+  overload_warned_ = true;
+  log_(Message::warning,
+       fmt::format("t = {:.9g} s: the load heats the cell more than its continuous limit of {} A: the root mean square "
+                   "of the current over {} s is {:.3f} A. The model has no temperature, and continues. Use a cell with "
+                   "a higher limit or less power",
+                   seconds(now_ns), limit_a, kHeatingTimeConstant_s, std::sqrt(mean_square_a2_)));
+}
+
+void Model::terminate() {
+  if (over_current_ns_ == 0) return;
+  report(
+      fmt::format("the current was above the cell's continuous limit of {} A for {:.9g} s; its largest value was "
+                  "{:.3f} A",
+                  cell_.continuous_current_a, seconds(over_current_ns_), highest_current_a_));
+}
+
+void Model::write(const Inputs& inputs, Outputs& outputs) const {
   const Circuit circuit = cell_.circuit_at(state_.soc);
   const double source_v = circuit.open_circuit_v - state_.pair1_v - state_.pair2_v;
   const Demand now = demand(inputs);
@@ -193,8 +209,6 @@ void Model::write(const Inputs& inputs, std::int64_t now_ns, Outputs& outputs) {
     throw Error(fmt::format("source.power = {} W makes bus.voltage {} V, which must be finite; reduce the power",
                             inputs.source_power_w, voltage_v));
   }
-  watch_current(current_a, now_ns);
-
   outputs.bus_voltage_v = flows ? voltage_v : 0;
   outputs.cell_voltage_v = voltage_v;
   outputs.cell_open_circuit_voltage_v = circuit.open_circuit_v;
@@ -203,7 +217,7 @@ void Model::write(const Inputs& inputs, std::int64_t now_ns, Outputs& outputs) {
   outputs.cell_capacity_c = cell_.capacity_c;
   outputs.cell_mass_kg = cell_.mass_kg;
   outputs.cell_connected = connected_;
-  outputs.cell_over_current = over_current_;
+  outputs.cell_over_current = over_current(current_a);
   outputs.load_energy_j = load_energy_j_;
   outputs.energy_open_circuit_j = ledger_.open_circuit_j;
   outputs.energy_delivered_j = ledger_.delivered_j;
@@ -223,9 +237,10 @@ void Model::visit(state::Visitor& v) {
   v("low", low_);
   v("low_s", low_s_);
   v("full", full_);
-  v("over_current", over_current_);
-  v("over_current_told", over_current_warned_);
-  v("over_current_since", over_current_since_ns_);
+  v("mean_square_a2", mean_square_a2_);
+  v("overload_warned", overload_warned_);
+  v("over_current_ns", over_current_ns_);
+  v("highest_current_a", highest_current_a_);
 }
 
 }  // namespace mebots::battery

@@ -30,22 +30,28 @@ namespace mebots::battery {
 class Model {
  public:
   static constexpr double kResumeChargingBelow = 0.999;
-  /// The log reports a current above the continuous limit after this time without interruption; the output reports it
-  /// at once. The limit is thermal, and a take-off of some tenths of a second does not heat the cell.
-  static constexpr std::int64_t kWarnOverCurrentAfterNs = 1'000'000'000;
+  /// Time constant of the cell's heating. The continuous limit is thermal: the log warns only if the mean square of the
+  /// current over this time exceeds the square of the limit. Heat capacity over heat transfer is 100 to 600 s for cells
+  /// of 5 to 10 g, with 1000 J/(kg K), 16 cm^2 and 10 to 30 W/(m^2 K). The least value gives the earliest warning.
+  static constexpr double kHeatingTimeConstant_s = 100;
 
-  /// Called for each event (protection, over-current, full cell), in the order of time.
-  using EventLog = std::function<void(std::string_view)>;
+  /// An event is the model's normal behaviour (protection, full cell, time over the limit). A warning needs an action.
+  enum class Message { event, warning };
+  /// Receives the messages in the order of time.
+  using Log = std::function<void(Message, std::string_view)>;
 
   /// Reads `resources`/cells/<name>.json and `resources`/converters.json. Throws mebots::Error that names parameter or
   /// file, key, value and limit.
-  Model(const Parameters& parameters, const std::filesystem::path& resources, EventLog log);
+  Model(const Parameters& parameters, const std::filesystem::path& resources, Log log);
 
   /// Writes the outputs at the start.
   void start(const Inputs& inputs, std::int64_t start_ns, Outputs& outputs);
 
   /// Advances from start_ns to start_ns + duration_ns (> 0). Throws mebots::Error if a power is negative or not finite.
   void step(const Inputs& inputs, std::int64_t start_ns, std::int64_t duration_ns, Outputs& outputs);
+
+  /// Logs how long the current was above the continuous limit, and its largest value. No message if it never was.
+  void terminate();
 
   void visit(state::Visitor& v);
 
@@ -60,10 +66,12 @@ class Model {
   void handle_low(double time_s);
   std::string cut_off_text() const;
   void open(std::string_view why, double time_s);
-  void watch_current(double current_a, std::int64_t now_ns);
-  void write(const Inputs& inputs, std::int64_t now_ns, Outputs& outputs);
+  void report(std::string_view text) { log_(Message::event, text); }
+  bool over_current(double current_a) const;
+  void watch_current(double current_a, std::int64_t now_ns, std::int64_t duration_ns);
+  void write(const Inputs& inputs, Outputs& outputs) const;
 
-  EventLog log_;
+  Log log_;
   Cell cell_;
   std::array<Converter, load::kCount> load_converter_;
   Converter source_converter_;
@@ -79,9 +87,10 @@ class Model {
   bool low_ = false;  // the terminal voltage is below the cut-off, since low_s_
   double low_s_ = 0;
   bool full_ = false;
-  bool over_current_ = false;
-  bool over_current_warned_ = false;
-  std::int64_t over_current_since_ns_ = 0;  // start of the present over-current
+  double mean_square_a2_ = 0;  // of the current, over kHeatingTimeConstant_s
+  bool overload_warned_ = false;
+  std::int64_t over_current_ns_ = 0;  // time above the continuous limit
+  double highest_current_a_ = 0;
 };
 
 }  // namespace mebots::battery

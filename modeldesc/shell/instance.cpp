@@ -89,6 +89,7 @@ void Instance::exit_initialization() {
 }
 
 void Instance::terminate() {
+  if (model_) model_->terminate();
   state_ = State::terminated;
 }
 

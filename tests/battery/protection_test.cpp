@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "support.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 namespace mebots::battery {
@@ -166,21 +168,46 @@ TEST(Protection, OverCurrentIsOnlyAFlag) {
   EXPECT_FALSE(bench.outputs.cell_over_current);
 }
 
-TEST(Protection, OverCurrentIsReportedOnceItHasLastedASecond) {
+void draw(Bench& bench, double power_w, double time_s) {
+  bench.inputs.load_power_w[load::motors] = power_w;
+  for (int i = 0; i < std::lround(100 * time_s); ++i) bench.step(10 * kMillisecond);
+}
+
+TEST(Protection, TerminationReportsTimeAboveTheContinuousLimitAndLargestCurrent) {
   Bench bench(parameters("bitcraze_250", 0.9));
-  const auto draw = [&bench](double power_w, int milliseconds) {
-    bench.inputs.load_power_w[load::motors] = power_w;
-    for (int i = 0; i < milliseconds; i += 2) bench.step(2 * kMillisecond);
-  };
-  draw(13, 800);
-  draw(5, 2);  // a break, which restarts the delay
-  draw(13, 1000);
+  bench.model.terminate();
   EXPECT_TRUE(bench.events.empty());
-  draw(13, 2);
+  draw(bench, 5, 1);
+  draw(bench, 13, 0.8);
+  const double largest_a = bench.outputs.cell_current_a;
+  draw(bench, 5, 1);
+  draw(bench, 12.5, 0.7);
+  EXPECT_TRUE(bench.events.empty());
+  bench.model.terminate();
   ASSERT_EQ(bench.events.size(), 1U);
-  EXPECT_THAT(bench.events.back(), HasSubstr("above the cell's continuous limit of 3 A for 1 s"));
-  draw(13, 2000);
-  EXPECT_EQ(bench.events.size(), 1U);  // once, not at every step
+  EXPECT_TRUE(bench.warnings.empty());
+  EXPECT_THAT(bench.events.back(), HasSubstr("above the cell's continuous limit of 3 A for 1.5 s"));
+  EXPECT_THAT(bench.events.back(), HasSubstr(fmt::format("{:.3f} A", largest_a)));
+}
+
+TEST(Protection, AWarningComesWhenTheMeanSquareOfTheCurrentExceedsThatOfTheLimit) {
+  // A constant current i heats a cold cell to the limit i_max after T = -tau log(1 - (i_max / i)^2).
+  Bench bench(parameters("bitcraze_250_flights", 1));
+  bench.inputs.load_power_w[load::motors] = 14;
+  double expected = 0;  // the solution of the differential equation, step by step, of the currents of the model
+  double first_s = 0;
+  while (bench.warnings.empty() && bench.now_ns < 200 * kSecond) {
+    bench.step(10 * kMillisecond);
+    const double square_a2 = bench.outputs.cell_current_a * bench.outputs.cell_current_a;
+    expected = square_a2 + (expected - square_a2) * std::exp(-0.01 / Model::kHeatingTimeConstant_s);
+    if (first_s == 0 && expected > 9) first_s = 1e-9 * static_cast<double>(bench.now_ns);
+  }
+  ASSERT_EQ(bench.warnings.size(), 1U);
+  EXPECT_NEAR(1e-9 * static_cast<double>(bench.now_ns), first_s, 0.03);
+  EXPECT_GT(first_s, 60);
+  EXPECT_THAT(bench.warnings.back(), HasSubstr("heats the cell more than its continuous limit of 3 A"));
+  bench.step(10 * kSecond);
+  EXPECT_EQ(bench.warnings.size(), 1U);  // once in a run
 }
 
 /// A cell whose charge with constant power has a closed form: E = 2.5 V + 1.7 V s, R0 = 0.2 Ohm, negligible RC pairs.

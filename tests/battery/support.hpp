@@ -26,7 +26,10 @@ struct Bench {
   explicit Bench(const Parameters& chosen = {}, const Inputs& at_start = {})
       : parameters(chosen),
         inputs(at_start),
-        model(parameters, kParams, [this](std::string_view text) { events.emplace_back(text); }) {
+        model(parameters, kParams, [this](Model::Message kind, std::string_view text) {
+          events.emplace_back(text);
+          if (kind == Model::Message::warning) warnings.emplace_back(text);
+        }) {
     model.start(inputs, 0, outputs);
   }
 
@@ -38,7 +41,8 @@ struct Bench {
   Parameters parameters;
   Inputs inputs;
   Outputs outputs;
-  std::vector<std::string> events;
+  std::vector<std::string> events;    // all messages
+  std::vector<std::string> warnings;  // those that need an action
   Model model;
   std::int64_t now_ns = 0;
 };

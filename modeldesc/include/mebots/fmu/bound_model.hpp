@@ -14,7 +14,8 @@ namespace mebots::fmu {
 ///     void step(const Inputs&, std::int64_t start_ns, std::int64_t duration_ns, Outputs&)
 ///     void visit(state::Visitor&)
 ///
-/// A model that does not depend on time leaves out start_ns. `Variables` is the generated struct.
+/// A model that does not depend on time leaves out start_ns. `void terminate()` is optional. `Variables` is the
+/// generated struct.
 template <typename Own, typename Variables>
 class BoundModel final : public Model {
  public:
@@ -33,6 +34,9 @@ class BoundModel final : public Model {
       model_.step(variables_.inputs, start_ns, duration_ns, variables_.outputs);
     else
       model_.step(variables_.inputs, duration_ns, variables_.outputs);
+  }
+  void terminate() override {
+    if constexpr (requires { model_.terminate(); }) model_.terminate();
   }
   void visit(state::Visitor& v) override { model_.visit(v); }
 

@@ -32,6 +32,8 @@ class Model {
   virtual ~Model() = default;
   /// Advances from start_ns to start_ns + duration_ns (> 0) with constant inputs.
   virtual void step(std::int64_t start_ns, std::int64_t duration_ns) = 0;
+  /// Called once when the tool terminates the instance, for a last message to the log.
+  virtual void terminate() {}
   /// Visits all state that is not in Variables. A saved state consists of these values. See mebots/state/visitor.hpp.
   virtual void visit(state::Visitor& v) = 0;
   /// Returns the text of an `on_demand` String output, by its FMI name.
