@@ -31,6 +31,7 @@ class Figures(unittest.TestCase):
         energy = Objective("energy", "summary", "energy")
         self.assertEqual(figures.estimate_text(Estimate(40, 263.412, (262.1, 264.3)), energy, "J"), "263 J (262 to 264)")
         self.assertEqual(figures.estimate_text(Estimate(40, 0.26, (0.18, 0.36)), energy, "J"), "260 mJ (180 to 360)")
+        self.assertEqual(figures.estimate_text(Estimate(4, -0.0009, (-0.069, 0.067)), energy, "m"), "-1 mm (-69 to 67)")
         self.assertEqual(figures.estimate_text(Estimate(5, 208.8829, (208.8827, 208.8830)), energy, "J"), "208.883 J")
         self.assertEqual(figures.estimate_text(Estimate(1, 208.8829, (-math.inf, math.inf)), energy, "J"), "208.9 J")
         self.assertEqual(figures.estimate_text(Estimate(0, None, (-math.inf, math.inf)), energy, "J"), "-")
@@ -155,6 +156,24 @@ class Answers(StudyCase):
         found, _ = self.judge([[10.0] * 12 + [None] * 8, [11.0] * 20], constraints={"success": {"above": 0.5}})
         self.assertIn("among 2 designs with success above 0.5: gain 0", found.headlines[0])
         self.assertRegex("\n".join(found.remarks), r"Not decided for 1 design: success above 0\.5: about \d+ more missions of each would decide\.")
+
+    def test_with_several_objectives_each_says_what_would_separate_its_best_design(self):
+        chance = random.Random(5)
+        study = read_study(self.study(
+            draws=self.DRAWS, design={"kind": "grid", "factors": {"a.gain": [1.0, 2.0, 3.0]}},
+            objectives={"energy": {"summary": "deep.out", "minimize": True}, "miss": {"final": "a.real_out", "minimize": True}}))
+        evidence = Evidence(study, 3)
+        for design, (energy, miss) in enumerate(((10, 5), (20, 4.8), (20, 9))):
+            for replicate in range(20):
+                evidence.put(design, replicate, (energy + chance.gauss(0, 0.1), miss + chance.gauss(0, 0.5)))
+            evidence.count_to(design, 20)
+        names = ["low", "flat", "bad"]
+        places = front.places(evidence)
+        self.assertEqual(places, ["on", "undecided", "off"])
+        remarks = "\n".join(answer.Judge(evidence, figures.Units(study, {}), names, ["all flown"] * 3).answer(places).remarks)
+        self.assertIn("Proven to be on it: #0 low. Proven to be off it: 1 design. Undecided: 1 design.", remarks)
+        self.assertNotIn("by energy", remarks)
+        self.assertRegex(remarks, r"separate \w+ by miss: about \d+ from \w+\.")
 
     def test_the_program_prints_it(self):
         self.study(draws=self.DRAWS, objectives={"out": {"summary": "deep.out", "minimize": True}, "top": {"final": "a.real_out", "maximize": True}})

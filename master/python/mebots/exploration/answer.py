@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from mebots.exploration import front
 from mebots.exploration.answers import Moments
@@ -107,7 +107,7 @@ class Judge:
             headlines = ["No design can be ranked: no objective is minimised, maximised or a share, or no mission has a value of it."]
         first = best.get(self._main.label) if self._main is not None else None
         rows = self._rows(self._evidence.shown, lambda design: self._note(design, first, places))
-        remarks = [*self._front_lines(places), *self._more_lines(first)]
+        remarks = [*self._front_lines(places), *self._more_lines(best)]
         return Answer(headlines, self._titles(), rows, remarks)
 
     def _titles(self) -> list[str]:
@@ -263,34 +263,41 @@ class Judge:
             return []
         nominal = self._evidence.leaders([design for design in range(len(places)) if places[design] != front.EXCLUDED])
         proven = [design for design in nominal if places[design] == front.ON]
-        surely_off = sum(place == front.OFF for place in places)
+        count = {place: sum(one == place for one in places) for place in (front.OFF, front.UNDECIDED)}
+        undecided = f" Undecided: {counted(count[front.UNDECIDED], 'design')}." if count[front.UNDECIDED] else ""
         return [
             f"Pareto front by means: {self._listed(nominal)}.",
-            f"Proven to be on it: {self._listed(proven)}; {counted(surely_off, 'design')} surely not on it.",
+            f"Proven to be on it: {self._listed(proven)}. Proven to be off it: {counted(count[front.OFF], 'design')}.{undecided}",
         ]
 
     def _listed(self, designs: Sequence[int]) -> str:
         if not designs:
             return "none"
         named = "; ".join(f"#{design} {self._names[design]}" for design in designs[:_MOST_NAMED])
-        return named + (f"; and {len(designs) - _MOST_NAMED} more" if len(designs) > _MOST_NAMED else "")
+        return named + _rest(designs)
 
-    def _more_lines(self, found: tuple[int, list[int]] | None) -> list[str]:
-        lines = []
-        if found is not None and self._main is not None and found[1] and self._main.percentile is None:
-            best, near = found
-            sign = self._sign(self._main)
-            near = sorted(near, key=lambda one: -sign * (self._evidence.shown(one, self._main).mean or 0.0))
-            needed = [(one, missions_to_separate(self._evidence, best, one, self._main)) for one in near]
-            told = [f"about {count} from {self._names[one]}" for one, count in needed if count is not None]
-            never = [self._names[one] for one, count in needed if count is None]
-            if told:
-                lines.append(f"Further missions of each design needed to separate {self._names[best]}: {'; '.join(told[:_MOST_NAMED])}.")
-            if never:
-                more = f" and {len(never) - _MOST_NAMED} more" if len(never) > _MOST_NAMED else ""
-                lines.append(f"More missions would not prove a difference for: {'; '.join(never[:_MOST_NAMED])}{more}.")
+    def _more_lines(self, best: Mapping[str, tuple[int, list[int]] | None]) -> list[str]:
+        lines = [line for one in self._senses or [self._main] if one is not None for line in self._separation(one, best[one.label])]
         for constraint in self._study.constraints:
             lines += self._open_constraint(constraint)
+        return lines
+
+    def _separation(self, objective: Objective, found: tuple[int, list[int]] | None) -> list[str]:
+        """Returns the numbers of missions that would separate the best design by an objective from those that may be as good."""
+        if found is None or not found[1] or objective.percentile is not None:
+            return []
+        best, near = found
+        sign = self._sign(objective)
+        near = sorted(near, key=lambda one: -sign * (self._evidence.shown(one, objective).mean or 0.0))
+        needed = [(one, missions_to_separate(self._evidence, best, one, objective)) for one in near]
+        told = [f"about {count} from {self._names[one]}" for one, count in needed if count is not None]
+        never = [self._names[one] for one, count in needed if count is None]
+        by = f" by {objective.label}" if len(self._senses) > 1 else ""
+        lines = []
+        if told:
+            lines.append(f"Further missions of each design needed to separate {self._names[best]}{by}: {'; '.join(told[:_MOST_NAMED])}{_rest(told)}.")
+        if never:
+            lines.append(f"More missions would not prove a difference{by} for: {'; '.join(never[:_MOST_NAMED])}{_rest(never)}.")
         return lines
 
     def _open_constraint(self, constraint: Constraint) -> list[str]:
@@ -305,6 +312,11 @@ class Judge:
         known = [count for count in counts if count is not None]
         needed = f": about {max(known)} more missions of each would decide" if counts and len(known) == len(counts) else ""
         return [f"Not decided for {counted(len(open_ones), 'design')}: {side}{needed}."]
+
+
+def _rest(items: Sequence[object]) -> str:
+    """Returns the end of a list of which the first items were named."""
+    return f"; and {len(items) - _MOST_NAMED} more" if len(items) > _MOST_NAMED else ""
 
 
 def missions_to_separate(evidence: Evidence, best: int, other: int, objective: Objective) -> int | None:

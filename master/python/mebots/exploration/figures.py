@@ -64,7 +64,7 @@ def estimate_text(found: Estimate, objective: Objective, unit: str) -> str:
     low, high = found.interval
     if objective.is_share:
         return f"{found.successes} of {found.count} ({percent(low).removesuffix(' %')} to {percent(high)})"
-    factor, shown = scale_of(unit, [found.mean])
+    factor, shown = scale_of(unit, [found.mean, low, high])
     if not (math.isfinite(low) and math.isfinite(high)):
         return " ".join(filter(None, (number(found.mean * factor), shown)))
     width = (high - low) * factor
