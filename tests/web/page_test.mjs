@@ -42,6 +42,47 @@ const colours = (page, selector) => page.evaluate((which) => {
   return new Set(pixels).size;
 }, selector);
 
+/** Finds visible texts that overlap. Each text is the box of its letters, cut to the ancestors that hide what leaves them. */
+const overlaps = (page) => page.evaluate(() => {
+  const boxes = [];
+  const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  for (let text = texts.nextNode(); text; text = texts.nextNode()) {
+    const owner = text.parentElement;
+    if (!text.textContent.trim() || owner.closest("script, style, select, .menu") || !owner.checkVisibility({ checkOpacity: true, checkVisibilityCSS: true })) continue;
+    const range = document.createRange();
+    range.selectNodeContents(text);
+    for (const line of range.getClientRects()) {
+      let { left, right, top, bottom } = line;
+      let layer = "page";
+      for (let one = owner; one; one = one.parentElement) {
+        const style = getComputedStyle(one);
+        if (style.position === "fixed" || style.position === "sticky") layer = one.className || one.tagName;
+        if (style.overflowX === "visible" && style.overflowY === "visible") continue;
+        const clip = one.getBoundingClientRect();
+        [left, right, top, bottom] = [Math.max(left, clip.left), Math.min(right, clip.right), Math.max(top, clip.top), Math.min(bottom, clip.bottom)];
+      }
+      if (right - left > 2 && bottom - top > 4) boxes.push({ left, right, top: top + 2, bottom: bottom - 2, layer, text: text.textContent.trim() });
+    }
+  }
+  const found = boxes.flatMap((a, i) => boxes.slice(i + 1)
+    .filter((b) => a.layer === b.layer && a.left + 1 < b.right && b.left + 1 < a.right && a.top < b.bottom && b.top < a.bottom)
+    .map((b) => `${a.text} over ${b.text}`));
+  if (document.documentElement.scrollWidth > innerWidth) found.push(`the page is ${document.documentElement.scrollWidth} pixels wide`);
+  return { count: boxes.length, found };
+});
+
+const overlapTests = {
+  async "no text lies over another one, at several moments"({ page }) {
+    for (const share of [0, 0.3, 0.7, 1]) {
+      await page.evaluate((part) => globalThis.mebots.clock.set(part * globalThis.mebots.runs[0].end), share);
+      await frame(page);
+      const { count, found } = await overlaps(page);
+      assert.ok(count > 25, `${count} texts`);
+      assert.deepEqual(found, [], `at ${share} of the run`);
+    }
+  },
+};
+
 /** Returns "0.2778 m/s" or "9.514 W" as a number in the unit without prefix. */
 function numberOf(text) {
   const [, number, prefix] = /^([−\d.e+-]+) ?([GMkmµn]?)/.exec(text.replace(/ (m|m\/s|rad\/s)$/, ""));
@@ -609,6 +650,10 @@ try {
   await check(browser, pageOf("flight"), tests);
   await check(browser, pageOf("flight"), phoneTests, { width: 390, height: 844, dark: true, touch: true });
   await check(browser, pageOf("flight"), openingTests, { time: null });
+  for (const run of ["flight", "system", "swarm"]) {
+    await check(browser, pageOf(run), overlapTests, { width: 1440 });
+    await check(browser, pageOf(run), overlapTests, { width: 390, height: 844, dark: true, touch: true });
+  }
   await check(browser, pageOf("long"), longTests);
   await check(browser, pageOf("system"), systemTests);
   await check(browser, pageOf("system"), systemOnPhoneTests, { width: 390, height: 844, touch: true });

@@ -297,6 +297,18 @@ export class Stage {
     const distance = camera.position.distanceTo(body.group.position);
     this.ring.hidden = onboard || distance < 2.6;
     if (!this.ring.hidden) this.put(this.ring, body.group.position, camera);
+    this.hideTagsBehindPicture();
+  }
+
+  private hideTagsBehindPicture(): void {
+    const picture = this.root.querySelector(".picture")?.getBoundingClientRect();
+    if (!picture) return;
+    const tags = [this.eyeTag, ...this.labels.map((label) => label.tag)];
+    const boxes = tags.map((tag) => tag.getBoundingClientRect());
+    tags.forEach((tag, i) => {
+      const { left, right, top, bottom } = boxes[i];
+      if (left < picture.right && right > picture.left && top < picture.bottom && bottom > picture.top) tag.style.display = "none";
+    });
   }
 
   private put(tag: HTMLElement, place: THREE.Vector3, camera: THREE.PerspectiveCamera): void {

@@ -7,6 +7,7 @@ import { shown, shownUnit } from "../data/units";
 import { dotted, element, svg } from "../dom";
 
 const BOX = { width: 170, height: 58 };
+const NAME = { size: 15, fits: 16 }; // font size, and the number of letters that a box holds in this size
 const LARGEST = 1.25; // pixels of the page per unit of the drawing, which one instance alone would exceed
 
 /** Places for an arrow's label, as parts of its length. Places near the tail come first, because arrows cross in the
@@ -89,7 +90,7 @@ function bundlesOf(run: Run, system: SystemInfo): Bundle[] {
 function makeBox(name: string, model: string, [x, y]: [number, number], onChoose: () => void): SVGElement {
   return svg("g", { class: "box", tabindex: "0", onclick: onChoose, onfocus: onChoose },
     svg("rect", { x: String(x - BOX.width / 2), y: String(y - BOX.height / 2), width: String(BOX.width), height: String(BOX.height), rx: "8" }),
-    svg("text", { x: String(x), y: String(y - 3), class: "name" }, name),
+    svg("text", { x: String(x), y: String(y - 3), class: "name", style: `font-size:${NAME.size * Math.min(1, NAME.fits / name.length)}px` }, shortened(name)),
     svg("text", { x: String(x), y: String(y + 16), class: "model" }, shortened(model)));
 }
 
@@ -160,7 +161,7 @@ function showConnections(run: Run, clock: Clock, into: HTMLElement, bundles: Bun
   for (const { from, to, unit, type } of rows) {
     const value = element("td", { class: "number" });
     if (run.has(from)) values.push([value, from]);
-    body.append(element("tr", {}, element("td", {}, ...dotted(from)), element("td", {}, ...dotted(to)), element("td", { class: "whole" }, shownUnit(unit ?? "") || (unit === "1" ? "1" : type)), value));
+    body.append(element("tr", {}, element("td", {}, ...dotted(from)), element("td", {}, ...dotted(to)), element("td", { class: "whole" }, shownUnit(unit ?? "") || (unit === "1" ? "1" : type === "Real" ? "" : type)), value));
   }
   const show = () => {
     for (const [cell, name] of values) cell.textContent = run.textAt(name, clock.time);
