@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Answers the questions of the site's front page (docs/index.md) with their own commands, and draws their pictures.
 
-    scripts/gallery.py BUILD [--results DIR] [--check]
+    scripts/gallery.py BUILD [--results DIR] [--check | --short]
 
 BUILD is a build folder with the programs and FMUs. The commands run in a scratch folder, or in DIR, which then keeps the results and is
-reused. ``--check`` draws nothing: it compares what the commands print with what the page states.
+reused. ``--check`` draws nothing: it compares what the commands print with what the page states. ``--short`` does the same with one flight of
+each design: the best design must be the page's, and all values must be near the page's.
 """
 
 import argparse
@@ -15,6 +16,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -81,6 +83,47 @@ def missing_lines(question, output):
         else:
             missing.append(wanted)
     return missing
+
+
+def shorten_studies(folder):
+    """Writes a copy of configs/ whose studies fly each design once."""
+    shutil.copytree(ROOT / "configs", folder / "configs")
+    for file in (folder / "configs/questions").glob("*.json"):
+        study = json.loads(file.read_text(encoding="utf-8"))
+        if "draws" in study:
+            study["draws"]["replicates"] = 1
+        file.write_text(json.dumps(study), encoding="utf-8")
+
+
+def stated_values(lines):
+    """Returns the values in headlines and rows of a table by objective or column, and design: {key: (value, low, high)}, and the best designs."""
+    texts, best = {}, []
+    for line in lines:
+        if headline := re.match(r"(?:Lowest|Highest) (\S+) .*: (.+), (-?\d+(?:\.\d+)?(?: \w+)?(?: \([^)]*\))?)\. ", line):
+            texts[headline[1], headline[2]] = headline[3]
+            best.append(headline[2])
+        elif re.match(r"\d+ +#\d+ ", line):
+            cells = re.split("  +", line.strip())
+            texts |= {(column, cells[2]): text for column, text in enumerate(cells[4:], 4)}
+            best += [cells[2]] if cells[-1].startswith("best") else []
+    values = {}
+    for key, text in texts.items():
+        if found := re.match(r"(-?\d+(?:\.\d+)?)(?! of )[^(]*(?:\((-?[\d.]+) to (-?[\d.]+)\))?$", text):
+            values[key] = tuple(float(one or found[1]) for one in found.groups())
+    return values, best
+
+
+def far_values(question, output):
+    """Returns what the output of a shortened study contradicts in the page's answer. A value must be within twice the page's interval and 0.1 %."""
+    (page, page_best), (values, best) = stated_values(question.answer), stated_values(output.splitlines())
+    if not page or not page_best:
+        raise ValueError(f"{PAGE.name}: '{question.title}' states no value that a short study could have")
+    wrong = [f"best design {name}" for name in page_best if name not in best]
+    for key, (value, low, high) in page.items():
+        margin = high - low + 1e-3 * abs(value)
+        if key not in values or not low - margin <= values[key][0] <= high + margin:
+            wrong.append(f"{key[1]}: {value:g} (it has {values.get(key, ('nothing',))[0]})")
+    return wrong
 
 
 def table(folder, name):
@@ -175,24 +218,27 @@ def main():
     parser.add_argument("build", type=pathlib.Path, help="build folder with the programs and FMUs")
     parser.add_argument("--results", type=pathlib.Path, help="folder that keeps the results")
     parser.add_argument("--check", action="store_true", help="compare the answers with the page, and draw nothing")
+    parser.add_argument("--short", action="store_true", help="as --check, with one flight of each design")
     parser.add_argument("--only", metavar="NAME", help="one question, by the last word of its picture")
     arguments = parser.parse_args()
     asked, failed = 0, False
     with tempfile.TemporaryDirectory() as scratch:
         folder = (arguments.results or pathlib.Path(scratch)).resolve()
         folder.mkdir(parents=True, exist_ok=True)
+        if arguments.short:
+            shorten_studies(folder)
         for question in read_questions():
             if arguments.only not in (None, question.name):
                 continue
             asked += 1
             output = ask(question, arguments.build.resolve(), folder)
-            missing = missing_lines(question, output)
+            missing = far_values(question, output) if arguments.short else missing_lines(question, output)
             for line in missing:
                 print(f"{PAGE.name}: '{question.title}' states, but the command does not print: {line}")
             if missing:
                 print(output)
             failed = failed or bool(missing)
-            if not arguments.check:
+            if not (arguments.check or arguments.short):
                 import figure_style as style  # needs matplotlib, which a check does not
 
                 style.save(DRAW[question.name](folder / "results" / question.name, style), PICTURES / question.picture)
