@@ -175,6 +175,10 @@ class Answers(StudyCase):
         self.assertNotIn("by energy", remarks)
         self.assertRegex(remarks, r"separate \w+ by miss: about \d+ from \w+\.")
 
+    def test_a_config_of_a_run_is_refused_in_one_sentence(self):
+        with self.assertRaisesRegex(mebots.InputError, r"^\S+: this is the config of a run, not a study\. `mebots run \S+` runs it"):
+            read_study(self.folder / "mission.json")
+
     def test_the_program_prints_it(self):
         self.study(draws=self.DRAWS, objectives={"out": {"summary": "deep.out", "minimize": True}, "top": {"final": "a.real_out", "maximize": True}})
         said = self.sweep()

@@ -154,7 +154,23 @@ def read_study(source: str | os.PathLike[str] | dict[str, Any]) -> Study:
     with all mistakes."""
     if isinstance(source, dict):
         return _from_dict(source)
-    return _study(os.fspath(source), pathlib.Path(source).absolute().parent, json.loads(_mebots.read_study(source)))
+    try:
+        content = _mebots.read_study(source)
+    except InputError:
+        _refuse_config(source)
+        raise
+    return _study(os.fspath(source), pathlib.Path(source).absolute().parent, json.loads(content))
+
+
+def _refuse_config(source: str | os.PathLike[str]) -> None:
+    """Raises InputError if the file is a config of a run: one sentence instead of an error for each of its keys."""
+    try:
+        content = json.loads(pathlib.Path(source).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return
+    if isinstance(content, dict) and "instances" in content and "mission" not in content:
+        name = os.fspath(source)
+        raise InputError(f'{name}: this is the config of a run, not a study. `mebots run {name}` runs it; a study names it as "mission"') from None
 
 
 def _from_dict(source: dict[str, Any]) -> Study:
