@@ -113,7 +113,8 @@ def _columns(folder: pathlib.Path) -> tuple[dict[str, str], dict[str, Any]]:
         raise InputError(f"{file}: there is no such file; did the run record as \"hdf5\" only?", "file_not_found")
     header, *rows = _mebots.read_csv(file, "surrogateescape")
     cells = list(zip(*rows, strict=True)) or [() for _ in header]
-    units, columns = {}, {}
+    units: dict[str, str] = {}
+    columns: dict[str, np.ndarray | list[str]] = {}
     for title, values in zip(header, cells, strict=True):
         name, _, unit = title.rpartition(" [")
         units[name] = "" if unit == "-]" else unit.removesuffix("]")

@@ -93,6 +93,7 @@ class Judge:
         self._senses = [one for one in self._study.objectives if one.sense != 0]
         shares = [one for one in self._study.objectives if one.is_share]
         self._main = next(iter([*self._senses, *shares]), None)
+        self._ranking = self._senses or [one for one in [self._main] if one is not None]
         self._share = next((one for one in shares if one is not self._main), None)
 
     def standings(self) -> Answer:
@@ -101,7 +102,7 @@ class Judge:
 
     def answer(self, places: Sequence[str]) -> Answer:
         """``places`` is the result of ``front.places``."""
-        best = {one.label: self._best(one) for one in self._senses or [self._main] if one is not None}
+        best = {one.label: self._best(one) for one in self._ranking}
         headlines = [line for one in self._study.objectives if (line := self._headline(one, best.get(one.label), places))]
         if not headlines:
             headlines = ["No design can be ranked: no objective is minimised, maximised or a share, or no mission has a value of it."]
@@ -277,7 +278,7 @@ class Judge:
         return named + _rest(designs)
 
     def _more_lines(self, best: Mapping[str, tuple[int, list[int]] | None]) -> list[str]:
-        lines = [line for one in self._senses or [self._main] if one is not None for line in self._separation(one, best[one.label])]
+        lines = [line for one in self._ranking for line in self._separation(one, best[one.label])]
         for constraint in self._study.constraints:
             lines += self._open_constraint(constraint)
         return lines

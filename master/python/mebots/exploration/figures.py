@@ -72,9 +72,9 @@ def estimate_text(found: Estimate, objective: Objective, unit: str) -> str:
     decimals = max(0, math.ceil(-math.log10(width / 2))) if width > 0 else _decimals_of(found.mean * factor)
     size = max(abs(low), abs(high)) * factor
     decimals = min(decimals, max(0, _MOST_DIGITS - 1 - math.floor(math.log10(size)))) if size > 0 else decimals
-    mean, low, high = (f"{value * factor:.{decimals}f}" for value in (found.mean, low, high))
+    mean, least, most = (f"{value * factor:.{decimals}f}" for value in (found.mean, low, high))
     head = " ".join(filter(None, (mean, shown)))
-    return head if low == high else f"{head} ({low} to {high})"
+    return head if least == most else f"{head} ({least} to {most})"
 
 
 def _decimals_of(value: float) -> int:
