@@ -28,6 +28,9 @@ struct DeployOptions {
   bool no_measure = false;
   bool json = false;
   std::filesystem::path page;
+  std::filesystem::path validate;
+  std::filesystem::path labels;
+  std::string sizes;
 };
 
 Words words_of(const DeployOptions& options) {
@@ -43,6 +46,9 @@ Words words_of(const DeployOptions& options) {
   if (options.no_measure) words.emplace_back("--no-measure");
   if (options.json) words.emplace_back("--json");
   add_word(words, "--page", options.page.string());
+  add_word(words, "--validate", options.validate.string());
+  add_word(words, "--labels", options.labels.string());
+  add_word(words, "--sizes", options.sizes);
   return words;
 }
 
@@ -80,6 +86,21 @@ void add_deploy(CLI::App& app, Action& action) {
       ->check(CLI::PositiveNumber);
   command->add_option("--vectors", options->vectors, "Test vectors to write; default: 4")
       ->check(CLI::NonNegativeNumber);
+  command
+      ->add_option("--validate", options->validate,
+                   "Pictures on which integers are compared with float; default: those of --data")
+      ->type_name("PICTURES")
+      ->check(not_empty());
+  command
+      ->add_option("--labels", options->labels,
+                   "Labels of these pictures: columns picture, and class or names of outputs with one value")
+      ->type_name("FILE.csv")
+      ->check(not_empty());
+  command
+      ->add_option("--sizes", options->sizes,
+                   "Smaller inputs to compare, such as 96x96,64x64 (columns x rows), or none; default: 3/4 and 1/2")
+      ->type_name("SIZES")
+      ->check(not_empty());
   command->add_flag("--no-measure", options->no_measure, "Check on this machine only, without the chip");
   command->add_flag("--json", options->json, "Print network.json in place of the table");
   command

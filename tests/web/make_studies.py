@@ -111,6 +111,11 @@ def cost(macs, cycles, clock=87e6, cores=8):
     }  # fmt: skip
 
 
+def judged(error):
+    """Accuracy of an invented network: each interval is a fifth of the error to both sides."""
+    return {"pictures": 64, "data": "pictures", "float": {"outputs": {"error": error, "interval": [0.8 * error, 1.2 * error], "deviation": 0.3}}}
+
+
 def network(is_measured):
     """Returns network.json of an invented network of 24 layers."""
     layers, costs, offset = [], [], 0
@@ -131,6 +136,8 @@ def network(is_measured):
     return {
         "format": 1, "model": {"file": "invented.onnx", "sha256": "0" * 64, "opset": 17}, "calibration": {"pictures": 12, "percentile": None},
         "input": {"rows": 160, "columns": 160, "channels": 1, "tensor": "picture"}, "outputs": {"outputs": {"shape": [1, 1, 4]}},
+        "accuracy": judged(0.01), "sizes": [{"rows": size, "columns": size, "macs": size * size * 400, "accuracy": judged(0.01 * 160 / size), "settings": [
+            one | {"time": one["time"] * (size / 160) ** 2, "energy": one["energy"] * (size / 160) ** 2} for one in settings]} for size in (120, 80)],
         "memory": {"weights": 60000, "activations": 102400, "l1": 16000, "picture": 25600}, "layers": layers, "flight": {"none": "it has other outputs"},
     } | ({"measured": measured} if is_measured else {})  # fmt: skip
 

@@ -265,6 +265,8 @@ try {
     }
     const energies = await (await panelOf(page, "Clocks and numbers of cores")).$$eval("tbody tr", (all) => all.map((row) => row.children[3].textContent));
     assert.equal(energies.length, 12);
+    const sizes = await (await panelOf(page, "Accuracy next to energy")).$$eval("tbody tr", (all) => all.map((row) => [row.children[0].textContent, row.children[5].textContent]));
+    assert.deepEqual(sizes, [["160 x 160", "0.01 (0.008 to 0.012)"], ["120 x 120", "0.0133 (0.0107 to 0.016)"], ["80 x 80", "0.02 (0.016 to 0.024)"]]);
     const disc = await (await panelOf(page, "Roofline")).$("canvas");
     await disc.scrollIntoView();
     const [x, y] = await disc.evaluate((one) => {

@@ -34,6 +34,32 @@ export interface Setting {
   parts: Record<string, number>;
 }
 
+/** An error or a share of pictures, with its interval at 95 %. */
+export interface Judged {
+  error?: number;
+  share?: number;
+  interval: [number, number];
+  deviation?: number;
+}
+
+/** `float`: differences from the model in float by output. `labels`: comparison with labels by column. */
+export interface Accuracy {
+  pictures: number;
+  data: string;
+  float?: Record<string, Judged>;
+  labels?: { file: string; outputs: Record<string, { float?: Judged; int8: Judged; loss?: Judged }> };
+}
+
+/** The network with a smaller input. `whole`: differences from float with the whole input. */
+export interface SizeRow {
+  rows: number;
+  columns: number;
+  macs: number;
+  accuracy: Accuracy;
+  settings: { cores: number; cluster_clock: number; time: number; energy: number }[];
+  whole?: Record<string, Judged>;
+}
+
 export interface Measured {
   cores: number;
   cluster_clock: number;
@@ -51,6 +77,8 @@ export interface NetworkPage extends Page {
     layers: Layer[];
     flight: { program?: string; firmware?: string[]; none?: string };
     measured?: Measured;
+    accuracy: Accuracy;
+    sizes: SizeRow[] | { none: string };
   };
   board: { name: string; cores: number; l1: number; l2: number };
 }

@@ -9,12 +9,13 @@ import { makeLayers } from "./layers";
 import { makeMemory } from "./memory";
 import { makeRoofline } from "./roofline";
 import { makeSettings } from "./settings";
+import { makeSizes } from "./sizes";
 import { makeCycles, makeEnergy } from "./shares";
 
 export function makeNetwork(page: NetworkPage): HTMLElement[] {
   Object.assign(window.mebots, { page }); // for scripts and tests
   const { measured } = page.network;
-  const panels = measured ? [makeRoofline(page, measured), makeCycles(page, measured), makeEnergy(page, measured), makeSettings(page, measured)] : [];
+  const panels = measured ? [makeRoofline(page, measured), makeCycles(page, measured), makeEnergy(page, measured), makeSettings(page, measured), makeSizes(page, measured)] : [];
   return [makeAnswer(page), makeLayers(page), makeColumns([...panels, makeMemory(page)])];
 }
 

@@ -16,5 +16,7 @@
     contracts   what a flight's firmware needs of a network
     report      network.json and the table; network_page draws it
     deployed    options, and the network in memory
+    lowering    the steps above
+    labels, accuracy, sizes, judging   compare with float and labels, for several sizes of the input
     deploying   the whole deployment; command is the command line
 """

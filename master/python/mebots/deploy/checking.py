@@ -3,15 +3,39 @@
 
 from __future__ import annotations
 
+import pathlib
 import re
 
 import numpy as np
 
+from mebots.deploy import chip
+from mebots.deploy import layers as integers
+from mebots.deploy.deployed import Deployed
 from mebots.deploy.graph import Tensor
 from mebots.deploy.layers import Network
 from mebots.errors import Error
 
 _LINE = re.compile(r"^layer (\d+) ([0-9a-f]+)$|^result (-?\d+)$")
+
+
+def check(library: pathlib.Path, scratch: pathlib.Path, deployed: Deployed, on_chip: bool, objects: pathlib.Path | None = None) -> chip.Program | None:
+    """Compares C with the reference on this machine, and on the chip with one core and with all. Returns the chip's program.
+
+    ``library`` has the network's sources. ``objects`` is a folder for the object files of the kernels, which later
+    networks use again.
+    """
+    network, board = deployed.network, deployed.board
+    build = chip.Build(library, scratch, board, objects)
+    sizes = [layer.output.bytes for layer in network.layers]
+    picture = deployed.pictures.one(0, deployed.scale)
+    values = integers.run(network, picture)
+    compare(network, values, chip.run_on_host(build.host(), chip.Request(1, -1, sizes, picture)), "C on this machine")
+    if not on_chip:
+        return None
+    program = chip.Program(build.chip(), sizes, picture, board)
+    for cores in (1, board.cores):
+        compare(network, values, program.check(cores), f"the chip with {cores} core{'s' if cores > 1 else ''}")
+    return program
 
 
 def hash_of(values: np.ndarray) -> int:

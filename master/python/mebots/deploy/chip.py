@@ -207,6 +207,24 @@ class Request:
     clock_hz: int = CLOCK_HZ
 
 
+@dataclasses.dataclass(frozen=True)
+class Program:
+    """The program that computes the layers of a network on the chip, with its picture and the bytes of each layer's output."""
+
+    elf: pathlib.Path
+    bytes: Sequence[int]
+    picture: np.ndarray
+    board: Board
+
+    def check(self, cores: int) -> str:
+        """Returns what the program prints of all layers."""
+        return run_on_chip(self.elf, Request(cores, -1, self.bytes, self.picture), self.board)[0]
+
+    def report(self, cores: int, layers: int, clock_hz: int = CLOCK_HZ, by_cause: bool = False) -> dict[str, Any]:
+        """Returns the chip's report of the first layers."""
+        return run_on_chip(self.elf, Request(cores, layers, self.bytes, self.picture, clock_hz), self.board, by_cause)[1]
+
+
 def with_request(built: pathlib.Path, request: Request, out: pathlib.Path) -> pathlib.Path:
     """Copies a program, and writes a request into the copy."""
     content = bytearray(built.read_bytes())

@@ -25,6 +25,9 @@ def main(words: list[str] | None = None) -> int:
     parser.add_argument("--crop")
     parser.add_argument("--pictures", type=int, default=256)
     parser.add_argument("--vectors", type=int, default=4)
+    parser.add_argument("--validate")
+    parser.add_argument("--labels")
+    parser.add_argument("--sizes")
     parser.add_argument("--no-measure", action="store_true")
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--page")
@@ -35,6 +38,7 @@ def main(words: list[str] | None = None) -> int:
         from mebots.deploy.deploying import deploy
         from mebots.deploy.network_page import check_place, write_network_page
         from mebots.deploy.report import shown
+        from mebots.deploy.sizes import parse_sizes
 
         if given.percentile is not None and not 50 < given.percentile <= 100:
             raise InputError(f"--percentile is {given.percentile:g}; above 50 and up to 100 are possible", "invalid_value")
@@ -47,6 +51,9 @@ def main(words: list[str] | None = None) -> int:
             vectors=given.vectors,
             pictures=given.pictures,
             measure=not given.no_measure,
+            validate=given.validate,
+            labels=given.labels,
+            sizes=parse_sizes(given.sizes),
         )
         if given.page is not None:
             check_place(given.page, given.out)

@@ -15,11 +15,15 @@ from mebots.deploy.model_file import Model
 from mebots.deploy.pictures import Crop, Pictures
 from mebots.deploy.plan import Plan
 
+Size = tuple[int, int]
+"""Rows and columns of an input."""
+
 
 @dataclasses.dataclass(frozen=True)
 class Options:
     """With ``percentile`` None, the least and greatest values are used. ``vectors`` is the number of test vectors to
-    keep."""
+    keep. The accuracy is judged on the pictures of ``validate`` (None: those of the calibration), with the file ``labels``.
+    ``sizes`` are further sizes of the input; None means three quarters and half of the rows and columns."""
 
     board: str = "ai_deck"
     percentile: float | None = None
@@ -29,6 +33,9 @@ class Options:
     vectors: int = 4
     pictures: int = 256
     measure: bool = True
+    validate: str | None = None
+    labels: str | None = None
+    sizes: tuple[Size, ...] | None = None
 
 
 @dataclasses.dataclass(frozen=True)

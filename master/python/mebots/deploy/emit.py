@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import pathlib
 from typing import Any
 
 import numpy as np
@@ -235,6 +236,12 @@ def _gather_fields(layer: Layer) -> dict[str, int]:
 class Sources:
     files: dict[str, bytes]
     weight_bytes: int
+
+    def write(self, folder: pathlib.Path) -> None:
+        """Writes the files into a new folder."""
+        folder.mkdir()
+        for name, content in self.files.items():
+            (folder / name).write_bytes(content)
 
 
 def emit(network: Network, plan: Plan) -> Sources:

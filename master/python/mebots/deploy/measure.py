@@ -4,12 +4,8 @@
 from __future__ import annotations
 
 import dataclasses
-import pathlib
-
-import numpy as np
 
 from mebots.deploy import chip
-from mebots.deploy.layers import Network
 
 
 @dataclasses.dataclass(frozen=True)
@@ -75,22 +71,22 @@ def _difference(a: dict, b: dict, clock_hz: float) -> Cost:
     )
 
 
-def measure(elf: pathlib.Path, network: Network, picture: np.ndarray, sizes: list[int], on: chip.Board) -> Measurement:
-    def report(cores: int, count: int, clock_hz: int = chip.CLOCK_HZ, by_cause: bool = False) -> dict:
-        return chip.run_on_chip(elf, chip.Request(cores, count, sizes, picture, clock_hz), on, by_cause)[1]
+def measure(program: chip.Program, layers: int) -> Measurement:
+    """Measures each layer with all cores at the highest clock, and the inference in all settings."""
+    cores = program.board.cores
+    reports = [program.report(cores, count, by_cause=True) for count in range(layers + 1)]
+    costs = [_difference(a, b, chip.CLOCK_HZ) for a, b in zip(reports, reports[1:], strict=False)]
+    total = _difference(reports[0], reports[-1], chip.CLOCK_HZ)
+    return Measurement(cores, chip.CLOCK_HZ, costs, total, measure_settings(program, layers, total))
 
-    def difference(a: dict, b: dict) -> Cost:
-        return _difference(a, b, chip.CLOCK_HZ)
 
-    reports = [report(on.cores, count, by_cause=True) for count in range(len(network.layers) + 1)]
-    layers = [difference(a, b) for a, b in zip(reports, reports[1:], strict=False)]
-    total = difference(reports[0], reports[-1])
-    counts = [*(2**i for i in range(on.cores.bit_length()) if 2**i < on.cores), on.cores]
+def measure_settings(program: chip.Program, layers: int, usual: Cost | None = None) -> list[Setting]:
+    """Measures an inference for each clock and number of cores. ``usual`` is its known cost with all cores at the highest clock."""
+    most = program.board.cores
     settings = []
     for clock in (*CLOCKS_HZ, chip.CLOCK_HZ):
-        is_usual = clock == chip.CLOCK_HZ
-        start = reports[0] if is_usual else report(on.cores, 0, clock)  # without a layer, the number of cores has no effect
-        for cores in counts:
-            known = is_usual and cores == on.cores
-            settings.append(Setting(cores, clock, total if known else _difference(start, report(cores, len(network.layers), clock), clock)))
-    return Measurement(on.cores, chip.CLOCK_HZ, layers, total, settings)
+        start = program.report(most, 0, clock)  # without a layer, the number of cores has no effect
+        for cores in [*(2**i for i in range(most.bit_length()) if 2**i < most), most]:
+            known = usual is not None and clock == chip.CLOCK_HZ and cores == most
+            settings.append(Setting(cores, clock, usual if known else _difference(start, program.report(cores, layers, clock), clock)))
+    return settings

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from mebots.deploy.graph import Tensor
 from mebots.errors import InputError
 from mebots.extras import extra
 
@@ -30,8 +31,9 @@ class Model:
     """An ONNX model. ``constants`` are the initialisers and all tensors that are computed from them. ``nodes`` are the
     remaining nodes, in order."""
 
-    def __init__(self, path: str | os.PathLike[str], rewrite: Callable[[Any], None] | None = None) -> None:
-        """Reads a model. ``rewrite`` changes the model before it is checked."""
+    def __init__(self, path: str | os.PathLike[str], rewrite: Callable[[Any], None] | None = None, size: tuple[int, int] | None = None) -> None:
+        """Reads a model. ``rewrite`` changes the model before it is checked. ``size`` are rows and columns that replace those of the
+        input."""
         self.path = pathlib.Path(path)
         self.proto = _load(self.path)
         if rewrite is not None:
@@ -44,6 +46,9 @@ class Model:
         self.scales: dict[str, Any] = {}  # of tensors that the model quantises
         self.opset = _opset(self.proto, self.path)
         _fix_batch(self.proto, self.path)
+        self.whole: Tensor | None = None  # the input before ``size`` replaced its own size
+        if size is not None:
+            self.whole = _resize(self.proto, *size)
         self.proto = _with_shapes(self.proto, self.path)
         self.shapes = _shapes(self.proto.graph)
         self.constants = self._initialisers()
@@ -188,6 +193,21 @@ def _fix_batch(model: Any, path: pathlib.Path) -> None:
                 )
             dimension.Clear()
             dimension.dim_value = 1
+
+
+def _resize(model: Any, rows: int, columns: int) -> Tensor:
+    """Changes the size of the input, and drops all shapes that follow from it. Returns the input before."""
+    constants = {one.name for one in model.graph.initializer}
+    source = next(one for one in model.graph.input if one.name not in constants)
+    dimensions = source.type.tensor_type.shape.dim
+    whole = Tensor(source.name, tuple(one.dim_value for one in dimensions[1:]))
+    for dimension, value in zip(dimensions[2:], (rows, columns), strict=True):
+        dimension.dim_value = value
+    del model.graph.value_info[:]
+    for one in model.graph.output:
+        for dimension in one.type.tensor_type.shape.dim:
+            dimension.Clear()
+    return whole
 
 
 def _with_shapes(model: Any, path: pathlib.Path) -> Any:

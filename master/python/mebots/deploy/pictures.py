@@ -29,14 +29,16 @@ class Crop:
 class Pictures:
     """The inputs of a folder of pictures, or of a .npy file of vectors (number, *shape), as bytes in stored order."""
 
-    def __init__(self, path: pathlib.Path, tensor: Tensor, crop: Crop | None) -> None:
+    def __init__(self, path: pathlib.Path, tensor: Tensor, crop: Crop | None, whole: Tensor | None = None) -> None:
+        """Finds the inputs. If ``whole`` is given, they have its size, and are reduced to the size of ``tensor``."""
         self.path = path
         self._tensor = tensor
+        self._whole = whole or tensor
         self._crop = crop
         self.vectors: np.ndarray | None = None
         self.files: list[pathlib.Path] = []
         if path.suffix == ".npy":
-            self.vectors = _vectors(path, tensor)
+            self.vectors = _vectors(path, self._whole)
             return
         if len(tensor.shape) != 3 or tensor.channels not in (1, 3):
             raise InputError(
@@ -65,16 +67,37 @@ class Pictures:
         for number in range(len(self)):
             yield self.one(number, scale)
 
+    def chosen(self, most: int) -> list[int]:
+        """Returns at most ``most`` numbers of inputs, equally spaced."""
+        return [int(one) for one in np.linspace(0, len(self) - 1, min(most, len(self))).round()]
+
+    def places(self) -> dict[str, int]:
+        """Returns the number of each input by its name: the path in the folder, or the number of a vector."""
+        if self.vectors is not None:
+            return {str(i): i for i in range(len(self.vectors))}
+        return {one.relative_to(self.path).as_posix(): i for i, one in enumerate(self.files)}
+
+    def naming(self) -> str:
+        return "files as in the folder of pictures" if self.vectors is None else f"vectors by numbers from 0 to {len(self) - 1}"
+
     def one(self, number: int, scale: Scale) -> np.ndarray:
         """Returns input ``number`` as it is stored: rows, columns, channels."""
-        if self.vectors is not None:
+        if self.vectors is None:
+            values = self._read(self.files[number])
+        else:
             values = scale.bytes(self.vectors[number])
-            return np.moveaxis(values.reshape(self._tensor.channels, self._tensor.rows, self._tensor.columns), 0, 2)
-        return self._read(self.files[number])
+            values = np.moveaxis(values.reshape(self._whole.channels, self._whole.rows, self._whole.columns), 0, 2)
+        return values if self._whole is self._tensor else self._reduced(values)
+
+    def _reduced(self, values: np.ndarray) -> np.ndarray:
+        image = extra("PIL.Image", "`mebots deploy`", "pillow", "deploy")
+        size = self._tensor.columns, self._tensor.rows
+        planes = [np.asarray(image.fromarray(np.ascontiguousarray(values[:, :, i])).resize(size, image.Resampling.BOX)) for i in range(values.shape[2])]
+        return np.stack(planes, axis=2)
 
     def _read(self, path: pathlib.Path) -> np.ndarray:
         image = extra("PIL.Image", "`mebots deploy`", "pillow", "deploy")
-        rows, columns, channels = self._tensor.stored()
+        rows, columns, channels = self._whole.stored()
         try:
             with image.open(path) as picture:
                 values = np.asarray(picture.convert("L" if channels == 1 else "RGB"), dtype=np.uint8)

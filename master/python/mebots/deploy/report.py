@@ -6,6 +6,7 @@ from __future__ import annotations
 import hashlib
 from typing import Any
 
+from mebots.deploy import accuracy
 from mebots.deploy.c_files import output_names
 from mebots.deploy.deployed import Deployed, Options
 from mebots.deploy.measure import Cost, Measurement
@@ -122,12 +123,26 @@ def shown(content: dict[str, Any]) -> str:
             f"  {one['cores']} core{'s' if one['cores'] > 1 else ' '} at {one['cluster_clock'] / 1e6:5.2f} MHz: {1e3 * one['time']:8.3f} ms, {1e3 * one['energy']:8.4g} mJ"
             for one in measured["settings"]
         ]
+    lines += accuracy.shown(content["accuracy"]) + _shown_sizes(content["sizes"])
     flight = content["flight"]
     if "program" in flight:
         lines.append(f"flies in missions with firmware {' or '.join(flight['firmware'])}: --set soc.network=FOLDER")
     else:
         lines.append(f"does not fly: {flight['none']}")
     return "\n".join(lines)
+
+
+def _shown_sizes(sizes: Any) -> list[str]:
+    """Returns lines for smaller inputs, each with all cores at the highest clock."""
+    if isinstance(sizes, dict):
+        return [f"one size of the input only: {sizes['none']}"]
+    lines = []
+    for row in sizes:
+        last = row["settings"][-1]
+        lines.append(f"input of {row['columns']} x {row['rows']}: {_count(row['macs'])} MACs, {1e3 * last['time']:.3f} ms, {1e3 * last['energy']:.4g} mJ")
+        lines += accuracy.shown(row["accuracy"], "  ")
+        lines += [f"  {name}: differs from float at the whole size by {one['error']:.3g}" for name, one in row.get("whole", {}).items()]
+    return lines
 
 
 def _count(value: int) -> str:

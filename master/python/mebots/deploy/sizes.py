@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The sizes of the input for which a model is deployed again."""
+
+from __future__ import annotations
+
+import math
+import os
+
+from mebots.deploy.deployed import Size
+from mebots.deploy.graph import Tensor
+from mebots.errors import InputError
+
+_USUAL = (0.75, 0.5)  # of the rows and columns, if the user names no sizes
+
+
+def parse_sizes(text: str | None) -> tuple[Size, ...] | None:
+    """Returns the sizes of --sizes as (rows, columns). None means the usual ones."""
+    if text is None:
+        return None
+    if text == "none":
+        return ()
+    try:
+        sizes = tuple((int(rows), int(columns)) for columns, rows in (one.split("x") for one in text.split(",")))
+    except ValueError:
+        sizes = ((0, 0),)
+    if any(min(one) < 1 for one in sizes):
+        raise InputError(f"--sizes is '{text}'; COLUMNSxROWS of one or more inputs is expected, such as 96x96,64x64, or none", "invalid_value")
+    return sizes
+
+
+def chosen(whole: Tensor, sizes: tuple[Size, ...] | None) -> tuple[Size, ...]:
+    """Returns the sizes to deploy, without the model's own."""
+    if len(whole.shape) != 3 or whole.rows * whole.columns == 1:
+        if sizes:
+            raise InputError(f"--sizes: the input {whole.name} has no rows and columns. Leave the option out", "invalid_value")
+        return ()
+    if sizes is None:
+        sizes = tuple((max(1, math.floor(share * whole.rows)), max(1, math.floor(share * whole.columns))) for share in _USUAL)
+    larger = next((one for one in sizes if one[0] > whole.rows or one[1] > whole.columns), None)
+    if larger is not None:
+        raise InputError(f"--sizes: {larger[1]} x {larger[0]} exceeds the network's input, {whole.columns} x {whole.rows}. Name smaller sizes", "invalid_value")
+    return tuple(one for one in dict.fromkeys(sizes) if one != (whole.rows, whole.columns))
+
+
+def reason(error: InputError, size: Size, model: str | os.PathLike[str]) -> str:
+    """Returns why the model cannot have this size of the input."""
+    text = str(error).removeprefix(f"{os.fspath(model)}: ").rstrip(".")
+    subject = "the model " if text.startswith("is ") else ""
+    return (
+        f"with an input of {size[1]} x {size[0]}, {subject}{text}. The size can change if the network ends in convolutions or in a global pool, "
+        "without a dense layer over rows and columns"
+    )
