@@ -21,6 +21,7 @@ struct DeployOptions {
   std::string board;
   std::string crop;
   std::optional<double> percentile;
+  bool equalise = false;
   std::optional<double> input_scale;
   std::optional<double> input_offset;
   std::optional<int> pictures;
@@ -38,6 +39,7 @@ Words words_of(const DeployOptions& options) {
   add_word(words, "--board", options.board);
   add_word(words, "--crop", options.crop);
   add_number(words, "--percentile", options.percentile);
+  if (options.equalise) words.emplace_back("--equalise");
   add_number(words, "--input-scale", options.input_scale);
   // The option is joined with "=", because the value may begin with a minus.
   if (options.input_offset) words.push_back(fmt::format("--input-offset={}", *options.input_offset));
@@ -77,6 +79,8 @@ void add_deploy(CLI::App& app, Action& action) {
       ->add_option("--percentile", options->percentile,
                    "Percentage of a tensor's values within its range; default: all values")
       ->check(positive());
+  command->add_flag("--equalise", options->equalise,
+                    "Equalise the ranges of weights between layers, and print the accuracy with and without it");
   command
       ->add_option("--input-scale", options->input_scale,
                    "Increase of the network's input per grey level; default: 1/255")

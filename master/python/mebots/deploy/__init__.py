@@ -8,6 +8,7 @@
     pictures    inputs for calibration
     calibrate   the model in onnxruntime, and the ranges of its tensors
     arithmetic  scales, and how a sum becomes a byte
+    equalise    cross-layer equalisation
     quantise    the network in integers; integer_nodes and integer_layers for networks of whole numbers
     layers      its layers, and the reference of each in numpy
     plan        memories and tiles

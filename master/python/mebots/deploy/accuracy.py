@@ -132,6 +132,8 @@ def _loss(before: np.ndarray, after: np.ndarray) -> dict[str, Any]:
 def shown(accuracy: dict[str, Any], indent: str = "") -> list[str]:
     """Returns lines for the terminal."""
     lines = []
+    if "without_equalisation" in accuracy:
+        lines = [f"{indent}without equalisation:", *shown(accuracy["without_equalisation"], f"{indent}  ")]
     for name, one in accuracy.get("float", {}).items():
         low, high = one["interval"]
         lines.append(f"{indent}{name}: differs from float by {one['error']:.3g} (root mean square; 95 %: {low:.3g} to {high:.3g}), standard deviation {one['deviation']:.3g}")

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -54,8 +54,10 @@ def _one_line(error: Exception) -> str:
 class Ranges:
     """Minimum and maximum of tensors. With a percentile, also histograms of their magnitudes."""
 
-    def __init__(self, percentile: float | None) -> None:
+    def __init__(self, percentile: float | None, divisors: Mapping[str, np.ndarray]) -> None:
+        """Prepares empty ranges. ``divisors`` divide the channels of the tensors that they name."""
         self._percentile = percentile
+        self._divisors = divisors
         self._least: dict[str, float] = {}
         self._greatest: dict[str, float] = {}
         self._samples: dict[str, list[np.ndarray]] = {}
@@ -64,6 +66,8 @@ class Ranges:
         for name, array in values.items():
             if not np.isfinite(array).all():
                 raise InputError(f"tensor {name} has a value that is not finite for a calibration picture. Check the scale of the input", "invalid_model")
+            if name in self._divisors:
+                array = array / self._divisors[name].reshape(1, -1, *[1] * (array.ndim - 2))
             self._least[name] = min(self._least.get(name, np.inf), float(array.min()))
             self._greatest[name] = max(self._greatest.get(name, -np.inf), float(array.max()))
             if self._percentile is not None:
@@ -84,8 +88,8 @@ def _quantiles(array: np.ndarray) -> np.ndarray:
     return flat if flat.size <= _BINS else np.quantile(flat, np.linspace(0, 1, _BINS))
 
 
-def ranges_of(model: FloatModel, pictures: Iterator[np.ndarray], percentile: float | None) -> Ranges:
-    ranges = Ranges(percentile)
+def ranges_of(model: FloatModel, pictures: Iterator[np.ndarray], percentile: float | None, divisors: Mapping[str, np.ndarray]) -> Ranges:
+    ranges = Ranges(percentile, divisors)
     for values in pictures:
         ranges.add(model.run(values))
     return ranges

@@ -20,6 +20,7 @@ def main(words: list[str] | None = None) -> int:
     parser.add_argument("--out", required=True)
     parser.add_argument("--board", default="ai_deck")
     parser.add_argument("--percentile", type=float)
+    parser.add_argument("--equalise", action="store_true")
     parser.add_argument("--input-scale", type=float, default=1 / 255)
     parser.add_argument("--input-offset", type=float, default=0.0)
     parser.add_argument("--crop")
@@ -45,6 +46,7 @@ def main(words: list[str] | None = None) -> int:
         options = Options(
             board=given.board,
             percentile=given.percentile,
+            equalise=given.equalise,
             input_scale=given.input_scale,
             input_offset=given.input_offset,
             crop=_crop(given.crop),

@@ -21,12 +21,13 @@ Size = tuple[int, int]
 
 @dataclasses.dataclass(frozen=True)
 class Options:
-    """With ``percentile`` None, the least and greatest values are used. ``vectors`` is the number of test vectors to
+    """``equalise`` is cross-layer equalisation. With ``percentile`` None, the least and greatest values are used. ``vectors`` is the number of test vectors to
     keep. The accuracy is judged on the pictures of ``validate`` (None: those of the calibration), with the file ``labels``.
     ``sizes`` are further sizes of the input; None means three quarters and half of the rows and columns."""
 
     board: str = "ai_deck"
     percentile: float | None = None
+    equalise: bool = False
     input_scale: float = 1 / 255
     input_offset: float = 0.0
     crop: Crop | None = None

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import pathlib
 from typing import Any
@@ -30,6 +31,9 @@ class Judgement:
         a folder per size."""
         whole = outputs_of(self._deployed, self._compared)
         accuracy = accuracy_of(whole, self._compared)
+        if self._options.equalise:
+            usual = lower(self._model, self._data, dataclasses.replace(self._options, equalise=False))
+            accuracy["without_equalisation"] = accuracy_of(outputs_of(usual, self._compared), self._compared)
         if not self._options.measure:
             return {"accuracy": accuracy, "sizes": {"none": "it was deployed with --no-measure"}}
         rows = []

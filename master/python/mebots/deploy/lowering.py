@@ -12,6 +12,7 @@ from mebots.deploy.arithmetic import Scale
 from mebots.deploy.calibrate import FloatModel, names_of, ranges_of
 from mebots.deploy.deployed import Deployed, Options, Size
 from mebots.deploy.emit import L1_RESERVED, Sources, emit
+from mebots.deploy.equalise import equalise
 from mebots.deploy.importer import import_graph
 from mebots.deploy.integer_layers import IntegerLayers
 from mebots.deploy.integer_nodes import collapse, expand_shifts, is_integer
@@ -46,7 +47,9 @@ def lower(model: str | os.PathLike[str], data: str | os.PathLike[str], options: 
         simplify(graph)
         scale = read.scales.get(source.name) or pictures.scale(options.input_scale, options.input_offset)
         float_model = FloatModel(read, names_of([one for one in [node.output for node in graph.nodes] + graph.outputs if one.name in read.shapes]))
-        ranges = ranges_of(float_model, (pictures.real(pictures.one(i, scale), scale) for i in pictures.chosen(options.pictures)), options.percentile)
+        divisors = equalise(graph, set(read.scales)) if options.equalise else {}
+        chosen = (pictures.real(pictures.one(i, scale), scale) for i in pictures.chosen(options.pictures))
+        ranges = ranges_of(float_model, chosen, options.percentile, divisors)
         network = Quantiser(graph, scale, ranges.range_of, read.scales).network()
     board = chip.board(options.board)
     planned = plan(network, Memory(board.l1 - CLUSTER_STACKS, board.l2, board.name), L1_RESERVED)

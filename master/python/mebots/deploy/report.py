@@ -26,7 +26,7 @@ def contract(deployed: Deployed, options: Options, vectors: list[dict[str, Any]]
     return {
         "format": FORMAT,
         "model": {"file": deployed.model.path.name, "sha256": hashlib.sha256(deployed.model.path.read_bytes()).hexdigest(), "opset": deployed.model.opset},
-        "calibration": {"pictures": min(options.pictures, len(deployed.pictures)), "percentile": options.percentile},
+        "calibration": {"pictures": min(options.pictures, len(deployed.pictures)), "percentile": options.percentile, "equalised": options.equalise},
         "input": {
             "rows": rows,
             "columns": columns,

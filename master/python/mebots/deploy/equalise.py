@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Cross-layer equalisation (Nagel et al. 2019, Data-Free Quantization Through Weight Equalization and Bias Correction, equations 7 to 9).
+
+If f(s x) = s f(x) for s > 0, channel i between two layers may be divided by any s_i:
+
+    W2 f(W1 x + b1) = (W2 S) f(S^-1 W1 x + S^-1 b1),  S = diag(s)
+
+With the ranges r1_i of row i of W1 and r2_i of column i of W2, s_i = sqrt(r1_i / r2_i) gives both the range sqrt(r1_i r2_i).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from mebots.deploy.graph import Graph, Node, Tensor
+
+_LINEAR_POOLS = ("max_pool", "mean_pool")
+_HOMOGENEOUS = ((-math.inf, math.inf), (0.0, math.inf))  # limits of an output: none, or those of Relu
+_ROUNDS = 50
+_CONVERGED = 1e-3
+
+
+@dataclasses.dataclass(frozen=True)
+class _Pair:
+    first: Node
+    between: list[Tensor]
+    second: Node
+
+
+def equalise(graph: Graph, fixed: set[str]) -> dict[str, np.ndarray]:
+    """Changes weights and biases in place. Returns the divisor of each channel of the tensors between equalised layers, by
+    name. Tensors of ``fixed`` stay as they are."""
+    pairs = [one for one in _pairs(graph) if not any(tensor.name in fixed for tensor in one.between)]
+    divisors = {tensor.name: np.ones(tensor.channels) for one in pairs for tensor in one.between}
+    for _ in range(_ROUNDS):
+        largest = 0.0
+        for pair in pairs:
+            factors = _equalise_pair(pair)
+            for tensor in pair.between:
+                divisors[tensor.name] *= factors
+            largest = max(largest, float(np.abs(np.log(factors)).max()))
+        if largest < _CONVERGED:
+            break
+    return divisors
+
+
+def _pairs(graph: Graph) -> Iterator[_Pair]:
+    for first in graph.nodes:
+        if first.kind != "conv" or first.weight_steps is not None or first.limits not in _HOMOGENEOUS:
+            continue
+        between, node = [first.output], first
+        while True:
+            users = graph.users(node.output)
+            if len(users) != 1 or not graph.has_one_user(node.output):
+                break
+            node = users[0]
+            if node.kind == "conv" and node.weight_steps is None and _columns(node) is not None:
+                yield _Pair(first, between, node)
+                break
+            if node.kind not in _LINEAR_POOLS or node.limits not in _HOMOGENEOUS:
+                break
+            between.append(node.output)
+
+
+def _columns(node: Node) -> np.ndarray | None:
+    """Returns a view of the weights by input channel: [channel, weights]. None if groups of several channels share them."""
+    channels = node.inputs[0].channels
+    if node.groups == 1:
+        return np.moveaxis(node.weight, 1, 0)
+    if node.groups == channels and node.weight.shape[1] == 1:
+        return node.weight.reshape(channels, -1)
+    return None
+
+
+def _equalise_pair(pair: _Pair) -> np.ndarray:
+    first, second = pair.first, pair.second
+    channels = first.weight.shape[0]
+    rows = np.abs(first.weight).reshape(channels, -1).max(axis=1)
+    columns = np.abs(_columns(second)).reshape(channels, -1).max(axis=1)
+    used = (rows > 0) & (columns > 0)
+    factors = np.where(used, np.sqrt(np.where(used, rows, 1.0) / np.where(used, columns, 1.0)), 1.0)
+    first.weight = first.weight / factors.reshape(-1, 1, 1, 1)
+    first.bias = first.bias / factors
+    if second.groups == 1:
+        second.weight = second.weight * factors.reshape(1, -1, 1, 1)
+    else:
+        second.weight = second.weight * np.repeat(factors, second.weight.shape[0] // channels).reshape(-1, 1, 1, 1)
+    return factors
