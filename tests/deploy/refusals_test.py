@@ -92,6 +92,11 @@ class Models(RefusalCase):
         model.graph.initializer[0].CopyFrom(onnx.numpy_helper.from_array(weights, "constant0"))
         self.refuse(model, "constant constant0 is nan at [2, 0, 1, 1]")
 
+    def test_unknown_data_types(self):
+        model = small().model()
+        model.graph.initializer[0].data_type = 35
+        self.refuse(model, "constant0")
+
     def test_opsets_and_shapes(self):
         for opset in (8, 23):
             model = small().model()

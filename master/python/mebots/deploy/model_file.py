@@ -65,6 +65,8 @@ class Model:
                 raise self.fail(f"initialiser {one.name} has shape {list(one.dims)}: more than {LARGEST_CONSTANT} elements cannot be deployed")
             try:
                 value = onnx.numpy_helper.to_array(one, base_dir=str(self.path.parent))
+            except KeyError as error:
+                raise self.fail(f"initialiser {one.name} has the unknown data type {one.data_type}: export the model again") from error
             except (ValueError, TypeError, OSError) as error:
                 raise self.fail(f"initialiser {one.name} cannot be read: {error}") from error
             constants[one.name] = self._finite(one.name, value)
