@@ -9,6 +9,7 @@ import numpy as np
 import onnxruntime
 from networks import DeployCase, Maker
 
+import mebots
 from mebots.deploy import layers as integers
 from mebots.deploy.deployed import Options
 from mebots.deploy.equalise import equalise
@@ -94,6 +95,13 @@ class Equalisation(DeployCase):
             floats = deployed.float_model.run(deployed.pictures.real(stored, deployed.scale))[output.name]
             errors.append(np.sqrt(np.mean((got - floats[0]) ** 2)))
         self.assertLess(errors[1], errors[0] / 3)
+
+    def test_a_model_without_equalised_layers_is_refused(self):
+        maker = Maker(1, (2, 6, 6))
+        hidden = maker.node("Clip", maker.conv("x", 2, 4, (3, 3)), maker.constant(np.float32(0)), maker.constant(np.float32(6)))
+        maker.output(maker.conv(hidden, 4, 4, (3, 3)))
+        with self.assertRaisesRegex(mebots.InputError, "no two layers can be equalised"):
+            lower(*maker.save(self.folder), Options(equalise=True))
 
 
 if __name__ == "__main__":

@@ -57,6 +57,7 @@ int main(void) {
   if (start() != 0) {
     return 1;
   }
+  network_load(0);
   if (request.layers >= 0) {
     if (request.layers > 0) {
       network_run_layers(cores, picture, 0, request.layers);

@@ -146,12 +146,28 @@ typedef struct {
   int32_t out_step[LAYER_MOVE_DIMENSIONS];
 } layer_move_t;
 
+// The weights of a layer in L3, by their place.
+typedef struct {
+  uint32_t from;
+  uint32_t bytes;
+} layer_segment_t;
+
+// Reads weights from L3. One fetch runs at a time. Only core 0 calls these functions.
+typedef struct {
+  void (*fetch)(uint8_t* to, uint32_t from, uint32_t bytes);  // starts a fetch
+  void (*advance)(void);                                      // continues it, if it has several transfers
+  void (*wait)(void);                                         // returns after its end
+} layer_l3_t;
+
 typedef struct {
   const layer_t* layers;
   int32_t layer_count;
-  const uint8_t* weights;
+  const uint8_t* weights;  // in L2; null if they are in L3
   uint8_t* memory;
   uint8_t* l1;
+  const layer_l3_t* l3;             // null if the weights are in L2
+  const layer_segment_t* segments;  // of each layer
+  uint8_t* fetched[2];              // buffers in L2 for the weights of layers with even and odd numbers
 } layer_network_t;
 
 // Computes `count` layers from `first` on. Every core of the cluster calls it with its own number; on another machine,

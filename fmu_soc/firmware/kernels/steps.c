@@ -233,6 +233,9 @@ static void run_tiles(const layer_network_t* n, const layer_t* layer, const tens
       if (i + 1 < steps) {
         load_step(n, layer, t, &copies, &next);
       }
+      if (n->l3 != 0) {
+        n->l3->advance();
+      }
     }
     compute(n, layer, &now, share);
     last = now;
@@ -258,8 +261,34 @@ static const layer_t* fetch_layer(const layer_network_t* n, int32_t number, laye
   return (const layer_t*)(const void*)n->l1;
 }
 
-void layers_run(const layer_network_t* n, const uint8_t* picture, int32_t first, int32_t count, layer_share_t share) {
+static void fetch_weights(const layer_network_t* n, int32_t number) {
+  n->l3->fetch(n->fetched[number % 2], n->segments[number].from, n->segments[number].bytes);
+}
+
+// Waits for the weights of a layer, and fetches those of the next one. The buffer of the next one was last used by the
+// layer before, which all cores have finished.
+static void change_weights(layer_network_t* n, int32_t number, int32_t end, layer_share_t share) {
+  if (share.core == 0) {
+    n->l3->wait();
+    if (number + 1 < end) {
+      fetch_weights(n, number + 1);
+    }
+  }
+  // Offsets of the layer count from the start of all weights.
+  n->weights = (const uint8_t*)((uintptr_t)n->fetched[number % 2] - n->segments[number].from);
+}
+
+void layers_run(const layer_network_t* network, const uint8_t* picture, int32_t first, int32_t count,
+                layer_share_t share) {
+  layer_network_t own = *network;
+  layer_network_t* n = &own;
+  if (n->l3 != 0 && share.core == 0 && count > 0) {
+    fetch_weights(n, first);
+  }
   for (int32_t i = first; i < first + count; ++i) {
+    if (n->l3 != 0) {
+      change_weights(n, i, first + count, share);
+    }
     const layer_t* layer = fetch_layer(n, i, share);
     const layer_block_t* block = block_of(n, layer, 0);
     tensors_t t;

@@ -73,7 +73,7 @@ export interface NetworkPage extends Page {
   network: {
     input: { rows: number; columns: number; channels: number; tensor: string };
     outputs: Record<string, { shape: number[] }>;
-    memory: { weights: number; activations: number; l1: number; picture: number };
+    memory: { weights: number; fetched: number; activations: number; l1: number; picture: number };
     layers: Layer[];
     flight: { program?: string; firmware?: string[]; none?: string };
     measured?: Measured;

@@ -31,8 +31,9 @@ export function makeMemory({ network, board }: NetworkPage): HTMLElement {
       if (bottom - top > 15 && name.length > 1) plot.text(name, left + 4, top + 13);
     });
   });
-  const rest = board.l2 - memory.weights - memory.picture - memory.activations;
-  const whole: [string, number][] = [["weights", memory.weights], ["picture", memory.picture], ["activations", memory.activations], ["program, stacks and free", rest]];
+  const inL2 = memory.fetched || memory.weights; // the buffers, if the weights are in HyperRAM
+  const rest = board.l2 - inL2 - memory.picture - memory.activations;
+  const whole: [string, number][] = [[memory.fetched ? "buffers for weights in HyperRAM" : "weights", inL2], ["picture", memory.picture], ["activations", memory.activations], ["program, stacks and free", rest]];
   const l1 = layers.flatMap(({ name, l1 }) => (l1 ? [[name, kib(l1.bytes), `${digits((100 * l1.bytes) / board.l1, 3)} %`]] : []));
   return panel("Memory over time", `Each box is a tensor, from the layer that writes it to the last one that reads it. Weights, ${kib(memory.weights)}, and the picture, ${kib(memory.picture)}, lie beside them.`,
     plot.root, element("h3", {}, `L2 of board ${board.name}: ${kib(board.l2)}`),

@@ -10,6 +10,7 @@ from mebots.deploy.graph import Tensor
 from mebots.deploy.layers import Network
 from mebots.deploy.plan import Plan
 
+L3_KERNEL = "l3.c"
 KERNELS = ("steps.c", "convolve.c", "convolve_pooled.c", "depthwise.c", "pool.c", "elementwise.c", "direct.c")
 _TAG = "// SPDX-License-Identifier: Apache-2.0\n"
 
@@ -63,6 +64,7 @@ extern "C" {{
 typedef struct {{
 {"".join(members)}}} network_result_t;
 
+{_load_text(plan)}
 // Computes the outputs of a picture in L2 on all cores of the cluster, which must be on. Returns 0, or -1 if the cores
 // are at work. On another machine it computes the same.
 int network_run(const uint8_t picture[NETWORK_PICTURE_BYTES], network_result_t* result);
@@ -84,6 +86,37 @@ uint8_t* network_l1_buffer(void);
 }}
 #endif
 """
+    )
+
+
+def _load_text(plan: Plan) -> str:
+    """Returns the declaration of network_load()."""
+    if plan.stream is None:
+        return """// Does nothing: the program contains the weights. Networks that do not fit into L2 need it.
+static inline void network_load(uint32_t flash) {
+  (void)flash;
+}
+"""
+    return """// Copies network.weights from place `flash` of the HyperFlash to the HyperRAM. Call it once before the first inference.
+void network_load(uint32_t flash);
+"""
+
+
+def _l3_text(plan: Plan, weight_bytes: int) -> tuple[str, str]:
+    """Returns the definitions for weights in L3, and the members of the network."""
+    if plan.stream is None:
+        return "extern const uint8_t network_weights[];\n", "network_weights, network_memory, network_l1, 0, 0, {0, 0}"
+    even, odd = plan.stream.buffers
+    rows = ", ".join(f"{{{begin}, {size}}}" for begin, size in plan.stream.segments)
+    return (
+        f"""static uint8_t network_fetched[{even + odd}] NOT_CLEARED;
+static const layer_segment_t segments[NETWORK_LAYERS] = {{{rows}}};
+
+void network_load(uint32_t flash) {{
+  layer_l3_load(flash, {weight_bytes}, network_fetched, sizeof(network_fetched));
+}}
+""",
+        f"0, network_memory, network_l1, &layer_l3, segments, {{network_fetched, network_fetched + {even}}}",
     )
 
 
@@ -121,7 +154,8 @@ def _copy(network: Network) -> str:
     return "\n".join(text[element] for element in sorted({one.element for one in network.outputs}))
 
 
-def source(network: Network, plan: Plan, rows: list[str]) -> str:
+def source(network: Network, plan: Plan, rows: list[str], weight_bytes: int) -> str:
+    definitions, members = _l3_text(plan, weight_bytes)
     copies = []
     for name, tensor in zip(output_names(network), network.outputs, strict=True):
         zero = network.scales[tensor].zero
@@ -132,7 +166,7 @@ def source(network: Network, plan: Plan, rows: list[str]) -> str:
         + f"""// Written by `mebots deploy`.
 #include "network.h"
 
-#include "kernels/layer.h"
+#include "kernels/l3.h"
 #ifdef __riscv
 #include "runtime/cluster.h"
 #define NOT_CLEARED __attribute__((aligned(8), section(".noinit.network")))
@@ -144,12 +178,11 @@ def source(network: Network, plan: Plan, rows: list[str]) -> str:
 static uint8_t network_memory[{plan.memory_bytes}] NOT_CLEARED;
 static uint8_t network_l1[NETWORK_L1_BYTES] CLUSTER_L1 __attribute__((aligned(8)));
 
-extern const uint8_t network_weights[];
-
+{definitions}
 static const layer_t layers[NETWORK_LAYERS] = {{
 {"".join(rows)}}};
 
-static const layer_network_t network = {{layers, NETWORK_LAYERS, network_weights, network_memory, network_l1}};
+static const layer_network_t network = {{layers, NETWORK_LAYERS, {members}}};
 
 typedef struct {{
   const uint8_t* picture;
@@ -226,8 +259,8 @@ uint8_t* network_l1_buffer(void) {{
     )
 
 
-def assembler() -> str:
-    return """# SPDX-License-Identifier: Apache-2.0
+def assembler(plan: Plan) -> str:
+    text = """# SPDX-License-Identifier: Apache-2.0
 # Written by `mebots deploy`: the weights as data.
     .section .rodata.network_weights, "a"
     .balign 16
@@ -238,11 +271,13 @@ network_weights:
     .section .note.GNU-stack, "", @progbits
 #endif
 """
+    return text if plan.stream is None else f"# In a chip's program, the weights come from the flash.\n#ifndef __riscv\n{text}#endif\n"
 
 
 
-def cmake() -> str:
-    kernels = "\n  ".join(f"${{MEBOTS_ROOT}}/fmu_soc/firmware/kernels/{one}" for one in KERNELS)
+def cmake(plan: Plan) -> str:
+    names = KERNELS if plan.stream is None else (*KERNELS, L3_KERNEL)
+    kernels = "\n  ".join(f"${{MEBOTS_ROOT}}/fmu_soc/firmware/kernels/{one}" for one in names)
     return f"""# SPDX-License-Identifier: Apache-2.0
 # Written by `mebots deploy`. In the CMakeLists.txt of a firmware:
 #   include(FOLDER/network.cmake)

@@ -32,7 +32,7 @@ def check(library: pathlib.Path, scratch: pathlib.Path, deployed: Deployed, on_c
     compare(network, values, chip.run_on_host(build.host(), chip.Request(1, -1, sizes, picture)), "C on this machine")
     if not on_chip:
         return None
-    program = chip.Program(build.chip(), sizes, picture, board)
+    program = chip.Program(build.chip(), sizes, picture, board, None if deployed.plan.stream is None else library / "network.weights")
     for cores in (1, board.cores):
         compare(network, values, program.check(cores), f"the chip with {cores} core{'s' if cores > 1 else ''}")
     return program

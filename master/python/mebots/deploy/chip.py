@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 import mebots
-from mebots.deploy.c_files import KERNELS
+from mebots.deploy.c_files import KERNELS, L3_KERNEL
 from mebots.errors import Error, InputError
 from mebots.installation import data_folder
 
@@ -72,6 +72,7 @@ class Board:
     cores: int
     is_gap8: bool  # with GAP8's own devices
     flies: bool  # with a flight link
+    has_l3: bool  # HyperRAM and HyperFlash at GAP8's uDMA
 
 
 def board(name: str) -> Board:
@@ -96,6 +97,7 @@ def board(name: str) -> Board:
         int(content.get("cluster_cores", 8)),
         any(one.get("kind") == "gap8_event_unit" for one in devices),
         any(one.get("name") == "flight" for one in devices),
+        any(one.get("kind") == "gap8_udma" for one in devices),
     )
 
 
@@ -110,8 +112,9 @@ class Build:
         self._firmware = data_folder() / "fmu_soc/firmware"
 
     def _shared(self) -> list[pathlib.Path]:
-        """Returns the sources that are the same for all networks."""
-        return [self._firmware / "kernels" / one for one in KERNELS]
+        """Returns the sources that are the same for all networks with weights in the same memory."""
+        uses_l3 = "network_fetched" in (self._library / "network.c").read_text()
+        return [self._firmware / "kernels" / one for one in (*KERNELS, *[L3_KERNEL] * uses_l3)]
 
     def _own(self) -> list[pathlib.Path]:
         return [self._firmware / "kernels/check.c", self._library / "network.c", self._library / "network_weights.S"]
@@ -215,14 +218,15 @@ class Program:
     bytes: Sequence[int]
     picture: np.ndarray
     board: Board
+    flash: pathlib.Path | None = None  # content of the flash
 
     def check(self, cores: int) -> str:
         """Returns what the program prints of all layers."""
-        return run_on_chip(self.elf, Request(cores, -1, self.bytes, self.picture), self.board)[0]
+        return run_on_chip(self.elf, Request(cores, -1, self.bytes, self.picture), self.board, flash=self.flash)[0]
 
     def report(self, cores: int, layers: int, clock_hz: int = CLOCK_HZ, by_cause: bool = False) -> dict[str, Any]:
         """Returns the chip's report of the first layers."""
-        return run_on_chip(self.elf, Request(cores, layers, self.bytes, self.picture, clock_hz), self.board, by_cause)[1]
+        return run_on_chip(self.elf, Request(cores, layers, self.bytes, self.picture, clock_hz), self.board, by_cause, self.flash)[1]
 
 
 def with_request(built: pathlib.Path, request: Request, out: pathlib.Path) -> pathlib.Path:
@@ -244,10 +248,11 @@ def run_on_host(built: pathlib.Path, request: Request) -> str:
     return run_program([copy], "the network on this machine")
 
 
-def run_on_chip(built: pathlib.Path, request: Request, on: Board, by_cause: bool = False) -> tuple[str, dict[str, Any]]:
+def run_on_chip(built: pathlib.Path, request: Request, on: Board, by_cause: bool = False, flash: pathlib.Path | None = None) -> tuple[str, dict[str, Any]]:
     """Returns what the program prints, and the chip's report. ``by_cause``: with the cycles of functions by cause, which takes longer."""
     copy = with_request(built, request, built.with_name("request.elf"))
     report = built.with_name("report.json")
-    text = run_program([program("mebots-soc"), "run", copy, "--board", on.path, "--report" if by_cause else "--json", report], "the network on the chip")
+    words = [program("mebots-soc"), "run", copy, "--board", on.path, "--report" if by_cause else "--json", report]
+    text = run_program([*words, *(() if flash is None else ("--flash", flash))], "the network on the chip")
     return text, json.loads(report.read_text())
 

@@ -82,6 +82,8 @@ def _build_pilot(folder: pathlib.Path, deployed: Deployed, options: Options) -> 
         return {"none": "a flight needs outputs with scales, which a network of whole numbers does not have"}
     if not deployed.board.flies:
         return {"none": f"board {deployed.board.name} has no flight link; ai_deck and gap8_drone have one"}
+    if deployed.plan.stream is not None:
+        return {"none": "its weights are in the flash, which a mission does not set"}
     fitting = contracts.fit(deployed.network, options.input_scale)
     if isinstance(fitting, str):
         return {"none": fitting}

@@ -14,7 +14,7 @@ from mebots.deploy import c_files
 from mebots.deploy import plan as planning
 from mebots.deploy.graph import Tensor
 from mebots.deploy.layers import Layer, Network
-from mebots.deploy.plan import Part, Plan, Steps
+from mebots.deploy.plan import Part, Plan, Steps, Stream
 
 L1_RESERVED = 320  # LAYER_L1_RESERVED
 _PICTURE = 0xFFFFFFFF
@@ -47,6 +47,10 @@ class Weights:
         at = len(self._bytes)
         self._bytes += content + bytes(-len(content) % 4)
         return at
+
+    @property
+    def size(self) -> int:
+        return len(self._bytes)
 
     def content(self) -> bytes:
         # A copy may read one word beyond the end.
@@ -244,22 +248,25 @@ class Sources:
             (folder / name).write_bytes(content)
 
 
-def emit(network: Network, plan: Plan) -> Sources:
-    """Returns the files of the library by name."""
+def emit(network: Network, plan: Plan, in_l3: bool = False) -> Sources:
+    """Returns the files of the library by name. ``in_l3``: the weights are in HyperRAM; the plan gets their places."""
     offsets = {**plan.offsets, network.input: _PICTURE}
     weights = Weights()
-    rows = []
+    rows, segments = [], []
     for layer, steps in zip(network.layers, plan.steps, strict=True):
+        begin = weights.size
         fields = _fields(layer, steps, offsets)
         fields["blocks"], fields["block_count"] = _block_table(layer, steps, weights, offsets)
+        segments.append((begin, weights.size - begin))
         text = ", ".join(f".{key} = {value}" for key, value in fields.items())
         rows.append(f"    // {layer.name}: {layer.op}\n    {{{text}}},\n")
     content = weights.content()
+    plan.stream = Stream(segments) if in_l3 else None
     files = {
         "network.h": c_files.header(network, plan).encode(),
-        "network.c": c_files.source(network, plan, rows).encode(),
-        "network_weights.S": c_files.assembler().encode(),
+        "network.c": c_files.source(network, plan, rows, len(content)).encode(),
+        "network_weights.S": c_files.assembler(plan).encode(),
         "network.weights": content,
-        "network.cmake": c_files.cmake().encode(),
+        "network.cmake": c_files.cmake(plan).encode(),
     }
     return Sources(files, len(content))

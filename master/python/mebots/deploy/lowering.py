@@ -25,6 +25,7 @@ from mebots.errors import InputError
 
 CLUSTER_STACKS = 8 * 1024  # link.ld.in
 PROGRAM_BYTES = 16 << 10  # code of the runtime and the kernels
+L3_BYTES = 8 << 20  # HyperRAM
 
 
 def lower(model: str | os.PathLike[str], data: str | os.PathLike[str], options: Options, size: Size | None = None) -> Deployed:
@@ -48,28 +49,51 @@ def lower(model: str | os.PathLike[str], data: str | os.PathLike[str], options: 
         scale = read.scales.get(source.name) or pictures.scale(options.input_scale, options.input_offset)
         float_model = FloatModel(read, names_of([one for one in [node.output for node in graph.nodes] + graph.outputs if one.name in read.shapes]))
         divisors = equalise(graph, set(read.scales)) if options.equalise else {}
+        if options.equalise and not divisors:
+            raise read.fail(
+                "--equalise: no two layers can be equalised. Only Relu or pools may be between them, not Clip (Relu6), and only one layer may use the tensor. "
+                "Leave the option out, or train with Relu"
+            )
         chosen = (pictures.real(pictures.one(i, scale), scale) for i in pictures.chosen(options.pictures))
         ranges = ranges_of(float_model, chosen, options.percentile, divisors)
         network = Quantiser(graph, scale, ranges.range_of, read.scales).network()
     board = chip.board(options.board)
     planned = plan(network, Memory(board.l1 - CLUSTER_STACKS, board.l2, board.name), L1_RESERVED)
-    sources = emit(network, planned)
-    _check_l2(network, planned, sources, board)
+    sources = _in_memory(network, planned, board)
     return Deployed(read, graph, network, planned, sources, pictures, scale, float_model, board)
 
 
-def _check_l2(network: integers.Network, planned: Plan, sources: Sources, board: chip.Board) -> None:
+def _in_memory(network: integers.Network, planned: Plan, board: chip.Board) -> Sources:
+    """Returns the network with its weights in L2, or in L3 if they do not fit and the board has it."""
+    sources = emit(network, planned)
+    free = board.l2 - planned.memory_bytes - network.input.size - PROGRAM_BYTES
+    if sources.weight_bytes <= free:
+        return sources
+    if not board.has_l3:
+        raise _too_large(network, planned, sources.weight_bytes, board)
+    if sources.weight_bytes > L3_BYTES:
+        raise InputError(f"the weights have {sources.weight_bytes} bytes, but the HyperRAM of board {board.name} has {L3_BYTES}. Use fewer channels", "does_not_fit")
+    sources = emit(network, planned, in_l3=True)
+    if sum(planned.stream.buffers) > free:
+        sizes = [size for _, size in planned.stream.segments]
+        largest = network.layers[sizes.index(max(sizes))]
+        raise InputError(
+            f"the weights of two successive layers do not fit into L2 of board {board.name}: they need {sum(planned.stream.buffers)} bytes, {max(free, 0)} are free. "
+            f"The most are those of layer {largest.name} ({largest.op}): {max(sizes)} bytes. Use fewer channels, or two layers in place of this one",
+            "does_not_fit",
+        )
+    return sources
+
+
+def _too_large(network: integers.Network, planned: Plan, weights: int, board: chip.Board) -> InputError:
     picture = network.input.size
-    need = sources.weight_bytes + planned.memory_bytes + picture + PROGRAM_BYTES
-    if need <= board.l2:
-        return
     number, most = max(
         ((i, sum(t.bytes for t, (a, b) in planned.lifetimes.items() if a <= i <= b)) for i in range(len(network.layers))), key=lambda one: one[1]
     )
     layer = network.layers[number]
-    raise InputError(
-        f"the network does not fit into L2 of board {board.name}: it needs {need} bytes (weights {sources.weight_bytes}, activations {planned.memory_bytes}, "
-        f"picture {picture}, program about {PROGRAM_BYTES}), {board.l2} are available. Most activations are alive at layer {layer.name} ({layer.op}): "
-        f"{most} bytes. Use fewer channels or a smaller picture",
+    return InputError(
+        f"the network does not fit into L2 of board {board.name}: it needs {weights + planned.memory_bytes + picture + PROGRAM_BYTES} bytes (weights {weights}, "
+        f"activations {planned.memory_bytes}, picture {picture}, program about {PROGRAM_BYTES}), {board.l2} are available. Most activations are alive at layer "
+        f"{layer.name} ({layer.op}): {most} bytes. Use fewer channels or a smaller picture, or board gap8, whose HyperRAM can hold the weights",
         "does_not_fit",
     )

@@ -53,7 +53,7 @@ def _causes(report: dict) -> dict[str, int]:
 
 
 def _dma_s(report: dict, clock_hz: float) -> float:
-    functions = [one for hart in report.get("harts", [])[1:] for one in hart["functions"] if one["name"] == "dma_wait"]
+    functions = [one for hart in report.get("harts", [])[1:] for one in hart["functions"] if one["name"] in ("dma_wait", "layer_l3_wait")]
     return sum(one["cycles"] / clock_hz + one["asleep_s"] for one in functions)
 
 

@@ -63,6 +63,20 @@ class Plan:
     lifetimes: dict[Tensor, tuple[int, int]]
     steps: list[Steps | None]
     l1_bytes: int
+    stream: Stream | None = None
+
+
+@dataclasses.dataclass(frozen=True)
+class Stream:
+    """Weights in L3. While a layer is computed, those of the next one are fetched into the other one of two buffers in L2."""
+
+    segments: list[tuple[int, int]]  # first byte and number of bytes of each layer
+
+    @property
+    def buffers(self) -> tuple[int, int]:
+        """Returns the bytes of the buffers of layers with even and odd numbers."""
+        even, odd = (max((size for _, size in self.segments[start::2]), default=0) for start in (0, 1))
+        return align(even + SLACK), align(odd + SLACK)
 
 
 def align(value: int) -> int:

@@ -35,7 +35,7 @@ def contract(deployed: Deployed, options: Options, vectors: list[dict[str, Any]]
             **_tensor(deployed, network.input),
         },
         "outputs": {name: _tensor(deployed, tensor) for name, tensor in zip(output_names(network), network.outputs, strict=True)},
-        "memory": {"weights": deployed.sources.weight_bytes, "activations": planned.memory_bytes, "l1": planned.l1_bytes, "picture": network.input.size},
+        "memory": {"weights": deployed.sources.weight_bytes, "activations": planned.memory_bytes, "fetched": 0 if planned.stream is None else sum(planned.stream.buffers), "l1": planned.l1_bytes, "picture": network.input.size},
         "layers": [_layer(deployed, number) for number in range(len(network.layers))],
         "vectors": vectors,
     }
@@ -110,7 +110,8 @@ def shown(content: dict[str, Any]) -> str:
     lines = ["  ".join(cell.ljust(w) if i < 2 else cell.rjust(w) for i, (cell, w) in enumerate(zip(row, widths, strict=True))).rstrip() for row in rows]
     memory = content["memory"]
     lines.append("")
-    lines.append(f"L2: weights {memory['weights']} bytes, activations {memory['activations']}, picture {memory['picture']}; L1: {memory['l1']}")
+    weights = f"buffers for weights in HyperRAM {memory['fetched']} bytes of {memory['weights']}" if memory["fetched"] else f"weights {memory['weights']} bytes"
+    lines.append(f"L2: {weights}, activations {memory['activations']}, picture {memory['picture']}; L1: {memory['l1']}")
     if measured:
         total = measured["total"]
         lines.append(
