@@ -97,6 +97,12 @@ class Models(RefusalCase):
         model.graph.initializer[0].data_type = 35
         self.refuse(model, "constant0")
 
+    def test_weights_that_cancel_each_other(self):
+        maker = Maker(1, (2, 4, 4))
+        maker.output(maker.node("Conv", "x", maker.constant(np.array([1e10, -1e10], dtype=np.float32).reshape(1, 2, 1, 1)), kernel_shape=[1, 1]))
+        np.save(self.data, np.repeat(np.random.default_rng(1).random((2, 1, 4, 4)).astype(np.float32), 2, axis=1))
+        self.refuse(maker.model(), "node Conv0 (Conv): the sums of a layer do not fit into 32 bits", "other pictures")
+
     def test_opsets_and_shapes(self):
         for opset in (8, 23):
             model = small().model()

@@ -22,6 +22,7 @@ _LINEAR_POOLS = ("max_pool", "mean_pool")
 _HOMOGENEOUS = ((-math.inf, math.inf), (0.0, math.inf))  # limits of an output: none, or those of Relu
 _ROUNDS = 50
 _CONVERGED = 1e-3
+_NEGLIGIBLE = 1e-3  # of a layer's largest weight
 
 
 @dataclasses.dataclass(frozen=True)
@@ -81,7 +82,8 @@ def _equalise_pair(pair: _Pair) -> np.ndarray:
     channels = first.weight.shape[0]
     rows = np.abs(first.weight).reshape(channels, -1).max(axis=1)
     columns = np.abs(_columns(second)).reshape(channels, -1).max(axis=1)
-    used = (rows > 0) & (columns > 0)
+    # A channel with negligible weights has its bias only, which the small factor would make huge.
+    used = (rows > _NEGLIGIBLE * rows.max()) & (columns > _NEGLIGIBLE * columns.max())
     factors = np.where(used, np.sqrt(np.where(used, rows, 1.0) / np.where(used, columns, 1.0)), 1.0)
     first.weight = first.weight / factors.reshape(-1, 1, 1, 1)
     first.bias = first.bias / factors

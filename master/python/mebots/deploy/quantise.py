@@ -93,12 +93,20 @@ class Quantiser:
                 f"node {node.name} ({node.op}): a sum may reach {int(bounds.max())}, which 32 bits do not hold. Reduce the number of its inputs or its bias",
                 "invalid_model",
             )
+        factors, zeros = steps * source.step / np.array([one.step for one in scales]), np.array([one.zero for one in scales])
+        try:
+            scaling = requantisation(factors, zeros, bounds)
+        except OverflowError as error:
+            raise InputError(
+                f"node {node.name} ({node.op}): {error}, because its outputs in the pictures are much smaller than its weights. Use other pictures for the calibration",
+                "invalid_model",
+            ) from error
         return self.layer(
             "convolution",
             node,
             weight=weight.astype(np.int8),
             bias=bias,
-            requantise=requantisation(steps * source.step / np.array([one.step for one in scales]), np.array([one.zero for one in scales]), bounds),
+            requantise=scaling,
             outside=source.zero,
             kernel=node.kernel,
             strides=node.strides,
