@@ -11,6 +11,7 @@ from networks import DeployCase, Maker
 from onnxruntime.quantization import CalibrationDataReader, QuantFormat, QuantType, quantize_static
 
 from mebots.deploy import layers as integers
+from mebots.deploy.arithmetic import Scale
 from mebots.deploy.deployed import Options
 from mebots.deploy.deploying import lower
 
@@ -36,6 +37,21 @@ class QuantisedModels(DeployCase):
                 str(path), str(quantised), Reader(np.load(data)), quant_format=QuantFormat.QDQ, per_channel=True, activation_type=activations, weight_type=QuantType.QInt8
             )
             self.check(quantised, data)
+
+    def test_clips_between_quantising_and_dequantising_are_integers(self):
+        # Brevitas exports activations of less than 8 bits in this way (QCDQ).
+        for kind, zero, low, high in ((np.uint8, 0, 0, 15), (np.uint8, 3, 1, 12), (np.int8, -8, -8, 7)):
+            maker = Maker(1, (2, 9, 9))
+            hidden = maker.node("Relu", maker.conv("x", 2, 8, (3, 3)))
+            step, point = maker.constant(np.float32(0.125)), maker.constant(np.array(zero, dtype=kind))
+            limits = [maker.constant(np.array(one, dtype=kind)) for one in (low, high)]
+            clipped = maker.node("Clip", maker.node("QuantizeLinear", hidden, step, point), *limits)
+            maker.output(maker.node("DequantizeLinear", clipped, step, point))
+            deployed = lower(*maker.save(self.folder), Options())
+            (layer,) = deployed.network.layers
+            offset = 128 if kind == np.int8 else 0
+            self.assertEqual((layer.low, layer.high), (max(low, zero) + offset, high + offset))  # Relu ends at the zero point
+            self.assertEqual(deployed.network.scales[layer.output], Scale(0.125, zero + offset))
 
     def check(self, path, data):
         deployed = lower(path, data, Options())

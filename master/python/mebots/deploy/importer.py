@@ -203,7 +203,19 @@ def _limits(owner: Importer) -> None:
             low = float(owner.constant(1))
         if owner.constant(2) is not None:
             high = float(owner.constant(2))
+        low, high = _real_limits(owner, low, high)
     owner.add("table", [owner.input()], function=lambda x: np.clip(x, low, high), limits=(low, high))
+
+
+def _real_limits(owner: Importer, low: float, high: float) -> tuple[float, float]:
+    """Converts the limits of a Clip between QuantizeLinear and DequantizeLinear, which are integers (QCDQ of Brevitas). The Clip's
+    output keeps the scale."""
+    source, output = owner.node.input[0], owner.node.output[0]
+    if source not in owner.model.quantised:
+        return low, high
+    scale, zero = owner.model.quantised[output] = owner.model.quantised[source]
+    owner.model.scales[output] = scale
+    return (low - zero) * scale.step, (high - zero) * scale.step
 
 
 def _function(owner: Importer) -> None:
@@ -236,6 +248,7 @@ def _quantise_linear(owner: Importer) -> None:
         raise owner.refuse(f"it quantises to {zero.dtype} with {step.size} scales", "Activations of 8 bits with one scale are possible")
     scale = Scale(float(step.ravel()[0]), int(zero.ravel()[0]) + (128 if zero.dtype == np.int8 else 0))
     owner.model.scales.setdefault(source.name, scale)
+    owner.model.quantised[owner.node.output[0]] = scale, int(zero.ravel()[0])
     owner.alias(source)
 
 

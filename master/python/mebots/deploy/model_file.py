@@ -44,6 +44,7 @@ class Model:
         self.requantising: dict[str, Any] = {}
         self.weight_steps: dict[str, np.ndarray] = {}  # of weights that the model has in bytes
         self.scales: dict[str, Any] = {}  # of tensors that the model quantises
+        self.quantised: dict[str, tuple[Any, int]] = {}  # outputs of QuantizeLinear: scale, and the model's own zero point
         self.opset = _opset(self.proto, self.path)
         _fix_batch(self.proto, self.path)
         self.whole: Tensor | None = None  # the input before ``size`` replaced its own size
