@@ -64,7 +64,7 @@ bool BlockCache::fetch(const Memory& memory, std::uint32_t pc, std::uint32_t& wo
   return true;
 }
 
-/// Fills the slot of an instruction, except the fields that are sums over the instructions before it.
+/// Returns the slot of an instruction without the fields that are sums over the previous instructions of the block.
 Instruction BlockCache::instruction_of(const Decoded& decoded, std::uint32_t pc) const {
   Instruction instruction;
   instruction.run = handler_of(decoded.op, decoded.operand);
@@ -85,7 +85,7 @@ Instruction BlockCache::instruction_of(const Decoded& decoded, std::uint32_t pc)
   return instruction;
 }
 
-/// True if one of the first two instructions at `pc` ends a block or cannot be fetched.
+/// True if one of the two instructions from `pc` on ends a block or cannot be fetched.
 bool BlockCache::leaves_soon(std::uint32_t pc) const {
   for (unsigned i = 0; i < 2; ++i) {
     std::uint32_t word = 0;
@@ -111,12 +111,13 @@ struct BlockCache::Decoding {
 };
 
 /// True if the block should end before the next instruction. It ends where another block begins and at a target of one
-/// of its own branches, because two blocks that overlap cost more than a step from one block into the next. If its code
-/// is translated, the block also ends after a backward branch. Otherwise, the time bound and the lines of each
-/// iteration would include the code after the loop. The block does not end before code that jumps within two
+/// of its own branches, because overlapping blocks cost more than a step from one block into the next. If blocks are
+/// decoded for translation, the block also ends after a backward branch. Otherwise, the time bound and the lines of
+/// each iteration would include the code after the loop. The block does not end before code that jumps within two
 /// instructions: the cycles of such a jump depend on the instructions before it.
 bool BlockCache::ends_here(const Decoding& decoding) const {
-  // The cycles of the next block's first two instructions depend on two instructions of this block.
+  // The cycles of the next block's first two instructions depend on the last two instructions, which must both be in
+  // this block.
   if (!end_at_targets_ || decoding.sums.index < 2) return false;
   const auto pc = decoding.block.end;
   if (const auto number = known(pc); number != 0) return !blocks_[number].early_jump;
@@ -184,7 +185,7 @@ void BlockCache::append(Decoding& decoding, const Decoded& decoded) {
   block.end = at + decoded.length;
 }
 
-/// Completes a block: adds the slot that ends it, and sets the fields that need the whole block.
+/// Completes a block: adds its end slot, and sets the fields that depend on the whole block.
 void BlockCache::end_block(Decoding& decoding) {
   auto& block = decoding.block;
   const auto& sums = decoding.sums;

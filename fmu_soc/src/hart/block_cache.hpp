@@ -24,12 +24,13 @@ struct InstructionEnergy {
   std::array<std::uint32_t, kOpCount> fj{};
 };
 
-/// Settings of all harts that share decoded code. The instruction cache and the banks must outlive the settings.
+/// Settings that all harts with the same decoded code share. The instruction cache and the banks must outlive the
+/// settings.
 struct CodeSettings {
   Timing timing = {};
   InstructionEnergy energy = {};
-  /// A block that starts before the limit of a run runs to its end. Therefore memory and pc determine where a hart
-  /// stops.
+  /// If true, a block that starts before the limit of a run is executed to its end. Then only memory and pc determine
+  /// where a hart stops.
   bool loose_limit = false;
   InstructionCache* instruction_cache = nullptr;  // of the fetches; null = fetching never waits
   Banks* banks = nullptr;                         // of the first memory, if several users share it; null = one user
@@ -68,8 +69,8 @@ struct Block {
   /// Marks an invalidated block. No pc is odd.
   static constexpr std::uint32_t kInvalid = 1;
   bool valid() const { return pc != kInvalid; }
-  /// True if translated code should expect to fetch lines at the start of the block. Each line is absent at its first
-  /// use, so a few absences do not count.
+  /// True if translated code should fetch the lines of the block in the hot path. Each line is absent at its first use,
+  /// so a few absences do not count.
   bool is_often_absent() const { return 2 * absences > heat + kFewAbsences; }
   static constexpr int kFewAbsences = 8;  // of the 64 turns after which a block is hot
   /// Returns the stall of its first instruction after a load.
@@ -78,7 +79,7 @@ struct Block {
   }
 };
 
-/// Keeps data about decoded blocks, and gets a call when a block becomes invalid.
+/// Gets a call when a block becomes invalid. Derived classes keep data about decoded blocks.
 class BlockListener {
  public:
   virtual ~BlockListener() = default;
@@ -111,7 +112,7 @@ class BlockCache {
     while (number != 0 && blocks_[number].pc != pc) number = blocks_[number].next_of_pc;
     return number;
   }
-  /// Returns the block of a number that was valid once. The block may be invalid now.
+  /// Returns the block with this number. The number must have been valid once; the block may be invalid now.
   const Block& block(std::uint32_t number) const {
     MEBOTS_ASSERT(number < blocks_.size(), "the vector of blocks never shrinks");
     return blocks_[number];
@@ -120,14 +121,15 @@ class BlockCache {
     MEBOTS_ASSERT(block.first < kArenaSize);
     return &arena_[block.first];
   }
-  /// Returns the slot for the block of a hardware loop's next iteration. If the slot belongs to another start address,
-  /// clears the slot.
+  /// Returns the link to the first block of a hardware loop's next iteration. If the link belongs to another start
+  /// address, clears it.
   std::uint16_t* loop_link(const Instruction& holder, std::uint32_t start) const {
     if (block(holder.link).pc != start) holder.link = 0;
     return &holder.link;
   }
-  /// True if the two instructions before the block change the cycles of its early jump. Then the block's own cycles are
-  /// wrong, and `single` has the right ones. If the jump is the second instruction, always returns true.
+  /// True if the two instructions before the block change the cycles of a jump at the start of the block. Then the
+  /// cycles stored in the block are wrong, and single() returns the right ones. If the jump is the second instruction,
+  /// always returns true.
   bool delays_jump(const Block& block, const Previous& two_before, const Previous& before) const {
     return block.early_jump && before.op != Op::end_of_block && delays_first_jump(block, two_before, before);
   }
@@ -137,13 +139,13 @@ class BlockCache {
     return std::exchange(arena_[index_of(at)].run, handler);
   }
 
-  /// Decodes one instruction and the end of a block for the given state of the pipeline. If the instruction cannot be
-  /// fetched, returns null. The result is stored until code changes, because loops execute the same instructions many
-  /// times.
+  /// Decodes one instruction for the given state of the pipeline, as a block of this instruction. If the instruction
+  /// cannot be fetched, returns null. The result is stored until code changes, because loops execute the same
+  /// instructions many times.
   const Instruction* single(std::uint32_t pc, const Previous& two_before, const Previous& before);
 
   /// Ends blocks after the instruction at `pc`, the last one of a hardware loop. Returns true if blocks did not end
-  /// there before. Blocks that continue after it become invalid at the next forget_if_stale().
+  /// there before. Blocks that continue after this instruction become invalid at the next forget_if_stale().
   bool end_block_at(std::uint32_t pc);
 
   /// True if blocks end at `pc`, because it may be the last instruction of a hardware loop.
@@ -211,7 +213,7 @@ class BlockCache {
 
   static constexpr std::size_t kArenaSize = std::size_t{kSegmentSize} * kSegments;
 
-  /// An instruction, the end of its block, and the slot of its link. Valid for one generation of the memory's code.
+  /// A single instruction with its end slot and a slot for its link. Valid for one generation of the memory's code.
   struct Single {
     std::uint64_t generation = 0;  // 0 = empty; the memory never has this one
     Previous two_before;

@@ -21,7 +21,7 @@ inline constexpr std::uint32_t kFloatsOn = 3U << 13;
 /// entries of physical memory protection.
 enum class Core : std::uint8_t { every, ri5cy, gap8, floats, user, pmp };
 
-/// The numbers of one row's registers. All registers of the table have consecutive slots.
+/// The numbers of the registers of one row. All registers of the table have consecutive slots.
 struct Place {
   unsigned number;  // of the first register
   unsigned count;

@@ -120,7 +120,7 @@ struct Csrs::Rows {
   }
 
   static const std::array<Row, csr::kPlaces.size()> kAll;
-  /// For each core and register number, the index of the row plus 1; 0 if there is no row.
+  /// For each kind of core and each register number: the index of the row plus 1; 0 if there is no row.
   static const std::array<std::array<std::uint8_t, kNumbers>, kCores> kRowOf;
   static const Row* find(const Csrs& csrs, unsigned number);
 };
@@ -271,11 +271,11 @@ const Instruction* Csrs::access(const Instruction* at) {
   const auto operand = immediate ? at->rs1 : e.x[at->rs1];
   const bool replace = at->op == Op::csrrw || at->op == Op::csrrwi;
   const bool set = at->op == Op::csrrs || at->op == Op::csrrsi;
-  // csrrs and csrrc with x0 (or 0) only read; csrrw into x0 only writes. RI5CY writes its event counters back in these
-  // cases, too. This write replaces the count of the present instruction.
+  // csrrs and csrrc with x0 (or 0) only read; csrrw into x0 only writes. For event counters, RI5CY also writes in these
+  // cases. This write replaces the increment by the present instruction.
   const bool writes = replace || at->rs1 != 0 || (timing_.has_xpulp() && is_event_counter(number));
 
-  // Adds the previous instructions to the counters, because the access may read a counter.
+  // Adds the previous instructions of the block to the counters, because the access may read a counter.
   const auto saved = e.counters;
   const bool counted = counts_events_;
   e.counters.instructions += at->index;

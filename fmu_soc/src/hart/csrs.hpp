@@ -15,7 +15,7 @@
 
 namespace mebots::soc {
 
-/// CSR accesses that have another effect on most other cores. Messages report these accesses.
+/// CSR accesses whose effect differs from that on most other cores. Messages report these accesses.
 struct CsrRemarks {
   std::optional<std::uint32_t> moved_mtvec = {};  // the value written, of which the core cleared low bits
   std::optional<unsigned> read_stopped_counter =
@@ -61,7 +61,8 @@ class Csrs {
   /// True if the privilege mode may forbid an access or a fetch. Then each access is checked, and no code is
   /// translated.
   bool is_guarded() const { return guarded_; }
-  /// True if an event other than cycles and instructions is counted: then each instruction is accounted for.
+  /// True if an event other than cycles and instructions is counted. Then each instruction must be accounted for
+  /// separately.
   bool counts_events() const { return counts_events_; }
   /// Returns the cause of the exception that an ecall raises in the present mode.
   std::uint32_t call_cause() const;

@@ -27,7 +27,7 @@ enum : unsigned {
 }  // namespace event
 static_assert(event::kContention + 1 == kEventCounters);
 
-/// Returns the cause of the cycles after the first that an operation takes in any case.
+/// Returns the cause of an operation's further cycles, those after the first cycle.
 CycleCause own_cause(Op op) {
   if (is_multi_cycle(op)) return CycleCause::multiply_divide;
   if (is_float(op)) return CycleCause::floats;
@@ -106,7 +106,7 @@ void CycleAccount::share_jump(CycleShares& shares, const Decoded& jump) {
   shares[CycleCause::jump_register] += decoded_ - own - load;
 }
 
-/// Divides the cycles that were not known from decoding among their causes.
+/// Divides the cycles that decoding did not determine among their causes.
 void CycleAccount::share_extra(CycleShares& shares, const Retired& instruction, std::int32_t extra) const {
   const auto op = instruction.decoded.op;
   const auto& access = instruction.access;

@@ -21,7 +21,7 @@ class CycleAccount {
 
   /// Starts a new account at the core's present counts.
   void restart();
-  /// Called when a trap is taken; the cycles of its entry follow.
+  /// Called when a trap is taken. The cycles of the trap's entry follow.
   void entered_trap() { trap_cycles_ += kTrapEntryCycles; }
 
   /// Called before an instruction runs. `start` is the cycle in which the instruction starts, after waits for its cache
@@ -30,7 +30,7 @@ class CycleAccount {
   /// Does the same as begin() for an instruction that runs alone and whose cache lines have not been fetched yet.
   void begin_alone(std::uint32_t decoded);
   /// Called after the instruction has retired and was counted. Sets the instruction's cycles. `hidden` is the number of
-  /// cycles of the following jump that are subtracted from this instruction.
+  /// cycles of the following jump that this instruction hides.
   void retire(Retired& instruction, std::uint32_t hidden);
   /// Adds the events of the instruction that retired last. `external` is true if the core counts accesses outside its
   /// first memory.

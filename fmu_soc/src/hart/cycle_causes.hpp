@@ -34,8 +34,9 @@ inline constexpr std::array<std::string_view, kCycleCauses> kCycleCauseNames{
     "base",       "load_use", "jump_register", "jump",          "branch",     "multiply_divide", "floats", "system",
     "misaligned", "cache",    "memory",        "bank_conflict", "far_memory", "device",          "trap",   "other"};
 
-/// The cycles of an instruction by cause. Their sum is the change of the core's cycle count since the instruction
-/// before, except that a misaligned load hides cycles of a following jump, which are subtracted from the load.
+/// The cycles of an instruction by cause. Their sum is the change of the core's cycle count since the previous
+/// instruction. There is one exception: if a misaligned load hides cycles of the following jump, these cycles are
+/// subtracted from the load.
 struct CycleShares {
   std::array<std::int32_t, kCycleCauses> cycles{};
 

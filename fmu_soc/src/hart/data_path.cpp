@@ -43,7 +43,7 @@ bool DataPath::connect(std::span<const MemoryPort> ports) {
     const bool is_fast = i < ports.size() && ports[i].moved == 0;
     const auto ram = is_fast ? fast_region(memory_, ports[i]) : FastRegion{};
     const auto& before = execution_.ram[i];
-    // Accesses to a shared second memory compute their wait at run time (far_access.hpp).
+    // If harts share the second memory, the wait for each access is computed at run time (far_access.hpp).
     const bool asks = i == 1 && ram.is_shared();
     const bool asked = i == 1 && before.is_shared();
     others = others || ram.data != before.data || asks != asked || (!asks && ram.wait_cycles != before.wait_cycles);

@@ -23,8 +23,8 @@ struct MemoryPort {
       0;  // address in this core's map minus the memory's own address; if not 0, accesses never use the fast path
 };
 
-/// Loads and stores that are not on the fast path: to other memories, across the end of a memory, to devices, and over
-/// code or watched words.
+/// Loads and stores that are not on the fast path: to other memories, across the end of a memory, to devices, to code,
+/// or to watched words.
 class DataPath {
  public:
   /// If `finishes_block` is true, a block that stores into code runs to its end unchanged, and is invalidated
@@ -32,13 +32,15 @@ class DataPath {
   DataPath(Execution& execution, Memory& memory, Bus& bus, bool finishes_block)
       : execution_(execution), memory_(memory), bus_(bus), finishes_block_(finishes_block) {}
 
-  /// Sets the memories of the core. Returns true if the fast memories changed, or a wait that translated code contains.
+  /// Sets the memories of the core. Returns true if this changes the fast memories, or a wait that is a constant in
+  /// translated code.
   bool connect(std::span<const MemoryPort> ports);
   /// Sets the banks of the first memory, for all its addresses; null if the core is the only user.
   void share_first(BankSchedule* banks);
   std::uint32_t longest_wait() const;
 
-  /// Enables or disables the fast path. Without the fast path, each access is checked against the rights of its mode.
+  /// Enables or disables the fast path. Without the fast path, the rights of the privilege mode are checked for each
+  /// access.
   void guard(bool guarded);
 
   // These functions execute an instruction, and return the result of the instruction's handler.
@@ -52,13 +54,13 @@ class DataPath {
   /// amo*.w: stores `combine(word, value)`, and loads the word that was there before.
   const Instruction* amo(const Instruction* at, std::uint32_t address, std::uint32_t value,
                          std::uint32_t (*combine)(std::uint32_t word, std::uint32_t value));
-  /// Continues after a store over code or over a watched word.
+  /// Continues after a store to code or to a watched word.
   const Instruction* stored_over_mark(const Instruction* at, std::uint32_t address, unsigned size);
 
  private:
   bool forbids(std::uint32_t address, unsigned size, Pmp::Access access) const;
-  /// Returns the word of an atomic operation, after its waits. If the address is misaligned, forbidden or outside RAM,
-  /// raises the exception and returns null.
+  /// Returns the word of an atomic operation, and counts the waits of its access. If the address is misaligned,
+  /// forbidden or outside RAM, raises the exception and returns null.
   std::uint8_t* atomic_word(const Instruction* at, std::uint32_t address, bool only_loads);
   const Instruction* stored_atomic(const Instruction* at, std::uint32_t address);
   const MemoryPort* port_of(std::uint32_t address, unsigned size) const;
@@ -77,10 +79,11 @@ class DataPath {
 /// Returned by wait_for_far() if it has not made the access.
 inline constexpr std::uint64_t kOutsideBanks = std::numeric_limits<std::uint64_t>::max();
 
-/// Makes an access of translated code within a word of the shared second memory: claims its bank for the instruction
-/// that starts in active cycle `cycle`, and counts the access. `offset` is relative to the start of the memory. Returns
-/// the cycles that the access waits for the port and the bank. If the rest of the block might run past the table of the
-/// first memory's banks, has no effect and returns kOutsideBanks; then the interpreter makes the access.
+/// Performs an access of translated code to a word of the shared second memory. It counts the access, and claims the
+/// bank of the word for the instruction that starts in active cycle `cycle`. `offset` is relative to the start of the
+/// memory. Returns the cycles that the access waits for the port and the bank. If the rest of the block might run
+/// beyond the end of the table of the first memory's banks, the function has no effect and returns kOutsideBanks. Then
+/// the interpreter performs the access.
 std::uint64_t wait_for_far(Execution& execution, std::uint64_t cycle, std::uint32_t offset) noexcept;
 
 }  // namespace mebots::soc

@@ -46,7 +46,7 @@ struct HardwareLoop {
   }
 };
 
-/// The word that lr.w has reserved, and its value: sc.w fails if the word has changed since.
+/// The word that lr.w has reserved, and its value at that time. sc.w fails if the value has changed since then.
 struct Reservation {
   bool valid = false;
   std::uint32_t address = 0;
@@ -92,7 +92,8 @@ struct Counters {
   }
 };
 
-/// Counts of RI5CY's events by their number in PCER. The first two stay 0: Counters has cycles and instructions.
+/// Counts of RI5CY's events by their number in PCER. The first two, cycles and instructions, stay 0, because Counters
+/// has them.
 inline constexpr std::size_t kEventCounters = 17;
 using EventCounts = std::array<std::uint64_t, kEventCounters>;
 
@@ -117,33 +118,33 @@ inline constexpr std::uint32_t kFloatControl = 0x1f80;
 
 /// Data that the interpreter and translated code exchange.
 struct HostState {
-  /// First and last value of the cycle count of translated code. The count is the number of cycles that may still
-  /// start, and decreases to 0. If banks are shared, an address in the table of banks takes the place of the count, and
-  /// advances one row per cycle.
+  /// First and last value of the register with which translated code counts cycles. The register is the number of
+  /// cycles that may still start, and decreases to 0. If banks are shared, the register is instead an address in the
+  /// table of banks, which advances by one row per cycle.
   std::uint64_t begin = 0;
   std::uint64_t end = 0;
-  /// Address at which translated code resumes after it stopped at its limit. Null if translated code cannot resume, or
-  /// if the state has changed since it stopped.
+  /// Address at which translated code resumes after it stopped at its limit. Null if translated code cannot resume
+  /// there, or if the hart's state has changed since then.
   const std::uint8_t* resume_point = nullptr;
   /// The next hart of the round; null = none. Translated code continues with that hart without a return to the caller.
-  /// `resume_point_of_next` points to that hart's resume point, or to a null one. Translated code loads this pointer
-  /// first, because the host cannot predict the indirect jump to the address.
+  /// `resume_point_of_next` is the address of that hart's `resume_point`, or of a null pointer. Translated code loads
+  /// this pointer first, because the host cannot predict the indirect jump to the address.
   Execution* next = nullptr;
   const std::uint8_t* const* resume_point_of_next = &kNoResumePoint;
   std::uint64_t instructions = 0;  // of the last run; upper half: loads and stores
-  /// Pipeline state, as bits of a Pipeline, if the present block of a region was entered by falling through from
-  /// another one; else 0.
+  /// The state of the pipeline, as the bits of a Pipeline, if execution fell through from another block into the
+  /// present block of a region; else 0.
   std::uint64_t straight_pipeline = 0;
   const Instruction* slow_load = nullptr;  // the last load across two words
   std::uint64_t slow_load_when = 0;  // `instructions` at that time; if equal now, the load is in the present block
   std::uint64_t tick_offset = 0;     // active cycle c of the hart is tick c + offset of shared units
   bool alone = false;                // true if no other core uses the banks: then the table need not be read
-  // Values of the host's control register of floating-point operations (MXCSR): outside of translated code, inside, and
+  // Values of MXCSR, the host's control register for floating-point operations: outside of translated code, inside, and
   // after translated code.
   std::uint32_t float_control_outside = 0;
   std::uint32_t float_control = kFloatControl;
   std::uint32_t float_control_after = kFloatControl;
-  // Record of the steps between functions.
+  // The list of steps into other functions that translated code has recorded.
   Flow* flow = nullptr;              // next entry to write
   std::uint64_t position = 0;        // the cycle count at the end of the last run
   std::uint64_t instruction_fj = 0;  // energy of the last run
@@ -161,8 +162,8 @@ struct HartUnits {
   BlockCache& blocks;
 };
 
-/// State of a core, as far as instruction handlers and translated code change it, and the block that is being executed.
-/// During a block, the counters and the pipeline have their values at the start of the block.
+/// The part of a core's state that instruction handlers and translated code change, and the block in progress. During a
+/// block, the counters and the pipeline have their values at the start of the block.
 struct Execution {
   /// x0 to x31, then f0 to f31. x[0] stays 0; the last element receives the values written to x0.
   std::array<std::uint32_t, kNoRegister + 1> x{};
@@ -213,14 +214,14 @@ struct Execution {
     redirected = false;
     slow_load = slow_load_before;
   }
-  /// Resumes a block at an instruction that is not its first. The counters already contain the instructions before it,
-  /// so they are set back by their amount. Until the block is finished, the counters are not valid.
+  /// Resumes a block at an instruction that is not its first. The counters already contain the previous instructions of
+  /// the block, so these are subtracted. Until the block is finished, the counters are not valid.
   void begin_block_inside(const Instruction* at);
   std::uint32_t stalled_before(const Instruction* at) const { return at->index == 0 ? first_stall : 0U; }
   /// Returns the active cycle in which an instruction starts.
   std::uint64_t cycle_of(const Instruction* at) const { return counters.cycles + at->cycles_before + extra_cycles; }
   /// Returns the cycle in which an instruction starts, for devices and counters. A stall after a load belongs to the
-  /// instruction. If execution leaves an instruction before it has any effect, its stall has not occurred yet.
+  /// instruction. If execution leaves the block before the instruction has an effect, the stall has not occurred yet.
   std::uint64_t start_of(const Instruction* at) const { return cycle_of(at) - stalled_before(at); }
   const Instruction* leave_after(const Instruction* at, Leave why);
   const Instruction* leave_before(const Instruction* at, Leave why);

@@ -221,7 +221,7 @@ std::string advice_for_illegal(std::uint32_t word, Extensions has, std::string_v
   const auto or_xpulp = is_xpulp ? ", or an instruction of Xpulp v2 for a core ri5cy" : "";
   const auto built =
       architecture.empty() ? std::string() : fmt::format("; the program was compiled for {}", architecture);
-  // A generic core may get the extension by its ISA string; a core of a board gets it by the key isa.
+  // A generic core gets the extension from its ISA string; a core of a board gets it from the key `isa` of the board.
   const auto option = optional_extension(foreign.extension);
   if (decode(word, has).encoding != nullptr) {
     return "this instruction is not allowed now: an operation on floats while mstatus.FS is Off or with a rounding "

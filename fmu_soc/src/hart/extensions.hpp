@@ -16,14 +16,13 @@ struct ForeignInstruction {
   std::string_view extension;  // "A", "RV64I"
 };
 
-/// Returns the instruction that a word is in other RISC-V cores; its name is empty if the word is not an instruction of
-/// a ratified extension. Source: The RISC-V Instruction Set Manual, volumes I and II, 20240411, chapters of each
-/// extension.
+/// Returns the instruction that the word encodes in a ratified extension of RISC-V. If there is none, the name is
+/// empty. Source: The RISC-V Instruction Set Manual, volumes I and II, 20240411, chapters of each extension.
 ForeignInstruction foreign_instruction(std::uint32_t word);
 
-/// Returns a text that names an illegal instruction and how to avoid it; empty if the instruction is unknown. `has`
-/// contains the extensions of the core. `architecture` is the architecture of the program from Elf::architecture(), or
-/// empty.
+/// Returns a text with the name of an illegal instruction and a way to avoid it. The text is empty if the instruction
+/// is unknown. `has` contains the extensions of the core. `architecture` is the architecture of the program from
+/// Elf::architecture(), or empty.
 std::string advice_for_illegal(std::uint32_t word, Extensions has, std::string_view architecture);
 
 }  // namespace mebots::soc

@@ -47,7 +47,7 @@ bool Fetch::is_present(const Instruction* at) const {
 
 namespace {
 
-/// Compilers place the two halves of a 64-bit store at most this many instructions apart.
+/// The maximum number of instructions that compilers place between the two halves of a 64-bit store.
 constexpr int kFarthest = 32;
 
 std::optional<std::uint32_t> computed(const Decoded& at, std::uint32_t a, std::uint32_t b) {

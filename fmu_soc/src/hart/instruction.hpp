@@ -18,8 +18,9 @@ using Handler = const Instruction* (*)(Execution&, const Instruction*);
 /// Number of a register that no instruction reads. It replaces x0 as destination register (rd).
 inline constexpr std::uint8_t kNoRegister = kRegisters;
 
-/// A decoded instruction in a block. It contains sums over all previous instructions of the block. An exit from the
-/// block adds these sums once, so counting has no cost per instruction.
+/// A decoded instruction in a block. It contains the sums of cycles, accesses and energy over all previous instructions
+/// of the block. When execution leaves the block, these sums are added to the counters once. So counting has no cost
+/// per instruction.
 struct Instruction {
   Handler run = nullptr;
   std::int32_t imm = 0;  // absolute address for jumps and branches, value for auipc; operand_value() of Xpulp
@@ -36,12 +37,12 @@ struct Instruction {
 };
 static_assert(sizeof(Instruction) == 32 || sizeof(void*) != 8);
 
-/// Returns the third register that a fused multiply-add reads.
+/// Returns the number of the third register that a fused multiply-add reads.
 constexpr std::uint8_t third_register(const Instruction& instruction) {
   return static_cast<std::uint8_t>(static_cast<std::uint32_t>(instruction.imm) >> 8);
 }
 
-/// Returns the handler of an operation with a second operand of this kind.
+/// Returns the handler of an operation whose second operand is of this kind.
 Handler handler_of(Op op, Operand operand = Operand::reg);
 
 /// Computes rd from rs1 and the second operand. compute_of() returns null if the operation has other effects, too.
@@ -57,7 +58,7 @@ Operand operand_of(const Instruction& instruction);
 struct Instruction;
 
 /// A step from one instruction to the next that may enter another function, with the hart's counts since reset at that
-/// step. Translated code records its own counts; the hart converts them to the counts that an observer sees.
+/// step. Translated code records counts in its own form, and the hart converts them for the observer.
 struct Flow {
   std::uint64_t instructions = 0;    // as recorded: of the run; upper half: loads and stores
   std::uint64_t instruction_fj = 0;  // as recorded: of the run

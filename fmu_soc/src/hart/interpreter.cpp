@@ -7,7 +7,7 @@
 namespace mebots::soc {
 namespace {
 
-/// Replaces the handler of an instruction that must wait.
+/// A handler that ends execution before an instruction that must wait. It replaces the handler of this instruction.
 const Instruction* stop_here(Execution& e, const Instruction* at) {
   e.exit = at;
   e.waits_at = at;
@@ -59,9 +59,9 @@ bool Interpreter::resume_to_limit() {
   return true;
 }
 
-/// Runs a block one instruction at a time from `at`. The lines of the block are present. An instruction that runs alone
-/// takes its static cycles in the block, except for a jump after a misaligned load: the load subtracts cycles of the
-/// jump, and the limit may lie between the two.
+/// Runs a block one instruction at a time from `at`. The lines of the block are present. Each instruction takes its
+/// static cycles of the block, except a jump after a misaligned load. The load has subtracted cycles of the jump, and
+/// the limit may be between the two instructions.
 void Interpreter::run_one_by_one(const Instruction* at) {
   MEBOTS_ASSERT(at != nullptr && walk_ == nullptr);
   auto& e = execution_;
@@ -118,7 +118,7 @@ const Instruction* Interpreter::run_until(const Instruction* at, const Instructi
   return e.waits_at;
 }
 
-/// Runs a block of which lines are absent or have not arrived yet.
+/// Runs a block if some of its lines are absent or have not arrived yet.
 bool Interpreter::run_fetching(const Block& block, std::uint32_t stall) {
   MEBOTS_ASSERT(fetch_.is_cached());
   std::uint32_t missing = 0;  // upper bound: a refill may evict lines that the block needs later
@@ -134,8 +134,8 @@ bool Interpreter::run_fetching(const Block& block, std::uint32_t stall) {
   return true;
 }
 
-/// Runs an instruction whose line is present, and the rest of its block. Lines are fetched one by one: the core runs to
-/// the next instruction that needs a line, and waits there.
+/// Runs an instruction whose line is present, and the rest of its block. Fetches line by line: the core runs to the
+/// next instruction that needs another line, and waits for this line.
 void Interpreter::execute_fetching(const Instruction* at) {
   while (at != nullptr) {
     const auto* stop = fetch_.next_to_wait(at);

@@ -22,7 +22,7 @@ class RunLimit {
   void set_end(std::uint64_t cycle) { end_ = std::min(cycle, kLongest); }
   bool reached_at(std::uint64_t cycle) const { return cycle >= end_; }
   std::uint64_t cycles_from(std::uint64_t cycle) const { return end_ - cycle; }
-  /// True if a block may begin in `cycle` whose last instruction starts at most `bound` cycles later.
+  /// True if a block may begin in `cycle`, if its last instruction starts at most `bound` cycles later.
   bool admits(std::uint64_t cycle, std::uint64_t bound) const { return cycle + (bound & counted_) < end_; }
 
  private:
@@ -32,7 +32,7 @@ class RunLimit {
   std::uint64_t counted_;  // mask of the bits of a bound that count
 };
 
-/// Replaces the interpreter's loop over a block, to observe each instruction.
+/// A loop over the instructions of a block that replaces the interpreter's loop, in order to observe each instruction.
 class BlockWalk {
  public:
   BlockWalk() = default;
@@ -53,7 +53,7 @@ class Interpreter {
   Interpreter(Execution& execution, const Memory& memory, BlockCache& blocks, Fetch& fetch, const RunLimit& limit)
       : execution_(execution), memory_(memory), blocks_(blocks), fetch_(fetch), limit_(limit) {}
 
-  /// Sets the replacement of the loop over a block; null removes it.
+  /// Sets a loop that replaces the loop over a block; null removes it.
   void set_walk(BlockWalk* walk) { walk_ = walk; }
 
   /// Runs only the instruction at the pc, decoded for the present pipeline. Ignores the BlockWalk.
@@ -61,14 +61,14 @@ class Interpreter {
   /// Runs a block to the limit, or to its end. The first instruction stalls for `stall` cycles after a load. Ignores
   /// the BlockWalk.
   void run_to_limit(const Block& block, std::uint32_t stall);
-  /// Continues at the instruction at which the last limit cut a block, up to the new limit. If the core is no longer at
-  /// that instruction, returns false without effect.
+  /// Continues at the instruction before which the last limit stopped a block, and runs up to the new limit. If the
+  /// core is no longer at that instruction, returns false without effect.
   bool resume_to_limit();
   /// Runs a block whose first instruction stalls for `stall` cycles. If the block might reach the limit, returns false
   /// without effect.
   bool run(const Block& block, std::uint32_t stall);
-  /// Runs a block and then the linked blocks, until a check between two blocks requires a return. Ignores the
-  /// BlockWalk.
+  /// Runs a block and then the blocks that are linked to it, until a check between two blocks requires a return.
+  /// Ignores the BlockWalk.
   bool run_linked(const Block& block, std::uint32_t stall, const Csrs& csrs);
   /// Resumes a block that translated code has left after `wait_cycles` of waiting. `fetches` is true if lines may be
   /// absent.

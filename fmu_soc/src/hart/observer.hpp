@@ -39,7 +39,7 @@ struct Trapped {
   std::uint32_t value = 0;  // mtval
 };
 
-/// Code that runs without calls of the observer per instruction.
+/// A range of code in which the observer needs no call per instruction.
 struct QuietCode {
   std::uint32_t begin = 0;
   std::uint32_t size = 0;  // bytes; 0 = no such code
@@ -57,17 +57,16 @@ class Observer {
   virtual ~Observer() = default;
 
   /// Called before the instruction at the hart's pc, which may also trap. If the function returns false, the run ends
-  /// before the instruction. With a loose limit, the run ends before the next block for whose first instruction it
-  /// returns false.
+  /// before the instruction. With a loose limit, only the result for the first instruction of a block can end the run.
   virtual bool before(const Hart& /*hart*/) { return true; }
   virtual void retired(const Hart& /*hart*/, const Retired& /*instruction*/) {}
   /// Returns code in which the observer needs no call per instruction. For an instruction in this code whose successor
   /// is also in it, the hart does not call retired() and before(), except for calls, indirect jumps and mret. The
   /// result must be valid until the next call of a function that is not const.
   virtual QuietCode quiet() const { return {}; }
-  /// If not null, the observer only needs the steps that may enter another function. Hot code is then translated, and
-  /// records these steps; before() is not called. The observer may get the steps late, but before any other event. The
-  /// result must not change while the observer is set.
+  /// Returns null if the observer needs each instruction. Otherwise the observer only needs the steps that may enter
+  /// another function. Hot code is then translated, and records these steps; before() is not called. The observer may
+  /// get the steps late, but before any other event. The result must not change while the observer is set.
   virtual const FlowMap* flow() const { return nullptr; }
   /// Called with steps that translated code has taken, in their order. The hart's counters are those after the last
   /// step.

@@ -47,7 +47,8 @@ void Pmp::set_configurations(unsigned index, std::uint32_t value) {
   }
 }
 
-/// A locked range that ends with an entry also locks the address of the entry before, where the range begins.
+/// If an entry is the end of a range (TOR) and locked, the address of the previous entry is locked, too, because the
+/// range begins there.
 void Pmp::set_address(unsigned entry, std::uint32_t value) {
   if (entry >= entries_ || is_locked(entry)) return;
   const bool begins_locked =

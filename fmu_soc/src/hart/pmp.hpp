@@ -10,8 +10,8 @@ namespace mebots::soc {
 
 enum class Mode : std::uint8_t { user = 0, machine = 3 };
 
-/// Physical memory protection: which addresses a mode may fetch, load and store. Source: The RISC-V Instruction Set
-/// Manual, volume II (20240411), section 3.7. The granularity is four bytes.
+/// Physical memory protection: determines which addresses a privilege mode may fetch, load and store. Source: The
+/// RISC-V Instruction Set Manual, volume II (20240411), section 3.7. The granularity is four bytes.
 class Pmp {
  public:
   static constexpr unsigned kMostEntries = 16;
@@ -31,7 +31,7 @@ class Pmp {
 
   /// True if the mode may access all of the bytes.
   bool allows(std::uint32_t address, unsigned size, Access access, Mode mode) const;
-  /// True if the mode may access all addresses in every way. Then no access needs a check.
+  /// True if the mode may fetch, load and store at all addresses. Then no access needs a check.
   bool allows_all(Mode mode) const;
 
   void visit(state::Visitor& v);

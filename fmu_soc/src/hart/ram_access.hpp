@@ -28,7 +28,7 @@ struct RamPlace {
   return {};
 }
 
-/// Counts an access to one word. Does not claim its bank.
+/// Counts an access that lies within one word. Does not claim its bank.
 [[gnu::always_inline]] inline RamAccess count_access(Execution& e, const RamPlace& place) {
   MEBOTS_ASSERT(place.region != nullptr && place.offset < place.region->span);
   const auto& ram = *place.region;
@@ -37,8 +37,8 @@ struct RamPlace {
   return {ram.data + place.offset, ram.marks + place.offset / 4};
 }
 
-/// Performs an access that needs one check only: in fast RAM, within a word, without shared banks. Other accesses have
-/// no effect. Calls no function, so that a handler saves no registers.
+/// Performs an access for which one check is sufficient: in fast RAM, within a word, without shared banks. For other
+/// accesses, the function has no effect. Calls no function, so that a handler saves no registers.
 template <unsigned Size>
 [[gnu::always_inline]] inline RamAccess quick_access(Execution& e, std::uint32_t address) {
   const auto place = find_ram(e, address);
@@ -48,8 +48,8 @@ template <unsigned Size>
 }
 
 /// Finds the bytes of an access in the two fast regions and adds the wait cycles of the access: latency, and waits for
-/// the bank if banks are shared. An access across two words is two bus accesses, and each waits. The caller adds the
-/// extra cycle of the second one (kMisalignedExtra).
+/// the bank if banks are shared. An access across two words consists of two bus accesses, and each of them waits. The
+/// caller adds the extra cycle of the second bus access (kMisalignedExtra).
 template <unsigned Size>
 [[gnu::always_inline]] inline RamAccess ram_access(Execution& e, const Instruction* at, std::uint32_t address) {
   const auto place = find_ram(e, address);

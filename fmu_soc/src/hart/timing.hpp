@@ -35,7 +35,8 @@ struct Timing {
 
   bool load_after_load_stalls() const { return kind == CoreKind::ri5cy; }      // same destination register
   bool store_offset_looks_like_rd() const { return kind == CoreKind::ri5cy; }  // imm[4:0] compared with the load's rd
-  /// True if an unaligned jump target costs nothing after this operation, because it is fetched while the core is busy.
+  /// True if an unaligned jump target costs no cycle after this operation, because the target is fetched while the core
+  /// is still busy.
   bool hides_unaligned_target(Op before) const { return kind == CoreKind::ri5cy && is_multi_cycle(before); }
   /// Xpulp v2 in the encodings of RI5CY. (CV32E40P has its own.)
   bool has_xpulp() const { return kind == CoreKind::ri5cy; }
@@ -56,7 +57,7 @@ inline constexpr unsigned kMisalignedExtra = 1;
 /// assumption.
 inline constexpr unsigned kTrapEntryCycles = 4;
 
-/// The state of an earlier instruction in the pipeline.
+/// The part of a previous instruction's state that affects the cycles of later instructions.
 struct Previous {
   Op op = Op::end_of_block;  // = nothing
   std::uint8_t rd = 0;       // 0 or kNoRegister = none
@@ -86,7 +87,7 @@ Previous executed(const Executed& instruction, bool across_words) {
   return {instruction.op, instruction.rd, static_cast<std::uint8_t>(pointer | (slow ? Previous::kSlow : 0))};
 }
 
-/// Returns the state as it is one instruction later. `slow` only affects a jump directly after the instruction.
+/// Returns the state one instruction later. `slow` only affects a jump directly after the instruction.
 constexpr Previous one_later(Previous before) {
   before.pointer_and_slow = before.pointer();
   return before;

@@ -11,10 +11,10 @@
 namespace mebots::soc {
 namespace {
 
-/// A core ends after this many exceptions in a row with the hart in the same state.
+/// The number of consecutive exceptions with the same state of the hart after which a core ends.
 constexpr std::uint32_t kEndlessRepeats = 16;
-/// A core also ends after this many equal exceptions with the same registers. The number is large because a handler may
-/// count in memory and leave without mret.
+/// The number of equal exceptions with the same registers after which a core ends. The number is large because a
+/// handler may count in memory and leave without mret.
 constexpr std::uint32_t kEndlessReturns = 1'000'000;
 
 constexpr unsigned kReturnAddress = 1;
@@ -71,7 +71,7 @@ Traps::Progress Traps::progress_since_last(std::uint32_t cause) const {
   // Correct code may execute the same ecall repeatedly.
   const bool is_call = cause == cause::kMachineEcall || cause == cause::kUserEcall || cause == cause::kBreakpoint;
   if (is_call || last.pc != e.pc || last.cause != cause) return Progress::some;
-  // The exception occurred in its own handler, which pushes a stack frame each time.
+  // The exception occurred in its own handler, which decreases the stack pointer at each entry.
   if (e.x[kStackPointer] < last.registers[kStackPointer]) return Progress::none;
   const auto same = std::equal(last.registers.begin() + 1, last.registers.end(), e.x.begin() + 1);
   if (!same) return Progress::some;

@@ -64,7 +64,8 @@ class Traps {
   const Instruction* leave_handler(const Instruction* at);
 
   const Fault& fault() const { return fault_; }
-  /// True if no handler has returned since the last exception. fault().first is the first exception of that time.
+  /// True if no handler has returned since the last exception. fault().first is the first exception since the last
+  /// return of a handler.
   bool in_exception() const { return repeats_ != 0; }
 
   void visit(state::Visitor& v);
@@ -77,7 +78,7 @@ class Traps {
   };
 
   /// The state at the last exception, to compare with the next one at the same pc. The comparison also detects endless
-  /// traps of handlers that leave without mret, for example by longjmp.
+  /// exceptions whose handlers leave without mret, for example by longjmp.
   struct LastException {
     std::uint32_t pc = 0;
     std::uint32_t cause = 0;
