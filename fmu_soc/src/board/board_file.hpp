@@ -88,7 +88,7 @@ struct BoardDescription {
   }
 };
 
-/// Reads a board file. Throws Error that names file, line and key of each mistake: unknown or repeated keys, invalid or
+/// Reads a board file. Throws Error with file, line and key of each mistake: unknown or repeated keys, invalid or
 /// duplicate names, overlapping memories or devices, interrupts that the core does not have or that two devices share.
 BoardDescription read_board(const std::filesystem::path& path);
 /// Reads the text of a board file. `name` is its name in messages.
@@ -97,9 +97,9 @@ BoardDescription parse_board(std::string_view text, const std::string& name);
 /// Sets the core by its name; the name of a generic core is its ISA string. Throws Error for a name that no core has.
 void set_core(BoardDescription& board, const std::string& name);
 
-/// Returns the chip that a program of GreenWaves' SDKs was built for, if it is known and not GAP8; otherwise empty. The
-/// chip follows from paths of the SDK's headers in the debug information. No other part of the file states it: the
-/// file's note "Pulp_Info" reads chip=none, and the memory maps of the chips overlap.
+/// Returns the chip for which a program of GreenWaves' SDKs was built. The result is empty if the chip is GAP8 or
+/// unknown. The function finds the chip in paths of the SDK's headers in the debug information. No other part of the
+/// file states it: the file's note "Pulp_Info" reads chip=none, and the memory maps of the chips overlap.
 std::string_view other_chip_of(std::string_view elf_bytes);
 
 /// Throws Error if the board has GAP8's memory map and the program was built for another chip. Ignores a file that

@@ -148,8 +148,8 @@ BoardEnumeration read_enumeration(const std::string& name, const Node& node) {
   return enumeration;
 }
 
-/// Minimum delay of a described device. With shorter delays, states that follow each other in a cycle would leave no
-/// time for other events.
+/// Minimum delay of a described device. If states with shorter delays formed a cycle, the simulation would process only
+/// these states.
 constexpr double kLeastDelayS = 1e-6;
 
 /// Returns the node behind the longest existing prefix of these keys, for messages.

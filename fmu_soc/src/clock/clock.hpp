@@ -13,8 +13,9 @@
 
 namespace mebots::soc {
 
-/// Converts active cycles to time. Ticks are counted from the last change of frequency and multiplied by the period as
-/// one fraction, so there is no drift. A change of frequency rounds once, down to a picosecond.
+/// Converts active cycles to time. Time is computed from the ticks since the last change of frequency, multiplied by
+/// the period as a fraction. So rounding errors do not accumulate. A change of frequency rounds once, down to a
+/// picosecond.
 class Clock {
  public:
   void reset(std::uint32_t hz) {
@@ -76,8 +77,8 @@ class Clock {
     period_ = kPsPerSecond / common;
     ticks_ = hz_ / common;
   }
-  /// Returns (value * factor + rest) / divisor. The product fits in 64 bits for hours at a clock of whole MHz, and for
-  /// minutes at a clock of one of GAP8's loops.
+  /// Returns (value * factor + rest) / divisor. With a clock of whole MHz, the product fits into 64 bits for hours of
+  /// simulated time; with a clock of GAP8's clock loops, for minutes.
   static std::uint64_t scaled(std::uint64_t value, std::uint64_t factor, std::uint64_t rest, std::uint64_t divisor) {
     __extension__ using Wide = unsigned __int128;
     std::uint64_t product = 0;

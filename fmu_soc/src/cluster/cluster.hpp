@@ -20,15 +20,16 @@
 
 namespace mebots::soc {
 
-/// Up to eight cores with a shared L1, event unit and DMA, in their own clock domain. The rest of the chip sets its
-/// power, its clock and its latencies to the SoC's memories, makes accesses, and receives events. The cluster counts
-/// time in ticks of its clock, which never stops. A core that sleeps counts no cycles. The rest of the chip uses
-/// picoseconds. Only this class converts between the two.
+/// Up to eight cores with a shared L1, event unit and DMA, in their own clock domain. The rest of the chip sets the
+/// cluster's power, its clock, and the latencies of its accesses to the SoC's memories. It also accesses the cluster's
+/// registers, and receives events from the cluster. The cluster counts time in ticks of its clock, also while all cores
+/// sleep. A sleeping core counts no cycles. The rest of the chip counts picoseconds. Only this class converts between
+/// ticks and picoseconds.
 ///
 /// The scheduler determines the order of cores, event unit and DMA: each core runs a quantum of ticks in turn. Accesses
 /// to the event unit or the DMA are in the order of their ticks; within a tick, in the order of the cores. Another core
-/// may see a store to RAM up to a quantum late or early. Cores that synchronise through the event unit see all stores
-/// in order.
+/// may see a store to RAM up to one quantum too late or too early. Cores that synchronise through the event unit see
+/// all stores in order.
 class Cluster final : private ClusterBus, private ClusterEvents {
  public:
   Cluster(Memory& memory, const ClusterSettings& settings, const InstructionEnergy& energy);
@@ -66,8 +67,8 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   Picoseconds later(Picoseconds time, std::uint64_t ticks) const {
     return clock_.time_of(clock_.first_at(time) + ticks);
   }
-  /// Runs quanta that end at `until`, which must be after next(). Returns if the next quantum would start after `last`,
-  /// if an event for the rest of the chip has occurred, or if a core has reached `cycle_limit` active cycles.
+  /// Runs quanta up to `until`, which must be after next(). Returns if the next quantum would start after `last`, if an
+  /// event for the rest of the chip has occurred, or if a core has reached `cycle_limit` active cycles.
   void advance(Picoseconds until, Picoseconds last, std::uint64_t cycle_limit);
 
   /// Makes an access of the fabric controller. The cluster must have been advanced to `now`.
@@ -85,8 +86,8 @@ class Cluster final : private ClusterBus, private ClusterEvents {
 
   const Hart& hart(unsigned core) const;
   Hart& hart(unsigned core);
-  /// Returns the start of the core's next instruction, or of its sleep. If the sleep began before the last change of
-  /// the clock, returns the time of that change. The cluster must be on.
+  /// Returns the time at which the core's next instruction starts, or at which its sleep began. If the sleep began
+  /// before the last change of the clock, returns the time of that change. The cluster must be on.
   Picoseconds core_time(unsigned core) const;
   /// Returns the start time of an active cycle. Since that cycle, the core must not have slept and the clock must not
   /// have changed.

@@ -26,7 +26,7 @@ class ClusterBus {
   virtual bool watched(std::uint32_t address) = 0;
 };
 
-/// A core of a cluster: its hart, the tick of its cycles, and its turn at shared devices.
+/// A core of a cluster: its hart, the conversion of its cycles to ticks, and its permission to access shared devices.
 class ClusterCore final : private Bus {
  public:
   /// `code` is the decoded code of all cores. The banks in `code` are those of L1. `way` is the port to the SoC; the

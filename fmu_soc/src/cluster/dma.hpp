@@ -36,9 +36,9 @@ struct DmaTiming {
 /// START queues their transfer. Transfers run one after the other in the order of their starts, in bursts. A row of a
 /// 2D transfer is at least one burst. The latency of a queued transfer overlaps with the transfer before it.
 ///
-/// The words of a transfer claim L1's banks as accesses of the cores do. A beat waits at most one cycle, which also
-/// delays all later beats. All bytes are copied when the transfer ends. Then the core that started the transfer gets
-/// the event.
+/// The words of a transfer claim banks of L1, as accesses of cores do. A beat waits at most one cycle for its bank;
+/// this wait delays all later beats, too. All bytes are copied when the transfer ends. Then the core that started the
+/// transfer gets the event.
 class ClusterDma {
  public:
   static constexpr unsigned kTransfers = 16;

@@ -25,7 +25,8 @@ inline constexpr unsigned kJobDone = 17;
 /// then returns the core, which repeats the load.
 class EventUnit {
  public:
-  /// Set if FORK_CORES names a core that does not exist or is running, or if a cluster core writes it.
+  /// Status bit of an invalid fork: FORK_CORES names a core that does not exist or is running, or a cluster core writes
+  /// FORK_CORES.
   static constexpr std::uint32_t kRefused = 1;
 
   explicit EventUnit(unsigned cores) : cores_(cores) {}

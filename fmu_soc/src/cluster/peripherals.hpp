@@ -54,8 +54,8 @@ struct ClusterAccess {
   unsigned size = 4;                      // bytes; less than 4 only for a store
 };
 
-/// The registers with which cores start other cores, and wait for other cores and for the DMA. Calls are in the order
-/// of ticks. After an access, the caller queries its effects.
+/// The registers with which cores start other cores, and wait for other cores and for the DMA. The caller makes all
+/// calls in the order of their ticks. After each access, the caller queries the effects of the access.
 class ClusterPeripherals : public TransferListener {
  public:
   ClusterPeripherals() = default;

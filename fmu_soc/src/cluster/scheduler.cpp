@@ -74,8 +74,8 @@ std::uint64_t ClusterScheduler::run_quantum(std::uint64_t start, std::uint64_t u
   return finish_quantum(end);
 }
 
-/// Fast version of run_quantum(), for the case that all awake cores ended the previous quantum in translated code and
-/// no other event is due. Only the cores' ticks have changed since the previous quantum.
+/// A faster form of run_quantum(). It requires that all awake cores ended the previous quantum in translated code, and
+/// that no other event is due. Then only the cores' ticks have changed since the previous quantum.
 std::uint64_t ClusterScheduler::run_quantum_in_step(std::uint64_t start, std::uint64_t until) {
   MEBOTS_ASSERT(sharing_banks_ && start > banks_.start());
   move_banks(start);
@@ -156,15 +156,16 @@ void ClusterScheduler::move_banks(std::uint64_t tick) {
 
 /// Selects the first core of the next quantum, and whether the DMA claims banks before or after the cores. Both change
 /// in every quantum. With the arbitration tree and an even number of cores, there is one exception: when the count of
-/// quanta starts again, the DMA stays before or after the cores. Therefore each core that runs first does so both
-/// before and after the DMA.
+/// quanta starts again, the DMA keeps its place before or after the cores. Therefore each core is first both in quanta
+/// in which the DMA precedes the cores, and in quanta in which the DMA follows them.
 void ClusterScheduler::next_in_front() {
   if (++first_core_ == cores()) first_core_ = 0;
   const bool stays = settings_.arbitration_tree && first_core_ == 0 && cores() % 2 == 0;
   dma_first_ = dma_first_ != !stays;
 }
 
-/// Builds the queue of a quantum up to `end`, from the last queue if it contains the same cores.
+/// Builds the queue of a quantum that ends at `end`. Reuses the queue of the last quantum if it contains the same
+/// cores.
 void ClusterScheduler::line_up(std::uint64_t end) {
   const bool same = in_step_ && queue_.size() == awake_ && last_ready_ < end;
   if (same && !settings_.arbitration_tree) {
@@ -196,7 +197,8 @@ void ClusterScheduler::queue_cores(std::uint64_t end) {
   if (!queue_.empty()) queue_.back()->hart().set_next(nullptr);
 }
 
-/// Rotates the queue of the last quantum: if its first core is now the last one, moves that core to the end.
+/// Changes the queue of the last quantum into that of the next one: if the core that was first is now last, moves this
+/// core to the end.
 void ClusterScheduler::rotate_queue() {
   const auto before = (first_core_ == 0 ? cores() : first_core_) - 1;
   if (queue_.front()->id() != before) return;  // a sleeping core is not in the queue
@@ -262,8 +264,8 @@ void ClusterScheduler::note_stop(ClusterCore& core, Stop stop) {
   if (!events_.core_stopped(core, stop)) goes_on_ = false;
 }
 
-/// Called if all cores of the queue ended the quantum in translated code, in which case only their ticks have changed.
-/// Returns the tick at which the first core continues.
+/// Called if all cores of the queue ended the quantum in translated code. Then only their ticks have changed. Returns
+/// the tick at which the first core continues.
 std::uint64_t ClusterScheduler::keep_in_step() {
   last_ready_ = 0;
   auto first = kNoTick;

@@ -31,8 +31,8 @@ struct ClusterSettings {
   unsigned cores = 0;
   std::size_t l1_region = 0;  // index in Memory::regions()
   unsigned l1_banks = 16;
-  /// If true, the cores access a bank of L1 in the order of core number XOR n, where n counts the quanta, as an
-  /// arbitration tree does. If false, the core that is first rotates.
+  /// Selects the order in which cores claim banks of L1 in a quantum. True: increasing core number XOR n, where n
+  /// counts the quanta, as in an arbitration tree. False: the first core changes from quantum to quantum in turn.
   bool arbitration_tree = false;
   /// Ticks of a quantum if several cores are awake or the DMA moves data.
   std::uint32_t quantum = 0;

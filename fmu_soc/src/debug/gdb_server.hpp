@@ -20,16 +20,17 @@
 namespace mebots::soc::debug {
 
 /// A server for gdb, which can stop, inspect and change the cores; each core is a thread. While a core is stopped, the
-/// thread that runs the chip waits in its observer's before(), so the whole simulation stands still. If gdb changes
-/// nothing, results are the same as without gdb.
+/// thread that runs the chip waits in the observer's before(), so the whole simulation waits. If gdb changes nothing,
+/// results are the same as without gdb.
 class GdbServer {
  public:
   /// The effect of gdb's `kill`: the run ends, or it continues without the debugger.
   enum class Kill : std::uint8_t { ends_run, detaches };
 
-  /// Listens on 127.0.0.1 and passes the address to `announce`. The first instruction waits for a debugger. Throws
-  /// Error if the port cannot be opened. With a history, gdb can go back in time; then the caller must cut the run into
-  /// pieces, call checkpoint() before each, and continue the run if rewind() returns true after its end.
+  /// Listens on 127.0.0.1 and passes the address to `announce`. The chip waits for a debugger before its first
+  /// instruction. Throws Error if the port cannot be opened. If `history` is not null, gdb can go back in time. Then
+  /// the caller must divide the run into pieces, and call checkpoint() before each piece. If rewind() returns true
+  /// after the end of the run, the caller must continue the run.
   GdbServer(int port, Soc& soc, Kill kill, std::function<void(std::string_view)> announce, History* history = nullptr);
 
   /// Returns the observer of a hart. `number` is the hart's number in the chip.

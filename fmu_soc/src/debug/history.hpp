@@ -11,11 +11,12 @@
 
 namespace mebots::soc::debug {
 
-/// The past of a debugged run: saved states, from which a replay reaches any earlier instruction.
+/// Saved states of a debugged run. From one of these states, a replay can reach any earlier instruction.
 ///
 /// A position is the number of instructions that all harts have begun since the start, counted by calls of
 /// Observer::before(). A replay from a saved state makes these calls in the same order, because the run is divided into
-/// the same pieces. The output of the program is not repeated. Its input is read again from a log, at the same calls.
+/// the same pieces. The output of the program is not printed again. The input is read again from a log, at the same
+/// calls.
 class History {
  public:
   struct Snapshot {
@@ -28,8 +29,8 @@ class History {
   /// @param most_bytes  limit of the sizes of all states, unless two exceed it
   explicit History(std::size_t most_bytes = kMostBytes) : most_bytes_(most_bytes) {}
 
-  /// Saves the state at the begin of a piece of the run, unless a replay passes here. Keeps at most kMost states of
-  /// together at most `most_bytes`, and the first and the newest always.
+  /// Saves the state at the start of a piece of the run, unless a replay is in progress. Keeps at most kMost states
+  /// with a total of at most `most_bytes`. The first and the newest state are always kept.
   void record(const Soc& soc);
   /// Restores a state.
   void restore(Soc& soc, std::size_t snapshot);
@@ -55,9 +56,9 @@ class History {
   /// While true, the run ends, so that a saved state can be restored.
   void set_leaves(bool leaves) { leaves_ = leaves; }
   bool leaves() const { return leaves_; }
-  /// Returns the next byte of input, or the reason why no byte is available (ConsolePort). A replay returns what the
-  /// same call returned before; otherwise the result is that of `read`. After a change by gdb, the program first gets
-  /// the bytes that were read before the change.
+  /// Returns the next byte of input, or the reason why no byte is available (ConsolePort). In a replay, returns the
+  /// result that the same call returned before. Otherwise returns the result of `read`. After a change by gdb, the
+  /// program first gets the bytes that were read before the change.
   int input(const std::function<int()>& read);
 
  private:

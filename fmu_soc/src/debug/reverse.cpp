@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Steps of gdb into the past. A request ends the run. rewind() restores a state from before, and the run goes through
-// the same instructions again:
+// Backward steps of gdb. A request ends the run. rewind() restores an earlier state, and the same instructions are
+// executed again:
 //
 // The mode `searching` runs up to the present position and records the last place at which gdb wants to stop. Without
 // such a place, the search continues from the preceding saved state. The mode `seeking` runs from the same state to
@@ -126,9 +126,9 @@ std::optional<bool> GdbServer::replay_before(unsigned number, std::uint32_t pc, 
   return true;
 }
 
-/// gdb expects RISC-V to stop before the access, so it takes one more step in the direction of travel before it
-/// compares the values. Therefore the stop is after the store, and names the hart that stored: another hart may begin
-/// the next instruction.
+/// gdb assumes that a RISC-V core stops before the access. Therefore gdb takes one more step in the same direction
+/// before it compares the values. So this function stops after the store, and reports the hart that stored, because
+/// another hart may execute the next instruction.
 void GdbServer::replay_retired(unsigned number, const Retired& instruction) {
   auto& replay = *replay_;
   if (replay.phase != Replay::Phase::searching || replay.by_step) return;

@@ -53,8 +53,8 @@ bool GdbServer::HartObserver::before(const Hart& hart) {
   return hold(hart, position);
 }
 
-/// Ends a step and reports a watchpoint before any other hart continues, because gdb expects a step to run one thread.
-/// gdb also steps over breakpoints with only one thread.
+/// Ends a step, and reports a watchpoint, before any other hart continues: gdb expects that only one thread runs during
+/// a step. gdb also steps over breakpoints with only one thread.
 void GdbServer::HartObserver::retired(const Hart& hart, const Retired& instruction) {
   if (server_.replay_) return server_.replay_retired(number_, instruction);
   if (server_.leaves() || !server_.connection_.connected() || !reports_to_gdb()) return;

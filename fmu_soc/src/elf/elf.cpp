@@ -167,8 +167,8 @@ std::vector<ElfSegment> read_segments(const ElfBytes& file, const FileHeader& he
   return segments;
 }
 
-/// If the entry point is a run address to which nothing has been copied yet, the program starts at its load address, as
-/// in QEMU.
+/// If the entry point is a run address whose bytes the program has not copied yet, the program starts at the load
+/// address, as in QEMU.
 std::uint32_t loaded_entry(const ElfBytes& file, std::uint32_t entry, const std::vector<ElfSegment>& segments) {
   if (entry % 2 != 0) file.fail(fmt::format("entry point 0x{:08x} is odd", entry));
   const auto holds = [&](std::uint32_t address, const ElfSegment& segment) {

@@ -15,8 +15,9 @@
 /// Programs as ELF32 files for RISC-V. Source: Tool Interface Standard, ELF 1.2; RISC-V ELF psABI 1.0.
 namespace mebots::soc {
 
-/// A loadable segment. `AT>` in a linker script makes its two addresses differ: the bytes are stored at the load
-/// address, as Spike, QEMU and a flash programmer do, and start-up code copies them to the run address.
+/// A loadable segment with its load address and its run address. They differ if the linker script uses `AT>`. The bytes
+/// are stored at the load address, as in Spike, QEMU and a flash programmer. The start-up code of the program copies
+/// them to the run address.
 struct ElfSegment {
   std::uint32_t load_address = 0;   // p_paddr: where `bytes` are stored
   std::uint32_t run_address = 0;    // p_vaddr: where the program expects them

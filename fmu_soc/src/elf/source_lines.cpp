@@ -226,8 +226,8 @@ class LineProgram {
     row_ = first_;
   }
 
-  /// Calls `use` with each row and the address of the next one of its sequence, to which it extends, until `use`
-  /// returns true.
+  /// Calls `use` with each row and the address of the next row of its sequence, until `use` returns true. A row applies
+  /// up to the address of the next row.
   template <typename Use>
   void for_each(Use use) {
     std::optional<Row> last;

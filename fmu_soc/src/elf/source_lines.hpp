@@ -36,9 +36,9 @@ struct LineRange {
 std::vector<LineRange> all_lines(const LineSections& sections);
 
 /// Returns the source line of the instruction at `address`; nullopt if the sections do not contain it or are damaged.
-/// Reads all sections on each call: meant for messages. Source: DWARF 5, 6.2 (versions 2 to 5, 32 bits).
-/// This is our own code because an FMU is one file, and neither libdw nor libdwarf can be linked statically into a
-/// shared library.
+/// Reads all sections at each call, which is fast enough for messages. Source: DWARF 5, 6.2 (versions 2 to 5, 32 bits).
+/// MEbots has its own reader, because neither libdw nor libdwarf can be linked statically into the shared library of an
+/// FMU.
 std::optional<SourceLine> find_line(const LineSections& sections, std::uint32_t address);
 
 }  // namespace mebots::soc

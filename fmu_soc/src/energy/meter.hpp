@@ -71,7 +71,7 @@ struct CoreActivity {
   }
 };
 
-/// Increase of the energy [J] if one of a hart's counts increases by one, while settings and all other counts stay the
+/// The energy [J] that is added if one of a hart's counts increases by one, and settings and all other counts stay the
 /// same.
 struct CountEnergy {
   double cycle_j = 0;
@@ -166,8 +166,8 @@ class EnergyMeter {
   EnergyMeter(const EnergyTables& tables, const Inventory& inventory, const PowerState& state);
 
   EnergyLedger at(const Activity& now) const;
-  /// Returns the energy of core `number` of the cluster for its instructions and accesses [J], beyond that of its gated
-  /// clock. It is a part of the ledger.
+  /// Returns the energy of the instructions and accesses of core `number` of the cluster [J], without the energy of its
+  /// gated clock. It is a part of the ledger.
   double core_j(unsigned number, const CoreActivity& now) const;
   /// Returns the energy of one more unit of each count. For the fabric controller, it is part of the ledger; for a core
   /// of the cluster, it is part of core_j().

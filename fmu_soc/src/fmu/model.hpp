@@ -19,8 +19,8 @@ namespace mebots::soc {
 /// Connects the chip with the FMU's variables: parameters and inputs go to the devices; devices and energy ledger
 /// determine the outputs. Plain C++; fmu.cpp binds it to FMI.
 ///
-/// Inputs are sampled at the start of a step. They apply to the instructions that start after that, up to and including
-/// the end of the step. The outputs at the end contain the requests of those instructions.
+/// Inputs are sampled at the start of a step. They apply to the instructions that start after the start of the step, up
+/// to and including its end. The outputs at the end of the step contain the requests of these instructions.
 class Model {
  public:
   /// Reads the board file in `resources` and the firmware. The firmware is the file that the parameter names, or the

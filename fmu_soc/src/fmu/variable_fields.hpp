@@ -29,8 +29,8 @@ struct StepInputs {
 /// The power of a device is the mean over a step, from its energies at start and end.
 class VariableFields {
  public:
-  /// `variables` is the instance's generated struct, which must not move. Throws Error that names a variable if the
-  /// board file has it and the FMU or the device's kind does not.
+  /// `variables` is the generated struct of the instance. The struct must not move. Throws Error with the name of a
+  /// variable that is in the board file, but not in the FMU or in the device's kind.
   VariableFields(Soc& soc, void* variables);
 
   /// Throws Error if an input is not a number.

@@ -52,7 +52,8 @@ Exact normal(Exact a) {
   return {a.sign, a.exponent - shift, a.significand << shift};
 }
 
-/// Shifts right. The lowest bit of the result is also set if any bit is lost, which keeps the direction of rounding.
+/// Shifts right. If any of the bits shifted out is 1, the lowest bit of the result is also set, so that the result is
+/// still rounded in the right direction.
 std::uint64_t shift_right_sticky(std::uint64_t value, int places) {
   if (places > 63) return value != 0 ? 1 : 0;
   const auto lost = value & ((std::uint64_t{1} << places) - 1U);
@@ -134,8 +135,8 @@ std::uint32_t packed_sum(Exact a, Exact b, Context& context) {
   a = normal(a);
   b = normal(b);
   if (a.exponent < b.exponent || (a.exponent == b.exponent && a.significand < b.significand)) std::swap(a, b);
-  // The low bits of both significands are 0. If more than one bit of b is lost, b is so small that the sum still has
-  // enough exact bits above the lost ones.
+  // The low bits of both significands are 0. If more than one bit of b is shifted out, b is so small that the sum still
+  // has enough exact bits above these.
   const auto aligned = shift_right_sticky(b.significand, a.exponent - b.exponent);
   const auto sum = a.sign == b.sign ? a.significand + aligned : a.significand - aligned;
   if (sum == 0) return with_sign(zero_sign, 0);

@@ -29,8 +29,8 @@ void check_address(Assembler& c, const Reg32& offset, const Reg32& scratch, cons
   if (size == 1) {
     c.cmp(offset, bytes);
   } else {
-    // A misaligned offset has low bits that are not 0. The rotation makes them high bits, so that one comparison finds
-    // misaligned offsets and offsets outside.
+    // A misaligned offset has low bits that are not 0. The rotation moves them to the high bits, so that one comparison
+    // detects both misaligned offsets and offsets outside the memory.
     const auto shift = static_cast<unsigned>(std::countr_zero(size));
     c.rorx(scratch, offset, static_cast<std::uint8_t>(shift));
     c.cmp(scratch, bytes >> shift);
@@ -72,8 +72,9 @@ void emit_middle_of_word(Assembler& c, unsigned size, Label& inside) {
   c.L(other);
 }
 
-/// Makes two accesses if the bytes are in two words. If a word is marked, a store jumps to `marked`. A load near the
-/// end of its block is left to the interpreter, because the next block may depend on its wait.
+/// Writes code that makes two accesses if the bytes are in two words. If one of the words is marked, a store jumps to
+/// `marked`. The interpreter executes a load near the end of its block, because the cycles of the next block may depend
+/// on the wait of the load.
 void emit_across_words(Assembler& c, const Instruction* at, unsigned size, Label& marked, Label& claimed) {
   if (size == 1 || (is_load(at->op) && (is_block_end(at[1].op) || is_block_end(at[2].op)))) return;
   Label other;

@@ -24,7 +24,7 @@ constexpr bool is_post(Mode mode) {
   return mode == Mode::post_immediate || mode == Mode::post_register;
 }
 
-/// Adds the cycle of a misaligned load. A jump directly after it then takes only one cycle.
+/// Adds the extra cycle of a misaligned load. A jump directly after this load takes only one cycle.
 [[gnu::always_inline]] inline void misaligned_load(Execution& e, const Instruction* at) {
   e.extra_cycles += kMisalignedExtra;
   e.slow_load = at;

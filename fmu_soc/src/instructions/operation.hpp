@@ -104,8 +104,9 @@ bool lower(translate::Assembler& c, const Instruction* at) {
 
 }  // namespace binding
 
-/// Returns the row of an operation whose encodings take the second operand from `kOperands`. If an operand kind is
-/// missing, the row has the handler for a register there or, without one, for the first kind in `kOperands`.
+/// Returns the row of an operation whose encodings take the second operand from `kOperands`. For a kind of operand that
+/// is not in `kOperands`, the row has the handler for a register or, if registers are missing too, for the first kind
+/// in `kOperands`.
 template <Op kOp, auto kExecute, Operand... kOperands>
 constexpr Operation operation(Lowering emit) {
   constexpr std::array kGiven{kOperands..., Operand::reg};

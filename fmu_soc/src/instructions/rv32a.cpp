@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The A extension: execution of each operation of isa/rv32a.decode. None has a lowering. Only one core of a board has
-// the extension (board/board_file.cpp checks this), so each access is atomic.
+// The A extension: execution of each operation of isa/rv32a.decode. None of them has a lowering. Boards with several
+// cores cannot have the extension (board/board_file.cpp checks this), so each access is atomic.
 #include "hart/data_path.hpp"
 #include "instructions/operation.hpp"
 

@@ -70,7 +70,8 @@ const Instruction* execute_float_move(Execution& e, const Instruction* at) {
 
 #ifdef MEBOTS_TRANSLATES
 /// Leaves the block if the floating-point unit is off, or if frm is not the host's rounding mode. Only an instruction
-/// that ends a block can change these. So only the first floating-point operation of a block needs the check.
+/// that ends a block can change these two conditions. So the check is only needed before the first floating-point
+/// operation of a block.
 void emit_check(Assembler& c, const Instruction* at) {
   static_assert(offsetof(Execution, rounding) == offsetof(Execution, float_off) + 1);
   for (const auto* before = at - at->index; before != at; ++before) {

@@ -80,8 +80,9 @@ constexpr Word execute_remu(Word a, Word b) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// Spends the cycles of a division, which depend on the divisor's leading zeros, or on its leading ones - 1 if it is
-/// negative: see divide_extra_signed(). Expects the divisor in ecx; edx becomes the number of steps. Changes eax.
+/// Writes code that counts the cycles of a division. They depend on the number of the divisor's leading zeros or, if
+/// the divisor is negative, of its leading ones minus 1: see divide_extra_signed(). The divisor must be in ecx. The
+/// number of steps is returned in edx. Changes eax.
 void emit_divide_cycles(Assembler& c, bool is_signed) {
   if (is_signed) {
     c.mov(edx, ecx);

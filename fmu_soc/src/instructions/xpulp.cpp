@@ -88,16 +88,16 @@ const Instruction* execute_lp_setup(Execution& e, const Instruction* at) {
   e.loops[at->rs2].count = e.x[at->rs1];
   return set_loop_end(e, at, at->pc + static_cast<Word>(at->imm));
 }
-/// The immediate contains the count in its lower half, and the distance of the end in its upper half.
+/// The immediate contains the count in its lower half, and the distance to the loop's end in its upper half.
 const Instruction* execute_lp_setupi(Execution& e, const Instruction* at) {
   const auto fields = static_cast<Word>(at->imm);
   e.loops[at->rs2].start = at->pc + 4;
   e.loops[at->rs2].count = fields & 0xffffU;
   return set_loop_end(e, at, at->pc + (fields >> 16));
 }
-/// Ends a block whose last instruction may end a loop. The inner loop (0) is checked first. If a loop has no iteration
-/// left, its count stays, and the other loop is checked. If neither has one left, the next instruction follows. An
-/// iteration takes no cycle.
+/// Ends a block whose last instruction may end a loop. The inner loop (0) is checked first. If a loop has no further
+/// iteration, its count does not change, and the other loop is checked. If neither loop has a further iteration,
+/// execution continues after the block. The jump back of a loop takes no cycle.
 const Instruction* execute_loop_end(Execution& e, const Instruction* at) {
   MEBOTS_ASSERT(at->index > 0 && is_block_end(at->op));
   const auto last = at[-1].pc;

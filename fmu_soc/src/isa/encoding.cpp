@@ -100,7 +100,7 @@ Decoded decode(std::uint32_t word, Extensions has) {
 std::int32_t operand_value(const Decoded& decoded) {
   if (decoded.operand != Operand::immediate) return decoded.imm;
   const auto value = static_cast<std::uint32_t>(decoded.imm);
-  // The selectors of a shuffle: those of each part are in the lowest bits of that part.
+  // The selectors of a shuffle. The selector of each part is in the lowest bits of this part.
   switch (row_of(decoded.encoding->format).value) {
     case Value::as_it_is:
       return decoded.imm;

@@ -59,8 +59,9 @@ enum class Relation : std::uint8_t { eq, ne, gt, ge, lt, le };
 inline constexpr unsigned kMultiplyHighCycles = 5;
 inline constexpr unsigned kDivideBaseCycles = 3;
 inline constexpr unsigned kFenceCycles = 4;
-/// The maximum in CV32E40P's user manual for FPU_ADDMUL_LAT = FPU_OTHERS_LAT = 0, with which all other floating-point
-/// operations take one cycle. The real core may continue earlier if the next instructions do not need the result.
+/// The maximum in CV32E40P's user manual for FPU_ADDMUL_LAT = FPU_OTHERS_LAT = 0. With these values, all other
+/// floating-point operations take one cycle. The real core may continue earlier if the next instructions do not need
+/// the result.
 inline constexpr unsigned kFloatDivideCycles = 19;
 inline constexpr unsigned kFloatRootCycles = 19;
 /// Cycles of mret. Only the sum of a trap's entry and mret was measured: 9 cycles. The division of the sum is an

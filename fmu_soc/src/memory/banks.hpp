@@ -17,15 +17,15 @@ namespace mebots::soc {
 /// The claimed cycles of the banks of a shared memory: a table with a row per tick and a byte per bank. A bank serves
 /// one word per cycle; consecutive words lie in consecutive banks.
 ///
-/// Translated code keeps pointers into the table and advances in it without checks. Therefore the table has reserve
-/// rows after the last tick that a core can wait for, and only the scheduler restarts it.
+/// Translated code keeps pointers into the table, and increases them without checks. Therefore the table has spare rows
+/// after the last tick that a core can reach, and only the scheduler starts the table again from its first row.
 class Banks {
  public:
   static constexpr unsigned kMost = 32;
   /// The table should restart when the time reaches this row.
   static constexpr std::uint64_t kTurn = 4096;
-  /// The maximum number of ticks of one run of translated code, and the maximum by which its last block can exceed
-  /// them.
+  /// The maximum number of ticks of one run of translated code, and the maximum number of ticks by which the run's last
+  /// block can exceed this limit.
   static constexpr std::uint64_t kLongestRun = 1024;
   static constexpr std::uint64_t kLongestBlock = 5120;
   /// Number of ticks that can be claimed, from the start of the table. In its last block, a core may reach these ticks

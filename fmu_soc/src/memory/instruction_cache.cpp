@@ -119,8 +119,8 @@ void InstructionCache::set_alone(bool alone) {
 std::uint32_t InstructionCache::fetch(std::uint32_t line, std::uint64_t tick) {
   if (const auto* entry = find(line); entry != nullptr) {
     if (!is_shared()) return 0;
-    // Another core has started its refill. The wait cannot be longer than a refill from this tick on: a core with an
-    // earlier tick than the other core would have started its own refill.
+    // Another core has started the refill of this line. The wait cannot be longer than a refill from this tick on: a
+    // core with an earlier tick than the other core would have started its own refill.
     const auto arrival = arrivals_[static_cast<std::size_t>(entry - entries_.data())];
     const auto wait = arrival > tick ? arrival - tick : 0;
     return static_cast<std::uint32_t>(std::min<std::uint64_t>(wait, refill_cycles_));

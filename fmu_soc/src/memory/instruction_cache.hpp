@@ -25,17 +25,17 @@ struct InstructionCacheSettings {
   bool invalid_ways_first = false;      // of a cluster: a refill prefers an invalid way
 };
 
-/// Models which lines of code a cache holds. Only presence matters: instructions are always read from memory.
+/// Models which lines a cache contains. It stores no instructions; they are always read from memory.
 ///
 /// A hit changes no state, as in the chip. The way for a refill comes from an 8-bit shift register that advances with
 /// every refill (source: GVSoC, models/cache, which assigns it to GAP's fabric controller). Therefore present lines
 /// need no check until one of them is evicted. A cluster's cache may prefer invalid ways, as in
-/// pulp-platform/icache_mp_128_pf (icache_bank_mp_128.sv). Then its register only advances if all ways of a set are
-/// valid.
+/// pulp-platform/icache_mp_128_pf (icache_bank_mp_128.sv). Then the shift register only advances if all ways of the set
+/// are valid.
 ///
 /// If a cache has only one user, the user has waited for each line that is present. If several cores share the cache, a
-/// core may need a line whose refill another core has started. Such a line is not marked as present for translated code
-/// until settle() reports that all cores are past its arrival. Until then, cores call fetch().
+/// core may need a line whose refill another core has started. Translated code must not treat such a line as present
+/// until settle() reports that all cores have passed the time of its arrival. Until then, cores call fetch().
 class InstructionCache {
  public:
   enum class Users : std::uint8_t { one, several };

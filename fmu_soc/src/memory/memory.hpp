@@ -68,14 +68,14 @@ class Memory {
   /// Clears marks of every word that the bytes touch.
   void unmark(std::uint32_t address, std::uint32_t count, std::uint8_t marks);
 
-  /// Returns a mark for one more decode cache. Each cache has its own mark, so that it can clear the mark
-  /// independently. Throws Error if there are no more marks.
+  /// Reserves a mark for a further decode cache, and returns it. Each cache has its own mark, which it can clear
+  /// without effect on the other caches. Throws Error if there are no more marks.
   std::uint8_t add_code_mark();
   /// Must be called after bytes in RAM were changed other than by loading a program. Then cores invalidate the code
   /// that was decoded from these bytes. Returns true if there was such code.
   bool changed(std::uint32_t address, std::uint32_t count);
-  /// Reports a change like the function above, also if no code was decoded from the bytes. Used if an instruction that
-  /// begins or ends there has changed.
+  /// Reports a change of these bytes like the function above, even if no code was decoded from them. Used if an
+  /// instruction that begins or ends in these bytes has changed.
   void invalidate_code(std::uint32_t address, std::uint32_t count);
   /// Invalidates all decoded code.
   void forget_code();
@@ -93,8 +93,9 @@ class Memory {
     return generation < oldest_change_ ? nullptr : &changes_[generation % kKeptChanges];
   }
 
-  /// Visits the contents of all regions and the ends of hardware loops. Blocks end at the ends of hardware loops, so
-  /// the turns of cluster cores depend on these ends. Other marks are not part of a state.
+  /// Visits the contents of all regions and the ends of hardware loops. Blocks end at the ends of hardware loops, and a
+  /// core of the cluster stops at the end of a block. Therefore these ends are part of a state. Other marks are not
+  /// part of a state.
   void visit(state::Visitor& v);
 
  private:

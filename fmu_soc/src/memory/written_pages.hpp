@@ -9,8 +9,8 @@ namespace mebots::soc {
 
 inline constexpr std::size_t kPageSize = 4096;
 
-/// Returns which pages of this process, from that of `first` to that of `last`, have ever been written. If the system
-/// refuses the information, all count as written.
+/// Returns a flag for each page of this process from the page of `first` to the page of `last`: true if the page was
+/// ever written. If the operating system does not provide this information, all flags are true.
 std::vector<bool> written_pages(const std::uint8_t* first, const std::uint8_t* last);
 
 }  // namespace mebots::soc

@@ -54,7 +54,7 @@ class CallTree {
   Node& node(std::uint32_t number) { return nodes_[number]; }
   const std::vector<Node>& nodes() const { return nodes_; }
 
-  /// Returns for each node its own cost and that of its descendants.
+  /// Returns for each node the sum of its own cost and the costs of its descendants.
   std::vector<Cost> inclusive() const;
   /// Returns for each node its children in the order of their creation.
   std::vector<std::vector<std::uint32_t>> children() const;

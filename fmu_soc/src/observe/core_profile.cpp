@@ -94,9 +94,9 @@ void CoreProfile::retired(const Hart& hart, const Retired& instruction) {
   step({decoded.op, decoded.rd, decoded.rs1, instruction.pc + decoded.length, hart.pc()}, [this] { return now(); });
 }
 
-/// Counts steps of translated code, during which only this hart's counts have changed. Time follows from its cycles,
-/// rounded as in now(), so rounding errors do not accumulate. Energy is linear in the counts, so the energy at each
-/// step follows from that at the last step.
+/// Adds the costs of steps of translated code. Between these steps, only this hart's counts have changed. The time of a
+/// step is computed from the hart's cycles, rounded as in now(), so rounding errors do not accumulate. Energy is linear
+/// in the counts, so the energy at a step is computed from the energy at the previous step.
 void CoreProfile::flowed(const Hart& hart, std::span<const Flow> steps) {
   const auto last = now();
   const auto per_count = soc_.power().energy_per_count(number_);
@@ -157,8 +157,8 @@ void CoreProfile::go_to(std::uint32_t address, Now now) {
   ++tree_.node(top.node).calls;
 }
 
-/// Removes frames down to the one whose call returns to `address`. Returns false if there is no such frame above the
-/// last trap.
+/// Removes frames down to the frame whose call returns to `address`. If there is no such frame above the last trap,
+/// returns false.
 template <typename Now>
 bool CoreProfile::return_to(std::uint32_t address, Now now) {
   for (auto depth = stack_.size(); depth-- > 1;) {

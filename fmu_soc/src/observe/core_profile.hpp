@@ -14,7 +14,7 @@ namespace mebots::soc::observe {
 /// Costs of one hart by function and call stack.
 ///
 /// Stacks follow the calling convention: jal and jalr that write a link register (ra, t0) are calls. A jump through a
-/// link register to a return address on the stack is a return to it. Any other step into another function replaces the
+/// link register to a return address on the stack is a return. Any other step into another function replaces the
 /// present function (tail call). A trap or interrupt has a frame until its mret; sleep and time without supply have
 /// frames, too.
 ///
@@ -39,8 +39,8 @@ class CoreProfile final : public Observer {
   void restored() { start(); }
   /// Counts up to now, between two steps of a run.
   void settle();
-  /// Counts up to now at the end of a run. Includes all time and energy of the chip, and for a core of the cluster at
-  /// least the rest of its last block.
+  /// Called at the end of a run. Adds all costs since the last step: time and energy of the whole chip, or for a core
+  /// of the cluster at least the end of its last block.
   void finish();
 
   unsigned number() const { return number_; }

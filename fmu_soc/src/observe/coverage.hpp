@@ -13,7 +13,7 @@
 
 namespace mebots::soc::observe {
 
-/// Counts how often each instruction of a program ran, on all its harts, and writes the counts of source lines,
+/// Counts how often each instruction of a program ran, on all harts together. Writes the counts of source lines,
 /// functions and branches in lcov's format, which genhtml and editors read.
 ///
 /// The count of a line is the greatest count among the first instructions of its statements. Lines of code that the

@@ -43,7 +43,8 @@ class CoreStack final : public Observer {
   void woke(const Hart& hart) override;
   void switched(const Hart& hart, bool on) override;
   void trapped(const Hart& hart, const Trapped& trap) override;
-  /// Ends the run: a hart that sleeps has slept up to now, and cycles that led to no instruction get their cause.
+  /// Called at the end of the run. Counts the sleep of a sleeping hart up to now, and assigns causes to cycles after
+  /// the last instruction.
   void finish();
 
   unsigned number() const { return number_; }

@@ -10,7 +10,7 @@
 namespace mebots::soc::observe {
 namespace {
 
-/// This number is added to all cycles, so that the fetch of the first instruction is not before cycle 0.
+/// Added to all cycle numbers, so that the fetch of the first instruction is not before cycle 0.
 constexpr std::int64_t kStagesBeforeExecute = 2;
 constexpr std::string_view kStageNames[] = {"F", "D", "X", "W"};
 

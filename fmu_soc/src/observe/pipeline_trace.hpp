@@ -13,9 +13,9 @@ namespace mebots::soc::observe {
 /// Writes the instructions of one hart as a pipeline of four stages (F fetch, D decode, X execute, W write back), in
 /// the format Kanata 0004, which Konata shows. Time is the hart's active cycles; a sleep takes none.
 ///
-/// The stages follow from the cycles by cause, not from a model of the pipeline: waits for cache lines, entries of
-/// traps and cycles of the jump before are in F, stalls in D, all other cycles in X. The next instruction is decoded
-/// while one executes, unless it was not fetched in time.
+/// The stages are derived from the cycles by cause, not from a model of the pipeline. F has waits for cache lines,
+/// entries of traps, and cycles of the previous jump. D has stalls, and X has all other cycles. The next instruction is
+/// decoded while one executes, unless it was not fetched in time.
 class PipelineTrace final : public Observer {
  public:
   PipelineTrace(const std::string& option, const std::string& path);
@@ -40,7 +40,8 @@ class PipelineTrace final : public Observer {
   std::uint64_t next_id_ = 0;
   bool began_ = false;
   std::int64_t written_cycle_ = 0;
-  // The cycles in which the stages of the last instruction began, and in which the next one may begin.
+  // The cycles in which the stages of the last instruction began, and the earliest cycles for the stages of the next
+  // one.
   std::int64_t fetch_ = 0;
   std::int64_t decode_ = 0;
   std::int64_t execute_ = 0;

@@ -37,7 +37,7 @@ class Observers final : public Observer {
     for (auto* observer : list_) observer->retired(hart, instruction);
   }
   QuietCode quiet() const override { return list_.size() == 1 ? list_.front()->quiet() : QuietCode{}; }
-  /// Translated code supports at most one observer that needs the steps into other functions.
+  /// Translated code supports only one observer that needs the steps into other functions.
   const FlowMap* flow() const override { return list_.size() == 1 ? list_.front()->flow() : nullptr; }
   void flowed(const Hart& hart, std::span<const Flow> steps) override {
     for (auto* observer : list_) observer->flowed(hart, steps);

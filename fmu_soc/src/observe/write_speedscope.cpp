@@ -33,7 +33,7 @@ class Writer {
   Writer(const CallTree& tree, TextFile& file)
       : tree_(tree), inclusive_(tree.inclusive()), children_(tree.children()), file_(file) {}
 
-  /// `whose` is the hart's name; empty if there is only one hart.
+  /// `whose` is the hart's name. It is empty if there is only one hart.
   void write(const Series& series, const std::string& whose) {
     file_.print(R"({{"type":"evented","name":"{}{}{}","unit":"{}","startValue":0,"endValue":)", series.name,
                 whose.empty() ? "" : ", ", whose, series.unit);

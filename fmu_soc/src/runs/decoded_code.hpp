@@ -12,7 +12,7 @@
 
 namespace mebots::soc {
 
-/// Decoded code of harts that have the same settings and memories and run in one thread.
+/// Decoded code of harts with the same settings and memories, which run in one thread.
 struct DecodedCode {
   /// The memory must outlive this object, and must already have all its regions.
   DecodedCode(Memory& memory, const CodeSettings& settings)

@@ -56,9 +56,9 @@ void FlowLog::make_absolute(std::span<Flow> steps) const {
   const auto instruction_fj = counters.instruction_fj - host.instruction_fj;
   const auto* banks = decoded_.banks;
   for (auto& step : steps) {
-    // Cycles from the step to the end of the run. The count decreases to 0. If banks are shared, it increases by one
-    // row per cycle instead. If execution left a block before its end, the difference is negative, because the block's
-    // cycles are not counted yet.
+    // Computes the cycles from the step to the end of the run. The recorded count decreases by one per cycle. If banks
+    // are shared, it is an address instead, and increases by one row per cycle. If execution left a block before its
+    // end, the difference is negative, because the block's cycles are not counted yet.
     auto left = static_cast<std::int64_t>(step.cycles - host.position);
     if (banks != nullptr) left = -left / static_cast<std::int64_t>(banks->count());
     step.cycles = counters.cycles - static_cast<std::uint64_t>(left);

@@ -128,10 +128,11 @@ bool Hart::stays_awake() {
   return true;
 }
 
-/// Returns the block at the pc, by the link of the last instruction if possible. Returns 0 if the pc cannot be fetched.
-/// Also returns 0 if no block begins at this pc and a limit or a return from a trap led to it. A limit may stop at any
-/// instruction, and blocks from all these addresses would fill the cache. With a loose limit, always decodes a block:
-/// then blocks determine where a core stops, and this must not depend on earlier decoding.
+/// Returns the block at the pc; uses the link of the last instruction if possible. Returns 0 if the pc cannot be
+/// fetched. Also returns 0 if no block begins at this pc and the hart is there because of a limit or a return from a
+/// trap. A limit may be at any instruction, and blocks from all these addresses would fill the cache. With a loose
+/// limit, a block is always decoded, because blocks determine where a core stops, and this must not depend on earlier
+/// decoding.
 inline std::uint32_t Hart::following() {
   const auto* link = execution_.link;
   if (link == nullptr) {

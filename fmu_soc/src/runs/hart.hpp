@@ -70,8 +70,8 @@ class Hart {
     bool ran = false;           // that hart continued in the interpreter
     Stop stop = Stop::limit;    // its reason to stop
   };
-  /// Runs a round: each hart from this one on, in translated code, up to the same tick (active cycle + offset). The
-  /// round ends when a hart leaves translated code. The harts must share banks and decoded code.
+  /// Runs a round: runs this hart and the harts after it in translated code, each up to the same tick (active cycle +
+  /// offset). The round ends when a hart leaves translated code. The harts must share banks and decoded code.
   static RoundEnd run_round_robin(Hart& first, std::uint64_t limit_tick);
   /// Sets the next hart of a round; null if there is none. run() resets it.
   void set_next(Hart* next) { execution_.set_next(next == nullptr ? nullptr : &next->execution_); }

@@ -66,8 +66,8 @@ bool ObservedRun::is_reported(const Instruction* at, const QuietCode& quiet) {
   return at->op == Op::jalr || at->op == Op::mret;
 }
 
-/// Returns the first instruction from `at` for which the observer needs a call. If there is none before `stop` or the
-/// end of the block, returns that.
+/// Returns the first instruction from `at` for which the observer needs a call. If there is none before `stop` or
+/// before the end of the block, returns `stop` or the end.
 const Instruction* ObservedRun::next_reported(const Instruction* at, const Instruction* stop) const {
   if (counts_) return at;
   const auto quiet = observer_->quiet();
@@ -97,8 +97,8 @@ void ObservedRun::step() {
   if (e.counters.instructions != instructions) retire(retired, 0);
 }
 
-/// With a strict limit, the observer may end the run after any instruction that is reported, so such an instruction
-/// runs alone. before() has been called for the first instruction.
+/// With a strict limit, the observer may end the run after any reported instruction. Therefore each reported
+/// instruction runs alone. before() has been called for the first instruction.
 void ObservedRun::run_block(const Block& block, std::uint32_t stall, bool alone) {
   const auto* first = decoded_.blocks.instructions(block);
   alone = alone || (wants_all() && !limit_.is_loose() && is_reported(first, observer_->quiet()));

@@ -33,7 +33,7 @@ class ObservedRun final : private BlockWalk {
   bool is_on() const { return observer_ != nullptr || counts_; }
   /// Returns the observer; null if there is none.
   Observer* observer() const { return observer_; }
-  /// True if there is an observer that needs a call before each instruction.
+  /// True if there is an observer that needs a call for each instruction.
   bool wants_all() const { return observer_ != nullptr && flow_ == nullptr; }
   /// True if translated code reports enough for the observer, or if there is none. Translated code makes no calls
   /// before instructions, and does not record all steps.
@@ -49,7 +49,7 @@ class ObservedRun final : private BlockWalk {
   void run_block(const Block& block, std::uint32_t stall, bool alone);
   void step();
 
-  // Functions that call the observer, if there is one.
+  // Functions that call the observer. If there is no observer, they have no effect.
   void trapped(const Trapped& trap) {
     account_.entered_trap();
     if (observer_ != nullptr) observer_->trapped(hart_, trap);

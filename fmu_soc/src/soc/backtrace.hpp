@@ -9,9 +9,9 @@
 
 namespace mebots::soc::debug {
 
-/// Returns the callers as far as ra and the stack show them, innermost first: "fly+0x1a (pilot.c:12) < main+0x44
-/// (main.c:90)". A word on the stack counts as a return address if it points behind a call instruction of the program.
-/// Such a word may be left from an earlier call. Empty if no caller is found.
+/// Returns the callers that can be found in ra and on the stack, innermost first: "fly+0x1a (pilot.c:12) < main+0x44
+/// (main.c:90)". A word on the stack counts as a return address if it is the address after a call instruction of the
+/// program. Such a word may also come from an earlier call that has already returned. Empty if no caller is found.
 std::string backtrace(const Elf& program, const Memory& memory, std::uint32_t return_address,
                       std::uint32_t stack_pointer);
 

@@ -55,7 +55,7 @@ struct Decision {
 ///
 ///   picture_stored()   a picture is in memory. If no decision is in progress, one about this picture begins. Otherwise
 ///                      the picture waits, and replaces one that waited before. Throws Error if times are not in order.
-///   sent()             the board's sender has sent: ends the decision about the picture; the waiting picture is next.
+/// sent()             the board's sender has sent: ends the decision about the picture; the next decision is about the waiting picture.
 ///                      Has no effect without a picture.
 ///   published()        the sent values are visible outside: the end of the FMU's step.
 class Decisions {

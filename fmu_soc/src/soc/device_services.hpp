@@ -25,8 +25,8 @@ struct Listeners {
   std::function<void(std::string_view text)> faults;
   std::function<void(std::string_view text)> observe = {};   // messages of debugger and profile
   std::function<void(std::uint8_t byte)> console_byte = {};  // output of serial ports; empty: `console` gets lines
-  /// Input of serial ports: a byte, or a result of ConsolePort::read_console(). `waits` is true if the core sleeps:
-  /// then the host may wait for input until its own time reaches the time of the chip.
+  /// Reads input for serial ports. Returns a byte, or another result of ConsolePort::read_console(). `waits` is true if
+  /// the core sleeps. Then the function may wait for input until the wall clock has reached the time of the chip.
   std::function<int(Picoseconds now, bool waits)> console_input = {};
 };
 

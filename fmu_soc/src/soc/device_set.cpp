@@ -16,7 +16,7 @@ namespace mebots::soc {
 DeviceSet::DeviceSet(const BoardDescription& board, std::span<const std::filesystem::path> library_folders)
     : board_(board), kinds_(board, library_folders) {}
 
-/// Parts are created first, because devices look for the parts that are attached to them.
+/// The parts of the board are created before the devices, because devices look up the parts that are attached to them.
 void DeviceSet::make(ChipHost& host) {
   add_parts(host);
   add_on_bus(host);

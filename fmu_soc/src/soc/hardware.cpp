@@ -114,7 +114,7 @@ void Hardware::set_latencies(std::uint32_t soc_hz) {
   const auto& cache = board_.instruction_cache(Place::cluster);
   latencies.refill_cycles = cache.refill_cycles + ticks_of(cache.refill_soc_cycles);
   latencies.access_ticks = ticks_of(1);
-  // Latency of the memory that the DMA mainly uses, which is the largest one.
+  // Latency of the largest memory outside the cluster, which the DMA mainly uses.
   const auto outside = std::ranges::find_if(
       cluster_->ports(), [&](const MemoryPort& port) { return board_.memories[port.region].latency.has_value(); });
   const auto least = chip_.dma.latency - chip_.interconnect.cluster_to_soc;  // the part of the DMA itself

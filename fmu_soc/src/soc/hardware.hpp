@@ -70,7 +70,7 @@ class Hardware {
   std::uint32_t wait_of_controller(std::size_t memory) const;
   bool has_latencies() const;
   void choose_peripherals(ClusterSettings& cluster, DeviceHost& host);
-  /// True if a memory has this range, at its own address or at its alias.
+  /// True if a memory contains this range, at the memory's own address or at its alias.
   bool runs_in_memory(std::uint32_t address, std::uint32_t size) const;
   [[noreturn]] void fail_outside(const Elf& program, const ElfSegment& segment, std::string_view what,
                                  std::uint32_t address, std::uint32_t size) const;

@@ -35,9 +35,9 @@ PowerState PowerAccount::power_state() const {
           cluster != nullptr ? static_cast<double>(cluster->clock_hz()) : 0.0};
 }
 
-/// Returns the activity up to `now`. For the fabric controller, the first memory is L2; its accesses to L1 count as
-/// accesses to its own memory through the interconnect. For a core of the cluster, the first memory is L1, and all
-/// others are L2.
+/// Returns the counts of instructions and accesses up to `now`. For the fabric controller, the first memory is L2; its
+/// accesses to L1 count as accesses to its own memory through the interconnect. For a core of the cluster, the first
+/// memory is L1, and all others are L2.
 Activity PowerAccount::activity_at(Picoseconds now) const {
   const auto& counters = hardware_.controller().counters();
   Activity activity;
@@ -79,8 +79,8 @@ CoreActivity PowerAccount::core_activity(unsigned core) const {
 
 EnergyLedger PowerAccount::energy_at(Picoseconds time) const {
   const auto until = timeline_.supplied_until(time);
-  // An instruction that begins before `until` ends after it. If the instruction changes clock or voltage, the meter has
-  // already settled up to its end, and earlier values are not available.
+  // The last instruction may end after `until`. If it changed the clock or the voltage, the meter has already computed
+  // the energy up to its end, and values for earlier times are not available.
   return meter_.at(activity_at(std::max(until, meter_.settled_until())));
 }
 

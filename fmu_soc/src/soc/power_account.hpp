@@ -25,9 +25,11 @@ class PowerAccount {
   double energy_j(const Device& device) const { return device.energy_j(timeline_.supplied_until(timeline_.now())); }
   /// Returns the energy of a cluster core beyond that of a core with a gated clock [J].
   double cluster_core_energy_j(unsigned core) const { return meter_.core_j(core, core_activity(core)); }
-  /// Returns the energy of one more unit of each of a hart's counts, with the present power settings.
+  /// Returns the energy that one further instruction, access or other count of a hart takes with the present power
+  /// settings.
   CountEnergy energy_per_count(unsigned hart) const;
-  /// Returns the words that arrive per cycle in which the fabric controller waits for its instruction cache.
+  /// Returns the number of words that a refill transfers per cycle in which the fabric controller waits for its
+  /// instruction cache.
   double refill_words_per_fetch_cycle() const;
 
   double clock_hz() const { return timeline_.clock().hz(); }

@@ -54,7 +54,7 @@ class ProgramHost {
     serves_ecall_ = calls != nullptr && serves_ecall;
   }
 
-  /// The watched word, with its upper half if it has one; 0 = no command.
+  /// The value of the watched word, with its upper half if it has one. 0 means no command.
   std::uint64_t command() const;
   /// True if a store of the other half of this command follows and changes the command. A 32-bit core may store the two
   /// halves in either order.

@@ -153,8 +153,8 @@ void Soc::run(Picoseconds until, std::uint64_t cycle_limit, bool is_alone) {
   notify(now());
 }
 
-/// Runs the cluster to `until`. While the fabric controller sleeps, runs quanta that begin up to `last`, or until an
-/// event may wake the controller.
+/// Runs the cluster to `until`. While the fabric controller sleeps, runs all quanta that begin at or before `last`, but
+/// stops at an event that may wake the controller.
 void Soc::advance_cluster(Picoseconds until, Picoseconds last, std::uint64_t cycle_limit) {
   auto* cluster = hardware_.cluster();
   do {
@@ -253,9 +253,9 @@ void Soc::update_lines() {
   devices_.update_lines(hart(), hardware_.cluster(), hardware_.cluster_interrupt());
 }
 
-/// Applies the settings that a core has requested at `time`. The cluster's clock changes at that time, which all cores
-/// of the cluster have reached. All other settings change after the fabric controller's last instruction, which may be
-/// later and still used the old settings.
+/// Applies the settings that a core has requested at `time`. The cluster's clock changes at that time, because all
+/// cores of the cluster have reached it. All other settings change after the fabric controller's last instruction. This
+/// instruction may be later than `time`, but used the old settings.
 void Soc::apply_power_settings(Picoseconds time) {
   devices_.set_power_applied();
   const auto* settings = devices_.power_settings();

@@ -34,12 +34,12 @@ namespace mebots::soc {
 /// event of a device up to t. Therefore a request made at SoC time s is visible outside after the first call with t >=
 /// s.
 ///
-/// Fabric controller and cluster: while awake, the fabric controller leads by at most kLead ticks of the cluster; the
-/// cluster follows and never passes it. An access of the fabric controller to the cluster's devices, or to the power
-/// manager, waits until the cluster has reached the same time. While the fabric controller sleeps, the cluster runs up
-/// to the next event of a device; an event of the cluster wakes the controller at the time of that event. Each sees the
-/// events of the other in the order of time; only an interrupt from the cluster may reach an awake fabric controller up
-/// to kLead ticks late.
+/// Fabric controller and cluster: while the fabric controller is awake, it is ahead of the cluster by at most kLead
+/// ticks of the cluster; the cluster is never ahead. An access of the fabric controller to the cluster's devices, or to
+/// the power manager, waits until the cluster has reached the same time. While the fabric controller sleeps, the
+/// cluster runs up to the next event of a device; an event of the cluster wakes the controller at the time of that
+/// event. Each of them sees the events of the other in the order of time, with one exception: an interrupt from the
+/// cluster may reach an awake fabric controller up to kLead ticks late.
 class Soc final {
  public:
   static constexpr Picoseconds kWithoutEnd = kNever - 1;
@@ -54,8 +54,8 @@ class Soc final {
   void begin_step();
   /// Advances to `time_ns`, which must not be in the past.
   void advance(std::int64_t time_ns);
-  /// Runs until any core has executed `cycle_limit` active cycles, until a time, until the end, or until a sleep that
-  /// nothing can end. `mebots-soc run` uses it, without FMI.
+  /// Runs until any core has executed `cycle_limit` active cycles, until a time, until the program's end, or until a
+  /// sleep that no event can end. `mebots-soc run` uses this function, without FMI.
   void run_cycles(std::uint64_t cycle_limit, Picoseconds until = kWithoutEnd);
   /// Switches the supply off: afterwards nothing runs, and nothing consumes energy.
   void power_off();
@@ -67,8 +67,8 @@ class Soc final {
   bool sleeps_for_good();
   /// True if the fabric controller is in an endless loop that no interrupt can end.
   bool spins() const { return running() && hart().spins(); }
-  /// Returns the first core that ended the program with an exit code that reports an error, if that core has taken an
-  /// exception from which no handler has returned. Other cores in handlers do not count.
+  /// Returns the first core that ended the program with an error code after an exception from whose handler it has not
+  /// returned. Other cores in handlers do not count.
   std::optional<int> gave_up() const;
   /// True if a core cannot continue, or ended on an exception.
   bool faulted() const;

@@ -42,8 +42,9 @@ class StateTimes {
   std::array<Picoseconds, kCounted> total_{};
 };
 
-/// Receives each time at which something other than an instruction may have changed a chip: an access to a device, an
-/// event of a device, sleep, wake-up or end of the core, or the end of the caller's span of time. Times never decrease.
+/// Gets a call with each time at which the state of a chip may have changed, except for changes by instructions alone.
+/// Such times are accesses to devices, events of devices, sleep, wake-up or end of a core, and the end of the time that
+/// the caller requested. Times never decrease.
 class StateListener {
  public:
   StateListener() = default;

@@ -16,9 +16,9 @@
 
 namespace mebots::soc {
 
-/// Accesses of GAP8's programs to registers that no device of the board has. RI5CY of 2018 has no access faults: such a
-/// load returns some value (here 0), such a store has no effect, and the program continues. Each address is reported
-/// once, because it may explain a difference from the real chip. Not part of a state.
+/// Handles accesses of GAP8's programs to registers that no device of the board models. RI5CY of 2018 has no access
+/// faults: such a load returns some value (here 0), such a store has no effect, and the program continues. Each address
+/// is reported once, because it may explain a difference from the real chip. Not part of a state.
 class UnmodelledRegisters {
  public:
   /// True if GAP8 has peripherals at this address. Elsewhere, an access is a fault.

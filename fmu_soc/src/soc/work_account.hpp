@@ -19,7 +19,8 @@ class WorkAccount {
   WorkAccount(const Hardware& hardware, const Timeline& timeline, const DeviceSet& devices, std::string sender)
       : hardware_(hardware), timeline_(timeline), devices_(devices), decisions_(std::move(sender)) {}
 
-  /// Returns the time in each state up to now. An instruction that has started counts to its end.
+  /// Returns the time that the chip has spent in each state up to now. If an instruction is in progress, its whole
+  /// duration counts.
   const StateTimes& state_times() const { return state_times_; }
   const Decisions& decisions() const { return decisions_; }
 

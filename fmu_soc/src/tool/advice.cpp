@@ -17,7 +17,7 @@ namespace {
 
 constexpr unsigned kCallNumber = 17;  // a7
 
-/// Returns the boards that came with this program and have a device at an address, as "uart of board virt".
+/// Returns the shipped boards that have a device at an address, as "uart of board virt".
 std::vector<std::string> devices_at(std::uint32_t address) {
   std::vector<std::string> found;
   for (const auto& path : own_boards()) {

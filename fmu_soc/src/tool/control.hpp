@@ -16,8 +16,8 @@
 
 namespace mebots::soc::tool {
 
-/// The console of a program that a test controls: collects its output, and holds the input that it may read. Input
-/// arrives in simulated time, so a run does not depend on the host's time.
+/// The console of a program that a test controls. It collects the program's output, and holds the input for the
+/// program. Input arrives in simulated time, so a run does not depend on the host's time.
 class ControlledConsole final : public Console {
  public:
   void write(std::span<const char> bytes) override { printed_.append(bytes.data(), bytes.size()); }

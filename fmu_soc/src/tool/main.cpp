@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// mebots-soc run PROGRAM.elf [options]: runs a bare-metal program outside any FMU. Exit code: tohost >> 1 or what the
-// firmware passed to EXIT (low 8 bits), 101 after a fault or at a limit, 102 for bad input.
+// mebots-soc run PROGRAM.elf [options]: runs a bare-metal program outside any FMU. Exit code: tohost >> 1, or the low 8
+// bits of the value that the firmware passed to EXIT; 101 after a fault or at a limit; 102 for invalid input.
 #include "command_line/command.hpp"
 #include "tool/run.hpp"
 

@@ -33,8 +33,8 @@ class ClockRange {
 /// Energy of each part and device, time in each state, and clocks, over the time of a run, in memory.
 ///
 /// A point is taken at an event, but at most one point in each interval of the present spacing. If there are too many
-/// points, every second one is dropped, and the spacing doubles. Values are totals since the start, so their
-/// differences remain exact.
+/// points, drops every second point, and doubles the interval. Values are totals since the start, so their differences
+/// remain exact.
 class PowerCourse final : public StateListener {
  public:
   static constexpr std::size_t kMost = 2048;

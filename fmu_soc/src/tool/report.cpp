@@ -61,7 +61,7 @@ std::string quantity_text(double value, std::string_view unit) {
 
 using Row = std::vector<std::string>;
 
-/// Aligns columns: those in `left` to the left, all others to the right.
+/// Prints a table. The columns in `left` are aligned to the left, all others to the right.
 void print_table(const std::vector<Row>& rows, const std::vector<bool>& left) {
   std::vector<std::size_t> widths(left.size());
   for (const auto& row : rows) {

@@ -67,7 +67,7 @@ std::uint64_t busiest_cycles(const Soc& soc) {
   return std::max(soc.hart().counters().cycles, cluster == nullptr ? 0 : cluster->longest_cycles());
 }
 
-/// Ends the run before the fabric controller's instruction after the last one.
+/// Ends the run before the fabric controller would execute more than the permitted number of instructions.
 class InstructionLimit final : public Observer {
  public:
   explicit InstructionLimit(std::uint64_t last) : last_(last) {}
@@ -86,8 +86,8 @@ struct Limits {
 /// The limit at which a run ended.
 enum class Reached : std::uint8_t { none, instructions, time, wall_time };
 
-/// Runs in pieces up to a limit. The limit counts the fabric controller's instructions. Every instruction takes at
-/// least one cycle, so with N instructions left, a piece of N cycles does not exceed the limit.
+/// Runs the chip in pieces up to a limit. The limit counts the fabric controller's instructions. Every instruction
+/// takes at least one cycle, so with N instructions left, a piece of N cycles does not exceed the limit.
 class LimitedRun {
  public:
   /// @param spin_cycles  the run ends after this many cycles in an endless loop
@@ -289,8 +289,9 @@ HostConsole::Kind console_kind(const Options& options) {
   return options.user ? HostConsole::Kind::lines : HostConsole::Kind::output;
 }
 
-/// Returns whether gdb can go back in time: not with files of the host, which have no past, and not with other
-/// observers, whose files would contain a replay.
+/// Returns whether gdb can go back in time. It cannot if the program may use files of the host, because changes of
+/// these files cannot be undone. It also cannot if there are other observers, because their files would then contain
+/// the replayed instructions.
 bool is_reversible(const Options& options, const observe::Requests& requests) {
   return requests.gdb_port && !options.user && !options.host_files && !options.page && !requests.writes();
 }

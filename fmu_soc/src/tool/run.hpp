@@ -18,10 +18,11 @@
 
 namespace mebots::soc::tool {
 
-/// Makes the board for a program without one. It has RAM where the program's segments are loaded and where they run,
-/// and no device. A RAM begins at the page of its lowest segment, has at least 4 MiB, and ends at least 1 MiB after its
-/// highest segment. The last RAM ends `heap` bytes after it. Segments with more than 64 MiB between them get separate
-/// RAMs. Throws Error if that would be more than 2 GiB.
+/// Returns a board for a program that needs no devices. The board has only RAM: at the addresses to which the program's
+/// segments are loaded, and at the addresses from which they run. Each RAM begins at the page of its lowest segment,
+/// has at least 4 MiB, and ends at least 1 MiB after its highest segment. The last RAM ends `heap` bytes after its
+/// highest segment. Segments with more than 64 MiB between them get separate RAMs. Throws Error if that would be more
+/// than 2 GiB.
 BoardDescription board_around(const Elf& program, std::uint64_t heap);
 
 /// Adds RAM given as BASE:SIZE, such as 0x80000000:64M. A memory of the board with this base gets the size. Throws
@@ -38,8 +39,8 @@ std::vector<std::filesystem::path> own_boards();
 /// build.
 std::vector<std::filesystem::path> own_folders(std::string_view name);
 
-/// Returns the file of a board, which is given by its path or by the name of a board that came with this program.
-/// Throws Error that lists those boards for a name that is not one of them.
+/// Returns the file of a board. `asked` is a path, or the name of a board that came with this program. For any other
+/// name, throws Error with a list of these boards.
 std::filesystem::path board_file(const std::string& asked);
 
 /// Returns the pictures of a folder: its .png and .pgm files in the order of their names, as grey pixels row by row.
@@ -51,8 +52,8 @@ std::vector<std::vector<std::uint8_t>> read_pictures(const std::filesystem::path
 /// Writes the words between the symbols begin_signature and end_signature, 8 hexadecimal digits per line.
 class Signature {
  public:
-  /// Called before the run. Throws Error if the program lacks the symbols, they are outside of its memory, or the file
-  /// cannot be written.
+  /// Called before the run. Throws Error if the program lacks the symbols, if they are outside of its memory, or if the
+  /// file cannot be written.
   Signature(const std::string& path, const Soc& soc);
   /// Writes the present words.
   void write(const Soc& soc);
@@ -100,8 +101,8 @@ struct Options {
 /// Adds the options and their help texts to the command. They are set when the command line is parsed.
 void add_options(CLI::App& command, Options& options);
 
-/// Throws Error for invalid options: an empty name, one file for two purposes, an input of the run as its output, a
-/// path in a folder that does not exist.
+/// Throws Error for invalid options: an empty name, one file for two purposes, an output that is also an input of the
+/// run, or a path in a folder that does not exist.
 void check(const Options& options);
 
 /// Returns advice about the fault that ended a run: an option that serves the program's system call, or a board that

@@ -15,9 +15,9 @@ namespace mebots::soc::tool {
 
 /// Reads and writes a chip's state in a file, with `--load-state` and `--save-state`.
 ///
-/// The file begins with lines of text, which must be equal when the state is loaded. They are the version of the
-/// format, a checksum of each input of the run and of this program, and the layout of the state. A checksum of the
-/// state and its bytes follow.
+/// The file begins with lines of text: the version of the format, a checksum of each input of the run and of this
+/// program, and the layout of the state. When the state is loaded, these lines must be equal to those of the present
+/// run. A checksum of the state and its bytes follow.
 class StateFile {
  public:
   /// Reads the inputs of the run for their checksums. Throws Error if one cannot be read.

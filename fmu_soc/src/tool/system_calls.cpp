@@ -264,7 +264,7 @@ long SystemCalls::status(int file, std::uint32_t address) {
   return poke(address, words) ? 0 : -EFAULT;
 }
 
-/// Serves brk. Returns the new end of the heap, or the old end if there is no such memory.
+/// Executes brk. Returns the new end of the heap. If there is no memory up to that address, returns the old end.
 long SystemCalls::move_break(std::uint32_t address) {
   if (address >= least_break_ && address <= most_break_) break_ = address;
   return static_cast<long>(break_);

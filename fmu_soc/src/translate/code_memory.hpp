@@ -21,9 +21,9 @@ class CodeMemory {
   /// Returns the executable address of the bytes at writable address `at`.
   const std::uint8_t* executable(const std::uint8_t* at) const { return executable_ + (at - writable_); }
 
-  /// Must be called after code that may have been executed was overwritten, because the processor may still hold the
-  /// old code. The writable address differs from the executable one, so a serialising instruction is needed (Intel SDM
-  /// volume 3, 8.1.3). Such an instruction is slow in virtual machines.
+  /// Must be called after executed code was overwritten, because the processor may still hold the old code. The code is
+  /// written at another address than the one at which it is executed. In this case, a serialising instruction is needed
+  /// (Intel SDM volume 3, 8.1.3). Such an instruction is slow in virtual machines.
   static void serialise();
 
  private:

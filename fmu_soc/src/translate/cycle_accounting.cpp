@@ -55,9 +55,9 @@ void CycleAccounting::spend(const Xbyak::Reg64& cycles) {
   }
 }
 
-/// Jumps to `leave` if the block needs more cycles than may still start. `stall` is the part of these cycles in which
-/// the first instruction stalls. With a loose limit, jumps if no cycle may start. Also jumps if other cores use the
-/// instruction cache and a line of the first instruction is absent.
+/// Jumps to `leave` if the block needs more cycles than the limit allows. `stall` is the number of these cycles in
+/// which the first instruction stalls. With a loose limit, jumps only if the limit is reached. Also jumps if other
+/// cores use the instruction cache and a line of the first instruction is absent.
 void CycleAccounting::jump_at_limit(const Block& block, std::uint32_t stall, Label& leave) {
   if (!a_.options.loose_limit) {
     a_.cmp(r15, a_.blocks.fetch_bound(block) + stall);
@@ -110,8 +110,8 @@ void CycleAccounting::record_flow_to(const Instruction* at, const Xbyak::Reg32& 
   record_flow(at, [this, next](const Xbyak::Address& place) { a_.mov(place, next); });
 }
 
-/// Records that control flow continues within the block. Adds the block's sums before the record, and subtracts them
-/// after it.
+/// Writes code that records a step to the next instruction of the block. The code adds the block's sums up to `at`
+/// before it records the step, and subtracts them afterwards.
 void CycleAccounting::record_flow_inside(const Instruction* at) {
   if (is_block_end(at[1].op) || !is_noted(at, at[1].pc)) return;
   count(at, 0);
@@ -119,8 +119,8 @@ void CycleAccounting::record_flow_inside(const Instruction* at) {
   take_back(at);
 }
 
-/// If other cores use the first memory, claims the bank of offset eax in this cycle. If `word_in_ecx` is set, ecx holds
-/// the number of the word. Changes ecx and edx.
+/// If other cores use the first memory, claims the bank of the word at offset eax in this cycle. If `word_in_ecx` is
+/// set, ecx holds the number of the word. Changes ecx and edx.
 void CycleAccounting::claim_bank(const Instruction* at, bool word_in_ecx) {
   if (a_.options.banks == nullptr) return;
   const auto count = static_cast<int>(a_.options.banks->count());

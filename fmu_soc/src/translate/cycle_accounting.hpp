@@ -26,7 +26,7 @@ class CycleAccounting {
   void count(const Instruction* at, std::uint32_t extra_cycles);
   /// Undoes count().
   void take_back(const Instruction* at);
-  /// Returns the cycles that the block has waited for memories before `at`, as far as they are constant.
+  /// Returns the wait cycles of the block's memory accesses before `at`, without waits that are only known at run time.
   std::uint32_t waits_before(const Instruction* at) const;
   /// Jumps if the limit does not allow the block to begin.
   void jump_at_limit(const Block& block, std::uint32_t stall, Xbyak::Label& leave);

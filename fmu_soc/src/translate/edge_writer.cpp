@@ -91,8 +91,8 @@ void EdgeWriter::store_next_block(const Node& node) {
   a_.mov(dword[rbx + static_cast<int>(offsetof(Execution, next_block))], node.number);
 }
 
-/// Loads rcx with the resume point of the next core of the round, or 0. The host cannot predict the jump to it, and
-/// detects a wrong prediction only after this load. Therefore the load comes first.
+/// Loads rcx with the resume point of the next core of the round, or 0. The host often predicts the jump to this
+/// address wrongly, and detects the error only after this load. Therefore the load comes before the other code.
 void EdgeWriter::load_next_point() {
   if (a_.options.banks == nullptr) return;  // there are no rounds
   a_.mov(rcx, ptr[rbx + static_cast<int>(offsetof(Execution, host.resume_point_of_next))]);

@@ -14,7 +14,7 @@ constexpr std::size_t kMostInstructions = 600;
 constexpr std::uint32_t kLoopWeight = 8;
 constexpr std::uint32_t kMostWeight = kLoopWeight * kLoopWeight * kLoopWeight * kLoopWeight;
 
-/// Calls `visit` with the number of every block that has followed this one.
+/// Calls `visit` with the number of every block that was executed directly after this block.
 template <typename Visit>
 void for_successors(const Node& node, Visit visit) {
   const auto* at = node.first;
@@ -25,8 +25,7 @@ void for_successors(const Node& node, Visit visit) {
   if (at->link != 0) visit(at->link);
 }
 
-/// Sets the weights of the nodes by loop depth. An edge forms a loop if it can be reached from the node to which it
-/// leads.
+/// Sets the weights of the nodes by loop depth. An edge belongs to a loop if its start can be reached from its end.
 class LoopFinder {
  public:
   explicit LoopFinder(Region& region) : region_(region), states_(region.nodes.size(), State::unseen) {

@@ -37,7 +37,8 @@ struct Region {
   }
 };
 
-/// Returns the block `head` and the blocks that have followed it, except blocks that already have code.
+/// Returns the block `head` and all blocks that were executed after it, directly or through others, except blocks that
+/// already have code.
 Region grow_region(const BlockCache& blocks, std::uint32_t head, const std::function<bool(std::uint32_t)>& has_code);
 
 /// Returns the block that an instruction's link has led to, if it is at `pc`; 0 if it is unknown or invalid.
@@ -52,9 +53,9 @@ inline bool stalls(const Block& block, const Instruction* end) {
   return end->index != 0 && block.stall_after(executed(end[-1], false)) != 0;
 }
 
-/// True if an early jump of the block depends on the last instructions of the previous block, or may depend on them.
-/// `end` is the slot after these instructions. If a block ends with a misaligned load, the interpreter executes the
-/// load.
+/// True if the cycles of a jump at the start of the block depend, or may depend, on the last instructions of the
+/// previous block. `end` is the slot after these instructions. If a block ends with a misaligned load, the interpreter
+/// executes the load.
 inline bool delays_jump(const BlockCache& blocks, const Block& block, const Instruction* end) {
   MEBOTS_ASSERT(is_block_end(end->op));
   if (!block.early_jump) return false;

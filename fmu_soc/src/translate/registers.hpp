@@ -65,8 +65,8 @@ class RegisterMap {
   Reg32 value(unsigned reg, const Reg32& scratch);
   /// Returns the vector register that holds a register's value. It must not be changed unless it is `scratch`.
   Xbyak::Xmm in_vector_for(unsigned reg, const Xbyak::Xmm& scratch);
-  /// Returns the register for a result: the guest register's own, or `scratch` if it has none or its old value is still
-  /// needed.
+  /// Returns the register for a result: the host register of guest register `rd`. If `rd` has no host register, or if
+  /// its old value is still needed, returns `scratch`.
   Reg32 place(unsigned rd, const Reg32& scratch, bool needed_later = false) const;
   /// Writes a result to its register.
   void finish(unsigned rd, const Reg32& result);

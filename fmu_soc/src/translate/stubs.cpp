@@ -23,8 +23,8 @@ constexpr std::size_t kStubAlignment = 16;
   return wait_for_far(execution, cycle, offset);
 }
 
-/// Ends the run of a core that reached its limit in translated code. Stores its resume point (rdx), and continues with
-/// the next core of the round at its resume point (rcx). Guest registers are stored.
+/// Ends the run of a core that reached its limit in translated code, after its guest registers were stored. Stores the
+/// core's resume point (rdx), and jumps to the resume point of the next core of the round (rcx).
 void emit_next_core(Assembler& a, const Label& next_core, const Label& done) {
   const auto begin = ptr[rbx + offset_of_host(offsetof(HostState, begin))];
   const auto end = ptr[rbx + offset_of_host(offsetof(HostState, end))];
@@ -139,7 +139,7 @@ Stubs emit_stubs(Assembler& a) {
     a.stmxcsr(dword[rbx + offset_of_host(offsetof(HostState, float_control_outside))]);
     a.ldmxcsr(dword[rbx + offset_of_host(offsetof(HostState, float_control))]);
   }
-  // Stores the flags that were raised, and gives the caller its own control word back.
+  // Stores the floating-point flags that were raised, and restores the caller's control word.
   const auto leave_floats = [&a] {
     a.stmxcsr(dword[rbx + offset_of_host(offsetof(HostState, float_control_after))]);
     a.ldmxcsr(dword[rbx + offset_of_host(offsetof(HostState, float_control_outside))]);

@@ -10,8 +10,8 @@
 
 namespace mebots::soc::translate {
 
-/// Code of known targets of indirect jumps, for a look-up by translated code. The table is as large as the code of a
-/// real program, so that hot targets do not evict each other.
+/// Maps known targets of indirect jumps to their code. Translated code uses the table. It has as many entries as real
+/// programs have targets, so that hot targets do not evict each other.
 class TargetTable {
  public:
   static constexpr std::uint32_t kStep = 2;  // bytes of a pc per entry

@@ -151,7 +151,7 @@ class HostTranslator : public Translator {
   }
 
   /// Drops a region, so that no jump leads to its code any more. The code stays until its segment is filled again,
-  /// because the last run may have left by one of its exits.
+  /// because the last run may have left translated code through an exit of this region.
   void drop(std::uint32_t number) {
     MEBOTS_ASSERT(number != 0 && number < regions_.size());
     auto& region = regions_[number];

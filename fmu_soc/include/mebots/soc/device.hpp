@@ -27,7 +27,8 @@ class Device {
   Device& operator=(const Device&) = delete;
   virtual ~Device() = default;
 
-  /// Serve a register access of the core at `now`. Return false if there is no such register, or not for this access.
+  /// These functions perform an access of the core to a register at time `now`. They return false if there is no such
+  /// register, or if the register does not support the access.
   virtual bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) = 0;
   virtual bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) = 0;
   /// Serve an access of `size` bytes (1 or 2) at any offset. Return false if the device only serves words. For a store,
@@ -42,8 +43,8 @@ class Device {
 
   /// Runs the device's events up to `now`, which is never after next_event().
   virtual void advance(Picoseconds /*now*/) {}
-  /// Returns the time of the device's next event. The results of this function and of interrupt() may only change by
-  /// the calls listed above, and with the fabric controller's clock. The chip queries them again only then.
+  /// Returns the time of the device's next event. The results of this function and of interrupt() may only change in
+  /// the functions listed above, or if the fabric controller's clock changes. Only then does the chip query them again.
   virtual Picoseconds next_event() const { return kNever; }
   /// Returns the level of the interrupt line.
   virtual bool interrupt() const { return false; }
