@@ -26,8 +26,8 @@ constexpr AddCommand kCommands[] = {
     &add_deploy,  &add_demo,     &add_report, &add_info,   &add_check,    &add_fmu_platforms, &add_test,
     &add_convert, &add_validate, &add_schema, &add_units,  &add_new_fmu,  &add_new_firmware,  &add_new_sensor};
 
-/// Opens standard streams that are closed (`>&-`). Otherwise, the next file that is opened would get the number of such
-/// a stream, and receive its output.
+/// Opens standard streams that are closed (`>&-`). Otherwise, the next opened file would get the descriptor of such a
+/// stream, and the output of the stream would go into the file.
 void open_standard_streams() {
   for (int stream = 0; stream <= 2; ++stream) {
     if (fcntl(stream, F_GETFD) == -1 && open("/dev/null", O_RDWR) != stream) return;

@@ -22,7 +22,8 @@ namespace {
 
 using Path = std::filesystem::path;
 
-/// Prints the problem of the Python installation in one line, such as a version that cannot load the extension.
+/// Prints the problem of the Python installation in one line, for example a version of Python that cannot load the
+/// extension.
 constexpr const char* kStart =
     "import sys\n"
     "try:\n"

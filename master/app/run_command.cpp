@@ -29,7 +29,8 @@ constexpr int kSuccess = 0;
 constexpr int kFailed = 1;
 constexpr int kBadInput = 2;
 
-/// The options of `mebots run`: those that need no parsing as RunOptions, and texts that are still to be parsed.
+/// The options of `mebots run`: options that need no parsing are in RunOptions, and the others are texts that are
+/// parsed later.
 struct TypedOptions {
   std::filesystem::path config;
   RunOptions run;

@@ -46,7 +46,7 @@ class Connections {
 /// (kRequestBytes), so that a client that sends a byte per second is disconnected. The first byte must arrive within
 /// kIdleTime, because browsers connect before they send requests. The client must receive the answer within
 /// kAnswerTime. If other connections wait, the whole request must arrive within kCrowdedTime. All functions except
-/// shut_down() are for one thread.
+/// shut_down() must be called by one thread.
 class Connection final : public httplib::Stream {
  public:
   static constexpr std::chrono::milliseconds kIdleTime{30000};

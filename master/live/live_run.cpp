@@ -32,8 +32,9 @@ constexpr auto kClientLinger = 3s;  ///< at the end, for active clients that are
 constexpr auto kLookedLately = 5s;  ///< such a client is active if its last request is not older
 /// At the end, for open pages. On a busy machine, a page may take many seconds to draw.
 constexpr auto kPageLinger = 30s;
-/// A page is open if its last request is not older. It reports when it closes, so this is only for a browser that was
-/// killed. Browsers let a hidden page ask once a minute.
+/// A page counts as open if its last request is not older than this. A page reports when it closes, so this limit only
+/// matters for a browser that was killed. It is above a minute, because browsers let a hidden page send only one
+/// request per minute.
 constexpr auto kPageOpen = 70s;
 constexpr std::string_view kLeaveOrder = "leave=";
 constexpr auto kHeldNap = 50ms;  ///< between checks of the interrupt flag while the run is paused

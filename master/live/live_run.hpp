@@ -27,8 +27,8 @@ class NoAnswer : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Queries from other threads to the thread that steps a run. Only that thread accesses the run: it takes the queries
-/// between two steps and answers them there.
+/// Passes queries from other threads to the thread that steps a run. Only that thread accesses the run: between two
+/// steps, it takes the queries and answers them.
 class Mailbox {
  public:
   using Question = std::function<std::string()>;
@@ -63,8 +63,8 @@ struct LiveOptions {
 /// Steps a run to its end while browsers on this machine view it, pause it and set its unconnected inputs.
 ///
 /// The page is served on the loopback address under a random token; requests from other hosts and origins are rejected.
-/// Viewing changes no bit of the results, because it only reads recorded data. Values that are set are stored as a
-/// scenario (live_scenario.json in the results folder), which repeats the run.
+/// Viewing changes no bit of the results, because it only reads recorded data. Values that the user sets are stored as
+/// a scenario (live_scenario.json in the results folder), with which the run can be repeated.
 class LiveRun {
  public:
   /// Binds the port. `run` must not be started. It must have a folder, keep its rows in memory (RunOptions::in_memory),

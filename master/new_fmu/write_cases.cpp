@@ -23,7 +23,8 @@ std::string cell(const std::string& name) {
   return quoted + '"';
 }
 
-/// Returns a value for an input that is within its limits and differs from the value at which its outputs rest.
+/// Returns a value for an input that is within the input's limits, and differs from the value at which the outputs do
+/// not change.
 double example_value(const Field& input) {
   const double least = input.min.value_or(input.max.value_or(2) - 2);
   return input.max ? 0.5 * (least + *input.max) : least + 1;

@@ -30,11 +30,11 @@ class ClockRange {
   double span_ = 0;
 };
 
-/// Energy of each part and device, time in each state, and clocks, over the time of a run, in memory.
+/// Records in memory, over the time of a run: the energy of each part and device, the time in each state, and the
+/// clocks.
 ///
-/// A point is taken at an event, but at most one point in each interval of the present spacing. If there are too many
-/// points, drops every second point, and doubles the interval. Values are totals since the start, so their differences
-/// remain exact.
+/// Adds a point at an event, but at most one point per interval. If there are too many points, drops every second
+/// point, and doubles the interval. Values are totals since the start, so their differences remain exact.
 class PowerCourse final : public StateListener {
  public:
   static constexpr std::size_t kMost = 2048;

@@ -91,8 +91,8 @@ class Mission {
   /// All FMUs must be able to serialize their state. Only for missions without `out`, and not after the end.
   std::vector<std::byte> save_state();
 
-  /// Closes the mission and frees its instances. Returns the FMUs that are not clean: what they left behind could
-  /// change a later mission in this process. Afterwards variables can be read only after reset().
+  /// Closes the mission and frees its instances. Returns the FMUs that are not clean: data that they left in this
+  /// process could change a later mission. Afterwards variables can be read only after reset().
   std::vector<Leftover> free_instances();
 
   /// Closes the mission and returns it to the state after the constructor: reads the config again and drops settings,
@@ -124,7 +124,7 @@ class Mission {
   // Functions for variables. If the mission has not started, each function starts it.
 
   /// Returns the present value of a Real, Integer, enumeration or Boolean (0 or 1). After an interrupt in the middle of
-  /// a step, some FMUs may already be at its end; the records do not contain that.
+  /// a step, some FMUs may already be at the end of this step, but the recorded results are not.
   double value(std::string_view variable);
   std::string text(std::string_view variable);
   /// Sets an unconnected input or a tunable parameter. summary.json lists the first 1000 values under `inputs.writes`;

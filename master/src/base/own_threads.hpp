@@ -17,8 +17,8 @@ class OwnThread {
   OwnThread& operator=(const OwnThread&) = delete;
 };
 
-/// Marks the calling thread and all threads that it will create as mebots' own, for a library that creates threads.
-/// They must not call FMUs.
+/// Marks the calling thread, and all threads that it will create, as threads of mebots. Used before calls of a library
+/// that creates threads. These threads must not call FMUs.
 void mark_own_family();
 
 /// Must be called before a call to an FMU. In a fork of the process, marks the present threads as mebots' own, because

@@ -49,8 +49,8 @@ bool means(std::int64_t p, std::int64_t q, std::int64_t m, int shift) {
   return difference < kFits && difference * kPerTolerance <= product;
 }
 
-/// Returns the ratio that a number above 0 and below 2^34 represents. Any ratio this close is one of its convergents
-/// (Legendre), so the first convergent within the tolerance is the answer.
+/// Returns the ratio that a number above 0 and below 2^34 represents. By Legendre's theorem, any ratio so close to the
+/// number is a convergent of its continued fraction. So the first convergent within the tolerance is the result.
 std::optional<ExactTime> ratio_near(double x) {
   int exponent = 0;
   const auto m = static_cast<std::int64_t>(std::ldexp(std::frexp(x, &exponent), 53));
@@ -145,8 +145,8 @@ double nearest_double(WideInteger numerator, std::int64_t denominator) {
   if (size <= kExactDouble && denominator <= kExactDouble) {
     return static_cast<double>(static_cast<std::int64_t>(numerator)) / static_cast<double>(denominator);
   }
-  // The quotient of the shifted numerator has at least 66 bits. Its lowest bit is far below the precision of a double,
-  // so this bit can record that there is a remainder. The conversion to a double then rounds only once.
+  // The quotient of the shifted numerator has at least 66 bits. Its lowest bit is far below the precision of a double.
+  // Therefore this bit is used to record a remainder, and the conversion to a double rounds only once.
   MEBOTS_ASSERT(bit_width(static_cast<WideUnsigned>(size)) <= 126);
   const int shift = 127 - bit_width(static_cast<WideUnsigned>(size));
   const auto shifted = static_cast<WideUnsigned>(size) << shift;

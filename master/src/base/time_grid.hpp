@@ -25,7 +25,7 @@ class TimeGrid {
   std::int64_t time_ns(std::int64_t k) const { return is_whole_ ? start_ns_ + k * step_ns_ : rounded_ns(k); }
   /// True if a point t_k with k >= 0 has this time.
   bool is_point(std::int64_t time_ns) const;
-  /// Returns the number k of the last point that is not after this time.
+  /// Returns the number k of the last communication point that is not after this time.
   std::int64_t point_at(std::int64_t time_ns) const;
 
   /// Returns the double nearest to the point with this internal time. A time between points is converted directly.

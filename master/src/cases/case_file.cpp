@@ -63,7 +63,8 @@ std::vector<Setting> read_parameters(const Node& node) {
   return settings;
 }
 
-/// Returns the time as it is written, because the run gives a notice if a decimal number is used as a ratio.
+/// Returns the time as it is written in the file, because the run gives a notice if a decimal number is used as a
+/// ratio.
 WrittenTime read_step(const Node& node) {
   static_cast<void>(config::step_time(node));
   if (node.is(data::Kind::text)) return node.text();

@@ -47,8 +47,8 @@ struct CaseOptions {
 
 /// Runs the FMU alone with the inputs of a case and compares its variables with the expected ones at the time of each
 /// expected row. Between two communication points a continuous Real is interpolated; any other variable has the value
-/// of the earlier point. If two expected rows have the same time, either may match. Errors of the run are in the
-/// result.
+/// of the earlier point. If two expected rows have the same time, the value must match one of them. Errors of the run
+/// are in the result.
 CaseResult run_case(const std::filesystem::path& fmu, const CaseDescription& description,
                     const CaseOptions& options = {});
 

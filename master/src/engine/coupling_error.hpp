@@ -15,8 +15,8 @@
 namespace mebots::master {
 
 /// The course of an output over one step: a parabola through its values at both ends of the step and at the end of the
-/// previous step. In the first step, the course is a line. The FMU's derivatives are not used, because their error has
-/// the same order as the coupling error.
+/// previous step. In the first step, the course is a line. The derivatives that the FMU provides are not used, because
+/// their error is of the same order as the coupling error.
 struct OutputCourse {
   std::optional<double> before = {};  ///< the value one step before `first`
   double before_length_s = 0;         ///< of that step
@@ -72,8 +72,8 @@ class CoupledInput {
 /// (Sadjina, Kyllingstad, Skjong, Pedersen 2017, "Energy conservation and power bonds in co-simulations").
 class PowerBond {
  public:
-  /// Throws InputError unless the bond names connected Real inputs of two instances with the same step, one in each
-  /// direction.
+  /// Throws InputError if the bond does not name two connected Real inputs of two instances with the same step, one
+  /// input in each direction.
   PowerBond(const ResolvedSystem& system, Ensemble& ensemble, const BondDescription& description);
 
   /// The energies of one step.

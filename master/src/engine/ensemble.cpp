@@ -480,7 +480,7 @@ void Ensemble::initialize_slaves(std::int64_t stop_ns) {
 }
 
 void Ensemble::terminate() {
-  // Terminates every slave, even after an error of one slave, because some FMUs write their files only now.
+  // Terminates every slave, even if another slave fails, because some FMUs write their files in this call.
   std::exception_ptr first;
   for (auto& member : members_) {
     try {

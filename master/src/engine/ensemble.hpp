@@ -18,7 +18,7 @@
 
 namespace mebots::master {
 
-/// Values of one type that one call reads from a slave, or writes to it.
+/// The values of one type that are read from a slave, or written to it, in one call.
 template <typename T>
 struct Bank {
   std::vector<ValueReference> references;
@@ -54,8 +54,9 @@ struct InputCourse {
   std::span<const double> derivatives;  ///< of orders 1 and up; empty if the input is held
 };
 
-/// The slaves and the values transferred between them: one read and one write per slave, type and communication point,
-/// on arrays that are laid out before the first step. The layout does not depend on the order of steps.
+/// The slaves and the values that are transferred between them. At a communication point, each slave has one read and
+/// one write for each type. The arrays for these calls are laid out before the first step, and do not depend on the
+/// order of steps.
 class Ensemble {
  public:
   /// Creates the slaves in the order of the config. `system` and `messages` must outlive the ensemble.
@@ -65,8 +66,9 @@ class Ensemble {
   SignalId watch(const ResolvedVariable& variable);
 
   /// Sets start values, enters initialisation mode, propagates initial values along the connections, and reads the
-  /// outputs at t = 0. Throws InterruptedError between two calls. Throws InputError if a slave rejects its inputs,
-  /// NotFiniteError for NaN or infinity in an initial value, Error if a loop of connections does not converge.
+  /// outputs at t = 0. After an interrupt, throws InterruptedError between two calls. Throws InputError if a slave
+  /// rejects its inputs, NotFiniteError for NaN or infinity in an initial value, Error if a loop of connections does
+  /// not converge.
   void initialize(std::int64_t stop_ns);
   void terminate();
   /// Frees the instances. No call of an instance may follow. Returns an error text for each instance that failed.
@@ -110,7 +112,7 @@ class Ensemble {
   /// Returns an order of steps in which the reader of a buffer precedes its owner.
   const std::vector<std::size_t>& step_order() const { return step_order_; }
 
-  /// Visits the last read outputs, which an instance with a longer step keeps between its steps.
+  /// Visits the outputs that were read last. An instance with a longer step keeps its outputs between its steps.
   void visit(state::Visitor& v);
 
  private:
@@ -123,7 +125,7 @@ class Ensemble {
     T* to = nullptr;
   };
 
-  /// A Real input that is set to factor * value + offset, or to which this value is added.
+  /// A Real input with factor and offset: it is set to factor * value + offset, or this value is added to it.
   struct Conversion {
     SignalId from;
     std::size_t to;

@@ -148,7 +148,8 @@ class Search {
   }
 
   /// Calls back(from, to) for edges that close a loop: for each such edge that starts at an output, and for the first
-  /// one that starts at an input. path() then leads from `to` to `from` at its end. Stops if `back` returns false.
+  /// one that starts at an input. During such a call, path() is the path from `to` to `from`. Stops if `back` returns
+  /// false.
   template <typename Back>
   void run(Back back) {
     for (std::size_t start = 0; start < graph_.nodes.size(); ++start) {

@@ -179,7 +179,8 @@ std::vector<double> InitialValues::cut_values() const {
 std::optional<std::vector<double>> InitialValues::residual(const std::vector<double>& x) {
   held_ = x;
   try {
-    // Every sweep that changes a value transfers it over one more connection.
+    // Each sweep that changes a value passes it along one more connection, so the number of connections limits the
+    // number of sweeps.
     if (!sweep(static_cast<int>(ensemble_.system_->connections.size()) + 2, true)) return std::nullopt;
     for (std::size_t k = 0; k < ensemble_.size(); ++k) ensemble_.collect_inputs(k);
   } catch (const NotFiniteError&) {

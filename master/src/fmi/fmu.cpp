@@ -141,8 +141,8 @@ std::shared_ptr<const modeldesc::ModelDescription> Fmu::model(const modeldesc::S
 
 void Fmu::require_library() {
   if (is_loaded()) return;
-  // If the process has had threads, the C++ library records in its own memory that it is initialised. This makes it do
-  // so when it is loaded, not in the middle of a later run.
+  // If the process has had threads, the C++ library of an FMU records this in its own memory. The following code causes
+  // this when the library is loaded, and not in the middle of a later run.
   static const bool has_had_threads = [] {
     std::thread([] {}).join();
     return true;

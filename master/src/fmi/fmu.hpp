@@ -84,19 +84,20 @@ class Fmu {
   std::vector<std::string> take_changes_at_load() { return std::exchange(changes_at_load_, {}); }
   /// Returns the descriptors that were open before its library was loaded. The FMU may close all others.
   const OpenFiles& files_of_others() const { return files_of_others_; }
-  /// Counts a new instance. Returns true for the first ones, each of whose calls is checked for changes of the process:
-  /// a check costs as much as a thousand small calls. From any thread.
+  /// Counts a new instance. Returns true for the first instances: their calls are checked for changes of the process.
+  /// The calls of other instances are not checked individually, because a check takes as long as a thousand small
+  /// calls. May be called from any thread.
   bool enter() {
     ++instances_;
     return watched_++ < kMostWatched;
   }
   /// Counts a freed instance. After the last one, returns the number of threads that were started since the library was
-  /// loaded and still run; otherwise 0. From any thread.
+  /// loaded and still run; otherwise 0. May be called from any thread.
   std::size_t leave() { return --instances_ == 0 ? threads_left() : 0; }
   /// Returns the imported functions that change the process, read from the libraries' files.
   const LibraryImports& imports();
-  /// Returns why the FMU is not clean, as far as its libraries show before the first instance; empty if they look
-  /// clean.
+  /// Returns the reason why the FMU is not clean, as far as its libraries show it before the first instance; nullopt if
+  /// no reason is visible.
   std::optional<std::string> uncleanliness();
   /// True if an instance was ever created in this process.
   bool used() const { return watched_ != 0; }
@@ -162,7 +163,7 @@ class FmuLibrary {
   /// status, opens the archive again. The two kinds of an archive may have different libraries, so each kind is an FMU
   /// of its own.
   std::shared_ptr<Fmu> open(const std::filesystem::path& archive, std::optional<FmuKind> wish = {});
-  /// Drops the used FMUs that are not clean, so that open() unpacks and loads these FMUs again.
+  /// Drops the FMUs that were used and are not clean. So open() will unpack and load these FMUs again.
   void forget_changed();
 
  private:

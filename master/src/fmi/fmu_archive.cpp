@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Unpacks FMUs. This code has its own file because the host process gets its FMU unpacked, and so needs neither this
-// code nor its libraries.
+// Unpacks FMUs. This code has its own file because the host process does not need it: the master passes an unpacked FMU
+// to the host process.
 #include "io/fmu_archive.hpp"
 #include "fmi/fmu.hpp"
 #include "fmi/windows_library.hpp"

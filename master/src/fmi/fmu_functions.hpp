@@ -26,8 +26,9 @@ struct LibraryOwner {
   FmuKind kind;  ///< of its instances
 };
 
-/// Throws InputError if functions are missing without which no simulation of this kind works, and lists them (`mebots
-/// check` requires all). Also throws if the library has another version of FMI, or numbers of other sizes.
+/// Throws InputError with a list of missing functions if a simulation of this kind needs them. (`mebots check` requires
+/// all functions of the standard.) Also throws if the library has another version of FMI, or if its number types have
+/// other sizes than those of mebots.
 void check_functions(const FmuFunctions& functions, const LibraryOwner& owner);
 
 /// Looks up the functions in a library from dlopen(). Throws as check_functions() does.

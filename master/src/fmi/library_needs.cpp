@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 using modeldesc::ElfSymbol;
 using modeldesc::LoadedLibrary;
 
-/// The folders that ld.so(8) searches last. Folders in /etc/ld.so.conf.d are missing; a library found only there is
-/// identified by its name.
+/// The folders that ld.so(8) searches last. Folders in /etc/ld.so.conf.d are missing from this list. A library in such
+/// a folder is identified by its name only.
 constexpr const char* kSystemFolders[] = {"/lib/x86_64-linux-gnu",
                                           "/usr/lib/x86_64-linux-gnu",
                                           "/lib/aarch64-linux-gnu",

@@ -54,7 +54,7 @@ std::uint64_t foreign_loads() {
   return all_loads() - own_loads.load();
 }
 
-/// Returns address and size of the part that the loader makes read-only after relocation.
+/// Returns address and size of the part of a library that the loader makes read-only after relocation.
 std::pair<std::uintptr_t, std::size_t> read_only_part(const dl_phdr_info& info) {
   for (std::size_t i = 0; i < info.dlpi_phnum; ++i) {
     const auto& header = info.dlpi_phdr[i];

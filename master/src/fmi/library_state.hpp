@@ -158,7 +158,7 @@ enum class Risk { refuse, accept };
 
 /// Loads an FMU's library into this process, unless its ELF files show that it would share libraries or symbols with
 /// the program or with other FMUs. The result depends on the libraries that the process has loaded. With Risk::accept,
-/// a reason that is only possible does not prevent loading. Throws InputError if the library cannot be loaded at all.
+/// a risk that may have no effect does not prevent loading. Throws InputError if the library cannot be loaded at all.
 /// May be called from any thread.
 Admission load_into_this_process(const std::shared_ptr<Fmu>& fmu, Risk risk);
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The loader matches needed libraries by name, keeps one copy of a unique symbol (STB_GNU_UNIQUE), and looks symbols up
-// in the program and its libraries first. Therefore FMUs in one process can bind to each other's code and variables.
-// The loader's namespaces (dlmopen) are no solution: there are 16, each with its own C library.
+// Checks whether FMUs can share this process. The loader identifies needed libraries by name, keeps one copy of a
+// unique symbol (STB_GNU_UNIQUE), and looks up symbols in the program and its libraries first. Therefore FMUs in one
+// process can bind to each other's code and variables. The loader's namespaces (dlmopen) are no solution: there are 16,
+// each with its own C library.
 #include "fmi/library_state.hpp"
 
 #include "fmi/fmu.hpp"
@@ -68,8 +69,8 @@ std::vector<ElfSymbol> unique_symbols(const LibraryNeeds& needs) {
   return symbols;
 }
 
-/// Returns the names that the libraries both define and look up, so that another definition may take precedence. Unique
-/// symbols are compared separately.
+/// Returns the names that the libraries both define and look up. The definition in another library may take precedence
+/// over their own. Unique symbols are compared separately.
 std::set<std::string> preemptible_names(const LibraryNeeds& needs) {
   std::set<std::string> bound;
   for (const auto& library : needs.libraries) {
@@ -152,7 +153,7 @@ class ProcessComparison {
     return std::nullopt;
   }
 
-  /// Returns the names of libraries in the archive that the other FMU may load while it runs.
+  /// Returns the names of libraries in the archive that the code of the other FMU may open while it runs.
   static std::set<std::string_view> mentioned(const LibraryNeeds& other,
                                               const std::map<std::string, fs::path>& brought) {
     if (!other.loads_libraries || brought.empty()) return {};
@@ -248,7 +249,8 @@ class ProcessComparison {
   const std::map<fs::path, std::string>* archives_;
 };
 
-/// The FMUs in this process, and the folders of libraries of earlier FMUs, some of which may still be loaded.
+/// The FMUs in this process, and the library folders of earlier FMUs. Some libraries of earlier FMUs may still be
+/// loaded.
 struct Residents {
   std::mutex mutex;
   std::vector<Resident> all;

@@ -42,9 +42,9 @@ std::map<std::string, std::string> environment_for(const std::filesystem::path& 
   return variables;
 }
 
-/// Ends this process with the signal that Linux sends for the same fault. Handlers recognise a fault by its code
-/// (isolation/guard.cpp), which raise() does not give. A process may send itself a signal with any code: see
-/// rt_sigqueueinfo(2).
+/// Ends this process with the signal that Linux sends for the same fault. Handlers recognise a fault by the code in the
+/// signal's data (isolation/guard.cpp), which raise() does not set. A process may send itself a signal with any code:
+/// see rt_sigqueueinfo(2).
 [[noreturn]] void end_by_fault(int signal, std::uint64_t address) {
   siginfo_t info{};
   info.si_signo = signal;
@@ -136,7 +136,7 @@ class Process {
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
-  /// Sends a request and returns the reply that ends it, valid until the next one.
+  /// Sends a request and waits for its reply. The returned reply is valid until the next request.
   std::pair<Reply, Reader> request(std::uint32_t function, Writer& arguments) {
     write_all(arguments.frame(function));
     while (true) {
@@ -208,7 +208,7 @@ class Process {
     }
   }
 
-  /// The process of the library has ended: ends this process in the same way.
+  /// Called after the process of the library has ended. Ends this process in the same way.
   [[noreturn]] void end_alike() {
     int status = 0;
     while (waitpid(pid_, &status, 0) < 0 && errno == EINTR) {

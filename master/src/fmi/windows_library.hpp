@@ -13,8 +13,8 @@ class Process;
 
 /// An FMU's library for Windows, which runs in mebots-windows-host.exe under wine. Its functions() forward each call.
 /// If its process ends, this process ends in the same way: by the signal that Linux sends for the structured exception,
-/// or with the same exit code. So the master reports it like the end of an FMU for Linux. At most one library per
-/// process.
+/// or with the same exit code. So the master reports it like the end of an FMU for Linux. A process can have at most
+/// one such library.
 class WindowsLibrary {
  public:
   /// Starts wine, which keeps its settings in `settings`, a new folder, and loads the library. Throws InputError if the

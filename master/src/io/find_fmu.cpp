@@ -22,7 +22,8 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kSuffix = ".fmu";
 
-// Searching all folders, and the nearest of many names, is slow, so it is done only for the problems that are shown.
+// The search in all folders, and for the nearest of many names, is slow. So only this many problems, those that are
+// shown, get such an answer.
 constexpr std::size_t kFullyAnswered = 20;
 
 void append_search_path(std::string_view search_path, std::vector<fs::path>& folders) {

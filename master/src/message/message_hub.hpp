@@ -62,7 +62,7 @@ class MessageHub final : public MessageSink {
 };
 
 /// Holds the messages of slaves that step in parallel, and releases them after the step in the order of the instances.
-/// Therefore the log does not depend on the threads.
+/// Therefore the log does not depend on the number of threads.
 class OrderedMessages final : public MessageSink {
  public:
   /// `target` must outlive this object.

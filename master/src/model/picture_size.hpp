@@ -20,8 +20,7 @@ struct PictureSide {
 /// Returns the width of the pictures in `frame`; empty if the FMU does not declare it.
 std::optional<PictureSide> picture_width(const ResolvedSystem& system, const VariableName& frame);
 
-/// Throws InputError if both ends of a connection declare the size of its pictures, and the sizes differ. 0 means any
-/// size.
+/// Throws InputError if both ends of a connection declare a picture size, and these sizes differ. 0 means any size.
 void check_picture_sizes(const ResolvedSystem& system, const ConnectionDescription& connection);
 
 }  // namespace mebots::master

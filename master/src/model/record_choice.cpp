@@ -100,7 +100,8 @@ void for_each_variable(const ResolvedSystem& system,
 }  // namespace
 
 bool fits(std::string_view text, std::string_view pattern) {
-  // Greedy matching with one backtracking point: if the rest does not match, the last star takes one more character.
+  // Greedy matching with one backtracking point: if the remaining pattern does not match, the last star matches one
+  // more character.
   std::size_t t = 0;
   std::size_t p = 0;
   std::size_t star = std::string_view::npos;

@@ -18,7 +18,7 @@
 #include <string_view>
 #include <vector>
 
-/// The system after all names were resolved and all checks were done that are possible before the first step.
+/// The system after all names were resolved, and after all checks that are possible before the first step.
 namespace mebots::master {
 
 class Fmu;
@@ -126,7 +126,7 @@ struct ResolvedStepControl {
   bool rolls_back = false;
 };
 
-/// A free input whose source is a column of a file, as an override that acts from start to end.
+/// A free input whose source is a column of a file. It is stored as an override that acts from the start to the end.
 struct InputSignal {
   OverrideDescription description;
   std::shared_ptr<const Signal> signal;

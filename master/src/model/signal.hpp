@@ -20,7 +20,7 @@ struct SignalTime {
 };
 
 /// The times of a file's rows. They never decrease; two rows with the same time are a jump. Rows and communication
-/// points are compared in whole nanoseconds, so that a time such as 1/60 s needs no more than nine decimals.
+/// points are compared in whole nanoseconds, so nine decimals are enough for a time such as 1/60 s in a file.
 class SignalTimes {
  public:
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
@@ -33,16 +33,17 @@ class SignalTimes {
   std::int64_t ns(std::size_t row) const;
   /// Returns the row whose value applies at this time: the last row that is not later. If several rows have this time
   /// (a jump) and the side before the jump is requested, returns the first of these rows. Returns kNone before the
-  /// first row. `near` is the result of an earlier call. If time advances in small steps, the cost does not depend on
-  /// the number of rows.
+  /// first row. The search starts at row `near`, the result of an earlier call. So if time advances in small steps, the
+  /// cost does not depend on the number of rows.
   std::size_t row_at(std::int64_t time_ns, SignalSide side, std::size_t near) const;
 
  private:
   std::vector<double> times_s_;
 };
 
-/// The values of a variable over time, from a column of a file: Reals, Integers (also enumeration items, and Booleans
-/// as 0 and 1) or texts. The first value also applies before the first row, the last one after the last row.
+/// The values of a variable over time, from a column of a file. They are Reals, Integers (also for enumeration items,
+/// and 0 and 1 for Booleans) or texts. Before the first row, the first value applies; after the last row, the last
+/// value applies.
 class Signal {
  public:
   using Values = std::variant<std::vector<double>, std::vector<std::int64_t>, std::vector<std::string>>;

@@ -68,7 +68,8 @@ struct IsolationDescription {
   static constexpr std::uint64_t kDefaultMemoryBytes = std::uint64_t{1024} << 20;
   static constexpr std::uint64_t kNoMemoryLimit = 0;
 
-  /// True if the instance runs in a separate process, because the config requests this or another option that needs it.
+  /// True if the instance runs in a separate process, because the config requests this, or because another option needs
+  /// it.
   bool alone() const {
     return process ? *process != ProcessKind::shared : deadline_s.has_value() || memory_bytes.has_value();
   }
@@ -132,8 +133,9 @@ inline constexpr AlgorithmKind kAlgorithms[] = {
     {.type = AlgorithmType::gauss_seidel, .name = "gauss-seidel", .takes_order = true},
 };
 
-/// Returns the named algorithm. Throws InputError with the nearest names if there is none, and InputError if the
-/// description has an order that the algorithm does not accept. The error contains no place.
+/// Returns the named algorithm. If there is no algorithm of this name, throws InputError with the nearest names. If the
+/// description has an order that the algorithm does not accept, also throws InputError. The errors contain no place in
+/// the file.
 const AlgorithmKind& find_algorithm(const AlgorithmDescription& description);
 
 enum class Comparison { equals, above, below };
@@ -305,8 +307,7 @@ struct LogDescription {
 /// Categories shown if the config has no other setting for an instance.
 inline constexpr std::string_view kDefaultLogCategories[] = {"console", "events", "faults", "observe"};
 
-/// The value of SystemDescription::threads that stands for the number of threads that the machine runs at the same
-/// time.
+/// The value of SystemDescription::threads that means the number of threads that the machine can run at the same time.
 inline constexpr unsigned kAutomaticThreads = 0;
 
 /// Finds instances by name. Indexes the names at the first search; they must not change afterwards.

@@ -17,7 +17,8 @@ class Observer {
  public:
   virtual ~Observer() = default;
 
-  /// Called at t = 0 and after every communication step. If it returns a text, the run ends here for that reason.
+  /// Called at t = 0 and after every communication step. If it returns a text, the run ends at this point, and the text
+  /// is the reason.
   virtual std::optional<std::string> reached(const Point& /*point*/) { return std::nullopt; }
   /// Called at t = 0 and after every communication step, after reached() of all observers. Not called if the run ends
   /// at this point.

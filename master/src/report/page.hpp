@@ -19,7 +19,7 @@ PageParts read_data_page_parts();
 /// Returns an HTML document that shows the first run in full and compares the others with it.
 std::string make_page(const PageParts& parts, std::span<const RunFolder> runs);
 
-/// Returns the page of a run in progress. It fetches data only from its own server.
+/// Returns the page of a run in progress. The page requests data only from the server that sent it.
 std::string make_live_page(const PageParts& parts, const std::string& name);
 
 /// Returns a page that shows `data`, which is JSON (web/src/report/content.ts). The page needs no network.
@@ -28,10 +28,10 @@ std::string make_data_page(const PageParts& parts, const std::string& title, std
 /// The runs as bytes for the page. They consist of the length of the header (32 bits, little-endian), the header as
 /// JSON, and blocks of bytes whose offsets and lengths are in the header. web/src/data/payload.ts reads it.
 ///
-/// A column of n numbers takes 8 n bytes. The 64 bits of each number (IEEE 754) are treated as a whole number, and the
-/// difference from the previous one is stored in byte planes: first the lowest byte of each number, then the second of
-/// each, and so on. Successive values differ little, so their upper bytes compress well. A constant column is a single
-/// number in the header.
+/// A column of n numbers takes 8 n bytes. The 64 bits of each number (IEEE 754) are treated as a whole number, and its
+/// difference from the previous number is computed. The differences are stored in byte planes: first the lowest byte of
+/// each difference, then the second byte of each, and so on. Successive values differ little, so their upper bytes
+/// compress well. A constant column is a single number in the header.
 std::string payload_of(std::span<const RunFolder> runs);
 
 }  // namespace mebots::master::report

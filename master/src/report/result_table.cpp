@@ -30,8 +30,8 @@ std::vector<Column> read_header(const data::CsvReader& reader) {
   return columns;
 }
 
-/// Counts complete lines without the header. A line break in a quoted text counts too, so that the table may be thinned
-/// out more than necessary.
+/// Counts complete lines without the header. A line break in a quoted text also counts, so the table may be reduced
+/// more than necessary.
 std::size_t rows_of(std::string_view text) {
   const auto lines = static_cast<std::size_t>(std::ranges::count(text, '\n'));
   return lines == 0 ? 0 : lines - 1;

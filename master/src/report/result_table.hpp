@@ -40,9 +40,9 @@ struct ResultTable {
 /// leaves. Throws InputError if the file is not such a table.
 ResultTable read_results(const std::filesystem::path& file, const std::vector<TimeSpan>& whole = {});
 
-/// Thins out rows and keeps extremes: every `span` consecutive rows become two rows, which have the times of the first
-/// and of the last row. Each column contains its least and its greatest number of the span, in their original order.
-/// Therefore monotonic columns, such as energy counters, keep their exact values at both times.
+/// Reduces a table, but keeps the extremes. Every `span` consecutive rows become two rows, with the times of the first
+/// and the last row. In each column, the two rows contain the minimum and the maximum of the span, in the order in
+/// which they occurred. Therefore monotonic columns, such as energy counters, keep their exact values at both times.
 class Thinner {
  public:
   /// `span` is the number of rows that become one group; with 1, every row is kept. The first column is the time.

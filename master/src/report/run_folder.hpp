@@ -34,8 +34,8 @@ inline constexpr std::size_t kMostPictureBytes = 1'500'000;
 /// that are not PNGs of grey pixels.
 void fit_into_page(PictureSeries& series, const std::vector<TimeSpan>& whole);
 
-/// The content of a run's folder. Only the table of results is always present. Everything else is empty if the run, or
-/// the older version that wrote it, did not write it.
+/// The content of a run's folder. Only the table of results is always present. All other members are empty if the run,
+/// or an older version of mebots, did not write the file.
 struct RunFolder {
   std::string name;  ///< readable name of the folder
   ResultTable results;

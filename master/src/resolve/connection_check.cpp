@@ -29,7 +29,8 @@ fmi::WholeLimits exact_range(Type type) {
   return {-most, static_cast<std::uint64_t>(most)};
 }
 
-/// Returns the range of a variable with whole numbers: the range of its type, or from its first to its last item.
+/// Returns the range of an integer or enumeration variable: the range of its type, or from its lowest to its highest
+/// item.
 fmi::WholeLimits range_of(const modeldesc::ModelDescription& model, const Variable& variable) {
   if (variable.type == Type::boolean) return {0, 1};
   const auto* type = variable.type == Type::enumeration ? model.type_definition(variable.declared_type) : nullptr;
@@ -291,9 +292,9 @@ bool is_scalar(const ResolvedSystem& system, const VariableName& name) {
   return instance && system.instances[*instance].model->find(name.variable) != nullptr;
 }
 
-/// A buffer is valid until the next step of its owner ends. A reader that steps less often than the owner reads at the
-/// start of its own step, when the buffer is new. A reader that steps more often would read a buffer that is no longer
-/// valid.
+/// A buffer is valid until the next step of its owner ends. If a reader steps less often than the owner, it reads the
+/// buffer at the start of its own step, when the buffer is valid. If a reader steps more often than the owner, the
+/// buffer would not be valid in all of its steps.
 void check_buffer_lives(const ResolvedSystem& system, const ResolvedConnection& connection, const std::string& place) {
   const auto& owner = *system.instances[connection.from.instance].description;
   const auto& reader = *system.instances[connection.to.instance].description;
@@ -409,8 +410,8 @@ std::vector<ResolvedConnection> scalars_of(const ResolvedSystem& system, const C
 
 namespace {
 
-/// Returns the key for sorting. Connections are sorted by target, and the parts of a sum by their sources and numbers,
-/// so that the order in the config has no effect.
+/// Returns the key for sorting. Connections are sorted by target. Connections of one sum are sorted by their sources
+/// and numbers. So the order in the config has no effect.
 auto order_of(const ResolvedConnection& connection) {
   return std::tuple(connection.to.instance, connection.to.variable, connection.from.instance, connection.from.variable,
                     connection.factor, connection.offset);

@@ -50,9 +50,9 @@ class Grouping {
   }
 
  private:
-  /// A connection is inner if both ends belong to model exchange instances and no override changes them. An overridden
-  /// input is held between communication points, so its connection is not inner. A sum is evaluated as a whole: its
-  /// connections are either all inner or none is.
+  /// A connection is inner if both ends belong to model exchange instances and no override changes them. An input with
+  /// an override is constant between communication points, so its connection is not inner. A sum is evaluated as a
+  /// whole, so either all or none of its connections are inner.
   void mark_inner_connections() {
     const auto overridden = overridden_variables(system_);
     std::map<ResolvedVariable, bool> inner_sums;

@@ -76,7 +76,8 @@ class ColumnUnit {
   std::string place_;
 };
 
-/// Opens the files of a system and collects the signals that are needed from each file, so that each file is read once.
+/// Opens the signal files of a system. Collects the signals that are needed from each file, so that each file is read
+/// only once.
 class SignalReader {
  public:
   explicit SignalReader(ResolvedSystem& system) : system_(system) {}

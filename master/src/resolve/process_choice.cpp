@@ -21,7 +21,7 @@
 namespace mebots::master {
 namespace {
 
-/// The instances of one FMU that share this process.
+/// The instances of one FMU that run in this process.
 struct Group {
   std::shared_ptr<Fmu> fmu;
   std::vector<ResolvedInstance*> instances;

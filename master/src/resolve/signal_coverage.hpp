@@ -16,8 +16,8 @@ class SignalCoverage {
  public:
   SignalCoverage(ResolvedSystem& system, std::string file) : system_(system), file_(std::move(file)) {}
 
-  /// Throws InputError if the run needs times that the file does not have, and the description does not permit holding
-  /// the first or last values.
+  /// Throws InputError if the run needs values at times outside of the file, and the description does not permit to
+  /// hold the first or last value.
   void check(const OverrideDescription& description, const ResolvedVariable& variable, const Signal& signal);
   /// Adds the results of check() to the system's notices.
   void add_notices();

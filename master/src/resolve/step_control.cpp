@@ -20,8 +20,8 @@ std::string instance_text(const ResolvedInstance& instance) {
   return fmt::format("'{}' ({})", instance.description->name, instance.model->model_name);
 }
 
-/// True if the control may change the step of the instance. This includes instances with their own longer step, and
-/// model exchange, because the solver reaches any time.
+/// True if the control may change the step of the instance. This includes instances with a longer step of their own,
+/// and instances of model exchange, because the solver can stop at any time.
 bool takes_variable_steps(const ResolvedInstance& instance) {
   return instance.description->steps > 1 || instance.kind == FmuKind::model_exchange ||
          instance.model->co_simulation->can_handle_variable_communication_step_size;

@@ -63,8 +63,8 @@ void check_can_checkpoint(const ResolvedSystem& system);
 void check_inputs(const std::string& inputs_then, const std::string& inputs_now, std::string_view what);
 
 /// Writes a checkpoint at t = 0 and then at the first communication point after each interval of simulated time, but
-/// not at the end of the run, because a run resumed there would step beyond the end. Must be the last observer, so that
-/// all others have written their data of the point.
+/// not at the end of the run, because a run that resumes there would step beyond the end. Must be the last observer, so
+/// that all other observers have already written their data of the point.
 class Checkpointer final : public Observer {
  public:
   /// `blank` contains everything that does not change during the run. All other arguments must outlive the

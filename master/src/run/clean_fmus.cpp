@@ -19,7 +19,8 @@ std::string name_of(const Fmu& fmu) {
   return fmu.archive().filename().string();
 }
 
-/// The present use of a process function: the number of runs in this process, and the first FMU that imported it.
+/// The users of a process function: the number of present runs in this process, and the first FMU that imported the
+/// function.
 struct Use {
   int runs = 0;
   std::string fmu;

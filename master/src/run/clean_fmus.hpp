@@ -21,8 +21,8 @@ std::optional<std::string> fmu_without_whole_state(const ResolvedSystem& system)
 /// Throws InputError with the name of such an FMU. `what` is the call that needs a state.
 void require_whole_states(const ResolvedSystem& system, std::string_view what);
 
-/// The use of process-wide data of the C library by a run, such as the generator of rand(). If its FMUs import
-/// functions that use such data, the run starts with the data as in a new process, or is rejected.
+/// Guards process-wide data of the C library, such as the state of rand(), during a run. If the FMUs of the run import
+/// functions that use such data, the run starts with the data of a new process, or is rejected.
 class ProcessUse {
  public:
   /// Throws InputError with the FMU and the function, if an earlier run may have changed data that mebots cannot reset,

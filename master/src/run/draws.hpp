@@ -65,9 +65,9 @@ class DrawnFlights {
 /// True if the options or the config request drawn runs and `run` has ended without an interrupt.
 bool wants_draws(const Run& run);
 
-/// Performs the drawn runs of a run that has ended, if they are requested, and adds them to its summary. The drawn runs
-/// start at t = 0 from the settings alone. Therefore none are performed if a program wrote variables or used
-/// start_from().
+/// If `run` has ended and uncertainty is requested, performs further runs with drawn parameters, and adds their
+/// intervals to the summary of `run`. These runs start at t = 0 and use only the settings. Therefore none are performed
+/// if a program wrote variables or used start_from().
 void add_draws(Run& run);
 
 }  // namespace mebots::master

@@ -13,7 +13,7 @@
 namespace mebots::master {
 namespace {
 
-/// Returns the files of a folder and of its subfolders, in an order that does not depend on the file system.
+/// Returns the files of a folder and of its subfolders in a fixed order, which does not depend on the file system.
 std::vector<std::filesystem::path> files_of(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
@@ -23,8 +23,8 @@ std::vector<std::filesystem::path> files_of(const std::filesystem::path& folder)
   return files;
 }
 
-/// Returns whether a text parameter names a folder of `mebots deploy`. For all other text parameters, only files count,
-/// because a name that has a meaning inside an FMU may also be the name of a folder.
+/// Returns whether a text parameter names a folder of `mebots deploy`. For all other String parameters, only files are
+/// hashed: their value may be a name inside the FMU that is by chance also the name of a folder.
 bool names_network(const std::string& variable, const std::string& text) {
   return variable == "network" && is_file(std::filesystem::path(text) / "network.json");
 }

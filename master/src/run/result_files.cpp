@@ -14,7 +14,7 @@ namespace mebots::master {
 
 namespace {
 
-/// The files that a run replaces in its folder, and deletes if it does not write them again.
+/// The files in the folder that a run replaces, or deletes if it does not write them.
 constexpr std::array<std::string_view, 7> kOutdated = {kSystemFile,  kSceneFile,       "summary.json", "results.csv",
                                                        "results.h5", "parameters.csv", kCheckpointFile};
 

@@ -197,8 +197,8 @@ void Run::record(const std::vector<std::string>& patterns) {
   options_.record = patterns;
 }
 
-/// Returns the changes to the config. The text does not depend on the order of the changes, nor on the interface that
-/// made them.
+/// Returns the changes to the config as texts. The texts do not depend on the order of the changes, nor on the
+/// interface (command line, C++ or Python).
 std::vector<std::string> Run::changes() const {
   std::vector<std::string> texts;
   if (options_.step_s) texts.push_back(fmt::format("step {}", time_text(*options_.step_s)));
@@ -415,7 +415,7 @@ void Run::initialise() {
   } else {
     simulation_->initialize();
   }
-  // Logs this line before it continues the log, so that the complete log equals the log of an uninterrupted run.
+  // Logs this line before it continues the log. So the complete log equals the log of an uninterrupted run.
   if (checkpoint_) say(Severity::info, "notice", fmt::format("resumed at {} s", to_seconds(time_ns())));
   if (files_) files_->started(ensemble);
 }

@@ -91,7 +91,8 @@ class Run {
   /// InputError and Error.
   void start();
   /// Takes one communication step. Starts the run if necessary. Returns false if the end was reached before. Also
-  /// returns false if the run ends in this step without a new point, because an FMU ended it or after an interrupt.
+  /// returns false if the run ends in this step without reaching a new point. The reason is an interrupt, or an FMU
+  /// that ended the run.
   bool step();
   /// Steps until `time_ns` or the end, whichever is earlier.
   void run_until(std::int64_t time_ns);
@@ -105,8 +106,8 @@ class Run {
   /// Ends the run at the current point and writes its reports. No effect after the end. Never throws; the report
   /// contains errors. Called from a listener, it acts as interrupt().
   void close() noexcept;
-  /// Closes the run and frees its instances. Returns the FMUs that are not clean: what they left behind could change
-  /// the next run in this process. No variable can be read afterwards.
+  /// Closes the run and frees its instances. Returns the FMUs that are not clean: data that they left in this process
+  /// could change the next run. No variable can be read afterwards.
   std::vector<Leftover> free_instances();
   /// Returns the state between two steps, for start_from(). Throws InputError if the run has ended or writes files, and
   /// Error if an FMU cannot serialize its state.

@@ -49,7 +49,7 @@ class Simulation {
   void resume(std::span<const std::byte> bytes);
 
   /// Takes one communication step. Returns false and stays at the same point if the end was reached before, or if the
-  /// step is not completed, as after an interrupt: see end().
+  /// step was not completed, for example because of an interrupt. end() returns the reason.
   bool step();
 
   /// Steps until the end.

@@ -261,9 +261,9 @@ Json summary_json(const ResolvedSystem& system, const InputHash& hash, const Run
                         {"stepping", report.wall.stepping_s},
                         {"total", report.wall.open_s + report.wall.initialise_s + report.wall.stepping_s}};
 
-  // An ordered JSON object moves its members when it grows, so each part is completed before it is added.
+  // An ordered JSON object moves its members when it grows. So each part is completed before it is added.
   Json versions = {{"mebots", MEBOTS_VERSION}};
-  // The start values that replace those of the FMUs, which matter most in a comparison of two runs.
+  // The start values that the run set in place of those of the FMUs. They are important when two runs are compared.
   Json parameters;
   for (const auto& instance : system.instances) {
     if (instance.starts.empty()) continue;

@@ -101,8 +101,8 @@ OverriddenSlave::Value OverriddenSlave::apply(Layer& layer, const Value& value, 
     case OverrideAction::freeze:
       return layer.found;
     case OverrideAction::signal:
-      // If the signal jumps at the start, initialisation gets the value before the jump and the first step the value
-      // after it, as in FMPy.
+      // If the signal jumps at the start, initialisation gets the value before the jump, and the first step gets the
+      // value after it, as in FMPy.
       return override.signal->at(signal_time(time_ns_), initialising_ ? SignalSide::before : SignalSide::after,
                                  layer.row);
     case OverrideAction::offset:

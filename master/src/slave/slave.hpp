@@ -94,7 +94,8 @@ class Slave {
   /// Returns the time of the next known event, such as the tick of a clock [s]; nothing if no event is known. Other
   /// instances see the changes of the event from the next communication point on.
   virtual std::optional<double> next_event_s() const { return std::nullopt; }
-  /// Returns notices for the user about the place where this instance runs, such as a mechanism that its sandbox lacks.
+  /// Returns notices for the user about the process in which this instance runs, such as a mechanism that its sandbox
+  /// lacks.
   virtual std::vector<std::string> notices() const { return {}; }
   /// Returns derivatives of Real outputs at the end of the last step. `orders` (from 1) has one entry per reference.
   /// The values are not checked and may be NaN.

@@ -8,8 +8,8 @@
 
 namespace mebots::master {
 
-/// Keeps the run alive if the wrapped slave fails in or after its first step. After the failure, its outputs keep their
-/// last values, and its inputs are ignored.
+/// Lets the run continue if the wrapped slave fails in or after its first step. After the failure, its outputs keep
+/// their last values, and its inputs are ignored.
 class TolerantSlave final : public AccessSlave {
  public:
   /// Reports the loss to `messages` and records it in `loss`; both must outlive the slave.

@@ -20,8 +20,8 @@ namespace {
 constexpr int kMostUpdates = 1000;
 /// The maximum of transfers over discrete links between two updates.
 constexpr int kMostTransfers = 1000;
-/// If this number of consecutive events occurs within this share of a communication step, the sequence of events is
-/// treated as infinite.
+/// The thresholds for an infinite sequence of events: this number of consecutive events within this share of a
+/// communication step.
 constexpr std::size_t kZenoEvents = 20;
 constexpr double kZenoShare = 1e-7;
 /// Absolute tolerance divided by relative tolerance, for a nominal value of 1, as the FMI standard suggests.
@@ -142,8 +142,8 @@ Evaluation ContinuousSystem::jacobian(double time_s, std::span<const double> sta
 }
 
 /// Compares the signs of the event indicators with those after the last event, and records the members whose signs
-/// changed. This check is necessary because FMI distinguishes z > 0 from z <= 0, and CVODE does not detect a function
-/// that leaves zero.
+/// changed. This check is necessary because FMI distinguishes z > 0 from z <= 0, and CVODE does not detect an indicator
+/// that starts at zero and then changes its sign.
 bool ContinuousSystem::has_crossed() {
   if (indicators_.empty()) return false;
   if (roots(time_s_, states_, indicators_) != Evaluation::ok) {
@@ -310,9 +310,9 @@ void ContinuousSystem::handle_event(EventKind kind) {
   iterate_event();
 }
 
-/// Restarts the solver only if the event changes what the solver depends on. Some FMUs request an event after every
-/// step; with a restart after each step, the solver would never leave its shortest steps. CVODE compares the indicators
-/// with their values before the event, so it must restart if the event changes a sign.
+/// Handles a step event. Restarts the solver only if the event changes data on which the solver depends. Some FMUs
+/// request an event after every step; with a restart after each step, the solver would always take its shortest steps.
+/// CVODE compares the indicators with their values before the event, so it must restart if the event changes a sign.
 void ContinuousSystem::handle_step_event() {
   const auto requested_by = causes_;
   const auto before = solver_view();

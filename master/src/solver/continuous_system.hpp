@@ -47,8 +47,9 @@ struct Advanced {
 };
 
 /// Connected instances that one solver integrates. Between events the solver keeps its order and step size across
-/// communication points. If a solver step extends beyond a point, the solution is interpolated at the point, and the
-/// step is completed when the system passes the end of the step. Members must be in event mode before initialize().
+/// communication points. If a step of the solver ends after a communication point, the solution is interpolated at the
+/// point. The step is completed when the system passes the end of the step. Members must be in event mode before
+/// initialize().
 class ContinuousSystem final : private Equations {
  public:
   struct Parts {
@@ -69,9 +70,10 @@ class ContinuousSystem final : private Equations {
   /// Iterates the events at the start and enters continuous-time mode. Returns the member that requested the end, if
   /// any.
   std::optional<std::string> initialize(double time_s);
-  /// Integrates to `end_s`, with all events up to it. Afterwards all members are at that time, or at the time at which
-  /// one requested the end. Throws Error if an instance fails, values are not finite, the solver or an event iteration
-  /// does not converge, or there are too many steps or events. After an interrupt, throws InterruptedError.
+  /// Integrates to `end_s`, with all events up to it. Afterwards all members are at that time, or at the earlier time
+  /// at which a member requested the end. Throws Error if an instance fails, values are not finite, the solver or an
+  /// event iteration does not converge, or there are too many steps or events. After an interrupt, throws
+  /// InterruptedError.
   Advanced advance(double end_s);
   double time_s() const { return time_s_; }
   /// Returns the communication point at which the present or last advance() started.
@@ -89,9 +91,9 @@ class ContinuousSystem final : private Equations {
   /// Visits the state of the solver. The members' own states must be restored first.
   void visit(state::Visitor& v);
   /// After a restore, repeats the solver's steps since its last start, so that the following steps have the same bits.
-  /// Without this call, the next advance() repeats these steps. `keep` saves the members' states and returns a function
-  /// that restores them. Returns false if the repetition ends in different states, because a member depends on more
-  /// than time, states and inputs; then the solver restarts at the present time.
+  /// If this function is not called, the next advance() repeats these steps. `keep` saves the members' states and
+  /// returns a function that restores them. Returns false if the repetition ends in different states, because a member
+  /// depends on more than time, states and inputs; then the solver restarts at the present time.
   bool repeat_steps(const std::function<std::function<void()>()>& keep);
   bool must_repeat() const { return must_repeat_; }
 

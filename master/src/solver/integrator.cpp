@@ -77,7 +77,7 @@ class Integrator::Cvode {
     // A step that does not change the time would never end. Below this step size, CVODE fails.
     const double shortest_s = 4 * std::numeric_limits<double>::epsilon() * std::max(std::abs(time_s_), scale_s_);
     check(CVodeSetMinStep(memory_, shortest_s), "CVodeSetMinStep");
-    // In this mode CVODE uses the first argument only for the size of the first step.
+    // In the mode CV_ONE_STEP, CVODE uses the first time argument only for the size of the first step.
     const int flag = CVode(memory_, time_s_ + scale_s_, y_, &time_s_, CV_ONE_STEP);
     if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
     if (flag == CV_ROOT_RETURN) {

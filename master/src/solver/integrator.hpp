@@ -72,7 +72,8 @@ class Integrator {
 
   /// Restarts the integration with a method of order 1.
   void restart(const Start& start);
-  /// Takes one step, which ends early at a root. Throws Error (not_converged) if even the shortest step fails.
+  /// Takes one step, which ends early at a root. Throws Error (not_converged) if a step of the minimum length also
+  /// fails.
   Reached advance();
   /// Returns the end of the last step.
   double time_s() const;

@@ -81,8 +81,8 @@ class Wiring::Builder {
     return outputs;
   }
 
-  /// Returns the stage that reads `outputs`, in ascending order, and then sets the inputs whose sources have all been
-  /// read.
+  /// Returns the stage that reads `outputs` (in ascending order), and then sets the inputs for which all sources have
+  /// now been read.
   Stage stage_of(const std::vector<MemberVariable>& outputs) {
     Stage stage;
     for (const auto& output : outputs) {

@@ -32,9 +32,9 @@ struct Wire {
   std::string to_name = {};
 };
 
-/// The wires of a continuous system, ordered so that every output is read after the inputs on which it depends were
-/// set. Outputs are read in stages: all outputs of a stage and member in one call. Wires in a loop, and wires that
-/// depend on a loop, are evaluated together until no value changes.
+/// The connections between the members of a continuous system (wires). They are ordered so that every output is read
+/// after the inputs on which it depends were set. Outputs are read in stages: one call reads all outputs of one member
+/// in a stage. Wires in a loop, and wires that depend on a loop, are evaluated together until no value changes.
 class Wiring {
  public:
   /// `members` must outlive the wiring.

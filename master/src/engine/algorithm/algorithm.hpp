@@ -22,9 +22,9 @@ class Algorithm {
   virtual ~Algorithm() = default;
 
   /// Performs one communication step. Afterwards, the ensemble's outputs are those at the end of the step. Returns
-  /// nothing if the run continues. If a slave ends the simulation, returns an end; after an interrupt, throws
+  /// nullopt if the run continues, and an End if a slave ends the simulation. After an interrupt, throws
   /// InterruptedError. In these two cases, the outputs are still those at the start of the step, the last point that
-  /// all slaves have reached. Also throws the slaves' exceptions.
+  /// all slaves have reached. Exceptions of slaves are passed on.
   virtual std::optional<End> step(const GridStep& span) = 0;
 };
 
@@ -45,8 +45,9 @@ std::unique_ptr<Algorithm> make_algorithm(const AlgorithmContext& context);
 std::unique_ptr<Algorithm> make_jacobi(const AlgorithmContext& context);
 
 /// Gauss-Seidel: the slaves step one after the other in the declared order. Each slave receives its inputs just before
-/// its step: outputs at the end of the step from earlier slaves, outputs at its start from later slaves. The new
-/// outputs of a slave with a longer step become visible at its turn in the step in which the others reach its time.
+/// its step: outputs at the end of the step from earlier slaves, outputs at its start from later slaves. A slave with a
+/// longer step steps in the last of the other slaves' steps that lie within its own step. Its new outputs are visible
+/// to the slaves after it.
 std::unique_ptr<Algorithm> make_gauss_seidel(const AlgorithmContext& context);
 
 }  // namespace mebots::master

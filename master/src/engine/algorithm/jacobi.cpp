@@ -14,9 +14,9 @@
 namespace mebots::master {
 namespace {
 
-/// Returns groups of instances, each of which steps on one thread. The reader of a buffer must finish before its owner
-/// steps, so both are in one group, in this order. The members of a continuous system or a clock group are in one
-/// group, too.
+/// Returns groups of instances, each of which steps on one thread. The reader of a buffer must finish its step before
+/// the owner of the buffer steps, so both are in one group, in this order. The members of a continuous system or a
+/// clock group are in one group, too.
 std::vector<std::vector<std::size_t>> groups_of(const ResolvedSystem& system, const Ensemble& ensemble) {
   std::vector<std::size_t> group(ensemble.size());
   std::iota(group.begin(), group.end(), std::size_t{0});
@@ -64,7 +64,7 @@ class Jacobi final : public Algorithm {
         if (slaves_->begins_step(i, span.from)) take(i, slaves_->step(i, span));
       }
     }
-    // Steps that are pending run concurrently, because all are started before the loop waits for the first one.
+    // All pending steps are started before the loop waits for the first of them, so they run concurrently.
     for (auto& [i, result] : unfinished_) result = slaves_->finish(i, span, std::move(result));
     if (policy_) policy_->stepped();
     if (auto end = end_at(span.from)) return end;

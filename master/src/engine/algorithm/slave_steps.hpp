@@ -67,10 +67,10 @@ class SlaveSteps {
 /// Returns an end with a text such as "interrupted at 3 s".
 End interrupted_at(std::int64_t time_ns);
 
-/// Advances the slave by one step, in parts if necessary. If the slave discards a step, restores its state and tries
-/// the part that the slave reported. Without a report, tries half the step. Stops if a part of one microsecond is
-/// discarded, or if the slave requests the end of the simulation. The slave must be able to save its state. Throws the
-/// slave's exceptions.
+/// Advances the slave by one step, in several parts if necessary. If the slave discards a step, restores the slave's
+/// state, and tries a step up to the time that the slave reported. If the slave reported no time, tries half the step.
+/// Stops if a step of one microsecond is discarded, or if the slave requests the end of the simulation. The slave must
+/// be able to save its state. Throws the slave's exceptions.
 StepResult step_in_parts(Slave& slave, std::int64_t start_ns, std::int64_t duration_ns,
                          const std::atomic<bool>& cancel);
 

@@ -16,10 +16,10 @@ namespace mebots::master {
 /// Determines by trial whether parallel stepping is faster, from the wall time of windows of steps. The choice affects
 /// speed only, not the bits of the results.
 ///
-/// Serial windows come first. Parallel stepping must beat the fastest of the last few serial runs, so that cheap steps
-/// are not compared with earlier expensive ones. If the steps are long enough, parallel stepping is tried, and kept
-/// while every window is faster. If a parallel window takes longer than a serial one, it is abandoned. So a trial costs
-/// at most one serial window. After failed trials, further trials become rare.
+/// The first windows are serial. If the steps are long enough, a parallel window is tried. Parallel stepping continues
+/// as long as every window is faster than the fastest of the last few serial windows. Earlier serial windows do not
+/// count, because their steps may have been more expensive. A parallel window that takes longer than a serial one is
+/// abandoned, so a trial costs at most the time of one serial window. After failed trials, further trials become rare.
 class ThreadPolicy {
  public:
   /// The number of steps in a window.

@@ -11,9 +11,9 @@
 
 namespace mebots::master {
 
-/// The points of the grid that no communication step may pass: the end of the run, the steps of instances with their
-/// own step, the recording interval, start and end of overrides, rows of signals, and ticks of clocks. Checkpoints and
-/// pauses are not included, so they do not change the results.
+/// The points of the grid that no communication step may pass: the end of the run, the ends of steps of instances with
+/// a separate step, the recording interval, start and end of overrides, rows of signals, and ticks of clocks.
+/// Checkpoints and pauses are not included, so they do not change the results.
 class ForcedPoints {
  public:
   /// All arguments must outlive this object; `overrides` may be null.

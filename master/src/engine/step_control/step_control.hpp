@@ -22,8 +22,9 @@ class StepControl {
   /// Throws the same errors as PowerBond.
   StepControl(const ResolvedSystem& system, SlaveSteps& slaves, const OverrideSchedule* overrides);
 
-  /// Performs one communication step from t_k. If its error exceeds the tolerance and all slaves can restore their
-  /// states, repeats it in halves. Sets `reached` to the end of the step. Returns and throws like Algorithm::step().
+  /// Performs one communication step from t_k. If the error of the step exceeds the tolerance, and all slaves can
+  /// restore their states, repeats the step with half the length. Sets `reached` to the end of the step. Returns and
+  /// throws like Algorithm::step().
   std::optional<End> step(Algorithm& algorithm, std::int64_t k, std::int64_t& reached);
 
   const StepStatistics& statistics() const { return statistics_; }

@@ -41,7 +41,7 @@ void StepSizeController::accept(const Step& step) {
   error_before_ = error;
   const bool was_cut = !step.was_repeated && step.length < static_cast<std::int64_t>(wanted_);
   const double taken = was_cut || step.was_repeated ? static_cast<double>(step.length) : wanted_;
-  // If the last step was cut short and its error was small, the longer step that was wanted is still acceptable.
+  // If the last step was shorter than wanted and its error was small, the wanted length is still acceptable.
   const double least = was_cut && step.error <= 1 ? wanted_ : 0;
   wanted_ = std::clamp(std::max(taken * factor, least), static_cast<double>(limits.min_steps),
                        static_cast<double>(limits.max_steps));

@@ -81,8 +81,8 @@ CallbackTarget* find(const std::unordered_set<CallbackTarget*>& targets, const v
   return targets.size() == 1 ? *targets.begin() : nullptr;
 }
 
-/// Calls `work` with the target of a callback. Returns false if the callback belongs to no instance, not even to one
-/// that was not freed.
+/// Calls `work` with the target of a callback. Returns false if the callback belongs to no instance. If it belongs to
+/// an instance that could not be freed, returns true without calling `work`.
 template <typename Work>
 bool with_target(const void* environment, const std::optional<std::string>& name, Work work) {
   if (current != nullptr) {

@@ -56,7 +56,7 @@ struct CallbackEnvironment {
 /// Registers a listener for callbacks during its lifetime. A callback belongs to the instance that this thread is
 /// calling. On a thread of the FMU, it belongs to the instance with the passed environment (FMI 1.0: component), else
 /// to the instance with the passed name, else to the only instance, if there is just one. All other callbacks are
-/// dropped, and so are callbacks of instances that could not be freed.
+/// dropped. Callbacks of instances that could not be freed are dropped, too.
 class CallbackTarget {
  public:
   /// `listener` must outlive this object.
@@ -77,8 +77,8 @@ class CallbackTarget {
   void keep_environment() { is_environment_kept_ = true; }
   /// Sets the FMU's loaded library, a `link_map`.
   void set_library(const void* library);
-  /// Returns how often stepFinished was called for no known instance, by this target's library or by an unknown
-  /// library.
+  /// Returns how many calls of stepFinished belonged to no known instance. Counts calls from this target's library and
+  /// from unknown libraries.
   std::uint64_t dropped_step_ends() const { return dropped_step_ends_; }
 
   /// Sets what the FMU's instantiating function returned. Callbacks of FMI 1.0 pass it, because they have no
@@ -140,7 +140,7 @@ struct CurrentCallback {
 CurrentCallback current_callback() noexcept;
 
 /// Makes all logger callbacks of the process ignore their messages. After a crash in a callback, `mebots check` repeats
-/// the experiment in this way, and sees whether the FMU or mebots caused the crash.
+/// the experiment in this way, to find out whether the FMU or mebots caused the crash.
 void ignore_callbacks() noexcept;
 
 /// Encloses every call to an instance: callbacks on this thread belong to it.

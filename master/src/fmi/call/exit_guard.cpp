@@ -57,8 +57,8 @@ std::atomic<int> kept_signal = 0;
   for (;;) syscall(SYS_exit_group, EXIT_FAILURE);
 }
 
-/// While one thread ends the process, other threads wait here; if the ending thread itself calls this, the process ends
-/// at once.
+/// Waits without end, because another thread ends the process. If the calling thread is the one that ends the process,
+/// ends the process at once.
 void leave_it_to_the_ending_thread() {
   const pid_t ending = ending_thread.load();
   if (ending == 0) return;

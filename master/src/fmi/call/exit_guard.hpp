@@ -10,10 +10,11 @@
 namespace mebots::master {
 
 /// Foreign code can end the process during a run, with any exit code: by exit(), by a timer's signal, or by ending a
-/// thread. While a guard exists and its run is busy, such an end is a failure of the run. `fail` receives the reason
-/// with instance and call. It writes results and summary. The process exits with code 1. The C library reports exit()
-/// and quick_exit(), but not _exit() and exec(); a program replaces these (app/own_exit.cpp). Processes forked by an
-/// FMU are not guarded. Only a separate process for the instance protects against an end by the kernel.
+/// thread. While a guard exists and its run is busy, such an end is a failure of the run. The function `fail` gets the
+/// reason with instance and call, and writes results and summary. Then the process exits with code 1. The C library
+/// calls a handler at exit() and quick_exit(), but not at _exit() and exec(). Therefore a program replaces these two
+/// functions (app/own_exit.cpp). Processes forked by an FMU are not guarded. If the kernel ends the process, only a
+/// separate process for the instance protects the run.
 class ExitGuard {
  public:
   using Fail = std::function<void(const std::string& what)>;
@@ -38,9 +39,9 @@ class ExitGuard {
 /// does not return. `what` is the FMU's action in the past tense, such as "called exit()".
 void end_busy_runs(const char* what);
 
-/// For the handler of a signal that would end this process and comes from a timer or from the process itself. During a
-/// call to an FMU, acts as end_busy_runs(). Outside of calls, keeps the signal for take_kept_signal(), so that the
-/// master's work is not interrupted. Returns false if no run is busy.
+/// Called by the handler of a signal that would end this process, if the signal comes from a timer or from the process
+/// itself. During a call to an FMU, has the effect of end_busy_runs(). Outside of calls, keeps the signal for
+/// take_kept_signal(), so that the master's work is not interrupted. Returns false if no run is busy.
 bool end_by_signal(int signal);
 
 /// If end_by_signal() kept a signal since the last call, describes it. The thread that steps calls it between two calls
@@ -48,8 +49,8 @@ bool end_by_signal(int signal);
 std::optional<std::string> take_kept_signal();
 
 /// Installs handlers that report a crash inside an FMU on standard error, with instance, call and time, before the
-/// signal's default action: SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS. A signal of a timer, or one that
-/// the process sends to itself, fails the busy runs (see end_by_signal()). Signals that already have a handler keep it,
+/// signal's default action: SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS. If the signal comes from a timer
+/// or from the process itself, the busy runs fail (see end_by_signal()). Signals that already have a handler keep it,
 /// and so does SIGALRM while the embedding program has a timer. Must be called once, from any thread.
 void install_crash_notice();
 

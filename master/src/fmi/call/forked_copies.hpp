@@ -9,7 +9,8 @@
 /// execute the rest of the run a second time. Such a copy is ended, and the original process gets a report.
 namespace mebots::master {
 
-/// Receives, during its lifetime, reports of forked copies that returned from calls to this process's FMUs.
+/// Gets a report, during its lifetime, if an FMU of this process has forked and the forked copy returns from the call
+/// to the FMU.
 class ForkedCopies {
  public:
   /// The maximum number of receivers at a time.

@@ -178,10 +178,10 @@ constexpr auto kFunctions = std::to_array<ProcessFunction>({
     {"_ZSt5wclog", kStreams, undone},
 });
 
-/// Functions that close files. An FMU that imports them can still be clean, if each instance closes the files that it
-/// opened.
+/// Functions that close files. An FMU that imports them can be clean if each instance only closes files that it opened
+/// itself.
 constexpr auto kClosing = std::to_array<std::string_view>({"close", "close_range", "closefrom", "fclose", "fcloseall"});
-/// Functions by which a library can find other functions that it does not import.
+/// Functions with which a library can find functions that it does not import.
 constexpr auto kFinding = std::to_array<std::string_view>({"dlsym", "dlvsym", "dlopen", "dlmopen"});
 
 constexpr auto kReadable = std::to_array<std::pair<std::string_view, std::string_view>>({

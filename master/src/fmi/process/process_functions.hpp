@@ -13,8 +13,8 @@ enum class Remedy {
   none,     ///< mebots cannot revert it
 };
 
-/// A function or variable of the C or C++ library with which an FMU changes more than its own memory. The next run in
-/// the same process would see the change. docs/master/clean-fmus.md lists all of them.
+/// A function or variable of the C or C++ library that changes process-wide data. Such a change would affect the next
+/// run in the same process. docs/master/clean-fmus.md lists all of them.
 struct ProcessFunction {
   std::string_view symbol;  ///< as an ELF file names it
   std::string_view what;    ///< what it changes

@@ -105,7 +105,7 @@ class TimerState {
   Created created_;
 };
 
-/// Stops the timer of setitimer() that sends this signal, if there is one.
+/// Stops the timer of setitimer() that sends this signal, if that timer runs.
 void stop_timers_of(int signal);
 
 /// A copy of the process's environment variables.
@@ -135,9 +135,9 @@ class ProcessState {
   explicit ProcessState(const OpenFiles& files = open_files(), ProcessReach reach = ProcessReach::everything);
 
   /// Undoes changes where possible. Returns a text per difference: "the mask of file modes became 000 (put back to
-  /// 022)". Does not restore descriptors, except the standard three. Does not restore signal handlers, since the FMU
-  /// may need them, except those that end a run (SIGINT, SIGTERM, SIGHUP). A remaining change is reported once in the
-  /// life of the process.
+  /// 022)". Of the descriptors, restores only the standard three. Of the signal handlers, restores only those of
+  /// signals that end a run (SIGINT, SIGTERM, SIGHUP), because the FMU may need the others. A remaining change is
+  /// reported once in the life of the process.
   std::vector<std::string> put_right() const;
   /// Returns true if the calling thread blocks other signals. Costs one system call.
   bool is_mask_changed() const { return rest_ && rest_->thread.is_mask_changed(); }
@@ -174,8 +174,8 @@ Handlers handlers_in_libraries();
 /// that send it.
 void reset_unloaded_handlers(const Handlers& before);
 
-/// Returns true for the first call with this text in the life of the process, because a change that stays is reported
-/// once. From any thread.
+/// Returns true for the first call with this text in the life of the process, so that a change that cannot be undone is
+/// reported only once. May be called from any thread.
 bool is_new_change(std::string text);
 
 }  // namespace mebots::master

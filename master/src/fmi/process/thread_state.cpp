@@ -20,7 +20,7 @@ void report(std::vector<std::string>& texts, const std::string& text, bool undon
   if (undone || is_new_change(text)) texts.push_back(text + (undone ? " (put back)" : " (cannot be put back)"));
 }
 
-/// Returns the signals of `now` that `before` lacks, such as "SIGINT, SIGTERM and 3 more".
+/// Returns a list of the signals that are in `now` but not in `before`, such as "SIGINT, SIGTERM and 3 more".
 std::string added_signals(const sigset_t& now, const sigset_t& before) {
   constexpr std::size_t kShown = 4;
   std::vector<std::string> names;

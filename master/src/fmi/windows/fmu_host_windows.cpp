@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // mebots-windows-host.exe: loads an FMU's library for Windows and calls its functions for mebots-fmu-host, which runs
-// it under wine. Requests come from standard input, replies go to standard output. The FMU gets neither of them.
+// it under wine. Requests come from standard input, replies go to standard output. The FMU cannot access these two
+// streams.
 #include "fmi/windows/wire.hpp"
 #include "mebots/fmi1/library.hpp"
 #include "mebots/fmi2/library.hpp"
@@ -319,7 +320,7 @@ class Host {
     const auto version = reader.get<std::uint32_t>();
     const auto path = wide(reader.get_text().value());
     const auto prefix = reader.get_text().value();
-    // FMUs may expect their own folder to be the current one, or on the path of libraries.
+    // FMUs may expect that their own folder is the current folder, or on the search path of libraries.
     const auto folder = path.substr(0, path.rfind(L'\\'));
     SetCurrentDirectoryW(folder.c_str());
     library_ = LoadLibraryExW(path.c_str(), nullptr, LOAD_WITH_ALTERED_SEARCH_PATH);

@@ -19,9 +19,9 @@ struct Wine {
 /// Finds wine: $MEBOTS_WINE, else on PATH or where distributions install it. Looks once.
 const Wine& find_wine();
 
-/// Creates a folder of settings for wine with links to its DLLs. wine itself would take 15 s and 700 MB to create one.
-/// Each FMU has its own folder: wineserver serves all programs of one folder, and ends with the process that
-/// started it.
+/// Creates a folder with wine's settings, and links in it to wine's DLLs. wine itself would take 15 s and 700 MB to
+/// create such a folder. Each FMU has its own folder: wineserver serves all programs of one folder, and ends with the
+/// process that started it.
 void create_wine_settings(const std::filesystem::path& folder);
 
 }  // namespace mebots::master::windows

@@ -151,8 +151,8 @@ void read_sections(const data::Node& root, SystemDescription& system) {
   bool has_instances = true;
   for (const auto& section : kSections) {
     const auto read = [&](const data::Node& node) {
-      // If the instances are missing, every name in other sections would be reported, so sections with such names are
-      // skipped.
+      // Without instances, every name in the other sections would be reported as an error. So sections with such names
+      // are skipped.
       if (has_instances || !section.names_instances) section.read(node, system);
     };
     if (section.required) {

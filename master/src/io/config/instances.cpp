@@ -71,8 +71,8 @@ std::string mechanism_in(const Node& node) {
   return data::word_of<std::string>({{kNamespaces, kNamespaces}, {kLandlock, kLandlock}, {kSeccomp, kSeccomp}})(node);
 }
 
-/// Requires a separate process, because the master cannot end a call of an FMU in its own process, nor limit the FMU's
-/// memory.
+/// Reports an error unless the instance has a separate process: the master cannot end a call of an FMU in its own
+/// process, nor limit the FMU's memory.
 void need_own_process(const Node& node, const InstanceDescription& instance) {
   if (instance.isolation.process == ProcessKind::shared) {
     node.fail(ErrorCode::invalid_value, "this needs \"process\": \"own\" or \"sandboxed\"");

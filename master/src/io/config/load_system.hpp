@@ -32,7 +32,7 @@ struct LoadedSystem {
 };
 
 /// Reads a system from a config file, an FMU alone (`.fmu`), an SSP (`.ssp`, `.ssd`, or the folder of one) or an
-/// OspSystemStructure.xml. Throws InputError that names file, line and column, JSON pointer and the nearest valid key.
+/// OspSystemStructure.xml. Throws InputError with file, line, column, JSON pointer and the nearest valid key.
 LoadedSystem load_system(const std::filesystem::path& path, const GivenTimes& times = {});
 /// Loads like load_system(), but does not return the JSON, which is faster.
 SystemDescription read_config(const std::filesystem::path& path, const GivenTimes& times = {});
@@ -43,8 +43,8 @@ namespace config {
 
 /// Reads a config file without opening its FMUs. Throws data::Mistakes with all errors.
 void check(const std::filesystem::path& file);
-/// Reads a scenario file alone, so that the instances of its variables are unknown. Throws data::Mistakes with all
-/// errors.
+/// Reads a scenario file without a config, so the instances of its variables are not checked. Throws data::Mistakes
+/// with all errors.
 void check_scenario(const std::filesystem::path& file);
 
 LoadedSystem load_text(std::string text, const std::filesystem::path& file);
@@ -133,7 +133,7 @@ struct Schema {
 /// Returns the schemas of all kinds of file, sorted by name. Valid as long as the program.
 std::span<const Schema> schemas();
 
-/// These functions return the keys that a config may have, and the keys that an instance may have.
+/// These functions return the keys that a config may have, and the keys that an instance in a config may have.
 std::vector<std::string> config_keys();
 std::vector<std::string> instance_keys();
 

@@ -154,7 +154,7 @@ ConditionDescription read_final_condition(const Node& node, const SystemDescript
   return condition;
 }
 
-/// Reads a summary entry that is valid only if the run reached the point at which its value is measured.
+/// Reads a summary entry with conditions: its value is only valid if these conditions hold at the end.
 SummaryEntry read_conditional(const Node& node, const std::vector<std::string>& path, const SystemDescription& system) {
   Object object(node);
   SummaryEntry entry{path, {}, {}, node.place()};

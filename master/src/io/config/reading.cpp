@@ -47,7 +47,8 @@ VariableName variable_name(const Node& node, const SystemDescription& system) {
 
 std::string instance_name(const std::string& name, const Node& node, const SystemDescription& system) {
   if (system.find_instance(name) != nullptr) return name;
-  // Searching the nearest of 100,000 names is slow, so it is done only for the mistakes that are shown.
+  // The search for the nearest of 100,000 names is slow. So only this many mistakes, those that are shown, get the
+  // nearest name.
   constexpr std::size_t kAnswered = 20;
   auto what = fmt::format("there is no instance '{}'", name);
   if (node.noted() < kAnswered) what += ". " + suggest(name, system.instance_names());

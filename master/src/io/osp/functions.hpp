@@ -31,8 +31,8 @@ struct FunctionLink {
 enum class Ends { variable, group };
 
 /// The <Functions> of an OspSystemStructure.xml: LinearTransformation, Sum and VectorSum. In libcosim, a function reads
-/// its inputs and provides its outputs at the same communication point. Therefore it is converted to parts of
-/// connections. Throws InputError with file, line and element.
+/// its inputs and provides its outputs at the same communication point. Therefore each function is converted into
+/// factors, offsets and sums of connections. Throws InputError with file, line and element.
 class Functions {
  public:
   explicit Functions(const ssp::XmlFile& file) : file_(&file) {}

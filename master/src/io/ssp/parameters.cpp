@@ -158,7 +158,8 @@ std::vector<Parameter> read_values(const BindingContext& context, const Part& va
   return result;
 }
 
-/// Applies a mapping: keeps only the parameters that its entries name, one per entry, with their new names (chapter 7).
+/// Applies a mapping: keeps only the parameters that the mapping's entries name, one parameter per entry, with their
+/// new names (chapter 7).
 std::vector<Parameter> mapped(const std::vector<Parameter>& parameters, const std::vector<MappingEntry>& entries) {
   std::multimap<std::string_view, const MappingEntry*> by_source;
   for (const auto& entry : entries) by_source.emplace(entry.source, &entry);

@@ -12,9 +12,9 @@
 #include <string_view>
 #include <vector>
 
-/// SSP 1.0 and 2.0 (System Structure and Parameterization) as another format for systems. What SSP cannot express
-/// (steps, stop conditions, recorded variables ...) is stored in an annotation that contains those sections of a config
-/// as JSON.
+/// SSP 1.0 and 2.0 (System Structure and Parameterization) as another format for systems. SSP has no elements for some
+/// sections of a config, such as steps, stop conditions and recorded variables. These sections are stored as JSON in an
+/// annotation.
 namespace mebots::master {
 
 /// The type of MEbots' annotation at the root system.

@@ -237,7 +237,7 @@ class SspWriter {
         if (key != "fmu" && key != "parameters" && key != "text") rest["instances"][name][key] = value;
       }
     }
-    // OMSimulator stores kind and step of a system in its own annotation, and reads only the first one.
+    // OMSimulator stores kind and step of a system in an annotation of its own, and reads only the first annotation.
     auto theirs = annotations.append_child("ssc:Annotation");
     theirs.append_attribute("type") = "org.openmodelica";
     theirs.append_child("oms:Annotations")

@@ -12,7 +12,8 @@
 
 namespace mebots::master::study {
 
-/// The config from which a study derives its missions, complete in itself, with the files on which it depends.
+/// The config from which a study derives its missions. It is complete, and includes the list of files on which it
+/// depends.
 struct BaseConfig {
   nlohmann::ordered_json config;  ///< also for an SSP; FMUs by absolute path
   nlohmann::ordered_json fmus;    ///< instance -> absolute path

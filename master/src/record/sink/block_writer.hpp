@@ -12,7 +12,7 @@
 namespace mebots::master {
 
 /// Passes blocks of rows to sinks on a separate thread, one block at a time and in order, so that the simulation does
-/// not wait for formatting. The thread starts with the first full block, so a short run has no thread.
+/// not wait for formatting. The thread starts with the first full block, so a short run does not start a thread.
 class BlockWriter {
  public:
   BlockWriter() = default;

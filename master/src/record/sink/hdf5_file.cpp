@@ -51,8 +51,8 @@ const DriverFile& as_file(const H5FD_t* file) {
   return *static_cast<const DriverFile*>(file);
 }
 
-/// Repeats a call after EINTR and after a short transfer. Returns the number of transferred bytes. It is less than
-/// requested at the end of the file, where `errno` is 0, and after an error.
+/// Repeats a call after EINTR and after a short transfer. Returns the number of transferred bytes. If the number is
+/// less than requested, the end of the file was reached (`errno` is 0) or an error occurred.
 template <typename Call>
 std::size_t transfer_all(std::size_t size, Call call) {
   std::size_t done = 0;

@@ -10,7 +10,7 @@
 
 namespace mebots::master {
 
-/// Returns an error about a failed write to `path` with this errno, and what to do about it.
+/// Returns an error about a failed write to `path` with this errno. Its text states the remedy.
 Error write_error(const std::filesystem::path& path, int error_number);
 
 /// Renames a file on the same disk and replaces a file that has the new name. Throws InputError.

@@ -21,7 +21,7 @@ static_assert(InstanceCalls::kOk == fmiOK && InstanceCalls::kWarning == fmiWarni
               InstanceCalls::kDiscard == fmiDiscard && InstanceCalls::kError == fmiError &&
               InstanceCalls::kFatal == fmiFatal && InstanceCalls::kPending == fmiPending);
 
-/// The MIME type of an FMU that runs in the master's process, not in its own tool.
+/// The MIME type that selects an FMU that runs in the master's process, not in its own tool.
 constexpr const char* kMimeType = "application/x-fmu-sharedlibrary";
 constexpr double kNoTimeout_ms = 0;
 
@@ -79,8 +79,9 @@ void Fmi1Slave::exit_initialization() {
   start_ = {};
 }
 
-/// No effect if the FMU was initialised with all values. Otherwise instantiates the FMU again instead of resetting it,
-/// because some FMUs lose their variables at fmiResetSlave (tutorial-fmus of open-simulation-platform/demo-cases).
+/// Has no effect if the FMU was initialised with all present values. Otherwise instantiates the FMU again instead of
+/// resetting it, because some FMUs lose their variables at fmiResetSlave (tutorial-fmus of
+/// open-simulation-platform/demo-cases).
 void Fmi1Slave::initialize_anew() {
   if (!std::exchange(is_stale_, false)) return;
   calls_.watched("fmiFreeSlaveInstance", [&] { calls_.call("fmiFreeSlaveInstance", functions_->free_slave_instance); });

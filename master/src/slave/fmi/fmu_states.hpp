@@ -45,8 +45,8 @@ class FmuStates {
             bool can_serialize)
       : calls_(&calls), functions_(&functions), names_(&names), can_save_(can_save), can_serialize_(can_serialize) {}
 
-  /// Returns true if a step from `start_ns` may promise the FMU that it will not be set back to an earlier time,
-  /// because no saved state exists. With this promise an FMU may drop the data for going back.
+  /// Returns true if no saved state exists. Then, in a step from `start_ns`, the master may promise the FMU not to set
+  /// it back to an earlier time, and the FMU may discard the data for that.
   bool promise_at(std::int64_t start_ns) {
     if (kept_ != 0) return false;
     promised_ns_ = start_ns;

@@ -220,7 +220,7 @@ void InstanceCalls::deliver_held() {
   deliver_all_but(0);
 }
 
-/// Delivers all held messages except the `last` ones, which it drops. The caller must hold the mutex.
+/// Delivers the held messages except the `last` ones, and drops those. The caller must hold the mutex.
 void InstanceCalls::deliver_all_but(std::size_t last) {
   held_.resize(held_.size() - std::min(held_.size(), last));
   for (const auto& held : held_) sink_->message({name_, held.severity, held.category, held.text, time_ns_});

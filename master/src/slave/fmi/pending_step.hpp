@@ -24,10 +24,10 @@ class PendingStep {
   /// The callback stepFinished. It may be called from any thread.
   void finished(int status);
   /// Waits for the end of the step and returns its status; fmiPending if `cancel` becomes true, or `until` is reached.
-  /// Queries the FMU by `status_of_fmu`, every 20 us at first and every 2 ms later. The query decides, because a
-  /// callback that arrives late may belong to an earlier step. The callback decides in two cases only: the query
-  /// returns nothing, or the query still reports fmiPending kLongestDenial after there were as many callbacks as
-  /// pending steps.
+  /// Queries the FMU by `status_of_fmu`, every 20 us at first and every 2 ms later. The result of the query determines
+  /// whether the step has ended, because a late callback may belong to an earlier step. Callbacks determine it in two
+  /// cases only. In the first case, the query returns nothing. In the second case, there were as many callbacks as
+  /// pending steps, and after kLongestDenial the query still reports fmiPending.
   int wait(const std::atomic<bool>& cancel, const std::function<std::optional<int>()>& status_of_fmu,
            Clock::time_point until = Clock::time_point::max());
   /// True if GetStatus has denied the end of a step. GetStatus is then not called again.

@@ -40,7 +40,7 @@ struct Fmi2StepTypes {
   static constexpr const char* kCancelStep = "fmi2CancelStep";
 };
 
-/// Makes the steps of a co-simulation instance of FMI 1.0 or 2.0, which may continue after DoStep has returned.
+/// Performs the steps of a co-simulation instance of FMI 1.0 or 2.0. A step may continue after DoStep has returned.
 template <typename Types>
 class StepCalls {
  public:
@@ -50,8 +50,8 @@ class StepCalls {
 
   /// Steps as Slave::step() specifies. `last_argument` is the last argument of DoStep.
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns, typename Types::Boolean last_argument);
-  /// Finishes a step under way as Slave::finish_step() specifies. If the FMU cannot cancel its step, and the step does
-  /// not end within a second, abandons the instance, and throws InterruptedError.
+  /// Finishes a step in progress as Slave::finish_step() specifies. If the step must be cancelled, but the FMU cannot
+  /// cancel it and the step does not end within a second, abandons the instance and throws InterruptedError.
   StepResult finish(const std::atomic<bool>& cancel);
   /// Ends a step under way, so that the instance can be freed; abandons the instance if that is impossible. Throws
   /// SlaveError if the FMU fails; the instance is then abandoned.

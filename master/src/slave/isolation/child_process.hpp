@@ -23,7 +23,7 @@ struct ProcessEnd {
 };
 
 /// A child process whose program calls fork_kept(). It has its own session, so that Ctrl-C in the master's terminal
-/// does not affect it. The destructor ends it with all its descendants.
+/// does not affect it. The destructor ends the process and all its descendants.
 class ChildProcess {
  public:
   /// Starts the program with empty standard input, `descriptors` as descriptors 3, 4, ... and no other open files.
@@ -46,8 +46,8 @@ class ChildProcess {
   std::optional<ProcessEnd> end_;
 };
 
-/// Raises the limit of open files (RLIMIT_NOFILE) if `count` isolated instances, of `each` descriptors in this process,
-/// need it. Throws Error with the number that they need if the hard limit is lower.
+/// Raises the limit of open files (RLIMIT_NOFILE) if `count` isolated instances need it, each of which takes `each`
+/// descriptors of this process. If the hard limit is lower than the needed number, throws Error with this number.
 void reserve_descriptors(std::size_t count, std::size_t each);
 
 /// Returns "signal 11 (SIGSEGV, invalid memory access)".
@@ -60,8 +60,8 @@ std::filesystem::path find_fmu_host();
 /// Forks and returns in the child, which leads a new session. The calling process becomes its keeper. When the child
 /// ends, when `parent` ends (by any signal), or at end_kept(), the keeper ends all descendants of the child, in any
 /// process group or session. Then it ends in the same way as the child. If the keeper ends, the child ends, too.
-/// Neither child nor keeper dumps core. The process must have one thread only. Throws Error if no process can be
-/// created.
+/// Neither the child nor the keeper writes a core dump. The process must have one thread only. Throws Error if no
+/// process can be created.
 void fork_kept(pid_t parent);
 
 /// Makes a keeper end its processes and itself, and waits for the keeper's end. Does not reap the keeper.
@@ -77,8 +77,9 @@ Interpreter interpreter_of(const Fmu& fmu);
 
 /// The main function of `mebots-fmu-host`: runs one FMU for the master that started the program, until the master
 /// closes the connection. `words` are the program, the master's process number and the memory limit in bytes. For a
-/// sandbox, `--sandbox FOLDER`, `--reads PATH` for each further readable place and `--may-lack MECHANISM` for each
-/// optional mechanism follow, and `--inside` once the namespaces have been entered. Returns the exit code.
+/// sandbox, further words follow: `--sandbox FOLDER`, `--reads PATH` for each further readable path, and `--may-lack
+/// MECHANISM` for each optional mechanism. `--inside` marks the second start of the program, inside the namespaces.
+/// Returns the exit code.
 int run_fmu_host(int argument_count, char** words);
 
 }  // namespace mebots::master

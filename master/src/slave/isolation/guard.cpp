@@ -131,8 +131,8 @@ void forbid_harm(Signals signals) {
   for (const std::uint32_t request : {FIOSETOWN, SIOCSPGRP}) {
     forbid(SCMP_SYS(ioctl), {is(1, request)});
   }
-  // Forbids calls that expose more of the kernel than a simulation needs. clone3 passes its flags in memory, where a
-  // filter cannot read them, so the C library must use clone.
+  // Forbids calls that expose more of the kernel than a simulation needs. clone3 is refused, too: it passes its flags
+  // in memory, where a filter cannot read them. Then the C library uses clone.
   for (const int call : {SCMP_SYS(unshare), SCMP_SYS(setns), SCMP_SYS(bpf), SCMP_SYS(perf_event_open),
                          SCMP_SYS(userfaultfd), SCMP_SYS(io_uring_setup), SCMP_SYS(add_key), SCMP_SYS(keyctl)}) {
     forbid(call);

@@ -359,8 +359,8 @@ class Host {
     setenv("PYTHONPATH", path.c_str(), 1);
   }
 
-  /// Loads the interpreter globally, because the FMU and modules imported by its scripts look up its functions in the
-  /// whole process.
+  /// Loads the interpreter with RTLD_GLOBAL, because the FMU and the modules that its scripts import look up the
+  /// interpreter's functions in the whole process.
   static void load_python(const std::string& library) {
     if (dlopen(library.c_str(), RTLD_NOW | RTLD_GLOBAL) != nullptr) return;
     throw InputError(ErrorCode::fmu_inconsistent,

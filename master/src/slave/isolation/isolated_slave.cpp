@@ -39,7 +39,7 @@ namespace {
 
 /// The interval at which a waiting master checks that the process lives.
 constexpr std::int64_t kLookNs = 20'000'000;
-/// The time that a call may take after an interrupt [s], so that a call that is about to return can finish.
+/// The time that a call may still take after an interrupt [s]. So a call that is about to return can finish.
 constexpr double kInterruptGraceS = 0.1;
 /// The time that an FMU may take to free itself [s].
 constexpr double kGraceS = 3;
@@ -68,7 +68,8 @@ IsolatedSlave::IsolatedSlave(const ResolvedInstance& instance, MessageSink& mess
       std::make_unique<ChildProcess>(find_fmu_host(), host_arguments(),
                                      std::array<int, 4>{control_buffer_.descriptor(), command_buffer_.descriptor(),
                                                         answer_buffer_.descriptor(), log_buffer_.descriptor()});
-  // From now on, the sizes of both buffers do not change, so only the host process needs their descriptors.
+  // After this point, the sizes of both buffers do not change. Therefore only the host process still needs the
+  // descriptors.
   control_buffer_.close_descriptor();
   log_buffer_.close_descriptor();
   open(grid);

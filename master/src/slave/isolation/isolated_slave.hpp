@@ -166,8 +166,8 @@ class IsolatedSlave : public Slave {
   std::int64_t step_end_ns_ = 0;
   std::vector<Read> reads_;  // since the last step
   std::vector<OsmpTriple> triples_;
-  // Bytes of binary outputs, with two buffers per triple, so that the bytes of the last step stay valid during the next
-  // one.
+  // Bytes of binary outputs. Each triple has two buffers, so that the bytes of the last step stay valid during the next
+  // step.
   std::vector<std::array<std::vector<std::uint8_t>, 2>> binaries_;
   std::size_t turn_ = 0;
   std::uint64_t states_ = 0;  // number of saved states so far

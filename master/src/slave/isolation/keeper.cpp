@@ -31,7 +31,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// The signal that the kernel sends when the thread that started the keeper ends, even if its process continues.
+/// The signal that the kernel sends to the keeper when the thread that started it ends, even if the process of this
+/// thread continues.
 constexpr int kParentThreadEnded = SIGHUP;
 constexpr int kAskedToEnd = SIGTERM;
 

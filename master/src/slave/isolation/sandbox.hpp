@@ -42,14 +42,14 @@ struct FileAccess {
 /// each other. Returns the reason if the kernel refuses this; else empty.
 std::optional<std::string> restrict_files(const FileAccess& access);
 
-/// Removes the access of this process and its children to memory and open files of other processes (since Linux 5.19),
-/// and to their signals (since 6.12). Returns true if signals are included. Access to files is unchanged. One thread
-/// only.
+/// Prevents this process and its children from accessing memory and open files of other processes (since Linux 5.19),
+/// and from sending signals to them (since 6.12). Returns true if signals are prevented, too. Access to files does not
+/// change. The process must have one thread only.
 bool shield_other_processes();
 
-/// Permits only the system calls of a simulation; every other one fails with EPERM. With namespaces, the process may
-/// also use sockets and change attributes of files, all of which are private to it. Calls in the form of another
-/// architecture end the process. Returns the reason if the system allows no filter; else empty.
+/// Permits only the system calls that a simulation needs; all others fail with EPERM. With namespaces, the process may
+/// also use sockets and change attributes of files, because these are private to it. Calls in the form of another
+/// architecture end the process. If the system allows no filter, returns the reason; otherwise nullopt.
 std::optional<std::string> allow_simulation_calls(bool has_namespaces);
 
 }  // namespace mebots::master::isolation
