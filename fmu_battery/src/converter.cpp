@@ -28,8 +28,9 @@ auto table(std::string_view unit, std::vector<double> (*read)(const data::Node&,
   };
 }
 
-/// Checks that more output needs more input, because otherwise the function could not be inverted. On a segment with
-/// linear eta = a + b I, the slope of the input I / eta(I) has the sign of a, so a check of the ends is sufficient.
+/// Checks that the input power rises with the output power, because otherwise the function could not be inverted. On a
+/// segment with linear eta = a + b I, the slope of the input I / eta(I) has the sign of a, so a check of the ends is
+/// sufficient.
 void check_rising_input(const data::Node& efficiencies, const std::vector<double>& current_a,
                         const std::vector<double>& efficiency) {
   for (std::size_t i = 1; i < current_a.size(); ++i) {

@@ -9,7 +9,7 @@
 namespace mebots::battery {
 
 /// A DC/DC converter between the cell's bus and a load, or between a source and the bus. Its efficiency is a table over
-/// its output current, which is linear between its points and constant outside.
+/// the output current: linear between the points of the table, and constant outside.
 class Converter {
  public:
   /// Creates a connection without a converter, which has efficiency 1.

@@ -16,8 +16,8 @@
 namespace mebots::battery {
 namespace {
 
-// The vector that SUNDIALS integrates. The ledger part starts at zero in every advance, so that error control uses the
-// energies of the step and not those since the start.
+// The vector that SUNDIALS integrates. The elements of the ledger start at zero in every call of advance(). So the
+// error control uses the energies of the step, not the energies since the start.
 enum Index : int {
   kSoc,
   kPair1,
@@ -171,8 +171,8 @@ class Integrator::Solver {
     y[kSoc] = state.soc;
     y[kPair1] = state.pair1_v;
     y[kPair2] = state.pair2_v;
-    // Each piece is a new start, with the whole piece as the first step size, so that the result does not depend on
-    // earlier calls.
+    // Each piece restarts the solver, with the whole piece as its first step. So the result does not depend on earlier
+    // calls.
     check(ERKStepReInit(memory_, &Solver::right_hand_side, 0, y_), "ERKStepReInit");
     if (fixed_step_s_ == 0) check(ERKStepSetInitStep(memory_, piece_s), "ERKStepSetInitStep");
     check(ERKStepSetStopTime(memory_, piece_s), "ERKStepSetStopTime");
@@ -246,7 +246,7 @@ class Integrator::Solver {
     const Cell& cell = solver.cell_;
     const Demand& demand = solver.demand_;
 
-    // If a step is too long, a stage of it may be far outside of 0 <= s <= 1, where the curves have no meaning and
+    // If a step is too long, a stage of the step may have s far outside of 0 to 1, where the curves have no meaning and
     // values may be NaN. The error test then rejects the step.
     const Circuit circuit = cell.circuit_at(y[kSoc]);
     const double source_v = circuit.open_circuit_v - y[kPair1] - y[kPair2];

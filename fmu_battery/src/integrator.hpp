@@ -77,8 +77,9 @@ enum class Protection {
 };
 
 /// Integrates the cell's ODEs together with its ledger, with SUNDIALS (ARKODE's ERKStep, order 4): adaptive, with local
-/// error control, and events located by root finding. The integrator has no memory: results depend on its arguments
-/// only, so a restored run gives the same bits. It is not thread-safe: use one integrator per instance.
+/// error control, and events located by root finding. The integrator keeps no state between calls: its results depend
+/// on its arguments only, so a restored run gives the same bits. It is not thread-safe: use one integrator per
+/// instance.
 ///
 ///   ds/dt  = -(i + i_sd) / Q
 ///   dvk/dt = (i - vk / Rk(s)) / Ck(s),   k = 1, 2

@@ -12,7 +12,8 @@
 namespace mebots::battery {
 namespace {
 
-/// If the rest of a step after an event is shorter than this, it is not integrated. At 100 W, it is 1e-10 J.
+/// If the remainder of a step after an event is shorter than this [s], it is not integrated. At 100 W, it has an energy
+/// of 1e-10 J.
 constexpr double kShortest = 1e-12;
 
 constexpr double seconds(std::int64_t ns) {
@@ -55,9 +56,9 @@ void Model::start(const Inputs& inputs, std::int64_t start_ns, Outputs& outputs)
   if (state_.soc <= 0) {
     handle(Event::empty, seconds(start_ns));
   } else if (source_v < cell_.cut_off_voltage_v) {
-    // At t = 0, the protection opens only for a reason that no load can cause. A load that lowers the voltage below the
-    // cut-off opens it in the first step. Otherwise loads that need the bus, and a bus that depends on them, could not
-    // agree on a start.
+    // At t = 0, the protection opens only for a reason that no load can cause. If a load lowers the voltage below the
+    // cut-off, the protection opens in the first step. Otherwise the initial values might not converge, because the
+    // loads depend on the bus voltage, and the bus voltage depends on the loads.
     open(cut_off_text(), seconds(start_ns));
   } else if (now.terminal_w() > power_limit_w(source_v, circuit.series_ohm, source_v / 2)) {
     handle(Event::no_power, seconds(start_ns));

@@ -25,8 +25,8 @@ namespace mebots::battery {
 /// them, and charges the cell through the open protection. The protection closes when the terminal voltage reaches the
 /// release voltage.
 ///
-/// A full cell takes no charge until its state of charge is below kResumeChargingBelow. Until then, the source supplies
-/// the loads only, and the rest of its power does not count.
+/// A full cell takes no charge until its state of charge is below kResumeChargingBelow. Until then, the source only
+/// supplies the loads, and the rest of its power is not used.
 class Model {
  public:
   static constexpr double kResumeChargingBelow = 0.999;

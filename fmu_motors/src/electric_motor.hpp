@@ -21,8 +21,9 @@ SupplyLoad supply_load(const ElectricMotor& motor, double duty, double speed_rad
 ///   i        = max(0, (v - K w) / R)                  the driver's diode blocks braking currents
 ///   J dw/dt  = K i - c w^2
 ///   P        = v i + g v^2 (1 - d)^2                  v = d V; g: ripple_conductance
-/// v i is the shaft's power K i w and the copper loss R i^2. The second term is the loss due to the ripple of the
-/// current, whose amplitude is proportional to V d (1 - d). Speed and energy have closed forms, without a step size.
+/// v i is the sum of the power at the shaft, K i w, and the copper loss, R i^2. The second term of P is the loss due to
+/// the ripple of the current, whose amplitude is proportional to V d (1 - d). Speed and energy have closed forms,
+/// without a step size.
 RotorStep advance_motor(const RotorData& rotor, const RotorDrive& drive, double speed_rad_per_s, double duration_s);
 
 }  // namespace mebots::motors

@@ -17,7 +17,7 @@ namespace {
 /// Products of a few inputs are finite up to this limit. The world's forces and motion have the same limit.
 constexpr double kMost = 1e40;
 constexpr double kLeastDensity = 1 / kMost;
-/// A current is a surge if the current of the previous step was less than this share of it.
+/// The current is a surge if the current of the previous step was less than this share of the present current.
 constexpr double kEarlierShare = 0.1;
 /// A smaller drop of the voltage is harmless, and other loads may have caused it.
 constexpr double kLeastSag_v = 0.02;
@@ -107,7 +107,7 @@ void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& output
 }
 
 /// Motors and battery step at the same time, so bus.voltage belongs to the current of the step before the last one. The
-/// increase of the current since then, times bus.resistance, lowers the voltage.
+/// increase of the current since that step, times bus.resistance, is subtracted from the voltage.
 double Model::supply_voltage_v(const Inputs& inputs) const {
   const double bus_v = inputs.bus_voltage_v;
   if (!rotor_.motor || bus_resistance_ohm_ == 0 || bus_v == 0) return bus_v;

@@ -28,9 +28,9 @@ double distance_m(const NodeVariables& a, const NodeVariables& b);
 
 /// Packets between nodes on one frequency.
 ///
-/// A node that wants to send waits until the channel is free, so packets follow each other and do not collide: by the
-/// time of their request, and among requests of one time in turn. A radio keeps at most three packets to send and three
-/// received ones, as an nRF24L01+ does. One received packet per step reaches the outputs.
+/// A node that wants to send waits until the channel is free, so packets do not collide. Packets are sent in the order
+/// of their requests; for requests at the same time, the nodes take turns. A radio stores at most three packets to send
+/// and three received packets, as an nRF24L01+ does. In each step, at most one received packet reaches the outputs.
 class Channel {
  public:
   static constexpr std::size_t kQueue = 3;

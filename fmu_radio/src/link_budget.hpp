@@ -19,7 +19,8 @@ inline constexpr double kLeastDistance_m = 0.1;
 
 double received_power_w(const Parameters& parameters, double distance_m);
 
-/// Returns the probability that at least one of `bits` is wrong, or that the packet is lost otherwise.
+/// Returns the probability that a packet is lost: at least one of its `bits` is wrong, or it is lost for another
+/// reason.
 double loss_probability(const Parameters& parameters, double power_w, std::int32_t bits);
 
 /// Returns the number of bits of a packet with `size` bytes.

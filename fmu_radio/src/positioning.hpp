@@ -5,8 +5,8 @@
 
 namespace mebots::radio {
 
-/// Positions from motion capture or base stations. Sample n is taken at the first communication point at or after
-/// n / rate, for all nodes at once.
+/// Positions of the nodes from motion capture or base stations. Sample n of all nodes is taken at the first
+/// communication point at or after n / rate.
 class Positioning {
  public:
   Positioning(const Parameters& parameters, std::span<NodeVariables> nodes, std::int64_t start_ns);

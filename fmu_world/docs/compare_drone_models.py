@@ -7,8 +7,8 @@
 
 drone-models integrates Newton's and Euler's equations of a Crazyflie (cf2x_L250) with its own drag, thrust and gyroscopic torque;
 here, a Runge-Kutta method of fourth order integrates them. The FMU gets the same thrusts, torques and speeds each
-millisecond, and a drone of that mass, inertia, arm and drag. The comparison therefore covers this FMU's dynamics:
-frames, signs of all torques, rotations, drag, gyroscopic torque.
+millisecond. Its drone has the same mass, inertia, arm and drag. The comparison therefore covers the dynamics of the
+FMU: frames, signs of all torques, rotations, drag, gyroscopic torque.
 """
 import json
 import shutil

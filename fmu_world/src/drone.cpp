@@ -17,7 +17,7 @@ namespace {
 
 /// A touch supports the drone if its normal is at most 45 degrees from the vertical.
 constexpr double kSupportNormal_z = 0.7071;
-/// A drone that starts at most this far above the ground is on the ground.
+/// If the height of a drone at the start is at most this, the drone is on the ground.
 constexpr double kOnGround_m = 0.01;
 /// Maximum overlap with other objects at the start.
 constexpr double kStartOverlap_m = 0.001;
@@ -257,8 +257,8 @@ void Drone::take_setpoint(std::int64_t time_ns, std::int64_t duration_ns) {
       static_cast<double>(duration_ns) * 1e-9;  // commands are sent at the end of the step
 }
 
-/// Speeds are those at the start of the step. They changed in the step before, which is assumed to have the same
-/// length.
+/// The input is the speed at the start of the step. The change of speed is that of the previous step, which is assumed
+/// to have the same length.
 void Drone::take_rotor_speeds(double duration_s) {
   for (std::size_t i = 0; i < kRotors; ++i) {
     rotor_acceleration_rad_per_s2_[i] = (inputs_.rotor_speed_rad_per_s[i] - rotor_speed_rad_per_s_[i]) / duration_s;

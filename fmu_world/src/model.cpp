@@ -23,8 +23,8 @@ std::int64_t inner_step_of(const Parameters& parameters) {
   return std::llround(step_s * 1e9);
 }
 
-/// Returns the length of the first `index` of `count` equal parts of a duration, 0 <= index <= count, rounded down. The
-/// product may exceed 64 bits.
+/// Divides a duration into `count` equal parts. Returns the length of the first `index` parts together, 0 <= index <=
+/// count, rounded down. The product may exceed 64 bits.
 std::int64_t part_of(std::int64_t duration_ns, std::int64_t index, std::int64_t count) {
   MEBOTS_ASSERT(duration_ns >= 0 && 0 <= index && index <= count && count > 0);
   __extension__ using Wide = __int128;

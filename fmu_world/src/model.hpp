@@ -19,8 +19,8 @@ namespace mebots::world {
 /// Drones in one world: scene, rigid bodies with their contacts, wind, time.
 ///
 /// A step of h is divided into n = ceil(h / physics.step) equal inner steps. Rotor thrusts, wind and set-points are
-/// constant during the step; the flight control runs in every inner step on the new state. Outputs are those of the end
-/// of the step, except the picture, which is that of its start.
+/// constant during the step; the flight control runs in every inner step on the new state. Outputs describe the end of
+/// the step, except the picture, which shows the start of the step.
 ///
 /// A drone that touches no other drone has the same bits as if it were alone in the world. The noise of drone i is a
 /// function of seed and i.

@@ -347,7 +347,8 @@ def warehouse():
 
 
 def shift_picture(name, left, bottom, edge):
-    """Shifts a picture so that its lower left corner is at (left, bottom) when it repeats from the world's origin."""
+    """Shifts a picture cyclically. When the result is repeated from the world's origin, a lower left corner of the
+    picture is at (left, bottom)."""
     grey = np.asarray(Image.open(THINGS / name))
     size = grey.shape[0]
     save(name, np.roll(grey, (-round(bottom / edge * size), round(left / edge * size)), axis=(0, 1)))

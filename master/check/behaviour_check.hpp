@@ -33,8 +33,8 @@ Probe stop_time_probe();
 /// Returns probes with calls that the standard forbids. The FMU must return an error.
 std::vector<Probe> illegal_call_probes(const Target& target);
 
-/// Returns the part of the reference traces that a run can be compared with. Traces in documentation/reference are made
-/// for this FMU, so a column that is no number of it is not left out: replay() reports it.
+/// Returns the part of the reference traces that a run can be compared with. Traces in documentation/reference belong
+/// to this FMU. Therefore a column that is not a numeric variable of the FMU is not left out, and replay() reports it.
 TraceScope scope_of(const std::optional<TraceFiles>& files, const ModelDescription& model);
 /// Compares a run with the reference traces.
 void replay(const Library& library, const TraceFiles& files);

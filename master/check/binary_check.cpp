@@ -60,8 +60,9 @@ bool is_linkers_own(std::string_view name) {
   return std::ranges::find(kOwn, name) != std::end(kOwn);
 }
 
-/// Resolves needed libraries as ld.so(8) does: RPATH of the library and of those that need it (unless the library has a
-/// RUNPATH), LD_LIBRARY_PATH, RUNPATH, then the system's folders, for which it calls the loader.
+/// Resolves needed libraries as ld.so(8) does: RPATH of the library and of the libraries that need it (unless the
+/// library has a RUNPATH), LD_LIBRARY_PATH, RUNPATH, and then the system's folders. For the system's folders, it calls
+/// the loader.
 class NeededLibraries {
  public:
   NeededLibraries(fs::path folder, Findings findings) : folder_(std::move(folder)), findings_(findings) {}

@@ -181,8 +181,9 @@ bool is_given_up(const CrashRule& rule) {
   return rule.given_up != nullptr && *rule.given_up;
 }
 
-/// Reads until the child closes its end of the pipe or the child ends. A process that the child leaves behind may keep
-/// the pipe open, so both conditions are checked. Returns false if the deadline passes or the user cancels first.
+/// Reads until the child closes its end of the pipe or the child ends. A process that the child has started may keep
+/// the pipe open after the child's end, so both conditions are checked. Returns false if the deadline passes or the
+/// user cancels first.
 bool read_all(int pipe, pid_t keeper, const BlackBox& box, const CrashRule& rule, std::string& text) {
   constexpr int kLook_ms = 50;
   SpentTime spent(box.child);

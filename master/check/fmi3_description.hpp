@@ -15,7 +15,7 @@
 #include <string_view>
 #include <vector>
 
-/// Checks of FMI 3.0 FMUs on the text of their files, so that each finding has its line.
+/// Checks FMUs of FMI 3.0 on the text of their files, so that each finding has a line number.
 namespace mebots::check {
 
 using modeldesc::words_of;
@@ -65,9 +65,11 @@ class Fmi3Description {
 void check_fmi3_head(const Fmi3Description& description, Findings findings);
 /// Checks that names and value references are unique, aliases included.
 void check_fmi3_names(const Fmi3Description& description, Findings findings);
-/// Checks combinations of causality, variability, initial and start, and that there is one independent variable.
+/// Checks the combinations of causality, variability, initial and start, and that there is exactly one independent
+/// variable.
 void check_fmi3_kinds(const Fmi3Description& description, Findings findings);
-/// Checks that units and types are defined, and that start values are within limits and known items.
+/// Checks that units and types are defined, that start values are within limits, and that start values of enumerations
+/// are items.
 void check_fmi3_types(const Fmi3Description& description, Findings findings);
 /// Checks dimensions, structural parameters and the number of start values.
 void check_fmi3_arrays(const Fmi3Description& description, Findings findings);

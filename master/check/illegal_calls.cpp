@@ -175,7 +175,7 @@ class Probes {
     add(
         "fmi2SetReal with null arrays", [](Instance&) {},
         [](Instance& i) { return i.functions().set_real(i.component(), nullptr, 1, nullptr); });
-    // The standard does not define calls with a null instance, but a tool that passes one by mistake should get an
+    // The standard does not define calls with a null instance. But if a tool passes null by mistake, it should get an
     // error.
     const double h = h_;
     add(

@@ -231,7 +231,8 @@ void check_serialization(const Library& library) {
     instance.require("fmi2SerializeFMUstate", f.serialize_fmu_state(instance.component(), state, bytes.data(), size));
     instance.require("fmi2FreeFMUstate", f.free_fmu_state(instance.component(), &state));
   }
-  // The instance that wrote the state is freed before, because the bytes of the state must not contain its addresses.
+  // The instance that wrote the state is freed first, because the bytes of a state must not contain addresses of this
+  // instance.
   Instance instance(library, "reader");
   instance.setup();
   instance.enter();

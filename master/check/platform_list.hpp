@@ -7,7 +7,7 @@
 
 namespace mebots::check {
 
-/// The machine for which the libraries in one folder of `binaries/` are built, and the libraries that they need.
+/// The machine for which the libraries in one folder of `binaries/` were built, and the libraries that they need.
 struct PlatformNeeds {
   std::string folder;   ///< its name, such as win64
   std::string machine;  ///< such as "x86-64 Windows"; empty if no library in it is of a known platform

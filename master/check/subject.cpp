@@ -65,8 +65,8 @@ void* allocate(std::size_t count, std::size_t size) {
   return memory;
 }
 
-/// Memory that was not allocated here is not passed to the C library, because free() would abort the process without
-/// naming the cause.
+/// Called by an FMU to free memory. If the memory was not allocated by this program, it is not passed to the C library:
+/// free() would abort the process without naming the cause.
 void give_back(void* memory) {
   if (memory == nullptr) return;
   {

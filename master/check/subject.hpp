@@ -128,7 +128,8 @@ class Instance final : private master::CallbackListener {
   /// Terminates the instance. Has no effect if the FMU has ended the run.
   void terminate();
 
-  /// Reports the call to the witness, makes it, and throws Refused unless it returns fmi2OK or fmi2Warning.
+  /// Reports the call to the witness, and then makes the call. Throws Refused unless the call returns fmi2OK or
+  /// fmi2Warning.
   void require(const std::string& call, fmi2Status status) const;
   void doing(std::string_view call) const { library_->witness().doing(call); }
   std::string last_message() const { return messages_.empty() ? "" : messages_.back(); }

@@ -49,8 +49,8 @@ struct Trace {
   std::vector<std::vector<Cell>> rows;  // by time and column
 };
 
-/// Returns the columns for which `is_number` is true. Throws Error if a cell is not a number, and, unless
-/// `ignores_others`, if there is any other column.
+/// Returns the columns for which `is_number` is true. Throws Error if a cell is not a number. Unless `ignores_others`
+/// is true, also throws if there is any other column.
 Trace read_trace(const std::filesystem::path& file, bool ignores_others,
                  const std::function<bool(const std::string& name)>& is_number);
 

@@ -53,8 +53,8 @@ std::vector<std::string> names_of(const std::vector<Argument>& options) {
   return names;
 }
 
-/// Returns bash's completions after the command's name: the listed values after an option that has a list, files after
-/// other options with a value, and options after a dash.
+/// Returns the code for bash that completes a command line after the command's name. After an option with listed
+/// values, it offers these values; after other options with a value, files; after a dash, options.
 std::string bash_case(const Command& command, const std::string& pattern) {
   std::string text = fmt::format("    {})\n      case $before in\n", pattern);
   std::vector<std::string> with_value;

@@ -72,7 +72,7 @@ std::string suggest(std::string_view wrong, std::span<const std::string> known) 
   };
   std::vector<Candidate> candidates;
   for (const auto& name : known) {
-    // If one name contains the other, they count as near, whatever the difference in length.
+    // If one name contains the other, the names count as near, regardless of their difference in length.
     const bool contained = wrong.size() >= 3 && name.size() >= 3 &&
                            (name.find(wrong) != std::string::npos || wrong.find(name) != std::string_view::npos);
     const auto most = contained ? 1 : std::max<std::size_t>(1, std::max(wrong.size(), name.size()) / 3);

@@ -54,8 +54,8 @@ bool Node::is_integer_literal() const {
 std::string Node::text() const {
   if (!is(Kind::text)) fail_kind("a text");
   const auto& text = document_->content_->values[index_].text;
-  // A text with a zero byte is refused, because C strings (paths for the system, values for FMI) would end there
-  // without an error.
+  // A text with a zero byte is refused: as a C string (a path, or a value for FMI), it would end at this byte without
+  // an error.
   if (text.find('\0') != std::string::npos) {
     fail(ErrorCode::invalid_value, fmt::format("{} contains a zero byte, where a C string ends; remove it", shown()));
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the place of each value. The JSON library calls back for every value, but does not report its offset. Therefore
-// a cursor follows the parser through the same text, one token per call. The parser has already validated the text that
-// the cursor passes, so the cursor needs few rules of JSON.
+// Finds the place of each value. The JSON library calls a function for every value, but does not report the value's
+// offset in the text. Therefore a cursor moves through the same text, by one token per call of the function. The parser
+// has already validated the text that the cursor passes, so the cursor needs few rules of JSON.
 #include "content.hpp"
 
 #include <fmt/format.h>
@@ -290,7 +290,8 @@ std::vector<Value> values_of(const nlohmann::ordered_json& json) {
 std::vector<Value> parse(std::string_view text, const std::string& name, const TextLines& lines,
                          std::vector<Mistake>& mistakes) {
   Builder builder(text, name, lines, mistakes);
-  // A zero byte is refused, because the library treats it as the end and would ignore the rest without an error.
+  // A zero byte is refused, because the library treats it as the end of the text, and would ignore the remaining text
+  // without an error.
   if (const auto zero = text.find('\0'); zero != std::string_view::npos) {
     builder.refuse(ErrorCode::syntax_error, zero,
                    "this contains a zero byte, so it is not JSON text; save the file as UTF-8");

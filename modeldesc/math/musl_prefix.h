@@ -29,7 +29,8 @@
 #undef __FP_FAST_FMA
 #undef __FP_FAST_FMAF
 
-// In a shared library, calls must reach these functions and not those of the program that loads it.
+// In a shared library, calls must reach these functions, and not functions of the same name in the program that loads
+// the library.
 #ifndef _WIN32
 #pragma GCC visibility push(hidden)
 #endif

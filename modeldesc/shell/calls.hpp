@@ -56,8 +56,9 @@ T& checked(T* pointer, std::string_view name) {
   throw Error(fmt::format("this FMU does not offer it: modelDescription.xml declares {}", flag));
 }
 
-/// Builds data that instances share, once: the C++ library's facets and the FMU's own tables. Must be called from a
-/// function that every tool calls after loading the library and before the first instance.
+/// Builds the data that instances share: the C++ library's facets and the FMU's own tables. Further calls have no
+/// effect. Must be called from a function that every tool calls after loading the library and before the first
+/// instance.
 void prepare_library() noexcept;
 
 struct Instantiation {

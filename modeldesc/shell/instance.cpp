@@ -265,7 +265,8 @@ void Instance::do_step(double point_s, double step_s) {
   if (!(std::abs(point_s - own_s) <= time_tolerance_s(own_s, step_s)))
     throw Error(fmt::format("currentCommunicationPoint = {} s, but this instance is at {} s", point_s, own_s));
   const std::int64_t end_ns = to_ns(point_s + step_s, "end of the step");
-  // Tools that add up their steps may end with a step of about 2e-13 s. Its end is the same nanosecond as its start.
+  // A tool that adds up its steps may end with a step of about 2e-13 s. Such a step ends in the same nanosecond in
+  // which it starts.
   if (end_ns <= time_ns_) return;
   if (stop_ns_ && to_s(end_ns - *stop_ns_) > time_tolerance_s(to_s(*stop_ns_), step_s))
     throw Error(fmt::format("the step would end at {} s, after the stopTime of {} s given to {}", to_s(end_ns),

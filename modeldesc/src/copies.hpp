@@ -8,8 +8,9 @@
 #include <string>
 #include <vector>
 
-/// The keys `repeat` and `copies` of description.json: one description for an FMU of one thing, such as a drone, and
-/// for an FMU of several. The copies of a variable are neighbours in the table, so that FMI 3.0 has one array for them.
+/// The keys `repeat` and `copies` of description.json: with these keys, one description describes an FMU with one
+/// object, such as a drone, and an FMU with several of them. The copies of a variable are consecutive rows of the
+/// table, so that FMI 3.0 has one array for them.
 namespace mebots::modeldesc {
 
 /// Reads `repeat`, {word: name of the parameter that holds the number of copies}. Returns the parameter's node.

@@ -414,7 +414,7 @@ class DescriptionReader {
     if (field.group) {
       const std::string& group = result_.groups[*field.group].name;
       const auto open = name.find('{');
-      // If the group is at the front of the name, the group's name states whose value it is (load_power_w). At other
+      // If the group is at the start of the name, the group's name stays in the field's name (load_power_w). At other
       // places, it is left out (drone_position_m).
       name.replace(open, group.size() + 2, open == 0 ? group : "");
     }

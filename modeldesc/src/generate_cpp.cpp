@@ -155,8 +155,8 @@ std::string struct_prefix(const Repeat& repeat) {
   return prefix;
 }
 
-/// Writes the structs of a description with copies. They are the same for every number of copies, so that one library
-/// of the model serves all of them.
+/// Writes the structs of a description with copies. They do not depend on the number of copies, so that all FMUs can
+/// link the same library of the model.
 void write_repeated_structs(std::string& out, Description description) {
   make_copies(description, 1);
   for (Field& field : description.fields) {

@@ -95,7 +95,7 @@ class Merge {
     fs::path archive;
   };
 
-  /// Throws Error if a file that all builds must share is missing in this build or in the first one.
+  /// Throws Error if a file that all builds must have in common is missing in this build or in the first one.
   void refuse_other_entries(const Build& build) {
     std::set<std::string> entries;
     for (const auto& [entry, file] : build.files()) {

@@ -51,9 +51,9 @@ struct FmuParts {
   std::filesystem::path sources;                        // folder, its contents are copied to sources/; may be empty
 };
 
-/// Writes the .fmu. The binary's header determines its platform. Throws mebots::Error with the name of a missing file.
-/// Also throws if the binary or one of its libraries needs a library that is neither in the archive nor part of every
-/// Linux or Windows.
+/// Writes the .fmu. The header of the binary determines its platform. Throws mebots::Error with the name of a missing
+/// file. Also throws if the binary or one of its libraries needs a library that is neither in the archive nor part of
+/// every Linux or Windows.
 void pack_fmu(const std::filesystem::path& archive, const FmuParts& parts);
 
 }  // namespace mebots::modeldesc

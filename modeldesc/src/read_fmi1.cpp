@@ -155,8 +155,8 @@ class Fmi1Reader {
     variable.initial = default_initial(variable.causality, variable.variability);
   }
 
-  /// In FMI 1.0, a negated alias has the value reference of its base. Here it gets a reference that no other variable
-  /// has.
+  /// In FMI 1.0, a negated alias has the value reference of its base. This function assigns it a reference that no
+  /// other variable has.
   void give_negated_aliases_their_references() {
     std::unordered_set<std::uint32_t> used;
     for (const auto& variable : result_.variables) used.insert(variable.value_reference);

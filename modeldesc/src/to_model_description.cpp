@@ -13,7 +13,7 @@
 namespace mebots::modeldesc {
 namespace {
 
-/// Returns the log categories that the FMI standard recommends and that the FMU has in addition to its own.
+/// Returns the log categories that the FMI standard recommends. The FMU has them in addition to its own categories.
 const std::vector<LogCategory>& standard_log_categories() {
   static const std::vector<LogCategory> categories = {
       {"logStatusWarning", "Warnings"},

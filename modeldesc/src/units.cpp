@@ -140,7 +140,7 @@ struct Factor {
   int exponent;
 };
 
-/// Parses a unit expression of FMI 2.0, which is that of Modelica:
+/// Parses a unit expression of FMI 2.0, which has the same grammar as in Modelica:
 ///
 ///     expression = numerator [ "/" denominator ]
 ///     numerator = "1" | factor { "." factor } | "(" expression ")"

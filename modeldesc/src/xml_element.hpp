@@ -177,9 +177,9 @@ void read_quantities(const Element& element, Target& target) {
   target.nominal = element.real("nominal");
 }
 
-/// Reads the dependencies of an unknown in <ModelStructure>. If one of them has no variable, returns no dependencies,
-/// which means that the unknown may depend on all inputs. `find` returns the index of the variable for a word, or
-/// empty.
+/// Reads the dependencies of an unknown in <ModelStructure>. If one of the dependencies is not a variable, returns no
+/// dependencies, which means that the unknown may depend on all inputs. `find` returns the index of the variable that a
+/// word denotes, or nullopt.
 template <typename Find>
 Unknown read_dependencies(const Element& element, Find find) {
   Unknown unknown;
@@ -199,7 +199,7 @@ Unknown read_dependencies(const Element& element, Find find) {
   return unknown;
 }
 
-/// Returns the type of a variable of FMI 1.0 or 2.0, and the child element that states it, such as <Real>.
+/// Returns the type of a variable of FMI 1.0 or 2.0, and the child element that declares this type, such as <Real>.
 std::pair<Type, Element> type_child(const Element& variable);
 
 /// Reads the start value from that child element; empty if there is none.

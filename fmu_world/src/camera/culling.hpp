@@ -22,8 +22,8 @@ class PictureSides {
 
   /// True if a face with these corners in the camera frame can be left out.
   bool leave_out(std::span<const Eigen::Vector3d> corners_C_m) const;
-  /// True if everything within `radius_m` of a point in the camera frame can be left out, such as objects behind the
-  /// camera.
+  /// True if all objects within `radius_m` of a point in the camera frame are invisible, for example because they are
+  /// behind the camera.
   bool leave_out(const Eigen::Vector3d& middle_C_m, double radius_m) const;
 
  private:

@@ -66,8 +66,8 @@ void add_side(Geometry& geometry, const Painted& solid, int axis, double sign, s
   geometry.faces.push_back(std::move(face));
 }
 
-/// Adds the sides of a box. Corners are computed once for all sides, because sides that share an edge must have the
-/// same bits.
+/// Adds the sides of a box. Corners are computed once for all sides, because two sides with a common edge must have
+/// corners with the same bits.
 void add_box(Geometry& geometry, const scene::Box& box, std::size_t tile, const scene::Lighting& lighting,
              std::size_t mover) {
   const Painted solid{axes_of(box), tile, lighting, mover};
@@ -89,8 +89,8 @@ void add_box(Geometry& geometry, const scene::Box& box, std::size_t tile, const 
   }
 }
 
-/// Adds the outside of a gate's four beams. Where beams meet, their faces have the same corners, even in the middle of
-/// an edge, so that no background is visible through a joint.
+/// Adds the outside of a gate's four beams. Where two beams meet, their faces have common corners, even in the middle
+/// of an edge. So no background is visible between the beams.
 void add_gate(Geometry& geometry, const scene::Gate& gate, std::size_t tile, const scene::Lighting& lighting) {
   const Painted solid{axes_of(gate), tile, lighting};
   const double outer_height_m = gate.frame_height_m();
@@ -209,8 +209,8 @@ std::size_t add_tile(Geometry& geometry, const scene::Texture& texture) {
   return place;
 }
 
-/// Adds a mesh. Points are computed once for all triangles, because triangles that share an edge must have the same
-/// bits.
+/// Adds a mesh. Points are computed once for all triangles, because two triangles with a common edge must have points
+/// with the same bits.
 void add_mesh(Geometry& geometry, const scene::Mesh& mesh, const Vector3d& p_W_m, const Eigen::Matrix3d& R_WM,
               const scene::Lighting& lighting, std::size_t mover) {
   std::vector<Vector3d> points_W;

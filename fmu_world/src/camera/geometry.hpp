@@ -55,8 +55,8 @@ struct Geometry {
 /// Returns the light on a surface, after Lambert: ambient + sun max(0, normal . to_sun).
 double lambert(const scene::Lighting& lighting, const Eigen::Vector3d& normal_W);
 
-/// Builds ground, boxes, cylinders, meshes and gates (for those with beams, the outside of Gate::beams()). Texture
-/// axes: the ground uses world x and y from the world's origin. A mesh uses its own coordinates, or the axes of its
+/// Builds ground, boxes, cylinders, meshes and gates (for those with beams, the outside of Gate::beams()). Axes of the
+/// textures: the ground uses the world's x and y from the origin. A mesh uses its own coordinates, or the axes of its
 /// frame. A cylinder has 32 sides. On vertical sides, the first axis is horizontal to the right and the second one up,
 /// from the lower left corner seen from outside. A gate's front and back share one pattern. Tops and bottoms use the
 /// solid's x and y, from their corner of least x and y. Undersides of boxes at or below the ground are left out,

@@ -26,9 +26,9 @@ struct BodyPose {
   Eigen::Matrix3d R_WB = Eigen::Matrix3d::Identity();
 };
 
-/// The pose of the camera. Its frame C has axes as the body's: x forward along the optical axis, y left, z up. A point
-/// (x, y, z) in C with x > 0 appears at column width/2 - f y/x and row height/2 - f z/x, counted from the picture's top
-/// left corner. The centre of the top left pixel is (0.5, 0.5).
+/// The pose of the camera. The axes of its frame C are named as those of the body: x forward along the optical axis, y
+/// left, z up. A point (x, y, z) in C with x > 0 appears at column width/2 - f y/x and row height/2 - f z/x, counted
+/// from the picture's top left corner. The centre of the top left pixel is (0.5, 0.5).
 struct Pose {
   Eigen::Vector3d p_WC_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d R_WC = Eigen::Matrix3d::Identity();
@@ -49,11 +49,11 @@ Pose camera_pose(const Mounting& mounting, const Eigen::Vector3d& p_WB_m, const 
 /// Optical properties of a lens.
 struct LensSettings {
   /// Radial distortion after Brown: a ray at r = tan(angle to the axis) meets the sensor at r (1 + k1 r^2 + k2 r^4),
-  /// both in focal lengths. A negative k1 gives a barrel distortion.
+  /// where r is in focal lengths. A negative k1 gives a barrel distortion.
   double k1 = 0.0;
   double k2 = 0.0;
-  /// Share of the cos^4 law of illumination: 0 is none, 1 is all, and more is for a lens that darkens its corners
-  /// further.
+  /// Share of the cos^4 law of illumination: 0 is no vignetting, 1 is the full law. A value above 1 is for a lens that
+  /// darkens its corners more than the law.
   double vignetting = 0.0;
 
   bool distorts() const { return k1 != 0.0 || k2 != 0.0; }

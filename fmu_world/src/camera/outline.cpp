@@ -11,7 +11,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Guard band: parts that are farther than this from the picture's middle are cut off, which keeps the integers small.
+/// Guard band: parts of a face that are farther than this from the middle of the picture are cut off. This keeps the
+/// integers small.
 constexpr double kGuard_px = 32768.0;
 
 struct Polygon {
@@ -106,7 +107,8 @@ Outline::Outline(const Picture& picture, std::span<const Vector3d> corners_C_m, 
 
   const auto [left, right] = std::minmax_element(x.begin(), x.begin() + corners);
   const auto [top, bottom] = std::minmax_element(y.begin(), y.begin() + corners);
-  // Returns the first row whose centre is at or below y, or the first column whose centre is at or right of x.
+  // Returns the first row whose centre is at or below the coordinate y, or the first column whose centre is at x or to
+  // the right of it.
   const auto first_at = [](std::int32_t at, int count) {
     static_assert(kOne == 1 << 12);
     return static_cast<int>(std::clamp<std::int64_t>((at - kHalf + kOne - 1) >> 12, 0, count));

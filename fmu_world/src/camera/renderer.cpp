@@ -50,8 +50,8 @@ Geometry checked(Geometry geometry) {
   return geometry;
 }
 
-/// Number of rows whose depths are tested together. It is large, so that a face is in few strips, and small enough that
-/// the rows fit into the first-level cache.
+/// Number of rows whose depths are tested together. A large number puts each face into few strips. But the rows must
+/// fit into the first-level cache.
 constexpr int kStripRows = Outline::kStripRows;
 
 /// Marks a pixel without a face.

@@ -63,8 +63,8 @@ class Renderer {
   const Intrinsics& intrinsics() const { return intrinsics_; }
 
   /// Writes width x height grey levels, row by row from the top left. The noise is a function of `seed`, `frame_index`
-  /// and the pixel's row and column. Throws mebots::Error if `pixels` has another size. Uses this renderer's own
-  /// workspace, so only one call may run at a time.
+  /// and the pixel's row and column. Throws mebots::Error if `pixels` has another size. The renderer has one workspace,
+  /// so only one call may run at a time.
   void render(const Pose& pose, std::uint64_t seed, std::uint64_t frame_index, std::span<std::uint8_t> pixels) {
     render(pose, seed, frame_index, pixels, workspace_);
   }
@@ -74,8 +74,8 @@ class Renderer {
               Workspace& workspace) const;
   Workspace make_workspace() const;
 
-  /// Computes the light alone, in grey levels before noise and rounding, of the rows [first, end) of a picture. `grey`
-  /// begins at row 0 and has `width` numbers per row.
+  /// Computes only the light, in grey levels before noise and rounding, for the rows [first_row, end_row) of a picture.
+  /// `grey` begins at row 0 and has `width` numbers per row.
   void render_light(const Pose& pose, int first_row, int end_row, std::span<float> grey, Workspace& workspace) const;
 
  private:

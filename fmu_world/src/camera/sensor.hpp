@@ -38,7 +38,7 @@ struct SensorSettings {
 ///
 /// The exposure of row r begins at t + r line_time, while the camera continues the motion that it has at t. The
 /// renderer uses one time for each band of eight rows, and `blur_samples` pictures per exposure. Rows are those of the
-/// picture before distortion. Shot noise: n electrons vary by sqrt(n).
+/// picture before distortion. Shot noise: the standard deviation of n electrons is sqrt(n).
 ///
 /// Automatic exposure uses a picture's mean. If it differs from the target by more than 5 grey levels, the product of
 /// exposure and gain is multiplied by target / mean, limited to 1/2 to 2. Exposure is increased first, then the gain is

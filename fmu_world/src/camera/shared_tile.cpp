@@ -35,7 +35,7 @@ class Tiles {
     return nullptr;
   }
 
-  /// Releases all memory with the last tile, so that the library's memory is the same as after loading.
+  /// Releases all memory if no tile is in use, so that the library's memory is the same as directly after loading.
   void remove_unused() {
     const std::lock_guard lock(mutex_);
     std::erase_if(used_, [](const auto& entry) { return entry.second.expired(); });

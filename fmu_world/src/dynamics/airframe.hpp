@@ -50,9 +50,10 @@ struct Wrench {
   Eigen::Vector3d torque_n_m = Eigen::Vector3d::Zero();
 };
 
-/// Returns the principal moments of inertia about body axes for a drone of `mass_kg`: those of the measured drone, plus
-/// those of the additional mass spread evenly over `drone.load_size_m` at the centre (for a lighter drone, that of the
-/// missing mass is subtracted). Throws mebots::Error if the mass or a moment is not > 0.
+/// Returns the principal moments of inertia about body axes for a drone of `mass_kg`: the moments of the measured drone
+/// plus those of the additional mass, which is spread evenly over a box of `drone.load_size_m` at the centre. For a
+/// lighter drone, the moments of the missing mass are subtracted. Throws mebots::Error if the mass or a moment is not >
+/// 0.
 Eigen::Vector3d inertia_for(const scene::Drone& drone, double mass_kg);
 
 /// Returns the wrench of the rotors in body axes: thrusts along +z at the rotors' positions, and reaction torques.

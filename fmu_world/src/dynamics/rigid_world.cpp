@@ -25,7 +25,7 @@ constexpr int kMaxContactsPerMesh = 24;  // a box and triangles may have more
 
 std::mutex ode_tables;
 
-/// ODE's tables for the whole process. ODE counts its users and frees its memory after the last one.
+/// Initialises ODE's tables for the whole process. ODE counts its users and frees its memory after the last one.
 class OdeTables {
  public:
   OdeTables() {
@@ -97,8 +97,8 @@ class RigidWorld::Impl {
   Impl(const scene::Scene& scene, std::span<const Eigen::Vector3d> body_sizes_m) : contact_(scene.contact) {
     prepare_thread();
     world_ = dWorldCreate();
-    // By default, all worlds share one list of jobs, which two threads must not use at the same time. Therefore each
-    // world gets its own list.
+    // By default, all worlds share one list of jobs, and two threads must not use this list at the same time. Therefore
+    // each world gets a list of its own.
     threading_ = dThreadingAllocateSelfThreadedImplementation();
     dWorldSetStepThreadingImplementation(world_, dThreadingImplementationGetFunctions(threading_), threading_);
     dWorldSetGravity(world_, 0.0, 0.0, -kGravity_m_per_s2);
@@ -183,8 +183,8 @@ class RigidWorld::Impl {
   const std::vector<Touch>& touches(std::size_t index) const { return at(index).touches; }
 
  private:
-  /// The limit of magnitudes. ODE multiplies several such numbers, and if a product is not finite, it ends the process
-  /// (dxNormalize4).
+  /// The maximum magnitude of a number that is passed to ODE. ODE multiplies several such numbers. If a product is not
+  /// finite, ODE ends the process (dxNormalize4).
   static constexpr double kMost = 1e40;
 
   struct Drone {
@@ -244,7 +244,7 @@ class RigidWorld::Impl {
     greatest_radius_m_ = std::max(greatest_radius_m_, drone.radius_m);
   }
 
-  /// Makes space for all touches with the scene, and with a few other drones at the same time.
+  /// Allocates memory for all contacts with the scene, and for contacts with a few other drones at the same time.
   void reserve() {
     constexpr std::size_t kNeighbours = 8;
     std::size_t most = 0;

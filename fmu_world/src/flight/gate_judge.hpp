@@ -60,8 +60,8 @@ struct GateEvent {
 /// The plane is the middle of the frame's thickness; the opening's border belongs to the opening. "The whole drone" is
 /// its contact box. Along the gate's x axis n, the box extends e = (|n.x_B| l_x + |n.y_B| l_y + |n.z_B| l_z) / 2 to
 /// both sides of its centre; l are the box's edges. The box is before the gate if x + e <= -thickness / 2, and after it
-/// if x - e >= thickness / 2. Between these places, it cannot leave the opening sideways. So a drone that oscillates in
-/// the plane neither crosses twice nor crosses back.
+/// if x - e >= thickness / 2. Between these two positions, the drone cannot leave the opening sideways. So a drone that
+/// moves back and forth in the plane neither crosses twice nor crosses back.
 ///
 /// A course may lead around a gate. Therefore a crossing only becomes invalid if the drone flies back through the
 /// gate's frame while the next gate is not crossed yet. A crossing of the last gate becomes invalid at any return

@@ -6,7 +6,7 @@
 namespace mebots::world {
 namespace {
 
-/// Above this height, which is about the width of the drone, the drone has left the ground.
+/// A drone above this height (about its own width) has left the ground.
 constexpr double kHop_m = 0.1;
 /// After this time without a touch, the drone flies, at any height.
 constexpr std::int64_t kLongestHop_ns = 5'000'000'000;

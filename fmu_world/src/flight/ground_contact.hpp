@@ -11,8 +11,8 @@ namespace mebots::world {
 /// weight minus its thrust is small, a hop is low but takes seconds. Hops below 10 cm belong to the contact.
 class GroundContact {
  public:
-  /// `hold_ns` is the duration of a contact after which the drone has landed. A drone that starts on the ground, with
-  /// its centre at `start_height_m`, has a contact that did not begin in the air.
+  /// `hold_ns` is the duration of a contact after which the drone has landed. If a drone starts on the ground, with its
+  /// centre at `start_height_m`, its first contact did not begin in the air.
   GroundContact(bool starts_on_ground, double start_height_m, std::int64_t start_ns, std::int64_t hold_ns)
       : hold_ns_(hold_ns),
         in_contact_(starts_on_ground),
@@ -22,7 +22,8 @@ class GroundContact {
 
   /// Reports whether the drone touches a surface below it, and the height of its centre. Times must not decrease.
   void update(bool touches, double height_m, std::int64_t time_ns);
-  /// Reports that the drone stands where it started or landed, so that this contact does not count as a landing.
+  /// Reports that the drone rests at the place where it started or landed. Then this contact does not count as a
+  /// landing.
   void stand() { from_air_ = false; }
 
   /// True if a contact that began in the air has lasted for the hold time.

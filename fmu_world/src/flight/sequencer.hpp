@@ -16,7 +16,7 @@ struct Situation {
   bool has_landed = false;     ///< GroundContact::has_landed()
 };
 
-/// Take-off and landing: determines the next phase from mode and situation, and whether the motors may turn.
+/// Determines the next phase of take-off and landing from the mode and the situation, and whether the motors may turn.
 ///
 ///   on_ground, landed --take_off--> climbing --altitude reached--> flying
 ///   on_ground, landed, climbing, descending --fly--> flying

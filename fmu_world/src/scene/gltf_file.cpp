@@ -40,7 +40,7 @@ bool keep_bytes(tinygltf::Image* image, int, std::string*, std::string*, int, in
   return true;
 }
 
-/// Numbers of an accessor, after a check that they are inside its buffer.
+/// The numbers of a glTF accessor. They were checked to be inside the accessor's buffer.
 struct Numbers {
   const unsigned char* first = nullptr;
   std::size_t count = 0;

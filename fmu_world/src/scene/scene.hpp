@@ -27,7 +27,7 @@ struct Displacement {
 };
 
 /// The motion of an obstacle at constant speed from point to point. It is a function of time only, so it has no state.
-/// After the last point, the obstacle stays there; with `repeat`, it starts again. Contacts do not stop it.
+/// At the last point, the obstacle stops; with `repeat`, it starts again from the first point. Contacts do not stop it.
 struct Path {
   struct Point {
     std::int64_t time_ns = 0;  ///< rising; the first one is 0

@@ -84,8 +84,8 @@ void CameraDevice::visit(state::Visitor& v) {
   v("exposure_s", exposure_s_);
   v("gain", gain_);
   if (sensor_) v("sensor", *sensor_);
-  // A restored picture goes into the other buffer, as a new picture does, so that the bytes of the last picture stay
-  // readable.
+  // A restored picture goes into the buffer that is not in use, as a new picture does. So the bytes of the last picture
+  // stay readable.
   if (v.restores()) front_ ^= 1U;
   v("picture", std::span(buffers_[front_]));
 }

@@ -16,8 +16,8 @@
 
 namespace mebots::world {
 
-/// Takes a picture when the count of requests changes. With two buffers, a picture's bytes stay valid while the next
-/// one is taken, so a reader may use them until the end of the next step.
+/// Takes a picture when the count of requests changes. It has two buffers. So a picture's bytes stay valid while the
+/// next picture is taken, and a reader may use them until the end of the next step.
 class CameraDevice {
  public:
   struct Settings {

@@ -17,7 +17,7 @@ namespace mebots::world {
 ///   x: v_x / d - w_y      y: v_y / d + w_x      [rad/s], v and w in body axes
 ///
 /// A sample is this motion over a period, in pixels, with normal noise, as a whole number of counts; the rounding error
-/// is carried over to the next sample. A sample is invalid if the surface was too near, out of range, or too fast.
+/// is added to the next sample. A sample is invalid if the surface was too near, out of range, or too fast.
 class FlowSensor {
  public:
   struct Sample {

@@ -14,9 +14,9 @@ namespace mebots::world {
 ///
 ///   reading = truth + bias + normal noise
 ///
-/// The true values are the mean specific force (without gravity, over the mass) since the last inner step, and the body
-/// rate. Biases are constant; each is drawn once from the seed with a standard deviation. Noise depends on seed and
-/// time only.
+/// The true values are the body rate, and the mean specific force since the last inner step. The specific force is the
+/// sum of all forces except gravity, divided by the mass. Biases are constant; each is drawn once from the seed with a
+/// standard deviation. Noise depends on seed and time only.
 class Imu {
  public:
   static constexpr std::int64_t kPeriod_ns = 1'000'000;

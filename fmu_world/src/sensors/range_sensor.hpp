@@ -16,8 +16,8 @@
 namespace mebots::world {
 
 /// Measures the distance from the body's centre along the body's -z axis to the next surface: ground, obstacles, gates,
-/// other drones. A sample is constant until the next one; it is `range_limit_m` if no surface is nearer. Samples that
-/// noise makes negative are 0.
+/// other drones. The output is constant between two samples. It is `range_limit_m` if no surface is nearer. Samples
+/// that noise makes negative are 0.
 ///
 /// In mode `ray`, it takes a sample every 25 ms (the rate at which Crazyflie's firmware polls its VL53L1X), with
 /// constant noise. In mode `cone`, it measures the nearest surface on 17 rays of the field of view, with rate,

@@ -73,8 +73,8 @@ Eigen::Vector3d Stabiliser::wanted_velocity(const StabiliserGoal& goal, const Ri
 
 Eigen::Vector3d Stabiliser::wanted_acceleration(const StabiliserGoal& goal, const RigidState& state, double yaw_rad,
                                                 double dt_s) {
-  // The reference velocity follows the wanted velocity as the closed loop can, so that the integrator only compensates
-  // wind, voltage sag and wrong constants.
+  // The reference velocity follows the wanted velocity as fast as the closed loop can. So the integrator only has to
+  // compensate wind, voltage sag and errors of the model's constants.
   const Eigen::Vector3d follow_per_s{gains_.velocity_p_per_s, gains_.velocity_p_per_s, gains_.climb_p_per_s};
   const Eigen::Vector3d pull_H = limited_horizontally(
       follow_per_s.cwiseProduct(wanted_velocity(goal, state, yaw_rad) - memory_.velocity_H_m_per_s),

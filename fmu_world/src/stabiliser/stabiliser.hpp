@@ -25,7 +25,7 @@ struct StabiliserGoal {
 
 /// Gains of the stabiliser. fmu_world/docs/stabiliser.md derives them.
 struct Gains {
-  /// Feedback of one rotation axis whose torque follows its command with a first-order lag.
+  /// Gains of the feedback for one rotation axis. The torque of the axis follows its command with a first-order lag.
   struct Rotation {
     double angle_per_s;   ///< rad/s of wanted rate per rad of error
     double rate_per_s;    ///< rad/s2 of wanted acceleration per rad/s of error

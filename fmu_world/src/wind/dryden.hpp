@@ -17,9 +17,9 @@ namespace mebots::world {
 ///   along x:   H(s) = sigma sqrt(2 L / (pi V)) / (1 + L/V s)
 ///   y and z:   H(s) = sigma sqrt(L / (pi V)) (1 + sqrt(3) L/V s) / (1 + L/V s)^2
 ///
-/// Each has the standard deviation sigma. The filters are stepped every 10 ms, exactly for white noise, and are
-/// constant in between. The noise is a function of seed and time only, so steps and other instances do not change it.
-/// The filters start in their stationary distribution.
+/// Each has the standard deviation sigma. The filters advance every 10 ms, with the exact discrete solution for white
+/// noise, and are constant in between. The noise is a function of seed and time only, so it does not depend on the step
+/// or on other instances. The filters start in their stationary distribution.
 class Dryden {
  public:
   struct Settings {

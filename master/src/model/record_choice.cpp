@@ -19,11 +19,11 @@ using modeldesc::Type;
 using modeldesc::Variability;
 using modeldesc::Variable;
 
-/// A set of patterns that records which of them matched.
+/// A set of patterns that records which of its patterns matched.
 ///
-/// A name is compared only with the patterns whose literal beginning (the text before the first * or ?) is a beginning
-/// of the name. Therefore a long list of names, or of patterns such as "cell.branch[7].*", costs one look-up per length
-/// of a beginning.
+/// The literal beginning of a pattern is its text before the first * or ?. A name is compared only with patterns whose
+/// literal beginning is a beginning of the name. So with a long list of patterns such as "cell.branch[7].*", a name
+/// costs one look-up for each length of a literal beginning.
 class Patterns {
  public:
   explicit Patterns(const std::vector<RecordPattern>& patterns) : patterns_(&patterns), used_(patterns.size(), false) {

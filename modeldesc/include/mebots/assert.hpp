@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-/// MEBOTS_ASSERT(condition) and MEBOTS_ASSERT(condition, "why it holds") state an assumption of the code around them:
+/// MEBOTS_ASSERT(condition) and MEBOTS_ASSERT(condition, "why it holds") check an assumption of the code next to them:
 /// an index inside its array, an order of calls, an invariant of a class. If the condition is false, MEbots has a bug.
 /// The macro then prints file, line, function and condition to stderr and aborts the process. Wrong input from outside
 /// throws a mebots::Error instead.

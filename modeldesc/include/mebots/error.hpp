@@ -9,7 +9,7 @@
 namespace mebots {
 
 /// The error type of the project. Its message says what is wrong, where (file, instance, variable), which value, and
-/// what to do. Its code carries the kind of error for programs. To add context, catch the error and keep its code:
+/// what to do. Its code tells programs the kind of the error. To add context, catch the error and keep its code:
 ///
 ///     throw Error(error.code(), place + ": " + error.what());
 ///

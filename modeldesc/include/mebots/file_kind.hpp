@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Checks whether a path names a file or a folder. std::filesystem throws for a path that no file can have, such as one
-// that is too long; these functions return false. If permission for a folder of the path is missing, is_there() returns
-// true, because a file may exist. Opening the file then reports the reason.
+// Checks whether a path names a file or a folder. For an impossible path, such as one that is too long, std::filesystem
+// throws, but these functions return false. If the permission for a folder of the path is missing, is_there() returns
+// true, because the file may exist. An attempt to open the file then reports the reason.
 #pragma once
 
 #include <filesystem>

@@ -7,8 +7,8 @@
 
 namespace mebots {
 
-/// Returns the number of insertions, removals, replacements and swaps of neighbouring characters that turn one text
-/// into the other. Ignores case.
+/// Returns the edit distance: the number of insertions, removals, replacements and swaps of neighbouring characters
+/// that change one text into the other. Ignores case.
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
 /// Returns a sentence for the end of an error message: "Did you mean 'x' or 'y'?" with the known names nearest to

@@ -18,8 +18,8 @@ namespace mebots::data {
 /// numbers. Skips empty lines. All errors are an Error that names file, line and column.
 class CsvReader {
  public:
-  /// Reads the header. `text` must outlive the reader; `name` is the file's name in errors. Throws Error for a text
-  /// that is not CSV, such as UTF-16 or a workbook, and for cells that are separated by something other than commas.
+  /// Reads the header. `text` must outlive the reader; `name` is the file's name in errors. Throws Error if the text is
+  /// not CSV, such as UTF-16 text or a workbook, or if cells are not separated by commas.
   CsvReader(std::string_view text, std::string name);
 
   const std::string& name() const { return name_; }

@@ -21,8 +21,8 @@ struct Member;
 enum class Kind : std::uint8_t { null, boolean, whole_number, number, text, list, object };
 
 /// A value of a Document, with its place. It is cheap to copy, and valid as long as the document. If the value is not
-/// of the requested kind, functions that read it throw Mistakes with file, line, column and JSON pointer. Call them
-/// inside attempt() to continue after a mistake, as Object does.
+/// of the requested kind, functions that read it throw Mistakes with file, line, column and JSON pointer. To continue
+/// after a mistake, call these functions inside attempt(), as Object does.
 class Node {
  public:
   Kind kind() const;

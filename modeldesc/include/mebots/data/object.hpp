@@ -63,7 +63,7 @@ class Object {
   /// Reports the keys that were not read. Most are typing errors; the message suggests the nearest known key.
   void finish() const;
 
-  /// True if no mistake was added since this Object was made, so that members can be compared with each other.
+  /// True if no mistake was added since this Object was constructed. Then members can be compared with each other.
   bool sound() const { return node_.noted() == noted_before_; }
   bool has(std::string_view key) const { return node_.has(key); }
   const Node& node() const { return node_; }

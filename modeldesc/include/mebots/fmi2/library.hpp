@@ -7,8 +7,8 @@
 /// The functions of an FMU's shared library as a table of pointers, and the standard's requirements on each.
 namespace mebots::fmi2 {
 
-/// States which FMUs must export a function: all (`to_run`: no simulation works without the function), those for
-/// co-simulation (`to_step`) or model exchange, or those whose modelDescription.xml claims a capability.
+/// States which FMUs must export a function: all (`to_run`: no simulation works without the function), FMUs for
+/// co-simulation (`to_step`), FMUs for model exchange, or FMUs whose modelDescription.xml declares a capability.
 enum class Need {
   to_run,
   always,

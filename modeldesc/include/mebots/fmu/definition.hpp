@@ -28,8 +28,8 @@ inline constexpr std::size_t kNoField = static_cast<std::size_t>(-1);
 /// Marks a variable whose number of elements is fixed.
 inline constexpr std::size_t kFixedSize = static_cast<std::size_t>(-1);
 
-/// A scalar variable of FMI 2.0 and the place of its value in the instance's variables. Consecutive rows that are the
-/// elements of an array or the parts of a Binary are one variable in FMI 3.0.
+/// A scalar variable of FMI 2.0 and the place of its value in the instance's variables. In FMI 3.0, consecutive rows
+/// form one variable if they are the elements of an array or the parts of a Binary.
 struct Variable {
   std::string_view name;
   Type type;

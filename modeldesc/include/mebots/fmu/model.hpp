@@ -24,9 +24,9 @@ class Host {
   virtual void log(Severity severity, std::string_view category, std::string_view message) = 0;
 };
 
-/// An initialised instance: it exists from the end of initialisation until reset or free. It reads parameters and
-/// inputs from the Variables that its constructor got, and writes outputs to them. Throws mebots::Error for everything
-/// that a user can correct.
+/// The model of an initialised instance. It exists from the end of initialisation until the instance is reset or freed.
+/// It reads parameters and inputs from the Variables that its constructor got, and writes outputs into them. Throws
+/// mebots::Error for everything that a user can correct.
 class Model {
  public:
   virtual ~Model() = default;
@@ -40,9 +40,9 @@ class Model {
   virtual std::string on_demand_text(std::string_view /*name*/) const { return {}; }
 };
 
-/// Builds the tables that all instances of the FMU share. An FMU may leave it out. The shell calls it before the first
-/// instance. Then the library's memory is the same after a mission as before its first instance. The next mission of a
-/// study can run in the same process.
+/// Builds the tables that all instances of the FMU share. The function is optional; the shell calls it before the first
+/// instance is created. So after a mission, the library's memory is the same as before the first instance, and the next
+/// mission of a study can run in the same process.
 [[gnu::weak]] void prepare_shared_tables();
 
 }  // namespace mebots::fmu

@@ -21,8 +21,8 @@ ZipHandle open_zip(const std::filesystem::path& archive);
 /// Opens an archive in memory, which must outlive the handle. `name` is the archive's name in messages.
 ZipHandle open_zip(std::string_view bytes, std::string_view name);
 
-/// Returns the name of an entry without parts that are empty or ".", with a slash at its end if it is a folder; null if
-/// a part is "..".
+/// Returns the name of an entry without parts that are empty or ".". The name of a folder gets a slash at its end.
+/// Returns nullopt if a part is "..".
 std::optional<std::string> normal_entry_name(std::string_view name);
 
 /// An archive after a check of names, kinds and declared sizes, as described at unpack().

@@ -44,8 +44,9 @@ bool is_built_for(const Platform& platform, const std::filesystem::path& library
 const Platform& platform_of(const std::filesystem::path& library);
 
 /// Returns the folder of an unpacked FMU with the libraries for this machine: `binaries/` and the platform's name. If
-/// this folder does not exist, returns `binaries/linux64`, if the library `file` in it is for this machine. FMI 2.0 has
-/// no name for Linux on processors other than x86, and some tools use `linux64` for all processors.
+/// this folder does not exist, but the library `file` in `binaries/linux64` is for this machine, returns
+/// `binaries/linux64`. FMI 2.0 has no name for Linux on processors other than x86, and some tools use `linux64` for all
+/// processors.
 std::filesystem::path binaries_folder(const std::filesystem::path& fmu, bool is_fmi3, std::string_view file);
 
 }  // namespace mebots::modeldesc
