@@ -1,9 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds MEbots for 64-bit ARM with Debian's cross compiler, runs a mission with it under qemu-user and compares the results with those of a
-# build for this machine: the bits must be equal (docs/concepts/determinism.md#64-bit-arm). The chip is interpreted there, because its
-# translation to host code is for x86-64. Needs crossbuild-essential-arm64, qemu-user-static and mmdebstrap, and scripts/setup.sh once
-# before.
+# Builds MEbots for 64-bit ARM with Debian's cross compiler, runs a mission with it under qemu-user and compares the results with those of a build for
+# this machine: the bits must be equal (docs/concepts/determinism.md#64-bit-arm). On ARM, the chip is interpreted, because its translation to host
+# code exists only for x86-64. Needs crossbuild-essential-arm64, qemu-user-static and mmdebstrap, and scripts/setup.sh once before.
 #
 #   scripts/arm64.sh [BUILD_FOLDER [ARGUMENT...]]    the build for this machine (build/release); arguments of `mebots run`
 set -euo pipefail

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Fuzzes one reader of files with libFuzzer, address and undefined-behaviour sanitizers (clang 14), on one core.
-# Usage: scripts/fuzz.sh NAME [EXECUTIONS] [OPTION...]
+# Fuzzes one reader of files with libFuzzer, address and undefined-behaviour sanitizers (clang 14), on one core. Usage: scripts/fuzz.sh NAME
+# [EXECUTIONS] [OPTION...]
 #   NAME        a mebots_fuzz() of tests/fuzz/CMakeLists.txt (elf, board, gdb, archive, config, ssp, ssp_folder, osp, scenario,
 #               checkpoint, model_description, fmi3, description, state, cell, rotor, scene,
 #               network)
 #   OPTION      of libFuzzer, after those of this script: -max_len=16384, -max_total_time=3600 ...
-# Starts from the inputs of the archive (scripts/fuzz_corpora.sh), collects inputs in build/fuzz/corpus/NAME, prints statistics and adds them to
+# Starts from the stored inputs (scripts/fuzz_corpora.sh), and collects inputs in build/fuzz/corpus/NAME. Prints statistics, and adds them to
 # build/fuzz/NAME.runs. An input that shows an error is left in build/fuzz/found/NAME. Correct the code, then keep the input by
 # scripts/fuzz_corpora.sh add NAME FILE; ctest replays it.
 #

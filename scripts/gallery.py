@@ -29,7 +29,8 @@ PYTHON = ROOT / ".venv/bin/python"
 
 @dataclasses.dataclass(frozen=True)
 class Question:
-    """A section of the page: its heading, one command, the lines of the answer that it prints, and its picture."""
+    """A section of the page: its heading, one command, those lines of the command's output that are the answer, and a
+    picture."""
 
     title: str
     command: str
@@ -59,7 +60,8 @@ def read_questions(page=PAGE):
 
 
 def ask(question, build, folder):
-    """Runs the command of a question in a folder as it is typed in a checkout, and returns what it prints."""
+    """Runs the command of a question in a folder, as a user would type it in a checkout. Returns the output of the
+    command."""
     if not (folder / "configs").exists():
         (folder / "configs").symlink_to(ROOT / "configs")
     environment = os.environ | {

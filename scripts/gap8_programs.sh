@@ -6,7 +6,7 @@
 #   git clone https://github.com/pulp-platform/Himax_Dataset           pictures of its camera
 #   git clone https://github.com/GreenWaves-Technologies/gap_sdk       flasher, fuser
 # and hello, which gvsoc/gvsoc has as examples/pulp-open/hello at e4a7e8c. If GVSoC is installed (MEBOTS_GVSOC names its program, or it is on PATH),
-# programs that both support run on both, with CoreMark from
+# the programs that both simulators support run on both. CoreMark is one of them:
 #   git clone https://github.com/eembc/coremark
 # Build first: cmake --build --preset release --target mebots-soc. Needs NumPy for the integers of the reference, and riscv64-unknown-elf-gcc.
 set -euo pipefail

@@ -24,8 +24,8 @@ TIDY = ROOT / ".venv/bin/clang-tidy"
 REMEMBERED = pathlib.Path(os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache") / "mebots-lint"
 OPTIONS = ["-quiet", "-extra-arg=-Wno-unknown-warning-option", "-extra-arg=-Wno-deprecated-declarations"]
 PRODUCT = re.compile(r"(modeldesc|fmu_[a-z]+|master)/")
-# Tests start other programs, check that code throws, repeat their random numbers, count in whole pixels and ticks, and need not be fast. So these
-# rules do not apply to them.
+# Tests start other programs, check that code throws, use reproducible random numbers, count in whole pixels and ticks, and need not be fast.
+# Therefore these rules do not apply to tests.
 OFF_IN_TESTS = ("bugprone-command-processor bugprone-empty-catch bugprone-implicit-widening-of-multiplication-result "
                 "bugprone-derived-method-shadowing-base-method bugprone-reserved-identifier bugprone-integer-division "
                 "bugprone-unchecked-string-to-number-conversion bugprone-random-generator-seed bugprone-float-loop-counter "

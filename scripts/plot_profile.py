@@ -4,8 +4,8 @@
 
 Usage: plot_profile.py PROFILE.json [--out PICTURE.png] [--profiles time energy]
 
-The file is speedscope's, so speedscope.app can open it too. This script draws its call trees as a picture: each box is a
-function, as wide as its share including its callees, drawn on top of its caller.
+The file is speedscope's, so speedscope.app can open it too. This script draws its call trees as a picture: each box is
+a function, and is on top of the box of its caller. Its width is the share of the function and its callees.
 """
 
 import argparse

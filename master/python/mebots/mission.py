@@ -205,9 +205,9 @@ class Mission:
         self._run.reset()
 
     def free_instances(self) -> list[tuple[str, bool]]:
-        """Closes the mission and frees its instances. Returns the FMUs that are not clean, and whether they ran in
-        this process: what they left behind could change a later mission. Afterwards variables can be read only
-        after reset()."""
+        """Closes the mission and frees its instances. Returns the FMUs that are not clean, and whether they ran in this
+        process: data that they left there could change a later mission. Afterwards variables can be read only after
+        reset()."""
         return self._run.free_instances()
 
     def interrupt(self) -> None:

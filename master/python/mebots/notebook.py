@@ -55,7 +55,7 @@ def _page_of(page: pathlib.Path) -> pathlib.Path:
 
 
 def _program() -> str:
-    """Returns the path of the program `mebots`: that of the wheel, else that of the build or installation, else the one
+    """Returns the path of the program `mebots`: the program in the wheel, or else in the build or installation, or else
     in PATH."""
     here = pathlib.Path(__file__).resolve().parent
     places = [here / "bin" / "mebots", here.parents[1] / "bin" / "mebots", here.parents[3] / "bin" / "mebots"]

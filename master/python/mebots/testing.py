@@ -153,7 +153,7 @@ class Board:
 
     @property
     def report(self) -> dict[str, Any]:
-        """Counts, times and energies of the run so far, in the form in which ``--json`` writes them."""
+        """Counts, times and energies of the run so far, in the format of ``--json``."""
         return self._ask({"report": True})["report"]
 
     @property

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sensor's behaviour, in C++ because states alone cannot describe it: the sensor resolves hundredths only.
-// Registers, states, currents, delays and variables are those of board.json, which names the kind and the library that
-// are built from this file.
+// The behaviour of the sensor. It is in C++, because states alone cannot describe it: the sensor has a resolution of
+// hundredths. Registers, states, currents, delays and variables are in board.json. That file also names the kind and
+// the library that are built from this file.
 #include "mebots/soc/device_kind.hpp"
 #include "mebots/soc/fixed_point.hpp"
 

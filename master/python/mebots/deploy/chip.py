@@ -145,8 +145,8 @@ class Build:
         return self._link(gcc, self._own(), [*self._runtime(), *self._shared()], "check.elf")
 
     def pilot(self, name: str, sources: Sequence[str], order: Sequence[int]) -> pathlib.Path:
-        """Builds a flight's program. ``order`` has, for each value that the program takes, its place among the
-        network's outputs."""
+        """Builds a flight's program. For each value that the program needs, ``order`` has the index of the network's
+        output."""
         gcc = compiler()
         self._make_header()
         (self._scratch / "output_order.h").write_text(f"#define OUTPUT_ORDER {', '.join(map(str, order))}\n")

@@ -29,7 +29,8 @@ __all__ = ["check_and_measure", "deploy", "lower"]
 def deploy(model: str | os.PathLike[str], data: str | os.PathLike[str], out: str | os.PathLike[str], options: Options | None = None) -> dict[str, Any]:
     """Writes the folder ``out``, which must not exist. Returns the content of its network.json.
 
-    The integers are checked in C on this machine, and on the chip with one core and with all, before the folder appears.
+    Before the folder is created, the integers are checked in C on this machine, and on the chip with one core and with
+    all cores.
     """
     options = options or Options()
     target = pathlib.Path(out)

@@ -37,7 +37,8 @@ NAMES = ("LeakyRelu", "Sigmoid", "HardSigmoid", "HardSwish", "Tanh", "Elu", "Sof
 
 
 def of(op: str, attribute: Callable[[str, Any], Any]) -> tuple[Function, Limits]:
-    """Returns the function of an operator, with its least and greatest value if they are known."""
+    """Returns the function that an operator computes, and the minimum and maximum of this function if they are
+    known."""
     if op == "LeakyRelu":
         return leaky(attribute("alpha", 0.01)), None
     if op == "Sigmoid":

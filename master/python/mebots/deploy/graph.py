@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A network in float: tensors, and nodes of a few kinds in the order of computation. The batch is always one.
+"""A network in floating point: tensors, and nodes of a few kinds in the order of computation. The batch is always one.
 
     conv     weight (out, in / groups, rows, columns), bias, strides, pads, dilations; the kernel of a dense layer is
              its whole input; with ``pool`` > 1, the maximum of pool x pool places follows

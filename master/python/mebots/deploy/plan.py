@@ -30,8 +30,8 @@ class Memory:
 
 @dataclasses.dataclass
 class Part:
-    """A part of an output's channels, with their groups of four as (first channel in the output, count, first input
-    channel)."""
+    """A part of an output's channels. The channels are in groups of four; each group is (first channel in the output,
+    count, first input channel)."""
 
     first: int
     channels: int
@@ -409,7 +409,8 @@ _CYCLES_PER_STEP = 250
 
 
 def _step_cycles(layer: Layer, steps: Steps, part: Part) -> float:
-    """Returns the cycles of the cores for a part of a tile, including the time in which some cores wait for others."""
+    """Returns the cycles that the cores take for a part of a tile, including the time in which some cores wait for
+    others."""
     if layer.kind in FLAT_KINDS:
         return steps.tile_rows * 12 / CORES
     rows, columns = steps.tile_rows * layer.pool, layer.output.columns * layer.pool

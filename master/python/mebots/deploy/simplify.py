@@ -125,8 +125,8 @@ def _join_flatten(graph: Graph) -> bool:
 
 
 def _swap_limits(graph: Graph) -> bool:
-    """Moves limits after a maximum to the place before it, where they can be merged into a convolution. The result is the
-    same."""
+    """Moves a limit that follows a maximum to the place before the maximum, where it can be merged into a convolution.
+    The result does not change."""
     for first, second in _pairs(graph):
         source = first.inputs[0]
         before = graph.producer(source)

@@ -17,7 +17,7 @@ from mebots.exploration.study import Constraint, Objective
 _MOST_ROWS = 10
 _MOST_NAMED = 3
 _MOST_MISSIONS = 1_000_000
-"""If more missions than this are needed, the answer says that no number of missions separates the designs."""
+"""If more missions than this are needed, the answer states that more missions would not separate the designs."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -133,8 +133,8 @@ class Judge:
         return rows
 
     def _key(self, design: int, found: Sequence[Estimate], at: int | None) -> tuple[float, ...]:
-        """Returns the key for sorting. Designs that can be ranked come first. They are sorted by the share on which the
-        main objective depends, then by that objective, then by the other objectives."""
+        """Returns the key for sorting. Designs that can be ranked come first. They are sorted by the share of missions
+        that count for the main objective, then by the main objective, then by the other objectives."""
         if at is None or self._main is None or found[at].mean is None:
             return (2,)
         order = self._order(self._main, found)
@@ -171,8 +171,8 @@ class Judge:
     # The headline.
 
     def _group(self, objective: Objective) -> list[int]:
-        """Returns the designs to compare: among those whose means satisfy the constraints, the ones with the highest
-        share on which the objective depends."""
+        """Returns the designs to compare. Of the designs whose means satisfy the constraints, these have the highest
+        share of missions that count for the objective."""
         shown = self._evidence.shown
         designs = [
             design
@@ -321,8 +321,8 @@ def _rest(items: Sequence[object]) -> str:
 
 
 def missions_to_separate(evidence: Evidence, best: int, other: int, objective: Objective) -> int | None:
-    """Returns how many more missions of both designs would prove their order, if their differences stay the same.
-    Returns None if the best design does not lead, or leads by too little."""
+    """Returns how many more missions of both designs would prove which of them is better, if their differences stay the
+    same. Returns None if the best design does not lead, or leads by too little."""
     differences = evidence.differences(best, other, objective)
     count = len(differences)
     if objective.is_share:

@@ -62,7 +62,8 @@ def share_evidence(successes: int, count: int, share: float) -> float:
 
 
 def share_sequence(successes: int, count: int, error: float) -> Interval:
-    """Returns an interval of a share that is valid at all counts at once, with a probability of at least 1 - error."""
+    """Returns an interval for a share. With a probability of at least 1 - error, the intervals for all counts contain
+    the share."""
     if count == 0:
         return 0.0, 1.0
     bound = -math.log(error)
@@ -79,7 +80,8 @@ def _times_log(count: int, p: float) -> float:
 
 
 def _edge(outside: Callable[[float], bool], far: float, near: float) -> float:
-    """Returns the last point outside, between ``far``, which is outside, and ``near``, which is inside."""
+    """Searches between ``far``, which is outside, and ``near``, which is inside. Returns the point nearest to ``near``
+    that is still outside."""
     for _ in range(60):
         middle = (far + near) / 2
         if outside(middle):
@@ -123,7 +125,8 @@ def student(moments: Moments, error: float) -> Interval:
 
 
 def mean_sequence(moments: Moments, error: float) -> Interval:
-    """Returns an interval of a mean that is valid at all counts at once, with a probability of at least 1 - error."""
+    """Returns an interval for a mean. With a probability of at least 1 - error, the intervals for all counts contain
+    the mean."""
     n = moments.count
     if n < 2:
         return -math.inf, math.inf
@@ -159,8 +162,8 @@ def percentile_interval(ordered: Sequence[float], percentile: float, error: floa
 
 
 def percentile_sequence(ordered: Sequence[float], percentile: float, error: float) -> Interval:
-    """Returns an interval of a percentile that is valid at all counts at once, with a probability of at least 1 -
-    error."""
+    """Returns an interval for a percentile. With a probability of at least 1 - error, the intervals for all counts
+    contain the percentile."""
     count, share, bound = len(ordered), percentile / 100, -math.log(error)
     possible = [at for at in range(count + 1) if share_evidence(at, count, share) < bound]
     return _between_ranks(ordered, possible[0], possible[-1])

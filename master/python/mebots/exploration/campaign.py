@@ -128,8 +128,8 @@ class Campaign:
     # Steps before the first mission.
 
     def check(self, journal: Journal | None = None) -> None:
-        """Initialises missions to t = 0 so that every value of every factor occurs at least once, and so do the
-        extremes of each draw. Raises InputError with all errors."""
+        """Initialises missions to t = 0. Every value of every factor, and both extremes of each draw, occur in at least
+        one of them. Raises InputError with all errors."""
         tried: dict[str, tuple[str, Values]] = {}
         found: dict[str, Record] = {}
         problems: dict[str, str] = {}
@@ -299,7 +299,8 @@ class Campaign:
         others: list[Journal],
         on_progress: Callable[[Progress], None],
     ) -> None:
-        """Adds the missions of a round to the journal and the results, up to the one at which too many have failed."""
+        """Adds the missions of a round to the journal and the results, up to the mission with which the number of
+        failures is too large."""
         flights = results.flights
         left = rounds.most_left() - len(flights)
         likely_left = rounds.likely_left() - len(flights)

@@ -15,7 +15,8 @@ from mebots import _mebots
 _NORMAL = statistics.NormalDist()
 _DIGITS = decimal.Context(prec=40)
 # Numerator and denominator of Wichura's Algorithm AS 241 (Applied Statistics 37, 1988) for the tails of the normal
-# distribution, up to 5 and beyond, highest power first. Between the tails, Python's own algorithm uses no logarithm.
+# distribution, up to 5 standard deviations and beyond; the highest power first. Between the tails, Python's own
+# algorithm is used, which needs no logarithm.
 _TAIL = (
     (7.74545014278341407640e-4, 2.27238449892691845833e-2, 2.41780725177450611770e-1, 1.27045825245236838258,
      3.64784832476320460504, 5.76949722146069140550, 4.63033784615654529590, 1.42343711074968357734),

@@ -169,7 +169,7 @@ class Evidence:
 
     def shown(self, design: int, objective: Objective) -> Estimate:
         """Returns the estimate that the study's tables show. Its interval contains the true value with probability
-        1 - ``error``, for this objective and design alone."""
+        1 - ``error``, for this objective and this design separately."""
         return self.estimate(design, objective, self.study.error, SEQUENCES if self.study.looks else SHOWN)
 
     def known_of(self, design: int, objective: Objective) -> Interval:
@@ -227,7 +227,8 @@ class Evidence:
         return (SEQUENCES if self.study.looks else DECIDED).mean(differences, self.pair_error)[0]
 
     def differences(self, better: int, worse: int, objective: Objective) -> list[float]:
-        """Returns the amount by which ``better`` was better in each replicate that both have, in the objective's sense.
+        """Returns the amount by which ``better`` was better in each replicate that both designs have. A positive amount
+        is better in the objective's sense.
         """
         sense, at = objective.sense or 1, self.index[objective.label]
         return [
@@ -265,8 +266,8 @@ class Evidence:
         return self.advantage(design, other, self.study.objective(label)) > 0
 
     def leaders(self, designs: Sequence[int]) -> list[int]:
-        """Returns the designs among these that no other design dominates by the means so far. Each dominated design is
-        dominated by one of them."""
+        """Returns those of the designs that no other design dominates by the means so far. Each of the remaining
+        designs is dominated by one of the returned designs."""
         points = [(design, self._point(design)) for design in designs]
         complete = [(design, point) for design, point in points if None not in point]
         if not complete:

@@ -69,8 +69,8 @@ def _random(study: Study) -> list[Values]:
 
 
 def _latin_hypercube(study: Study) -> list[Values]:
-    """Divides each factor into as many equally likely strata as there are designs, and uses one value of each
-    stratum."""
+    """Divides the range of each factor into as many equally likely strata as there are designs, and uses one value from
+    each stratum."""
     orders: dict[str, list[int]] = {}
 
     def unit(name: str, i: int, count: int, seed: int) -> float:

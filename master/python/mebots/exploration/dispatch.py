@@ -84,8 +84,8 @@ class Dispatcher:
 
     def give(self, orders: Orders, indices: Sequence[int] | None = None, left: int = _MOST_IN_BATCH) -> None:
         """Adds orders to the next batches, except those of missions in progress. ``indices`` are the missions'
-        numbers in the round. ``left`` is the maximum number of orders that follow. Near the end of a round, batches are
-        small, so that all workers have one."""
+        numbers in the round. ``left`` is the maximum number of further orders after these. Near the end of a round,
+        batches are small, so that every worker gets one."""
         if indices is None:
             indices = [-1] * len(orders)
         if not self.has_none_of(orders.digests):
@@ -178,8 +178,8 @@ class Dispatcher:
         return reply if reply.digests else None
 
     def _repeat(self, order: Order, index: int, why: str) -> None:
-        """Repeats a mission without a result in a batch of its own, so that no other mission is lost if the mission
-        ends its worker."""
+        """Repeats a mission that had no result, in a separate batch. So if the mission ends its worker again, no other
+        mission is lost."""
         mission = order["mission"]
         self._attempts[mission] += 1
         if self._attempts[mission] < ATTEMPTS:

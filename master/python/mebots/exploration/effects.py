@@ -18,7 +18,8 @@ _MOST_VALUES = 12
 """A factor with more values is divided into parts with equal numbers of designs."""
 _PARTS = 5
 _MOST_CELLS = 40_000
-"""Pairs of factors are left out, starting with the last one, so that their tables have at most this many cells."""
+"""The maximum number of cells of all tables of pairs of factors. If there are more, pairs are left out, the last pairs
+first."""
 _GENERAL = ("file", "kind", "mode", "name", "seed", "value")
 _SAMPLED = ("latin_hypercube", "random", "sobol", "sensitivity", "search")
 """Kinds of designs that do not contain each combination of levels: part of the effect of a factor may be due to
@@ -50,8 +51,8 @@ def factors_of(names: Sequence[str], designs: Sequence[Values], units: Units) ->
 
 
 def short_names(names: Sequence[str]) -> list[str]:
-    """Returns the last part of each name, with the preceding parts that make it unique. For general words such as
-    "name", the part before is always added.
+    """Returns the last part of each name, with the preceding parts that make it unique. If the last part is a general
+    word such as "name", the preceding part is always added.
     """
 
     def ending(name: str, parts: int) -> str:
@@ -127,8 +128,8 @@ def pairs_of(factors: Sequence[Factor]) -> list[tuple[int, int]]:
 @dataclasses.dataclass(frozen=True)
 class Importances:
     """Shares of the variance of the designs' values. Each factor has the share that it explains in addition to all
-    others, and each pair the share in addition to all factors. If factors change together, their common effect is in no
-    share."""
+    others, and each pair the share in addition to all factors. If two factors change together, their common effect is
+    not part of any share."""
 
     factors: list[float]
     pairs: list[float]

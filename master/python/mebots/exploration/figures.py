@@ -50,7 +50,8 @@ def quantity(value: Any, unit: str = "") -> str:
 
 
 def percent(share: float) -> str:
-    """Returns a share as a percentage. Adds digits near 0 and 100, so that no other share is rounded to them."""
+    """Returns a share as a percentage. Adds digits near 0 and 100 %, so that only a share of exactly 0 or 1 appears as
+    0 or 100 %."""
     text = f"{100 * share:.0f}"
     if (text == "100" and share < 1) or (text == "0" and share > 0):
         text = f"{100 * share:.2g}" if share < 0.5 else f"{100 * share:.4g}"
@@ -116,7 +117,8 @@ class Units:
 
 
 def design_names(factors: Sequence[str], designs: Sequence[Values], units: Units) -> list[str]:
-    """Returns a name for each design, made of the values in which designs differ, such as "lipol_350, 0.37 m/s"."""
+    """Returns a name for each design, such as "lipol_350, 0.37 m/s". It consists of the values of the factors in which
+    the designs differ."""
     varied = [name for name in factors if len({repr(design[name]) for design in designs}) > 1]
     shown = [units.of_factor(name) for name in varied]
     plain = [bool(unit) and unit != "1" and shown.count(unit) == 1 for unit in shown]

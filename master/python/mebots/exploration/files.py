@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes files so that they are either complete or absent, even after an error of the disk."""
+"""Writes files so that each file is either complete or absent, even after an error of the disk."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Controls mission processes. Executors of any kind call ``fly_all``, which executes orders in a process that
-belongs to the calling thread. A crash then costs a mission, but not the executor's worker."""
+belongs to the calling thread. A crash then loses one mission, but not the executor's worker."""
 
 from __future__ import annotations
 
@@ -75,7 +75,8 @@ class MissionProcess:
             raise
 
     def fly(self, order: Order) -> dict[str, Any]:
-        """Returns the record of a mission. Raises Lost, after which this object cannot be used."""
+        """Returns the record of a mission. Raises Lost if the process ended without a result; afterwards this object
+        cannot be used."""
         assert self._process.stdin is not None
         self._last_words.truncate(0)
         try:
@@ -111,11 +112,12 @@ class MissionProcess:
                 self._process.stdin.close()
 
     def _line(self, limit_s: float | None) -> dict[str, Any]:
-        # The times are read only after the first wait. Most missions end before this, and their records contain the
-        # time.
+        # The times are read only after the first wait, because most missions end before, and then their records contain
+        # the time.
         begun_s = last_s = None
         moved_at = time.monotonic()
-        # This limit alone uses the wall clock, because a call that waits without end uses no processor time.
+        # Of all limits, only this one uses the wall clock, because a call that waits without end uses no processor
+        # time.
         patience_s = _STALLED_AFTER_S if limit_s is None else max(_STALLED_AFTER_LEAST_S, limit_s)
         while b"\n" not in self._rest:
             if select.select([self._records], [], [], _LOOK_EVERY_S)[0]:
@@ -220,7 +222,7 @@ def _remove_empty_folders() -> None:
 
 def _folder() -> str:
     """Returns the folder for temporary files of this process's mission processes, and for the states that they
-    share. These processes are killed, so they cannot delete their own files."""
+    share. These processes may be killed, so this process deletes their files."""
     global _place
     with _lock:
         if _place is None:

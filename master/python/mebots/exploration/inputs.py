@@ -18,8 +18,8 @@ Content = bytes | dict[str, bytes]
 
 def is_input(name: str, path: str | os.PathLike[str]) -> bool:
     """True if the parameter ``name`` (or the key of a config, as a JSON pointer) with this value names a file, or the
-    folder of a deployed network. For other parameters, folders do not count, because a name that has a meaning inside
-    an FMU may also be the name of a folder."""
+    folder of a deployed network. For other parameters, folders do not count: the value may be a name inside the FMU
+    that is by chance also the name of a folder."""
     if not os.fspath(path):
         return False
     return os.path.isfile(path) or (re.split(r"[./]", name)[-1] == "network" and os.path.isfile(os.path.join(path, "network.json")))

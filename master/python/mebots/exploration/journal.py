@@ -69,9 +69,9 @@ def key_of(mission: str) -> int:
 
 
 class Places:
-    """The place of each mission's line, with 16 bytes per mission. The places are in runs that are sorted by key, the
-    latest run last. A run is merged with the run before it, unless that one is more than twice as long. Several
-    missions may share a key; all their places are returned, latest first."""
+    """The place of each mission's line, with 16 bytes per mission. The places are in lists that are sorted by key, the
+    latest list last. A list is merged with the previous list, unless the previous list is more than twice as long.
+    Several missions may have the same key; then all their places are returned, latest first."""
 
     def __init__(self) -> None:
         self._runs: list[tuple[np.ndarray, np.ndarray]] = []
@@ -115,8 +115,8 @@ def keys_of(digests: Sequence[bytes]) -> np.ndarray:
 
 class Journal:
     """The records of a folder by the hash of their mission. Keeps their places in memory, not their content. Only one
-    process at a time writes. An incomplete last line, which a killed process leaves, is removed. ``notices`` are texts
-    for the user."""
+    process at a time may write. If a killed process has left an incomplete last line, this line is removed. ``notices``
+    are texts for the user."""
 
     def __init__(self, folder: pathlib.Path, *, writable: bool = True) -> None:
         self.file = folder / NAME
@@ -186,8 +186,8 @@ class Journal:
         return self.append_lines(digests, b"".join(lines), np.array([len(line) for line in lines], np.int64)).tolist()
 
     def append_lines(self, digests: Sequence[bytes], lines: bytes, lengths: np.ndarray) -> np.ndarray:
-        """Appends lines of missions. Returns their places only after the lines are safe against a kill of this
-        process. Raises Error if they cannot be written; the journal is then unchanged."""
+        """Appends lines of missions. Returns their places. When the function returns, the lines are safe, even if this
+        process is killed. Raises Error if they cannot be written; the journal is then unchanged."""
         try:
             os.lseek(self._descriptor, self._end, os.SEEK_SET)
             files.write_all(self._descriptor, lines)
@@ -328,7 +328,8 @@ class _Scan:
 
     @staticmethod
     def _usual(data: np.ndarray, begins: np.ndarray, ends: np.ndarray) -> np.ndarray:
-        """Returns the numbers of the lines that have all marks of this version's lines at their places."""
+        """Returns the numbers of the lines that have the format of this version: all fixed characters are at their
+        places."""
         usual = np.flatnonzero(ends - begins > _BUILD_AT + _DIGEST + _SUM_BYTES)
         marks = ((begins, 0, _MISSION), (begins, len(_MISSION) + _DIGEST, _BUILD), (ends, -_SUM_BYTES, b',"crc32":"'), (ends, -3, b'"}\n'))
         for start, offset, mark in marks:

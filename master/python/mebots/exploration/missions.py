@@ -30,7 +30,7 @@ FILE_MARK = "mebots-file:"
 """Prefix of a text that names a file by the hash that follows."""
 
 Course = tuple["Turn", ...]
-"""The points of a mission at which it departs from other missions that share its earlier part."""
+"""The points at which a mission starts to differ from other missions with the same earlier part."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -123,7 +123,8 @@ class Missions:
         return self._order(before, (Turn({"at": fork.at_s}, later),))
 
     def order_until(self, place: Values, values: Values, course: Course) -> Order:
-        """Returns the mission with this course up to a place, from which other missions with the same course start."""
+        """Returns the mission that follows this course up to a place. Other missions with the same course start from
+        its state there."""
         order = self._order(values, course)
         order["until"] = place
         order["keeps"] = self._past(order["mission"], place)
@@ -185,8 +186,8 @@ class Missions:
         return bool(draws) and numbers and self._study.fork is None and self.folder is None and self._is_plain((*fixed, *draws))
 
     def _pieces(self, common: Order, columns: dict[str, list[Any]]) -> tuple[list[bytes], list[list[bytes]]]:
-        """Returns the members of ``settings`` for a hash, with ``%b`` in place of values that differ, and the texts
-        of these values."""
+        """Returns the members of ``settings`` as texts for a hash, with ``%b`` in place of each value that differs
+        between missions. Also returns the texts of these values."""
         pieces, texts = [], []
         for name in sorted(common["settings"]):
             title = f"{canonical(name)}:".replace("%", "%%").encode()

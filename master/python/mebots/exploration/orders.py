@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Orders of many missions at once. On their way to an executor they are columns, so that a mission needs no object
-of its own."""
+"""Orders of many missions at once. They are passed to an executor as columns, so that a mission needs no separate
+object."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Saved states from which other missions start, by hash. The latest states are in memory, and more of them on disk,
-where other mission processes of the same parent find them. If a state was deleted, one process computes it again, and
+"""Saved states from which other missions start, by hash. The latest states are in memory. More of them are on disk,
+where all mission processes of the same parent can read them. If a state was deleted, one process computes it again, and
 other processes that need this state wait.
 """
 

@@ -20,7 +20,8 @@ from mebots.exploration.report_missions import Replay, missions_of, quantiles_of
 from mebots.exploration.study import Objective, Study, Values
 
 MOST_DESIGNS = 5_000
-"""If there are more designs, the page has the best ones, those on the front, and every n-th of the others."""
+"""The maximum number of designs on the page. If there are more, the page has the best designs, the designs on the
+front, and every n-th other design."""
 _BEST_DESIGNS = 1_000
 _MOST_CURVES = 50
 """The page shows for this number of designs, best first, how their estimates became narrower."""
@@ -175,7 +176,7 @@ def _points_up_to(count: int) -> list[int]:
 
 
 def _best(content: Content) -> list[int]:
-    """Returns the designs of a search that are better than all designs before them, by the final ranking."""
+    """Returns the designs of a search that are better than all earlier designs, by the final ranking."""
     if content.study.design["kind"] != "search":
         return []
     ranks = {row.design: row.rank for row in content.answer.rows if row.rank is not None}

@@ -16,8 +16,8 @@ from mebots.exploration.comparison import Evidence
 from mebots.exploration.space import Space
 
 MOST_MISSIONS = 50_000
-"""If there are more missions than this, the page has the values of every n-th mission of each design. Quantiles include
-all missions."""
+"""The maximum number of missions on the page. If there are more, the page has the values of every n-th mission of each
+design. Quantiles include all missions."""
 MOST_COMMANDS = 10_000
 """The number of replicates whose commands are in the page; equal for all designs."""
 QUANTILES = (0, 0.05, 0.25, 0.5, 0.75, 0.95, 1)
@@ -70,8 +70,9 @@ class Replay:
     folder: pathlib.Path
 
     def texts(self, designs: Sequence[int], replicates: int) -> dict[str, Any] | None:
-        """Returns the parts of the commands: the common beginning, the settings of each design (None if it requires
-        another config), and those of each replicate's draws. None if no mission can be repeated by a command."""
+        """Returns the parts of the commands that repeat missions: the common beginning, the settings of each design
+        (None if the design requires another config), and the settings of each replicate's draws. Returns None if no
+        command can repeat a mission."""
         missions = self.space.missions
         own = [missions.settings_words(self.space.designs[design]) for design in designs]
         draws = [missions.settings_words(self.space.draw(one)) for one in range(min(replicates, MOST_COMMANDS))]

@@ -65,7 +65,7 @@ class Results:
         self.open = len(flights)
         self._settled = 0
         self.failed_so_far = self.failed
-        """The number of failures, including those of this round up to the first mission without a result."""
+        """The number of failures, including the failures of this round before the first mission without a result."""
 
     def note(self, index: int, record: Record, place: int) -> None:
         """Stores the result of a mission of this round."""
@@ -147,8 +147,8 @@ class Results:
         return self._names, [np.array(self._outcomes[design]) for design in range(len(self.evidence.counts))]
 
     def settle(self, most_failures: int | None) -> int:
-        """Moves the end of the counted missions to the first mission without a result, or to the mission at which there
-        are too many failures. Returns the number of failures before the end."""
+        """Counts further missions of the round: up to the first mission without a result, or up to the mission with
+        which there are too many failures. Returns the number of failures before the end."""
         end = self._states.find(_OPEN, self._settled)
         end = len(self._states) if end < 0 else end
         if most_failures is None:

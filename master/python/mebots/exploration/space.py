@@ -48,7 +48,7 @@ class Space:
         return self.missions.order(self.values(flight))
 
     def orders(self, flights: Flights, most: int) -> Iterator[tuple[int, Orders]]:
-        """Yields orders of at most ``most`` missions of a design, with the number of the first one."""
+        """Yields orders, each with at most ``most`` missions of one design, and the number of the first mission."""
         for at, design in enumerate(flights.designs):
             for begin in range(flights.begin, flights.end, most):
                 drawn = [self.draw(replicate) for replicate in range(begin, min(begin + most, flights.end))]

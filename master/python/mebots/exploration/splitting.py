@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The probability of rare events, by multilevel splitting with fixed effort (Garvels 2000; Cérou, Guyader 2007). Levels
-of a score divide the way to the event, so that each level is likely to be reached from the level before.
+"""The probability of rare events, by multilevel splitting with fixed effort (Garvels 2000; Cérou, Guyader 2007). The
+score of a mission rises towards the event. Levels divide the range of the score, so that missions often reach a level
+from the previous level.
 
 N missions start at t = 0. The states in which missions reach the first level are its entrances. N missions continue from them
 with new draws: the same number from each entrance, with the remainder assigned at random. This is repeated up to the last level.
@@ -183,7 +184,7 @@ def _order(space: Space, estimate: Estimate, way: Way, level: float) -> Order:
 # Functions for levels that the study does not state.
 
 SHARE = 0.2
-"""The share of the missions started for a level that are to reach it. With fixed effort, the work for a given error has
+"""The share of missions that should reach the next level. With fixed effort, the work for a given error has
 its minimum at a fifth (Lagnoux 2006, Probability in the Engineering and Informational Sciences 20, 45)."""
 MOST_LEVELS = 20
 """The maximum number of levels. A fifth of a fifth and so on is then 1e-14."""
@@ -222,8 +223,9 @@ def _set_level(splitting: Splitting, pilot: Estimate, flown: list[tuple[Way, Rec
 
 
 def next_level(bests: Sequence[float], floor: float | None, goal: float, found: int) -> float:
-    """Returns the level that the best fifth of the missions started at ``floor`` (None: from the start) reached.
-    Returns the goal if they reached it, if none got any further, or if ``found`` levels are enough."""
+    """Chooses the next level, after missions from the level ``floor`` (None: from the start). Returns the score that
+    the best fifth of these missions reached. Returns the goal if this score reaches it, if no mission got beyond
+    ``floor``, or if ``found`` levels are enough."""
     if not bests or found + 1 >= MOST_LEVELS:
         return goal
     beyond = min(bests) if floor is None else floor

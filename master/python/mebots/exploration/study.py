@@ -62,7 +62,8 @@ class Constraint:
 
 @dataclasses.dataclass(frozen=True)
 class Stop:
-    """A design needs no more missions if its objective ``label`` is known this precisely."""
+    """A rule that ends a design: no more missions are needed if the objective ``label`` is known with this
+    precision."""
 
     label: str
     width: float | None = None
@@ -72,7 +73,8 @@ class Stop:
 
 @dataclasses.dataclass(frozen=True)
 class Fork:
-    """Factors and draws that apply from this time on. The part before is run once for all missions that share it."""
+    """Factors and draws that apply from this time on. The part of the mission before this time is run once for all
+    missions that share it."""
 
     at_s: float
     variables: tuple[str, ...]

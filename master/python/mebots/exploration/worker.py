@@ -177,8 +177,8 @@ class Worker:
                 mission.save_state()  # raises if an FMU keeps data outside of its instance
 
     def _follow(self, mission: Mission, order: Order) -> None:
-        """Continues from a saved state: the last one in the order's course. Then runs past the turns of the course, up
-        to the last turn that the mission reaches."""
+        """Continues from a saved state: the last one in the order's course. Then applies the following points of the
+        course, up to the last point that the mission reaches."""
         course = order["course"]
         if not course:
             return
@@ -348,7 +348,7 @@ class _Pipes:
 
 
 def _end_with(life: int, parent: int, folder: str) -> None:
-    """Ends this process when its parent ends. If no record is needed any longer, also deletes all files."""
+    """Ends this process when its parent ends. If no record is needed any more, also deletes all temporary files."""
     if life in select.select([life, parent], [], [])[0]:
         for _ in range(_TRIES_TO_REMOVE):  # a mission may still be writing its state
             shutil.rmtree(folder, ignore_errors=True)
@@ -409,7 +409,8 @@ def _fly_in_fork(worker: Worker, order: Order, pipes: _Pipes) -> int:
 
 
 def _end_as(status: int) -> NoReturn:
-    """Ends this process in the same way as its fork, for the process that reads its records."""
+    """Ends this process in the same way as its fork has ended, so that the process that reads the records sees this
+    end."""
     if os.WIFSIGNALED(status):
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         signal.signal(os.WTERMSIG(status), signal.SIG_DFL)

@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Computes commands for a log that has none: those with which the model's rotors produce the thrust that the motion
-requires.
-
-A replay with them gives no information about thrust, because thrust is its input. It shows the behaviour of the cell
-under the power that the rotor model needs for this motion.
+"""Computes commands for a log without commands, so that the model's rotors produce the thrust that the motion requires.
+A replay with these commands gives no information about thrust, because the commands were computed from the thrust. It
+shows the behaviour of the cell under the power that the rotor model needs for this motion.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A flight log in memory: named signals, each with its unit and its own times.
 
-Signals that MEbots knows have these names; all other columns of a log keep their own names.
+Signals in the following list have these names. All other columns of a log keep their own names.
 
     motor[1..4].command    1       duty cycle of a motor's driver
     rotor[1..4].speed      rad/s

@@ -4,9 +4,9 @@
     m dv_z/dt = F R33 - m g - c v_z
 
 F is the thrust of all rotors, R33 is the cosine of the tilt, and c is the vertical drag in the drone file. The equation
-needs no controller: it gives the change of the vertical speed from the start of a window to its end. A free replay of
-the whole flight would show little: an error of 1 % in thrust moves the drone by 5 m within 10 s, which the pilot or
-controller of the real flight would have corrected.
+needs no controller: it gives the change of the vertical speed from the start of a window to its end. A simulation of
+the whole flight without a controller would show little: an error of 1 % in thrust moves the drone by 5 m within 10 s.
+In the real flight, a pilot or controller corrects such errors.
 """
 
 from __future__ import annotations

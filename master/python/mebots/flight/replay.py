@@ -85,7 +85,8 @@ _FILES = ("mission.json", "inputs.csv", "errors.csv", "replay.json", "traces.csv
 
 
 def _make(folder: pathlib.Path) -> None:
-    """Creates the folder. Raises an error at once if no file can be written there, because a replay takes minutes."""
+    """Creates the folder. If no file can be written there, raises an error before the replay, because a replay takes
+    minutes."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

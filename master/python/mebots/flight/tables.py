@@ -20,7 +20,7 @@ from mebots.flight.log import Array, FlightLog, log_of
 from mebots.flight.names import Meaning, named
 
 _MOST_DRIFT = 0.05
-"""If two clocks of a flight differ by more than this, they do not measure the same time."""
+"""The maximum difference between two clocks that measure the same time in a flight."""
 
 
 def read_table(file: pathlib.Path, mapping: dict[str, Any], meanings: dict[str, Meaning]) -> FlightLog:

@@ -23,7 +23,7 @@ from mebots.flight.quality import DRIVEN, Mask, covered
 from mebots.mission import Mission
 
 SETTLE_S = 1.0
-"""The time after the start, and after a gap in the commands, that is not compared. It is left out because the rotors of
+"""The duration after the start, and after a gap in the commands, that is not compared. The reason is that the rotors of
 the model start at rest, but a log may begin in flight. Rotors of a Crazyflie take 0.14 s for 63 % of a change."""
 RAMP_S = 0.6
 """If a log begins in flight, the commands rise from 0 over this time. Motors at rest under full command would draw
@@ -33,8 +33,8 @@ CHARGE_S = 0.5
 are driven; otherwise it is after ``SETTLE_S``."""
 _SHORTEST_REST_S = 0.1
 _LONGEST_S = 7200.0
-"""A log that is longer than this has a clock that jumps, or times in another unit, because no cell supplies a
-multirotor for two hours."""
+"""The maximum duration of a log. In a longer log, the clock jumps or the times have another unit, because no cell
+supplies a multirotor for two hours."""
 _DIGITS = 12
 
 
@@ -121,8 +121,8 @@ class _Flight:
         return Traces(times, good, logged, values, charge, self.settle_s, self.notes, float(values["battery.cell.capacity"][0]), cut_off_s)
 
     def _begin(self) -> tuple[float, float]:
-        """Returns the duration after the start that is not compared, and the end of the time over which the charge is
-        fitted."""
+        """Returns two times: the end of the part after the start that is not compared, and the end of the part over
+        which the charge is fitted."""
         driven = np.max([np.interp(self.grid, self.log[name].times, self.log[name].values) for name in COMMANDS], axis=0) > DRIVEN
         if not driven.any():
             self.notes.append(f"no command is above {DRIVEN:g}: the motors never start; check the unit of the commands in the mapping if they did")

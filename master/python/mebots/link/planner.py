@@ -152,5 +152,6 @@ class Planner:
 
 
 def _nearest(angle_rad: float, to_rad: float) -> float:
-    """Returns the first angle plus the multiple of a full turn with which it is nearest to the second angle."""
+    """Adds full turns to the first angle, so that the result is as near as possible to the second angle. Returns the
+    result."""
     return to_rad + wrapped(angle_rad - to_rad)

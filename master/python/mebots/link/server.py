@@ -148,8 +148,8 @@ class Server:
                 self._send(index, answer)
 
     def _is_own(self, client: tuple) -> bool:
-        """True if a sender is one of this server's own addresses, which is forged: two drones that answer each other
-        would do so without end."""
+        """True if the sender's address is one of this server's own addresses. Such an address is forged, and two drones
+        would answer each other without end."""
         return client[1] in self._own_ports and _is_local(client[0])
 
     def _send(self, index: int, packet: Packet) -> None:
@@ -179,7 +179,7 @@ class Server:
 
 @functools.lru_cache(maxsize=64)
 def _is_local(address: str) -> bool:
-    """True if the address belongs to this computer, because a socket can be bound to no other address."""
+    """True if the address belongs to this computer. The test is that a socket can only be bound to such an address."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
             probe.bind((address, 0))

@@ -104,8 +104,8 @@ class Session:
         return answers
 
     def advance(self) -> list[tuple[int, Packet]]:
-        """Runs the missions for one period, which no signal shortens. Returns the packets that the drones send on their
-        own, each with the index of its drone."""
+        """Runs the missions for one period. No signal interrupts the period. Returns the packets that the drones send
+        without a request, each with the index of its drone."""
         for plant, drone in zip(self._plants, self.drones, strict=True):
             inputs = drone.control()
             plant.write(inputs)
