@@ -178,10 +178,10 @@ void add_report_options(CLI::App& command, ReportOptions& options) {
   command.add_flag("--verbose", options.verbose, "Show all values of the summary at the end, one per line");
 }
 
-const std::vector<std::string> kExitCodes = {
-    "0 the simulation ran to its end (with the expected outcome)",
-    "1 it failed, was interrupted, had another outcome than expected, or an FMU crashed when it was freed",
-    "2 the input cannot be used: command line, config, FMU, results folder"};
+const std::vector<std::string> kExitCodes = {"0 the simulation ran to its end (with the expected outcome)",
+                                             "1 the simulation failed, was interrupted, or had another outcome than "
+                                             "expected, or an FMU crashed when it was freed",
+                                             "2 the input cannot be used: command line, config, FMU, results folder"};
 
 }  // namespace
 

@@ -175,7 +175,7 @@ void check_own_binary(const fs::path& library, Findings findings) {
   if (is_there(library)) return;
   findings.warning(fmt::format("there is no binary for {} (binaries/{}/{})", modeldesc::this_platform().text,
                                library.parent_path().filename().string(), library.filename().string()),
-                   "build one; here, its behaviour is checked in part or not at all");
+                   "build one; without it, mebots check tests the behaviour only in part or not at all");
 }
 
 void check_symbols(const ModelDescription& model, FmuKind kind, const fs::path& library, Findings findings) {

@@ -91,7 +91,7 @@ TraceScope trace_scope(const std::optional<TraceFiles>& files,
     const auto inputs = files->inputs.empty() ? std::vector<std::string>{} : columns_of(files->inputs);
     const auto unknown = std::ranges::find_if_not(inputs, is_number);
     if (unknown != inputs.end())
-      return {.obstacle = fmt::format("{} has \"{}\", which is no variable with numbers of this FMU",
+      return {.obstacle = fmt::format("{} has \"{}\", which is not a numeric variable of this FMU",
                                       files->inputs.filename().string(), *unknown)};
     const auto outputs = columns_of(files->outputs);
     const auto compared = static_cast<std::size_t>(std::ranges::count_if(outputs, is_number));
@@ -113,7 +113,8 @@ Trace read_trace(const fs::path& file, bool ignores_others,
   for (std::size_t i = 1; i < header.size(); ++i) {
     const std::string& name = header[i];
     const bool number = is_number(name);
-    if (!number && !ignores_others) reader.fail(i, ErrorCode::syntax_error, "this is not a number of this FMU");
+    if (!number && !ignores_others)
+      reader.fail(i, ErrorCode::syntax_error, "this is not a numeric variable of this FMU");
     if (!number) continue;
     trace.names.push_back(name);
     kept.push_back(i);

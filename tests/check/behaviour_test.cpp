@@ -277,7 +277,8 @@ TEST(CheckBehaviour, ReferenceTracesAreReplayed) {
   EXPECT_THAT(
       with_trace("time,y\n0,0\n1,0\n2,3.9\n"),
       Contains(HasSubstr("culprit_out.csv: first divergence at 2 s: y is 3.792723352971346, the trace has 3.9")));
-  EXPECT_THAT(with_trace("time,z\n0,0\n"), Contains(HasSubstr("column 2 ('z'): this is not a number of this FMU")));
+  EXPECT_THAT(with_trace("time,z\n0,0\n"),
+              Contains(HasSubstr("column 2 ('z'): this is not a numeric variable of this FMU")));
 }
 
 TEST(CheckBehaviour, TracesOfTheLayeredStandardAreReplayed) {

@@ -191,7 +191,8 @@ TEST(User, WithoutTheOptionAnEcallIsAnExceptionAndTheOptionIsNamed) {
   const auto run = run_tool("run " + folder.program(fmt::format("{}\n_start: call 64", kCall)));
   EXPECT_EQ(run.exit_code, 101);
   EXPECT_THAT(run.err, HasSubstr("ecall (mcause 11"));
-  EXPECT_THAT(run.err, HasSubstr("if this ecall is system call 64 (write) of an operating system: --user serves it"));
+  EXPECT_THAT(run.err,
+              HasSubstr("if this ecall is system call 64 (write) of an operating system: run the program with --user"));
 }
 
 TEST(Ram, IsWhereTheOptionSays) {

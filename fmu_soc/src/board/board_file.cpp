@@ -62,13 +62,13 @@ BoardMemory read_memory(const Node& node, std::set<std::string>& names) {
   object.visit_if("arbitration_tree", [&](const Node& member) {
     memory.arbitration_tree = member.flag();
     if (memory.arbitration_tree && memory.place != Place::cluster) {
-      member.fail(ErrorCode::invalid_value, "only the cluster's own memory can have it; leave it out");
+      member.fail(ErrorCode::invalid_value, "only the cluster's own memory can have this key; remove the key");
     }
   });
   object.visit_if("quantum", [&](const Node& member) {
     memory.quantum = static_cast<std::uint32_t>(member.whole_number(1, Banks::kLongestRun));
     if (memory.place != Place::cluster) {
-      member.fail(ErrorCode::invalid_value, "only the cluster's own memory can have it; leave it out");
+      member.fail(ErrorCode::invalid_value, "only the cluster's own memory can have this key; remove the key");
     }
   });
   object.read_if("leaks", memory.leaks, &Node::flag);
@@ -108,7 +108,7 @@ void read_instruction_cache(const Node& node, BoardInstructionCaches& caches) {
   }
   if (place == Place::fabric_controller && cache.invalid_ways_first) {
     node.at("invalid_ways_first")
-        .fail(ErrorCode::invalid_value, "only the cluster's cache has this property; leave it out");
+        .fail(ErrorCode::invalid_value, "only the cluster's cache can have this key; remove the key");
   }
   auto& taken = caches[static_cast<std::size_t>(place)];
   if (taken.size != 0) {
@@ -405,7 +405,7 @@ void require_own_chip(const std::filesystem::path& program, const BoardDescripti
   if (!file || !std::filesystem::is_regular_file(program, error)) return;
   const std::string bytes(std::istreambuf_iterator<char>(file), {});
   if (const auto chip = other_chip_of(bytes); !chip.empty()) {
-    throw Error(fmt::format("{}: this program is for {}; board {} is a GAP8: take the program that was built for it",
+    throw Error(fmt::format("{}: this program is for {}; board {} is a GAP8: use a build of this program for GAP8",
                             program.string(), chip, board.name));
   }
 }

@@ -232,8 +232,9 @@ void check_commit(const Node& node, const BoardDevice& device, const BoardRegist
   const bool takes_opcodes =
       std::ranges::find(device.opcodes, reg.name, &BoardOpcode::register_name) != device.opcodes.end();
   if (reg.access != "w" || !reg.shows.empty() || !reg.sends.empty() || takes_opcodes) {
-    entry.complain(ErrorCode::invalid_value,
-                   fmt::format("{} commits: its access must be w, and it must have no other effect", reg.name));
+    entry.complain(
+        ErrorCode::invalid_value,
+        fmt::format("{} has the key 'commits': its access must be w, and it must not have another effect", reg.name));
   }
   if (std::ranges::all_of(device.registers, [](const auto& other) { return other.sends.empty(); })) {
     entry.complain(ErrorCode::invalid_value, fmt::format("{} commits: no register of the device sends", reg.name));

@@ -224,8 +224,8 @@ std::string advice_for_illegal(std::uint32_t word, Extensions has, std::string_v
   // A generic core gets the extension from its ISA string; a core of a board gets it from the key `isa` of the board.
   const auto option = optional_extension(foreign.extension);
   if (decode(word, has).encoding != nullptr) {
-    return "this instruction is not allowed now: an operation on floats while mstatus.FS is Off or with a rounding "
-           "mode that does not exist, or one of machine mode in U mode";
+    return "this instruction is not allowed now: it is a floating-point operation while mstatus.FS is Off or with an "
+           "invalid rounding mode, or it is an instruction of machine mode in U mode";
   }
   const auto with_it =
       option == Extension::standard || has.has(option)

@@ -110,13 +110,14 @@ Extensions read_isa(std::string_view text) {
   for (const std::string_view needed : {"i", "m", "c"}) {
     const bool is_g = std::ranges::find(parts, "g") != parts.end();
     if (!is_g && std::ranges::find(parts, needed) == parts.end()) {
-      fail(text, fmt::format("'{}' is missing: every core has it, so write rv32imc and what follows", needed));
+      fail(text, fmt::format("'{}' is missing: every core has it, so write rv32imc, followed by the further extensions",
+                             needed));
     }
   }
   Extensions extensions;
   for (const auto& part : parts) add_part(extensions, text, part);
   if (extensions.has(Extension::f) && extensions.has(Extension::zfinx)) {
-    fail(text, "zfinx and f exclude each other: take one of them");
+    fail(text, "zfinx and f exclude each other: use only one of them");
   }
   return extensions;
 }

@@ -52,8 +52,10 @@ void InstructionCache::cover(const Memory& memory) {
     for (const auto& other : memory.regions()) {
       if (&other != &region && line_of(other.base) <= line_of(region.base + (region.size - 1)) &&
           line_of(other.base + (other.size - 1)) >= line_of(region.base)) {
-        throw Error(fmt::format("memories {} and {} share a line of {} bytes of an instruction cache; align them to it",
-                                region.name, other.name, 4 * words_per_line()));
+        throw Error(
+            fmt::format("memories {} and {} share a line of {} bytes of an instruction cache; align both memories to "
+                        "the size of a line",
+                        region.name, other.name, 4 * words_per_line()));
       }
     }
     Presence presence;

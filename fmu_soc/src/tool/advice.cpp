@@ -43,8 +43,10 @@ std::string advice_after_fault(const Soc& soc, const Options& options) {
   if (first.cause == cause::kMachineEcall && !options.user) {
     const auto number = soc.hart().reg(kCallNumber);
     const auto name = system_call_name(number);
-    return fmt::format("if this ecall is system call {}{} of an operating system: --user serves it", number,
-                       name.empty() ? "" : fmt::format(" ({})", name));
+    return fmt::format(
+        "if this ecall is system call {}{} of an operating system: run the program with --user, which executes system "
+        "calls",
+        number, name.empty() ? "" : fmt::format(" ({})", name));
   }
   const bool is_access = first.cause == cause::kLoadAccess || first.cause == cause::kStoreAccess;
   if (!is_access || options.board) return {};

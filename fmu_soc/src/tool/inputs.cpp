@@ -237,7 +237,7 @@ GreyPicture read_pgm(const std::filesystem::path& path) {
   GreyPicture picture{static_cast<int>(width), static_cast<int>(height),
                       std::vector<std::uint8_t>(std::size_t{width} * height)};
   file.read(reinterpret_cast<char*>(picture.grey.data()), static_cast<std::streamsize>(picture.grey.size()));
-  if (!file) refuse(path, fmt::format("it ends before its {} pixels", picture.grey.size()));
+  if (!file) refuse(path, fmt::format("the file ends too early: it must have {} pixels", picture.grey.size()));
   return picture;
 }
 

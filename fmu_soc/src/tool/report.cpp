@@ -30,7 +30,7 @@ constexpr std::array<std::string_view, kParts> kPartTexts{
     "the DMA: data moved, and its clock while the cluster is on",
     "clock tree, buses and peripherals of the fabric controller, in proportion to the clock",
     "clock tree and buses of the cluster while it is on",
-    "leakage of everything that has its supply",
+    "leakage of all parts that have supply voltage",
     "memories kept in retention sleep"};
 constexpr double kPicosecond = 1e-12;
 constexpr int kDigits = 4;

@@ -37,8 +37,8 @@ Geometry checked(Geometry geometry) {
     const Face& face = geometry.faces[i];
     const std::size_t corners = face.corners_W_m.size();
     if (corners < 3 || corners > kMaxCorners) {
-      throw Error(
-          fmt::format("camera: face {} has {} corners; it must have 3..{}, cut it up", i, corners, kMaxCorners));
+      throw Error(fmt::format("camera: face {} has {} corners; it must have 3 to {}; divide the face", i, corners,
+                              kMaxCorners));
     }
     if (face.mover != Face::kStatic && face.mover >= geometry.movers.size()) {
       throw Error(fmt::format("camera: face {} refers to mover {} of {}", i, face.mover, geometry.movers.size()));

@@ -38,7 +38,8 @@ SensorSettings checked(const SensorSettings& s) {
   require(s.blur_samples >= 1 && s.blur_samples <= 64, "camera.blur_samples", s.blur_samples, "from 1 to 64");
   require(at_least_zero(s.full_well), "camera.full_well", s.full_well, "a finite number >= 0");
   if (!s.automatic) return s;
-  require(s.exposure_s > 0.0, "camera.exposure", s.exposure_s, "> 0 with camera.auto_exposure: it begins with this");
+  require(s.exposure_s > 0.0, "camera.exposure", s.exposure_s,
+          "> 0 if camera.auto_exposure is on: the automatic exposure starts with this value");
   require(s.target > 0.0 && s.target < 255.0, "camera.auto_exposure_target", s.target, "more than 0 and less than 255");
   require(s.most_exposure_s >= s.exposure_s && s.most_exposure_s <= 1.0, "camera.auto_exposure_longest",
           s.most_exposure_s, "from camera.exposure to 1 s");

@@ -109,8 +109,9 @@ class ProcessComparison {
  private:
   Reason interpreter() const {
     if (needs_->interpreter.empty()) return std::nullopt;
-    return possible(fmt::format("it embeds {}, of which a process has one and which cannot be unloaded safely",
-                                needs_->interpreter));
+    return possible(
+        fmt::format("it embeds {}, and a process can have only one such interpreter and cannot unload it safely",
+                    needs_->interpreter));
   }
 
   Reason loaded_names() const {

@@ -62,7 +62,7 @@ struct ErrorCodeRow {
 
 /// All codes, in the order of the enumeration.
 inline constexpr std::array kErrorCodes{
-    ErrorCodeRow{ErrorCode::unspecified, "unspecified", "the place that found the error gives no code"},
+    ErrorCodeRow{ErrorCode::unspecified, "unspecified", "the function that found the error gave no code"},
     ErrorCodeRow{ErrorCode::file_not_found, "file_not_found", "there is no such file or folder"},
     ErrorCodeRow{ErrorCode::file_unreadable, "file_unreadable", "the file is there but cannot be read"},
     ErrorCodeRow{ErrorCode::file_unwritable, "file_unwritable", "a file or folder cannot be made, written or removed"},
@@ -85,7 +85,7 @@ inline constexpr std::array kErrorCodes{
                  "description, archive and library contradict each other"},
     ErrorCodeRow{ErrorCode::invalid_argument, "invalid_argument", "an invalid argument of a call"},
     ErrorCodeRow{ErrorCode::wrong_call_order, "wrong_call_order", "a call that is not allowed now"},
-    ErrorCodeRow{ErrorCode::not_offered, "not_offered", "an ability that this FMU does not have"},
+    ErrorCodeRow{ErrorCode::not_offered, "not_offered", "a capability that this FMU does not have"},
     ErrorCodeRow{ErrorCode::fmu_failed, "fmu_failed", "an FMU refused a call in a run"},
     ErrorCodeRow{ErrorCode::fmu_lost, "fmu_lost", "the process of an isolated FMU ended"},
     ErrorCodeRow{ErrorCode::fmu_timeout, "fmu_timeout", "an FMU did not answer in time"},

@@ -222,7 +222,7 @@ TEST(BoardFile, AllowsAnArbitrationTreeOnlyForTheClustersMemory) {
                        place);
   };
   EXPECT_EQ(complaint(memory("cluster"), ""), "");
-  EXPECT_THAT(complaint(memory("fabric_controller"), ""), HasSubstr("only the cluster's own memory can have it"));
+  EXPECT_THAT(complaint(memory("fabric_controller"), ""), HasSubstr("only the cluster's own memory can have this key"));
 }
 
 TEST(BoardFile, AllowsAQuantumOnlyForTheClustersMemory) {
@@ -236,7 +236,8 @@ TEST(BoardFile, AllowsAQuantumOnlyForTheClustersMemory) {
     EXPECT_THAT(complaint(memory("cluster", quantum), ""),
                 HasSubstr(fmt::format("/memories/0/quantum: {} must be a whole number from 1 to 1024", quantum)));
   }
-  EXPECT_THAT(complaint(memory("fabric_controller", 64), ""), HasSubstr("only the cluster's own memory can have it"));
+  EXPECT_THAT(complaint(memory("fabric_controller", 64), ""),
+              HasSubstr("only the cluster's own memory can have this key"));
 }
 
 TEST(BoardFile, AllowsSocCyclesOnlyForTheClustersCache) {
@@ -251,7 +252,7 @@ TEST(BoardFile, AllowsSocCyclesOnlyForTheClustersCache) {
   EXPECT_THAT(complaint(kFar, "", caches("fabric_controller")), HasSubstr("add these cycles to refill_cycles"));
   const std::string ways = R"("instruction_caches": [{"place": "fabric_controller", "size": 4096, "line": 16, "ways": 4,
                               "refill_cycles": 4, "invalid_ways_first": true}],)";
-  EXPECT_THAT(complaint(kFar, "", ways), HasSubstr("only the cluster's cache has this property"));
+  EXPECT_THAT(complaint(kFar, "", ways), HasSubstr("only the cluster's cache can have this key"));
   EXPECT_THAT(complaint(kRam, "", caches("cluster")), HasSubstr("needs a memory with a 'way'"));
 }
 

@@ -133,7 +133,7 @@ def _numbers(model: Model, chain: list[Any]) -> Requantising:
         elif node.op_type in ("Mul", "Add", "Div"):
             whole = np.rint(np.asarray(value, dtype=np.float64).ravel()).astype(np.int64)
             if (whole != np.asarray(value, dtype=np.float64).ravel()).any():
-                raise model.fail(f"node {label(node)} ({node.op_type}): its constant is no whole number, as those of the weights are. Export it again")
+                raise model.fail(f"node {label(node)} ({node.op_type}): its constant is not a whole number, but the weights are whole numbers. Export it again")
             _apply(model, node, result, whole)
     return result
 

@@ -291,5 +291,5 @@ def _write_replay(space: Space, folder: pathlib.Path, design: int, estimates: li
         for name, value in turn.writes.items():
             entry = {"variable": name, "set": value, "from": begin_s}
             scenario.append(entry | {"until": end_s} if turn is not way.course[-1] else entry)
-    text = f"A mission of design {design} that reached the last level: what was drawn again on the way"
+    text = f"A mission of design {design} that reached the last level, with the values that were drawn again at the levels"
     return space.missions.replay(space.values((design, way.draw)), folder / "rare", f"design_{design}", text, scenario)

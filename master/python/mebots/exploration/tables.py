@@ -33,7 +33,7 @@ def mission_head(factors: Sequence[str], study: Study) -> list[str]:
 
 MISSING = "missing"
 """Outcome of a mission without a result."""
-MISSING_MESSAGE = "no result: the same command runs it"
+MISSING_MESSAGE = "no result: the same command runs the mission again"
 
 
 def values_text(values: Values) -> str:

@@ -109,7 +109,7 @@ def read_airframe(file: str | os.PathLike[str], decks: Sequence[str] | None = No
     summed_kg = dataclasses.replace(airframe, weighed_kg=None).mass_kg
     if mass_kg is not None and not summed_kg / _MASS_FACTOR < mass_kg < summed_kg * _MASS_FACTOR:
         raise InputError(
-            f"--mass {mass_kg:g}: the parts of {path} have {summed_kg:.4g} kg together, and the mass is more than {_MASS_FACTOR:g} times off; "
+            f"--mass {mass_kg:g}: the parts of {path} have {summed_kg:.4g} kg together, and the given mass differs from this by more than a factor of {_MASS_FACTOR:g}; "
             "give it in kg, or name the airframe that flew",
             "invalid_value",
         )
