@@ -65,8 +65,8 @@ TEST(Protection, OpensAtOnceWhenNoCurrentGivesThatPower) {
 
 constexpr double kDelay_s = 0.144;  // of bitcraze_250_flights
 
-/// A load that pulls the terminals of bitcraze_250_flights below the cut-off at a state of charge of 0.3, although a
-/// current exists for its power.
+/// A load that lowers the terminal voltage of bitcraze_250_flights below the cut-off at a state of charge of 0.3. A
+/// current for this power exists.
 constexpr double kLow_w = 20;
 
 TEST(ProtectionDelay, OpensOnceTheVoltageWasLowForTheDelayWhateverTheStep) {

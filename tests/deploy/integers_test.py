@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests that deployed integer networks have the same output bits as in onnxruntime, which computes them exactly in
-float."""
+"""Tests that deployed integer networks have the same output bits as in onnxruntime, whose floating-point computation is
+exact for them."""
 
 import sys
 import unittest

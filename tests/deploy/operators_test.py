@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Tests each operator with random shapes: NumPy, C on this machine, and C on the chip with one and eight cores must
-give the same bytes, which must be near the floats of onnxruntime."""
+give the same bytes. These must be close to the floating-point results of onnxruntime."""
 
 import sys
 

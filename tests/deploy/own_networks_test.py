@@ -66,8 +66,8 @@ class OwnNetworks(DeployCase):
         self.assertEqual(settings[8, measured["cluster_clock"]], measured["total"]["time"])
 
     def flies(self, out):
-        """Tests a deployed folder as the network of a mission: it gives the same as its program as the firmware, and
-        all of its files are inputs of the mission."""
+        """Tests a deployed folder as the network of a mission. The results equal those of a mission whose firmware is
+        the folder's program, and all files of the folder are inputs of the mission."""
         network = self.run_mission(f"soc.network={out}")
         program = self.run_mission(f"soc.firmware={out / 'sight.elf'}")
         self.assertEqual((network / "results.csv").read_bytes(), (program / "results.csv").read_bytes())

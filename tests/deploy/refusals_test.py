@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests that `mebots deploy` refuses input that it cannot use, with names and exit code 2, and leaves no folder behind.
+"""Tests that `mebots deploy` refuses input that it cannot use. The message names the cause, the exit code is 2, and no
+folder is created.
 """
 
 import contextlib

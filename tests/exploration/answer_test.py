@@ -54,7 +54,7 @@ class Percentiles(unittest.TestCase):
 
     def test_intervals_hold_the_percentile_as_often_as_they_say(self):
         """The 80th percentile of U(0, 1) is 0.8. At level 0.9, 300 intervals miss it in at most 30 cases on average,
-        and in more than 51 with a probability of less than 1e-4; both kinds are conservative."""
+        and in more than 51 cases with a probability of less than 1e-4. Both kinds of intervals are conservative."""
         chance = random.Random(1)
         samples = [sorted(chance.random() for _ in range(60)) for _ in range(300)]
         for interval in (answers.percentile_interval, answers.percentile_sequence):

@@ -22,7 +22,7 @@ def fmu_of(place):
 
 class LeftoverCase(StudyCase):
     def mission(self, **instances):
-        """Returns a mission of these instances, each with the place at which its FMU keeps data."""
+        """Returns a mission with these instances. The value of each is the place at which its FMU keeps data."""
         (self.folder / "mission.json").write_text(json.dumps({
             "step": 0.125, "stop_time": 1, "connections": [], "record": [f"{name}.sum" for name in instances],
             "instances": {name: {"fmu": fmu_of(place)} | more for name, (place, more) in instances.items()},

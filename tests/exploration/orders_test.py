@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests that orders and results of many missions at once are the same as those of single missions."""
+"""Tests that orders and results that are processed for many missions at once equal those of single missions."""
 
 import math
 import pickle

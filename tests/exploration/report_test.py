@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests the content of report.html: its numbers are those of the tables, and effects and importances are those of known
-functions."""
+"""Tests the content of report.html: its numbers equal those of the tables, and effects and importances of known
+functions are right."""
 
 import itertools
 import unittest

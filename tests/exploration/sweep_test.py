@@ -716,7 +716,7 @@ class Kept(StudyCase):
 
 class Summary(StudyCase):
     def test_is_whole_for_any_number_of_labels(self):
-        """The record grows by one label at a time, so that each possible length of its JSON text is tried."""
+        """The record grows by one label at a time, so that its JSON text has many different lengths."""
         config = json.loads((self.folder / "mission.json").read_text())
         for count in range(40):
             config["summary"] = {f"label{number}": "a.integral" for number in range(count)}

@@ -62,8 +62,9 @@ bool find(const std::vector<std::uint8_t>& pixels, const Camera& camera, gate_vi
   return find_gate(pixels.data(), camera.width(), camera.height(), &view);
 }
 
-/// A drone that approaches the gate, `ahead_m` in front of its plane. It is up to 20 degrees off the gate's axis, and
-/// the gate is up to 25 degrees off the centre of the picture, with 5 cm of altitude error and up to 4 degrees of tilt.
+/// A drone that approaches the gate, at the distance `ahead_m` in front of the gate's plane. It is up to 20 degrees off
+/// the gate's axis, and the gate is up to 25 degrees off the centre of the picture, with 5 cm of altitude error and up
+/// to 4 degrees of tilt.
 BodyPose approach_pose(Uniform& uniform, const world::scene::Gate& gate, double ahead_m) {
   BodyPose pose;
   const double off_axis = uniform(-20, 20) * kDegree;

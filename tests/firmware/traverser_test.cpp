@@ -78,7 +78,7 @@ End fly(const world::scene::Scene& scene, const Start& start, std::uint64_t seed
   double drift_m_s = start.drift_m_s;
   for (int step = 0; step < 12000; ++step) {
     if (step % kStepsPerLook == 0) {
-      // Set-points take effect one picture after the one from which they were computed.
+      // Set-points take effect with a delay of one picture.
       command = next;
       const auto sight = look(scene, drone.pose, start, uniform);
       const traverser_state_t state{micro(drone.velocity_m_s), micro(drone.pose.p_WB_m.z()),

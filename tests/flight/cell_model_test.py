@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests that the fast cell of bench/flight, which fits many flights at once, agrees with fmu_battery."""
+"""Tests that the fast model of the cell in bench/flight, which fits many flights at once, agrees with fmu_battery."""
 
 import json
 import os

@@ -185,7 +185,7 @@ class ULogs(LogCase):
         messages = {
             "battery_status": ("float voltage_v;float current_a;", "ff", [(2000, (12.5, 3.0)), (12000, (12.0, 4.0))]),
             "vehicle_local_position": ("float vx;float vy;float vz;", "fff", [(2000, (1.0, 2.0, 3.0)), (3000, (1.0, 2.0, 3.0))]),
-            # The drone is level with its nose to the north, which is a quarter turn to the left from the east.
+            # The drone is level, and its nose points to the north. This is a quarter turn to the left from the east.
             "vehicle_attitude": ("float[4] q;", "ffff", [(2000, (1.0, 0.0, 0.0, 0.0)), (3000, (half, 0.0, 0.0, half))]),
         }
         log = read_log(self.file(ulog(messages)))

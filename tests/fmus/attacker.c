@@ -740,7 +740,7 @@ static const Attack attacks[] = {
     ATTACK(real_time, "take real-time priority"),
 };
 
-/// Runs an attack in a separate process, so that its effects on the process end with it.
+/// Runs an attack in a separate process, whose end undoes the effects on the process.
 static int reached_by_child(int (*reach)(void)) {
   const pid_t child = fork();
   if (child == 0) {

@@ -226,7 +226,7 @@ FMI2_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tole
   return fmi2OK;
 }
 
-// This thread runs until it ends, long after its FMU was freed.
+// This thread continues long after its FMU was freed.
 static void* stay(void* nothing) {
   for (int i = 0; i < 100; ++i) usleep(1000);
   return nothing;
@@ -310,7 +310,7 @@ static void take_all_memory(void) {
   }
 }
 
-// Passes another environment than the one that the instance was given, as FMUs of some tools do.
+// Passes an environment to the callback that is not the instance's, as FMUs of some tools do.
 static void say_for(Probe* p, void* environment, const char* name, const char* text) {
   p->callbacks.logger(environment, name, fmi2Warning, "logStatusWarning", text);
 }

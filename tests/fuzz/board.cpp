@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads any text as a board file. It is rejected with an Error, or gives a board whose numbers are within their limits.
+// Reads any text as a board file. The reader must throw Error, or return a board whose numbers are within their limits.
 #include "board/board_file.hpp"
 
 #include "mebots/error.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Reads any bytes after the hash of a checkpoint and of a saved run. They are rejected with an Error, or give an object
-// that is written as it was read. The sizes in them are not trusted.
+// Reads any bytes after the hash of a checkpoint and of a saved run. The reader must throw Error, or return an object
+// that is written with the same bytes. The bytes may contain wrong sizes.
 #include "run/checkpoint.hpp"
 
 #include "mebots/error.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Reads any text as a description.json. It is rejected with an Error, or gives a description whose modelDescription.xml
-// reads back as the same.
+// Reads any text as a description.json. The reader must throw Error, or return a description. The modelDescription.xml
+// of this description must be read back with the same content.
 #include "description.hpp"
 
 #include "generate.hpp"

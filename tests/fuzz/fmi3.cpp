@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Reads any text as a modelDescription.xml of FMI 3.0. It is rejected with an Error, or gives a description whose
-// references are sound, also after the arrays are replaced by their elements. The target links the reader alone,
-// without checks and archives, which would take most of the time.
+// Reads any text as a modelDescription.xml of FMI 3.0. The reader must throw Error, or return a description with valid
+// references, also after the arrays are replaced by their elements. The target links only the reader: the checks and
+// the archive code would take most of the time.
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/array_elements.hpp"
 #include "mebots/modeldesc/xml.hpp"

@@ -15,13 +15,13 @@
 
 namespace mebots::fuzz {
 
-/// A folder that is created once, in memory if possible, for the files of one input after the other.
+/// A folder for the files of one input at a time. It is created once, in memory if possible.
 class FolderOfInput {
  public:
   const std::filesystem::path& path() const { return folder_.path(); }
 
-  /// Writes the files of an input: the first one, then further ones, each after a line "=== name". Leaves out names
-  /// that lead out of the folder or already exist; the reader then finds no such file.
+  /// Writes the files of an input: the first one, then further ones, each after a line "=== name". A file is not
+  /// written if its name leads out of the folder or already exists; then the reader does not find the file.
   void fill(std::string_view input, std::string_view first) {
     constexpr std::string_view kMark = "\n=== ";
     std::string_view name = first;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Reads any text as a modelDescription.xml. It is rejected with an Error, or gives a description that is written and
-// read back as the same. In both cases, the checks of `mebots check` must not crash.
+// Reads any text as a modelDescription.xml. The reader must throw Error, or return a description. When this description
+// is written and read again, it must be the same. In both cases, the checks of `mebots check` must not crash.
 #include "checks.hpp"
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/xml.hpp"

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the commands of a tutorial as they are typed, in an empty home folder, with MEbots from a wheel (wheel_of.py).
+"""Runs the commands of a tutorial in the way a user would type them, in an empty home folder, with MEbots from a wheel
+(wheel_of.py).
 
-Usage: tutorial.py SOURCES WHEEL_WORK NAME. The files that the page asks the reader to save are saved, and its changes to files are made,
-at the place of the text where the page says so. Commands that cannot run here are listed below with the reason. The code of a notebook
-runs as one program.
+Usage: tutorial.py SOURCES WHEEL_WORK NAME. The script also saves the files that the page asks the reader to save, and
+makes the page's changes to files, in the order of the text. Commands that cannot run here are listed below with the
+reason. The code of a notebook runs as one program.
 
 Exit code 77: the tutorial needs what this machine lacks. `MEBOTS_CHECKOUTS` names a folder with the repositories that a page clones.
 """

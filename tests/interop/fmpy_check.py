@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Validates one FMU with FMPy and runs it there, alone, with all inputs at their start values.
+"""Validates one FMU with FMPy, and runs it in FMPy alone, with all inputs at their start values.
 
 Usage: fmpy_check.py FILE.fmu
 """

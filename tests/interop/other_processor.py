@@ -16,8 +16,8 @@ def rows(folder):
 
 
 def differences(one, other):
-    """Returns for each column that differs the time of the first difference and the largest difference, in the order
-    of these times."""
+    """Returns for each column that differs: the time of the first difference, and the largest difference. The columns
+    are in the order of these times."""
     if len(one) != len(other) or one[0] != other[0]:
         sys.exit(f"results.csv: {len(one)} rows with {len(one[0])} columns beside {len(other)} rows with {len(other[0])}")
     found = {}

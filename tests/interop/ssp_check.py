@@ -5,7 +5,7 @@ runs in mebots.
 
 Usage: ssp_check.py MEBOTS CONFIG.json
 
-Searches OMSimulator in $OMSIMULATOR and on PATH. If it is not there, the test is skipped (exit code 77).
+Searches for OMSimulator in $OMSIMULATOR and on PATH. If OMSimulator is not found, the test is skipped (exit code 77).
 """
 
 import json

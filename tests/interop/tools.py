@@ -47,7 +47,7 @@ def variables(instance):
 
 
 def outputs(instance, types=("Real", "Integer", "Boolean", "Enumeration", "String")):
-    """Returns the outputs to compare. Of texts, only those of pythonfmu are compared, because MEbots' FMUs compute the
+    """Returns the outputs to compare. String outputs are compared only for FMUs of pythonfmu: MEbots' FMUs compute the
     base64 text of a picture when it is read."""
     texts = of_python(instance)
     return [v for v in variables(instance).values() if v.causality == "output" and v.type in types

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Known solutions for FMUs of other tools, from sources that are not another master (scripts/corpus.sh).
+"""Known solutions for FMUs of other tools. They do not come from another master (scripts/corpus.sh).
 
 A truth is an analytic solution, the model's equations solved to 1e-10, or a reference file next to the FMU. The equations come
 from the documentation of the Modelica Standard Library, of the Reference FMUs, and of the FMUs' repositories. Parameters come

@@ -64,8 +64,8 @@ class Targets:
 
     def text(self, kind: str) -> str:
         ports = [line.getsockname()[1] if line else 1 for line in self.sockets[2:]]
-        # From the inside, a file in a private /tmp and a port of a private network look the same, so they are checked
-        # from outside.
+        # From inside the sandbox, a file in a private /tmp looks like a file in the system's /tmp, and the same applies
+        # to a port. So these effects are checked from outside.
         values = {"home": self.home, "shared_memory": self.shared_memory, "temporary_file": self.temporary_file, "temporary": self.left,
                   "process": self.process.pid, "address": self.address, "key": KEY, "socket": self.path, "abstract": self.abstract,
                   "port": ports[0], "port6": ports[1], "port_udp": ports[0], "free_port": 0, "master": os.getpid(),

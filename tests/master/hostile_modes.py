@@ -100,7 +100,7 @@ def config_of(fmu, process):
 
 
 def processes_with(folder):
-    """Returns the processes whose environment names the folder, and sandboxed ones, whose command line names the
+    """Returns the processes whose environment names the folder, and sandboxed processes, whose command line names the
     unpacked FMU."""
     found = []
     for entry in pathlib.Path("/proc").iterdir():

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs and reports on a disk that fails. Each call that writes a results file fails in turn, as in the tests of SQLite.
-Each time, exit code and message must report it, no file may be incomplete under its final name, and the next run must give
-the same bytes. EINTR and short writes must change nothing.
+"""Tests runs and reports on a disk that fails. Each call that writes a results file fails in turn, as in the tests of
+SQLite. Each time, exit code and message must report the failure, no file may be incomplete under its final name, and
+the next run must give the same bytes. EINTR and short writes must have no effect.
 
 Usage: io_fault_test.py MEBOTS PROBE_FMU [--all]   the table of all calls; without --all a few of each kind, for ctest
 """

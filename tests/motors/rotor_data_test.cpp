@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares the rotor files with the table that they quote, and tests that wrong files are rejected.
+// Compares the rotor files with the table from which they were computed, and tests that invalid files are rejected.
 #include "support.hpp"
 
 #include <cmath>

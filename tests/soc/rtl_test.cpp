@@ -75,8 +75,8 @@ void expect_exact(const Table& found, const Table& expected) {
 }
 
 TEST(Rtl, StandardMicroProgramsTakeTheCyclesOfCv32e40p) {
-  // The rest of this build has Xpulp in CORE-V encodings, which this platform lacks. The program ends in its trap
-  // handler.
+  // The further instructions of this build use Xpulp in CORE-V encodings, which this platform lacks. So the program
+  // ends in its trap handler.
   Machine machine(Elf::read(MEBOTS_RTL_CV32E40P), CoreKind::cv32e40p);
   EXPECT_EQ(machine.run(), Stop::watch);
   EXPECT_EQ(machine.word("tohost"), 0xdead0001U);

@@ -209,7 +209,7 @@ def imports_of_typescript(root, file):
 
 
 def mistakes_of_modules(root, description):
-    """Returns mistakes of Python modules, which may import each other in one direction only."""
+    """Checks that Python modules import each other in one direction only. Returns the violations."""
     folder = root / description["root"]
     ending, imports = {"python": (".py", imports_of_python),
                        "typescript": (".ts", imports_of_typescript)}[description["language"]]

@@ -17,7 +17,8 @@ std::filesystem::path shipped(const std::string& name) {
   return std::filesystem::path(MEBOTS_SOURCE_DIR) / "configs" / (name + ".json");
 }
 
-/// Runs and checks an unchanged shipped mission. A decision takes its frame's 20.2 ms and less than one more frame.
+/// Runs and checks an unchanged shipped mission. The latency of a decision is at least the 20.2 ms of its frame, and
+/// less than this time plus the time of one more frame.
 void expect_passed(const std::string& mission, int least_pictures) {
   const Folder folder;
   const auto flight = fly(shipped(mission), folder / "out");

@@ -13,7 +13,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Returns a shipped config that records every communication point, for tests that need more than its rows.
+/// Returns a shipped config that records every communication point, for tests to which the config's own recording
+/// interval is too long.
 nlohmann::ordered_json every_point(const std::string& name) {
   auto config = shipped_config(name);
   config.erase("record");
@@ -192,7 +193,7 @@ TEST(Mission, DroneThatHangsOnTheFrameIsStuckHoweverItsCellEnds) {
 }
 
 TEST(Mission, DroneThatComesBackThroughTheGateIsTurnedBack) {
-  // Pulls the drone back when it is behind the gate, and lands it at its start.
+  // Moves the drone back when it is behind the gate, and lands it at its start.
   auto config = shipped_config("gate_easy");
   config["scenario"] = nlohmann::ordered_json::parse(R"([
     {"variable": "world.setpoint.velocity.x", "set": -0.3,

@@ -59,8 +59,8 @@ TEST(Run, WritesTheReportAsJson) {
   EXPECT_NEAR(report["chip_mean_w"].get<double>() * report["time_s"].get<double>(), sum_j, 1e-12 * sum_j);
 }
 
-// Each program has three instructions (la is two) and the store under test. The code after it must not run, because it
-// would store 9, which is another exit code.
+// Each program has three instructions (`la` consists of two) and the store under test. The code after the store must
+// not run, because it would store 9, which is another exit code.
 TEST(Run, EndsAtTheStoreThatSetsBit0OfTohostHoweverItIsDone) {
   const std::string_view after = "\nli t2, 9\nsw t2, 0(t0)\n1: j 1b";
   const auto ends_after = [&](std::string_view store, int instructions, int exit_code) {

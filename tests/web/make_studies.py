@@ -50,8 +50,8 @@ def large(configs, designs, replicates):
 
 
 def mission(values, lot):
-    """Returns success, energy [J] and time [s] of one mission of an invented drone, which crashes more often in faster
-    flights."""
+    """Returns success, energy [J] and time [s] of one mission of an invented drone. The drone crashes more often in
+    faster flights."""
     speed, clock = values["soc.mission.cruise_speed"], values["soc.core.clock"]
     passed = lot.random() > 0.45 * max(0.0, speed - 0.8) * (1.3 if clock < 120e6 else 0.8)
     time_s = 1.5 + 7 / speed + 0.05 * lot.gauss(0, 1)

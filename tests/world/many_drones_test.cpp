@@ -268,7 +268,7 @@ TEST(ManyDrones, ErrorsNameTheDrone) {
 }
 
 TEST(ManyDrones, ARestoredWorldContinuesWithTheSameBitsDuringContact) {
-  // The second drone falls on the first one and then rests on it, or beside it.
+  // The second drone falls onto the first one, and then rests on it or next to it.
   const auto make = [] {
     return std::make_unique<Fleet>(shipped_scene("empty"), together(),
                                    std::vector<std::array<double, 3>>{{}, {0.01, 0.02, 0.05}, {0.0, 0.5, 0.0}});

@@ -57,8 +57,8 @@ constexpr int kSteps = 10'000;  // 20 s
 
 TEST(WorldState, ARestoredRunContinuesWithTheSameBitsAlsoDuringContact) {
   FlightRig straight(shipped_scene("gate_easy"), noisy());
-  // States are saved during the climb, before the gate, in contact with the gate, after the gate, during the landing,
-  // and after it.
+  // States are saved during the climb, before the gate, in contact with the gate, behind the gate, during the landing,
+  // and after the landing.
   std::vector<std::unique_ptr<FlightRig>> restored;
   for (const int cut : {700, 4000, 5300, 5800, 7600, 9800}) {
     fly_about(straight, cut - static_cast<int>(straight.time_ns / 2'000'000));

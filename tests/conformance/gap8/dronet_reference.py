@@ -3,9 +3,9 @@
 
     dronet_reference.py WEIGHTS PICTURE...    prints steering and collision of each picture (a 324 x 244 PGM)
 
-WEIGHTS is pulp-dronet-v1/weights/binary of a checkout of pulp-platform/pulp-dronet. Layers, formats and the checksums of --check
-are those of its src/config.h. Like GreenWaves' AutoTiler library, the kernels add the input planes one by one to 16-bit sums,
-which are shifted and saturated each time. Needs numpy.
+WEIGHTS is pulp-dronet-v1/weights/binary of a checkout of pulp-platform/pulp-dronet. Layers, formats and the checksums
+of --check are from the file src/config.h of PULP-Dronet. Like GreenWaves' AutoTiler library, the kernels add the input
+planes one by one to 16-bit sums, which are shifted and saturated each time. Needs numpy.
 """
 import argparse
 import pathlib

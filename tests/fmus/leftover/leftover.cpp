@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// FMUs that keep data outside of their instances, each at the place that LEFTOVER_KIND names. In every step `sum` grows
-// by gain times that data, so that a run after another run has a different sum.
+// FMUs that keep data outside of their instances, each at the place that LEFTOVER_KIND names. In every step, `sum`
+// increases by gain times this data. So the second run in a process has another sum than the first.
 #include "mebots/fmi2/functions.hpp"
 
 #include "count.h"

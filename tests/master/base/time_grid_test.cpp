@@ -108,7 +108,7 @@ TEST(TimeGrid, ATimeBetweenThePointsIsTakenAsItIs) {
   EXPECT_EQ(grid.length_s(100'000'000, 333'333'333), 1.0 / 3 - 0.1);
 }
 
-/// A probe that outputs the end t + h and the length h of its last step, as it received them.
+/// A probe that outputs the end t + h and the length h of its last step, as the FMU received them.
 std::string probe_system(const std::string& times, const std::string& instance = "", const std::string& more = "") {
   return fmt::format(R"({{{}, "instances": {{"a": {{"fmu": "PROBE"{}}}}}, "connections": []{}}})", times, instance,
                      more);

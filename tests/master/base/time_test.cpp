@@ -94,8 +94,7 @@ TEST(Time, RoundsToWholeNumbersWithTiesToEven) {
   EXPECT_EQ(nearest_whole(-8, 3), -3);
 }
 
-/// True if x is the double nearest to numerator / denominator, which means that both neighbours are at least as far
-/// away.
+/// True if x is the double nearest to numerator / denominator, which means that neither neighbour of x is nearer.
 bool is_nearest(WideInteger numerator, std::int64_t denominator, double x) {
   // For x = m / 2^s, the distance times 2^s and the denominator is |numerator 2^s - m denominator|, a whole number.
   const auto distance = [&](double value, int s) {

@@ -340,8 +340,8 @@ TEST(CouplingOrder, DerivativesMakeJacobiAndGaussSeidelSecondOrder) {
 }
 
 TEST(InputDerivatives, AnInputWithTwoKnownEndsFollowsALine) {
-  // b steps after a, so it has t^2 at both ends of its step. This gives the trapezoidal rule, whose result is h^2/6
-  // above 1/3.
+  // b steps after a in each step, so it has the values of t^2 at both ends of its step. This gives the trapezoidal
+  // rule, whose result is above 1/3 by h^2/6.
   TestRun run(pair("", R"({"from": "a.ramp_out", "to": "b.ramp_in"})", R"(, "algorithm": "gauss-seidel")",
                    R"("step": 0.1, "stop_time": 1)"));
   run.to_end();

@@ -31,7 +31,7 @@ TEST(ThreadPolicy, ShortStepsAreNeverTriedInParallel) {
   }
 }
 
-/// Returns the number of windows among 10000 that are stepped in parallel, if a window takes these times [s].
+/// Returns how many of 10000 windows are stepped in parallel, if a window takes these times [s].
 int parallel_windows(double serial_s, double parallel_s) {
   ThreadPolicy policy;
   int parallel = 0;

@@ -667,7 +667,8 @@ TEST_F(Osp, FunctionsAreComputedAtTheCommunicationPoints) {
   EXPECT_EQ(loaded.system.connections.at(0).factor, 2);
   EXPECT_EQ(loaded.system.connections.at(0).offset, -1);
   ASSERT_EQ(run({"run", "truck", "--out", "r"}).code, 0);
-  // In each row, the output of `b` is its input at the same point, which is the function of the outputs of `a`.
+  // In each row, the output of `b` equals its input at the same point. This input is the function of the outputs of
+  // `a`.
   std::istringstream lines(test::read_file(folder.path() / "r/results.csv"));
   std::string line;
   std::getline(lines, line);

@@ -52,8 +52,8 @@ std::vector<std::string> warnings_of(const nlohmann::ordered_json& summary) {
 }
 
 TEST(BondEnergy, IsWhatBothHalvesTogetherGained) {
-  // a gains energy only by the work of its force, b only by that of its pull: the sum of both is the energy created by
-  // the coupling.
+  // Only the work of its force increases the energy of a, and only the work of its pull increases that of b. So the sum
+  // of both energies is the energy that the coupling creates.
   constexpr double kEnergyAtStart = 5 + 5;  // 10/2 x^2 of a and 10/2 (x - y)^2 of b, in J
   for (const bool derivatives : {false, true}) {
     const double step_s = derivatives ? 0.001 : 0.01;

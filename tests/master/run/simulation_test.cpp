@@ -40,7 +40,7 @@ TEST(Simulation, RowsStandAtTheStartAndAtEveryCommunicationPoint) {
 }
 
 TEST(Simulation, OutputsTravelInOneStepAsJacobiSays) {
-  // a counts its steps. In each step, b adds the count that it received, which is a's output at t_k.
+  // a counts its steps. In each step, b adds the count that it received to a sum; this count is a's output at t_k.
   TestRun run(R"({"step": 0.5, "stop_time": 2, "instances": {
       "a": {"fmu": "PROBE", "parameters": {"real_in": 1}},
       "b": {"fmu": "PROBE"}, "c": {"fmu": "PROBE"}},

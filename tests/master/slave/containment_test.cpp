@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests changes that an FMU makes to the process which it shares with the master and other FMUs: they are reported with
-// the FMU's name, and reverted if possible.
+// Tests changes by an FMU to the process that it shares with the master and other FMUs. The changes must be reported
+// with the FMU's name, and reverted if possible.
 #include "fmi/call/foreign_call.hpp"
 #include "fmi/process/process_state.hpp"
 #include "support/sanitizer.hpp"

@@ -477,7 +477,8 @@ TEST_F(Isolation, AKilledMasterLeavesNoProcessAndTheNextOneCleansUp) {
   waitpid(child, nullptr, 0);
   EXPECT_TRUE(all_end());
   EXPECT_FALSE(std::filesystem::is_empty(temporary));
-  // A process that ends loses its environment before its files, and its locks only together with the files.
+  // When a process ends, its environment disappears before its files are closed. Its locks disappear only when its
+  // files are closed.
   for (const auto& entry : std::filesystem::directory_iterator(temporary)) {
     const int owner = open((entry.path() / "owner").c_str(), O_RDWR | O_CLOEXEC);
     if (owner < 0) continue;

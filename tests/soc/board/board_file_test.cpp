@@ -48,9 +48,9 @@ TEST(BoardFile, OfTheRepositoryAreGood) {
   }
 }
 
-/// A program for a real GAP8 must not access MEbots' own devices by mistake. Their addresses must differ from those of
-/// devices of board gap8, and from those of devices that this board lacks, because programs write into their registers,
-/// too.
+/// A program for a real GAP8 must not access MEbots' own devices by mistake. Therefore the addresses of these devices
+/// must differ from those of all devices of GAP8, including the devices that board gap8 does not model: programs write
+/// into their registers, too.
 TEST(BoardFile, KeepsOurDevicesAtAddressesThatGap8LeavesFree) {
   const auto board = [](std::string_view path) { return read_board(fmt::format("{}/{}", MEBOTS_SOURCE_DIR, path)); };
   const auto gap8 = board("configs/boards/gap8.json");

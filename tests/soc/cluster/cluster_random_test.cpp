@@ -50,8 +50,9 @@ class StepCounter final : public Observer, private FlowMap {
   std::map<const Hart*, Flow> last_;
 };
 
-/// Runs a program four times: without a break in translated code, interpreted, observed at times, and restored at times
-/// from the state of the first run, in a new system or in one that has run another program.
+/// Runs a program in four ways. The first run is translated and has no interruption. The second is interpreted, and the
+/// third is sometimes observed. The fourth is sometimes restored from a state of the first run, into a new system or
+/// into a system that has run another program.
 class Comparison {
  public:
   explicit Comparison(std::uint32_t seed)

@@ -337,8 +337,8 @@ Rivals core_beside_dma(bool copies) {
 }
 
 TEST(Dma, TakesCyclesOfTheBanksFromTheCores) {
-  // Two words per cycle over 16 banks use an eighth of the cycles of each bank. A core that uses one bank in every
-  // cycle conflicts with the DMA every 8 cycles, and one of them waits a cycle.
+  // The DMA transfers two words per cycle over 16 banks, so it uses an eighth of the cycles of each bank. If a core
+  // uses one bank in every cycle, it conflicts with the DMA every 8 cycles, and one of the two waits a cycle.
   const auto alone = core_beside_dma(false);
   const auto beside = core_beside_dma(true);
   EXPECT_EQ(alone.core_cycles, 256U + 2U);
@@ -580,8 +580,9 @@ TEST(ClusterRuntime, HasTheSameOrderWithAndWithoutDecodedCode) {
   for (const unsigned cores : {2, 3, 8}) expect_same_turns(cores, with_tree(BoardSystem::without_caches()));
 }
 
-/// Saves the network on 1, 2, 4 and 8 cores repeatedly, mostly in the middle of a layer. A continuation in another
-/// system, which has decoded and translated other code, gives the bits of the straight run.
+/// Saves the network on 1, 2, 4 and 8 cores repeatedly, mostly in the middle of a layer. Each saved state continues in
+/// another system, which has decoded and translated other code. The bits must equal those of the run without
+/// interruption.
 TEST(ClusterRuntime, ContinuesWithTheSameBitsFromStatesDuringAnInference) {
   const auto program = Elf::read(MEBOTS_BINARY_DIR "/firmware/network_bench.elf");
   BoardSystem straight(program);

@@ -21,7 +21,7 @@ using testing::ElementsAre;
 constexpr int kNo = ConsolePort::kNothingYet;
 constexpr int kEnd = ConsolePort::kEnded;
 
-/// A chip that stands still, its history, and a console whose input arrives late.
+/// A chip whose time does not advance, its history, and a console whose input arrives late.
 class HistoryTest : public testing::Test {
  protected:
   /// Calls input() `count` times and returns the results.
@@ -105,7 +105,7 @@ TEST_F(HistoryTest, ARestartReadsTheLogThenTheHost) {
   EXPECT_THAT(poll(3), ElementsAre(kNo, 'a', 'b'));
 }
 
-/// The state of a run that is being stopped is dropped, and a byte that it read would be lost.
+/// If a run is being stopped, its state is not used any more, so a byte that the run read would be lost.
 TEST_F(HistoryTest, ReadsNothingWhileTheRunIsBeingStopped) {
   live_ = {'a'};
   history_.record(soc_);

@@ -133,7 +133,8 @@ TEST(Elf, TruncatedAtAnyLengthIsAnErrorOrWhole) {
 }
 
 TEST(Elf, IsRefusedIfSegmentsOverlap) {
-  // A second program header that repeats the first, because GNU ld writes code and data of this program as one segment.
+  // A second program header with the content of the first. It is needed because GNU ld writes code and data of this
+  // program as one segment.
   auto bytes = program();
   std::uint32_t table = 0;
   std::uint16_t count = 0;

@@ -39,7 +39,7 @@ TEST(EnergyTable, InterpolatesLinearlyAndRefusesPointsOutside) {
 }
 
 TEST(Energy, IsInstructionsAccessesBackgroundAndLeakageForAWorkingCore) {
-  // Iterations of one load, one store, one addition, one jump.
+  // Runs iterations of one load, one store, one addition and one jump.
   BoardSystem system(
       BoardSystem::assembled("_start: li s0, 0x1C060000\n1: lw a0, 0(s0)\nsw a1, 4(s0)\naddi a2, a2, 1\nj 1b\n"), {},
       BoardSystem::without_caches());

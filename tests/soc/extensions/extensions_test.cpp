@@ -17,7 +17,7 @@
 namespace mebots::soc::test {
 namespace {
 
-/// Runs a program that leaves its result in a0, on a core with the options that `isa` names.
+/// Runs a program that stores its result in a0, on a core with the options that `isa` names.
 std::unique_ptr<Machine> run(const std::string& isa, const std::string& body) {
   const auto text = fmt::format("_start:\n{}\n{}", body, kEnd);
   const auto march = isa.find('u') == std::string::npos ? isa : std::string(isa).erase(isa.find('u'), 1);

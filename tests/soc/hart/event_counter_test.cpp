@@ -17,7 +17,8 @@ namespace {
 
 using Counts = std::array<std::uint32_t, 17>;
 
-/// Counts the events of `body` from the instruction after the one that starts the counters to the one that stops them.
+/// Counts the events of `body`: from the instruction after the one that starts the counters up to the instruction that
+/// stops them.
 std::string program_of(std::string_view body) {
   auto text = fmt::format(R"(
 _start: .option norvc

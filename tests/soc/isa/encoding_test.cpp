@@ -37,7 +37,8 @@ TEST(EncodingTable, HasOneRowPer32BitWord) {
       if (!core_of(table[i]).has(table[j].extension) || !core_of(table[j]).has(table[i].extension)) continue;
       const auto common = table[i].mask & table[j].mask;
       if ((table[i].match & common) != (table[j].match & common)) continue;
-      // One row may be a special case of another, with operands that are reserved in the other.
+      // The encoding of one row may be a special case of another row's encoding, if the other row reserves these
+      // operands.
       const bool special =
           table[i].mask != common ? is_reserved(table[j], table[i].match) : is_reserved(table[i], table[j].match);
       EXPECT_TRUE(special) << full_name(table[i]) << " overlaps " << full_name(table[j]);

@@ -95,7 +95,7 @@ TEST(Gap8Cluster, LetsOneCoreAtATimeThroughToL2) {
   EXPECT_GE(cycles_of_core(0xff, factors, 7, board), kLoads * 8 * 8 * 9 / 10) << "eight loads take 64 cycles";
 }
 
-/// Straight code that accesses L2 until the end of the table of banks, and then L1, which others use.
+/// Straight code that accesses L2 until the end of the table of banks, and then L1, which other cores use, too.
 TEST(Gap8Cluster, TranslatedCodeSupportsAnyWaitForL2) {
   struct Mix {
     unsigned far;

@@ -153,9 +153,9 @@ TEST(Translation, ExistsForEveryCommonInstruction) {
 }
 
 TEST(Translation, ClearsThePipelineStateWhenAJumpEntersTheSameBlock) {
-  // The block at 2 follows 64 instructions that end with a load. In every second iteration, a branch from its own end
-  // leads to it. Its first instruction stores into the watched word in every fourth iteration only: then the
-  // interpreter finishes the block. The state shows which instructions it assumes before the block.
+  // The block at 2 follows 64 instructions that end with a load. In every second iteration, a branch at the end of the
+  // block leads back to it. Only in every fourth iteration, its first instruction stores into the watched word; then
+  // the interpreter finishes the block. The state shows which instructions the interpreter assumes before the block.
   std::string body = "    .option push\n    .option norvc\n";
   for (int i = 0; i < 63; ++i) body += "    addi a2, a2, 3\n";
   const auto program = assemble(R"(
@@ -192,8 +192,8 @@ data: .word 0
 }
 
 /// A hot block whose end is reached only in every 64th iteration, so its lines are then absent from the instruction
-/// cache. Translated code begins with the first part. It stops before the rest, if the rest with all its refills might
-/// exceed the limit.
+/// cache. Translated code begins with the first part. If the second part with all its refills might exceed the limit,
+/// translated code stops before it.
 TEST(Translation, FetchesTheRareEndOfABlock) {
   const auto program = assemble(R"(
     li a3, 20

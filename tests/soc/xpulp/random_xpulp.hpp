@@ -164,11 +164,11 @@ class Generator {
   std::uint32_t dot_register() { return kFirstDot + random_.below(32 - kFirstDot); }
   /// A pointer, or an offset.
   std::uint32_t address_register() { return kFirstPointer + random_.below(kLastOffset - kFirstPointer + 1); }
-  /// Returns the word with another register in this field if it is one of the dot products' registers.
+  /// If a register in this field is used by dot products, returns the word with another register in its place.
   static std::uint32_t off_dots(std::uint32_t word, unsigned low) {
     return (word >> low & 31U) >= kFirstDot ? with(word, low, (word >> low & 31U) - 8) : word;
   }
-  /// Returns a register other than those that keep addresses and counts valid.
+  /// Returns a register that contains neither an address nor a count, so that a random value in it does no harm.
   std::uint32_t free_register() {
     for (;;) {
       const auto index = random_.below(32);

@@ -235,8 +235,8 @@ TEST(CameraCoverage, AGateCoversThePixelsOfItsFourBeams) {
   Renderer of_gates(with_gates, {}, 0.0);
   Renderer of_beams(with_beams, {}, 0.0);
   for (const Pose& from : testing::awkward_poses()) {
-    // A few pixels may differ. Separate beams may leave a crack of 1/4096 pixel at their joint. The corners of a gate's
-    // faces differ from those of its beams, so their edges are rounded differently.
+    // A few pixels may differ. Separate beams may leave a crack of 1/4096 pixel at their joint. The corners of the
+    // gate's faces differ from those of separate beams, so their edges are rounded differently.
     EXPECT_LE(testing::differing_pixels(testing::picture(of_gates, from), testing::picture(of_beams, from)), 3);
   }
 }

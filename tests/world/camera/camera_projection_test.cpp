@@ -94,8 +94,8 @@ TEST(CameraProjection, CornersOfAGateLandOnTheirAnalyticPixels) {
       for (int i = 0; i < 4; ++i) {
         const Line before = fitted_edge(seen, expected[(i + 3) % 4], expected[i]);
         const Line after = fitted_edge(seen, expected[i], expected[(i + 1) % 4]);
-        // A crossing is known to one pixel; a line fitted to over 80 of them has an error of about 0.29 * 2 / sqrt(80)
-        // = 0.06 pixel (one sigma) at its end.
+        // The position of a crossing is known to one pixel. A line that is fitted to over 80 crossings has an error of
+        // about 0.29 * 2 / sqrt(80) = 0.06 pixel (one sigma) at its end.
         EXPECT_LT((crossing(before, after) - expected[i]).norm(), 0.2) << "edge " << edge_m << " m, corner " << i;
       }
     }

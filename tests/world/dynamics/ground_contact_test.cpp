@@ -72,7 +72,7 @@ TEST(GroundContact, IsNoDescentForADroneThatWasOnTheGround) {
 /// After a fall from this height, a bounce is below 10 cm.
 constexpr double kFall_m = 0.3;
 
-/// A low flight in still air without drag, whose rotors carry `share` of the weight from t = 0 on.
+/// A low flight in still air without drag. From t = 0 on, the thrust of the rotors is `share` of the weight.
 struct WeakFlight {
   static scene::Scene scene() {
     auto made = shipped_scene("empty");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gates of all shapes: the volume of their frames, the area that counts as the opening, and the agreement of both.
+// Tests gates of all shapes: the volume of their frames, the area that counts as the opening, and that the two fit
+// together.
 #include "dynamics/rigid_world.hpp"
 #include "flight/gate_judge.hpp"
 #include "scene/scene.hpp"

@@ -27,8 +27,8 @@ class StepResponse : public testing::TestWithParam<std::tuple<double, std::int64
   }
   std::int64_t h_ns() const { return std::get<1>(GetParam()); }
 
-  /// Runs, and returns the times at which `value` first reaches 90 % and stays within 5 % of the way from `from` to
-  /// `to`, and its overshoot.
+  /// Runs a step response from `from` to `to`. Returns the time at which `value` first reaches 90 %, the time from
+  /// which it stays within 5 %, and the overshoot.
   struct Response {
     double rise_s = 0.0;
     double settle_s = 0.0;

@@ -17,8 +17,8 @@ inline scene::Drone shipped_drone(const std::string& name) {
   return scene::load_drone(std::string(MEBOTS_SOURCE_DIR) + "/fmu_world/params/drones/" + name + ".json");
 }
 
-/// Returns a shipped scene with the drone whose motors start without a limit, so that transients are those of the
-/// control loops.
+/// Returns a shipped scene with a drone whose motors start without a limit. So the transients are those of the control
+/// loops.
 inline scene::Scene shipped_scene(const std::string& name) {
   auto scene = scene::load_scene(std::string(MEBOTS_SOURCE_DIR) + "/fmu_world/params/scenes/" + name + ".json");
   scene.drone = shipped_drone("crazyflie_bench");

@@ -252,7 +252,7 @@ TEST(Request, IsVisibleAtTheNextCommunicationPoint) {
       "_start: .option norvc\nli s0, FLIGHT_BASE\naddi a0, zero, 3\nsw a0, FLIGHT_MODE_OFFSET(s0)\n.rept "
       "95\nnop\n.endr\n"
       "sw zero, FLIGHT_COMMIT_OFFSET(s0)\n1: j 1b\n");
-  // li of FLIGHT_BASE is one lui and one addi, or only one lui.
+  // The pseudo-instruction li of FLIGHT_BASE is one lui and one addi, or only one lui.
   BoardSystem probe(program, {}, BoardSystem::without_caches());
   std::int64_t at = 0;
   while (probe.output("setpoint.mode") == 0) probe.soc.advance(at += 1);

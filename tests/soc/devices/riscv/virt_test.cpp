@@ -143,8 +143,8 @@ TEST(Virt, TimerInterruptIsExactInTranslatedCodeToo) {
     Settings settings;
     settings.translate = translate;
     constexpr std::uint32_t kTick = 20'001;  // 2 ms: the loop is hot by then
-    // The loop has ten instructions of one cycle and a jump, so the core takes the interrupt at most the jump's cycles
-    // late.
+    // The loop consists of ten instructions of one cycle and a jump. So the core takes the interrupt late by at most
+    // the cycles of the jump.
     VirtSystem system(timer_program(kTick, "1: .rept 10\nadd a2, a2, s0\n.endr\nj 1b"), settings);
     system.soc.run_cycles(1'000'000);
     const auto due = first_cycle_at(kTick * kPeriodNs, 100'000'000) + kEntryCycles;
