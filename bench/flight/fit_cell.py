@@ -55,8 +55,8 @@ def main():
         return (flown.errors(cell_of(x[:COMMON]), np.exp(x[COMMON:])) * weight)[known]
 
     def slopes(x):
-        """Returns numerical derivatives. The factor of a flight affects only the errors of this flight, so one run
-        gives the derivatives for all factors.
+        """Returns numerical derivatives. The factor of a flight affects only the errors of this flight, so one run is
+        enough for the derivatives with respect to all these factors.
         """
         ground, step = errors(x), 1e-4
         matrix = np.zeros((ground.size, x.size))

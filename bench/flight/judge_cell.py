@@ -6,10 +6,10 @@
 
 FOLDER is described in flight_data.py. Sets: Craciun's flights with an odd SHA-256, and NanoBench's, whose power follows from
 the logged duty cycles. The predictions have three names. `blind` uses the cell file and the voltage at rest before the
-flight. `own start` fits one factor of all resistances to the first 20 s and is judged on the rest. `flight before`
-takes the factor of a whole earlier flight. In NanoBench, that is a flight of the same cell that started less than 5
-minutes earlier and ended within 0.1 V below the rest voltage of the judged flight. In Craciun's set, where no cell is
-named, it is the flight with the previous number.
+flight. `own start` fits one factor of all resistances to the first 20 s, and is judged on the remaining time. `flight
+before` uses the factor that was fitted to a whole earlier flight. In NanoBench, that is a flight of the same cell that
+started less than 5 minutes earlier and ended within 0.1 V below the rest voltage of the judged flight. In Craciun's
+set, where no cell is named, it is the flight with the previous number.
 """
 import argparse
 

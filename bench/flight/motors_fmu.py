@@ -38,7 +38,7 @@ class Motors:
 
     def fly(self, flight):
         """Returns the speeds of the four rotors and their power at each row of a flight, from its duty cycles and
-        voltages. The flight starts in the air: its first row is held until the rotors are steady."""
+        voltages. The flight starts in the air. Therefore the first row is applied until the rotors are steady."""
         slave = self._begin()
         inputs = [self.at[n] for n in [*COMMAND, "bus.voltage"]]
         outputs = [self.at[n] for n in [*SPEED, "power"]]

@@ -4,7 +4,7 @@
 
     MEBOTS_FMU_PATH=BUILD/fmus PYTHONPATH=BUILD/python .venv/bin/python bench/flight/thrust_curve.py
 
-Each point is steady: the motors run on a half-charged cell, at its voltage under that load.
+Each point is a steady state: a half-charged cell supplies the motors, and its voltage is that under this load.
 """
 import json
 import pathlib

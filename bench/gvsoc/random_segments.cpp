@@ -3,9 +3,8 @@
 // uses.
 //
 // Each segment starts with random registers, ends with a record of all registers, and continues with the memory of the
-// previous one. Four kinds of instructions are known to have other results in GVSoC for some operands. They are
-// isolated and watched: operands and result are logged, and the result is overwritten, so that later instructions
-// cannot differ.
+// previous one. Four kinds of instructions are known to have other results in GVSoC for some operands. For these
+// instructions, operands and result are logged, and the result is overwritten. So later instructions cannot differ.
 #include "xpulp/random_xpulp.hpp"
 
 #include "isa/encoding.hpp"

@@ -9,8 +9,8 @@ A tool's cost is the slope between a short and a long run, so that the time for 
 so that other work on the machine affects all of them. The result is in microseconds of wall time per communication step or,
 with --processor-time, of processor time of all threads, on which other work has less influence.
 
-OMSimulator is searched in $OMSIMULATOR and on PATH (its PyPI package fetches the program from its own server);
-FMPy and libcosimpy come from PyPI: scripts/setup.sh bench. Missing tools are listed.
+The script searches for OMSimulator in $OMSIMULATOR and on PATH (its PyPI package fetches the program from its own
+server); FMPy and libcosimpy come from PyPI: scripts/setup.sh bench. Missing tools are listed.
 """
 
 import argparse

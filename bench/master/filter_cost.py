@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Measures the cost of the system call filter and of Landlock for a step of an FMU in a separate process. Alternates
-runs with and without them. A preloaded library leaves them out. Usage: filter_cost.py MEBOTS PASSTHROUGH.fmu [--pairs
-20] [--steps 50000] [--core 0]
+runs with both and runs without them. In the second kind of runs, a preloaded library prevents that they are set up.
+Usage: filter_cost.py MEBOTS PASSTHROUGH.fmu [--pairs 20] [--steps 50000] [--core 0]
 
 Measures processor time of mebots and all its processes on one core, so that no process spins in parallel. Prints medians and
 quartiles. The ratio of a pair compares two consecutive runs, so that other work on the machine affects both. First, a run of
@@ -19,7 +19,7 @@ import sys
 import tempfile
 import time
 
-# This library is preloaded in both runs, so that it costs both the same.
+# This library is preloaded in both kinds of runs, so that its cost is the same in both.
 LIBRARY = """
 #define _GNU_SOURCE
 #include <dlfcn.h>

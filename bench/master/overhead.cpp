@@ -35,7 +35,7 @@ struct Shape {
 constexpr std::int64_t kStepNs = 100'000'000;
 constexpr std::int64_t kInstanceSteps = 4'000'000;  // per measurement: long compared with the clock's resolution
 
-/// Returns the processor time of this thread. Other programs change it only because they use the caches.
+/// Returns the processor time of this thread. Other programs only affect it through the caches.
 double cpu_seconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);

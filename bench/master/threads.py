@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Measures if runs with threads are slower than runs without. Alternates the same systems with `threads` 1 and "auto".
+"""Measures whether runs with several threads are slower than runs with one thread. Alternates the same systems with
+`threads` 1 and "auto".
 
 Usage: threads.py MEBOTS PASSTHROUGH.fmu [CONFIG...] [--repeats N]
 

@@ -42,8 +42,9 @@ def any_bank(seed):
     return body, 5
 
 
-# For one iteration of the loop: the word that each load reads, or None for an instruction that loads nothing, and the
-# distance in words to the word that the same load reads in the next core.
+# For each form, two values. The first lists the instructions of one iteration of the loop: the word that a load reads,
+# or None for another instruction. The second is the distance in words between the words that the same load reads in two
+# consecutive cores.
 FORMS = {
     "one_bank": ([0] * 16, 0),                   # in every cycle
     "straight": ([0] * 256, 0),                  # the same, without the end of a loop: blocks of 64 instructions

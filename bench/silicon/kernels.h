@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Kernels of GreenWaves' CNN benchmark of GAP8 (gap_sdk, benchmarks/gap8/cnn), rewritten from the description in its
 // README and code. A 5 x 5 convolution has 100 x 100 pixels of a byte (docs/chip/silicon.md explains why not 112 x
-// 112), another one the same number of bits. The 2 x 2 pools have 112 x 112 pixels, the linear layer is 1024 to 16.
+// 112). Another one has the same number of bits. The 2 x 2 pools have 112 x 112 pixels, the linear layer is 1024 to 16.
 // Each kernel has some of these forms with the same result: plain RV32IMC, with Xpulp's scalar instructions, with its
 // vectors of bytes. These kernels are used for power only; for cycles, the published values apply.
 #pragma once

@@ -117,9 +117,9 @@ def figure(model, point, rail_v, dronet):
 
 
 def extremes(model, points, rail_v, dronet):
-    """Returns the least and the greatest ratio of silicon to model, over currents and energies that were not used
-    for calibration and whose own program ran, without the leaking chip. These values are few, so the result is not a
-    confidence interval."""
+    """Returns the least and the greatest ratio of silicon to model, over all currents and energies that were not used
+    for the calibration and whose program was run. The leakage of a chip in reset is left out. These values are few, so
+    the result is not a confidence interval."""
     fixed = {"gap8": (), "gap8_silicon": ("calibration",)}[model.name]
     ratios = {}
     for point in points:

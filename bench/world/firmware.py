@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compiles unmodified sources of a crazyflie-firmware checkout, with a file of this folder that calls them, into a
-library."""
+"""Compiles unmodified sources from a checkout of crazyflie-firmware into a library, together with a file of this folder
+that calls them."""
 import subprocess
 from pathlib import Path
 

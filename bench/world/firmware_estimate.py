@@ -7,8 +7,8 @@
     .venv/bin/python bench/world/firmware_estimate.py build/release/fmus/fmu_world.fmu /tmp/firmware
 
 A Crazyflie takes off, flies two legs and turns between them on its own estimate, with noise in all sensors. Each millisecond the
-firmware's Kalman filter (kalman_core.c, mm_flow.c, mm_tof.c, unmodified) gets the readings of the FMU's sensors. The table has the
-largest and the root mean square difference between both, and between each and the truth.
+firmware's Kalman filter (kalman_core.c, mm_flow.c, mm_tof.c, unmodified) gets the readings of the FMU's sensors. The
+table has the largest and the root mean square difference between both filters, and between each filter and the truth.
 """
 import argparse
 import ctypes

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Calls the controller with 4000 states and set-points from a generator of whole numbers, and prints a checksum
-// (FNV-1a) of the bits of all its outputs. The chip and the host compile this file alike.
+// (FNV-1a) of the bits of all its outputs. This file is compiled for the chip and for the host.
 #include "crazyflie.h"
 
 #include <math.h>

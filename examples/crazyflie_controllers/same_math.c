@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Functions of the mathematical library from +, -, *, / and sqrt of doubles alone, which have the same bits on every
-// machine. Accuracy is about 1e-7; the checksums only need that chip and host agree.
+// Functions of the mathematical library that use only +, -, *, / and sqrt of doubles. So they have the same bits on
+// every machine. Accuracy is about 1e-7; the checksums only need that chip and host agree.
 #include <math.h>
 #include <stdint.h>
 

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Derives narrower networks from the sight network, without training: of each layer it keeps the channels from which the next layer can be
-computed best, and fits the remaining weights by least squares to the layers of the whole network.
+"""Derives narrower networks from the sight network, without training: in each layer, it keeps the channels from which
+the next layer can be computed best. It then fits the remaining weights by least squares to the layers of the whole
+network.
 
 Usage: python examples/networks/narrower.py PICTURES TEST...
 
@@ -103,8 +104,8 @@ def solved(gram, product, prior=0.0, ridge=RIDGE):
 
 
 def chosen(seen, weights, keep):
-    """Returns the channels of the input to keep. Removes one channel after the other, each time the one without which a
-    fit of the layer is best."""
+    """Returns the channels of the input to keep. Removes one channel after the other: in each round, the channel
+    without which the fit of the layer is best."""
     outputs, window, channels = len(weights), weights.shape[1] * weights.shape[2], weights.shape[3]
     if window > 9:  # too many unknowns for a fit: the channels with the greatest part of the sums
         part = weights.reshape(outputs, window, channels) ** 2 * seen.var(axis=0).reshape(window, channels)

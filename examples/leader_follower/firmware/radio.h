@@ -14,8 +14,8 @@ typedef struct {
 // Sends a packet to a node, or to all.
 void radio_send(uint32_t to, const radio_packet_t* packet);
 
-// Takes a received packet. Returns false if none arrived since the last call. The radio shows one packet per step of
-// the simulation, so a program that looks less often sees the last one.
+// Takes a received packet. Returns false if none arrived since the last call. The radio provides one packet per step of
+// the simulation. A program that calls this function less often gets the last packet.
 bool radio_receive(radio_packet_t* packet, uint32_t* from);
 
 // Requests the distance to a node.

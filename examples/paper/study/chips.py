@@ -11,7 +11,7 @@ from missions import BATTERIES, MOTORS
 from replay import READINGS
 from results import LAST_STRETCH_M, PASSED
 
-# Endurance flights: those that land at 10 % charge, and those that hover until the protection opens.
+# Kinds of endurance flights: flights that land at 10 % charge, and flights that hover until the protection opens.
 IN_THE_AIR = ("hover", "cruise", "empty")
 
 
@@ -64,8 +64,8 @@ def ends_apart(first, second):
 
 
 def furthest(first, second, value, kinds=IN_THE_AIR):
-    """Returns the largest difference of a value between endurance flights that have it with both chips; None if
-    there are none."""
+    """Returns the largest difference of a value between the two chips, over the endurance flights that have this value
+    with both chips. Returns None if there is no such flight."""
     return max((abs(a[value] - b[value]) for _, _, kind, a, b in lives_of_both(first, second)
                 if kind in kinds and None not in (a[value], b[value])), default=None)
 

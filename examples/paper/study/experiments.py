@@ -11,7 +11,8 @@ HARD_SPEEDS = (0.1, 0.2, 0.3, 0.4, 0.5)
 ADAPTIVE_SPEED = 1.0
 CLOCKS_MHZ = (25, 50, 87, 131, 175)
 CORES = (8, 1)
-# A drone that hangs on the frame stays there for this long after the referee reported it stuck; some get free.
+# If a drone hangs on the frame, the flight continues for this time after the referee has reported that it is stuck,
+# because some drones get free.
 STUCK_S = 30.0
 STARTS_RECORDED = ("world.drone.position.x", "world.drone.position.y", "world.drone.position.z", "world.gate.crossed",
                    "world.gate.distance")
@@ -84,8 +85,8 @@ def starts(name, count, seed):
 
 
 def clocks(count):
-    """Returns {(cores, clock MHz): flights}: the same random starts of the hard scenario, with the adaptive policy,
-    at several clocks of the cluster, on eight cores and on one core."""
+    """Returns {(cores, clock in MHz): flights}. All entries have the same random starts of the hard scenario and the
+    adaptive policy. The entries are for several clocks of the cluster, on eight cores and on one core."""
     drawn = starts("hard", count, seed=2)
 
     def at(clock, cores):

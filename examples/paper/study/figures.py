@@ -147,8 +147,8 @@ def chips(both):
 
 
 def starts(part, name):
-    """Draws flights from random starts from above: those that passed and those that did not, separately; and where
-    the drone's centre crossed the gate's plane."""
+    """Draws flights from random starts, seen from above. Flights that passed and flights that did not pass are in
+    separate plots. A further plot shows where the drone's centre crossed the gate's plane."""
     ways, gate = part["ways"], scene(name)["gates"][0]
     groups = [("passed", [w for w in ways if w["outcome"] in ("passed", "touched_passed")], PASSED),
               ("not passed", [w for w in ways if w["outcome"] not in ("passed", "touched_passed")], FAILED)]

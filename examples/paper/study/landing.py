@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Determines the charge at which a landing must start so that the drone reaches the ground under power. Runs flights
-that start to land at charges STEP apart, for each cell and motor model, until one that lands is adjacent to one
-that falls."""
+that start to land at different charges, in steps of STEP, for each cell and motor model. Ends when a flight that lands
+and a flight that falls are one step apart."""
 
 import experiments
 from missions import BATTERIES
@@ -50,8 +50,8 @@ class Search:
 
 
 def least(found):
-    """Returns the least charge from which a flight landed, if one from a step less fell [%]; None if that is not
-    known."""
+    """Returns the lowest charge [%] from which a flight landed, if the flight from one step lower fell. Returns None if
+    this is not known."""
     landed = [f["charge"] for f in found["flights"] if f["landed"]]
     fell = [f["charge"] for f in found["flights"] if not f["landed"]]
     return min(landed) if landed and fell and min(landed) - max(fell) <= STEP + 1e-9 else None

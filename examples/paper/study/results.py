@@ -10,7 +10,7 @@ TAKE_OFF, CRUISE, LANDING = 1, 2, 3  # world.drone.phase
 # The gate's part of a flight: from this distance before its plane to the landing [m].
 NEAR_GATE_M = 0.5
 PASSED = ("passed", "touched_passed")
-# Just before the gate: from this distance before its plane to this one [m].
+# The last part of the way to the gate: from the first to the second of these distances before the gate's plane [m].
 LAST_STRETCH_M = (1.4, 0.2)
 
 

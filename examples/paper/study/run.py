@@ -32,8 +32,8 @@ class Place:
 
 
 def write_study(name, flights, folder, chip):
-    """Writes the files of a study whose designs are these flights, which differ in parameters only; `mebots sweep`
-    accepts them too. Returns the study's file."""
+    """Writes the files of a study. Its designs are these flights, which differ only in parameters. `mebots sweep` can
+    also run the study. Returns the study's file."""
     folder.mkdir(parents=True, exist_ok=True)
     mission = config(flights[0], chip)
     mission["text"] = name

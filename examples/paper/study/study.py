@@ -83,8 +83,8 @@ def fly_starts(place, data, name, count, pages):
 
 
 def fly_failed_again(place, data, name, count):
-    """Repeats the first `count` starts of a scenario that did not pass with this build; keeps the others. Prints the
-    changes."""
+    """Repeats with this build the first `count` starts of a scenario that did not pass before, and keeps all other
+    results. Prints the changes."""
     part = data["robustness"][name]
     before = {way["name"]: way["outcome"] for way in part["ways"]}
     flights = [f for f in experiments.starts(name, part["flights"], seed=1) if before[f.name] not in PASSED][:count]

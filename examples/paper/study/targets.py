@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compares the paper's results with those of MEbots. There is one row per target, and one column per interpretation of
-the values that the paper omits."""
+"""Compares the paper's results with those of MEbots. The paper omits some values. So there is one row per target, and
+one column per assumption about these values."""
 
 import dataclasses
 

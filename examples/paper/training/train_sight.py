@@ -22,13 +22,13 @@ LOGIT = 6.0
 VISIBLE_WEIGHT = 0.08
 # Among clutter, the main question is whether there is a gate.
 CLUTTER_VISIBLE_WEIGHT = 0.15
-# The number of pictures of the first training that the training among clutter includes, so that the network keeps its
+# The number of pictures of the first training that the training with clutter also uses, so that the network keeps its
 # abilities.
 KEPT = 10000
 
 
 def loss_of(outputs, wanted, visible_weight):
-    """Returns the errors of place and size if there is a gate, and the error of its detection."""
+    """Returns the loss: the errors of position and size if there is a gate, and the error of the detection."""
     there = wanted[:, 3:]
     place = functional.smooth_l1_loss(outputs[:, :3] * there, wanted[:, :3] * there, beta=0.05)
     return place + visible_weight * functional.binary_cross_entropy_with_logits(LOGIT * outputs[:, 3:], there)

@@ -13,11 +13,11 @@
 // Minimum contrast while scanning and while refining: a template half a step off its frame has half the contrast.
 #define LEAST_WHILE_SCANNING_Q4 (LEAST_SCORE_Q4 / 2)
 #define LEAST_WHILE_REFINING_Q4 (LEAST_SCORE_Q4 / 4)
-// After a frame is found, only places with at least this part of its score are tested.
+// After a frame was found, other places only count if they have at least 1 / PART_OF_BEST of its score.
 #define PART_OF_BEST 4
 
-// The camera is about level, and near the height of the gate's middle. So the frame's middle is at most BAND work
-// pixels (9 degrees) plus half its edge (0.3 m at the gate) from the picture's middle row.
+// The camera is about level and near the height of the gate's middle. So the frame's middle is near the picture's
+// middle row: within BAND work pixels (9 degrees) plus half the frame's edge (0.3 m at the gate).
 #define BAND 14
 
 // A template is tested at distances of a twelfth of its edge, which is half its border.
@@ -39,8 +39,8 @@ typedef struct {
   int height;
 } frame_t;
 
-// Constants of a size of frame: widths of its borders, and 2^16 over the area of a strip along its upright and its
-// level beams.
+// Constants for one size of a frame: the widths of its borders, and 2^16 / area of a strip along an upright and a level
+// beam.
 typedef struct {
   int border_x;
   int border_y;

@@ -64,7 +64,7 @@ static void check_alone(void) {
   print("\n");
 }
 
-// Switches the cluster off and on for each picture, so that L1 keeps nothing of the last one.
+// Switches the cluster off and on for each picture, so that L1 has no data of the last picture.
 static void check_cluster(unsigned cores) {
   cluster_on();
   print("cluster%u", cores);

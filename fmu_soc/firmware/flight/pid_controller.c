@@ -45,7 +45,7 @@ static float limited(float value, float most) {
   return value < -most ? -most : value > most ? most : value;
 }
 
-// `measured` is what the derivative acts on, so that a step of the goal makes no kick.
+// The derivative is that of `measured`, so that a step of the goal causes no jump of the output.
 static float pid(const gains_t* gains, memory_t* memory, float error, float measured, float dt) {
   memory->integral = limited(memory->integral + error * dt, gains->most_integral);
   const float slope = (measured - memory->last) / dt;

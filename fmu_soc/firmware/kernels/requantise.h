@@ -57,7 +57,7 @@ static inline __attribute__((always_inline)) int32_t byte_of(const layer_group_t
   return scaled(sum, group->multiplier[i], group->addend[i], group->shift[i], scaling == SCALING_WIDE);
 }
 
-// Stores the bytes of four channels of one place, or of two, which are `to_next` bytes apart.
+// Stores the bytes of four channels for one place, or for two places that are `to_next` bytes apart.
 static inline __attribute__((always_inline)) void store_places(const layer_t* layer, const layer_group_t* group,
                                                                const int32_t sums[8], uint8_t* to, int32_t to_next,
                                                                int is_pair, int scaling) {

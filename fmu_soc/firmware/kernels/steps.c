@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the layers of a network tile by tile: while the cores compute a step, the DMA fetches the next one and stores
-// the last one.
+// Runs the layers of a network tile by tile: while the cores compute a step, the DMA fetches the next step's input and
+// stores the last step's output.
 #include "kernels/machine.h"
 #include "kernels/work.h"
 

@@ -52,7 +52,7 @@ static void shrink(const job_t* j, nn_share_t share) {
     if (share.core == 0) {
       dma_wait(copy);
     }
-    // The stripe has arrived, and all cores are done with the stripe before, which the next one overwrites.
+    // The stripe has arrived, and all cores have finished the previous stripe, which the next stripe overwrites.
     cluster_barrier();
     if (share.core == 0 && stripe + 1 < NN_STRIPES) {
       copy = fetch(j, stripe + 1);

@@ -211,7 +211,7 @@ static void first_four(nn_arena_t* arena, nn_share_t share, int from) {
   const int32_t b0 = layer.biases[0], b1 = layer.biases[1], b2 = layer.biases[2], b3 = layer.biases[3];
   const int32_t s0 = layer.shifts[0], s1 = layer.shifts[1], s2 = layer.shifts[2], s3 = layer.shifts[3];
   const word_t* const weights = arena->small.first + FIRST_FROM * NN_FIRST_WORDS;
-  // Units are half rows, so that the last ones are shared by more than two of eight cores.
+  // Units are half rows. So if eight cores share the last rows, more than two cores have work.
   const int parts = 2 * NN_POOLED_EDGE;
   for (int part = (int)share.core; part < parts; part += (int)share.cores) {
     const int y = part / 2;

@@ -40,7 +40,7 @@ typedef struct {
 #define NN_STRIPE_BYTES (18 * 324)
 #define NN_STRIPES (SHRUNK_EDGE / NN_STRIPE_ROWS)
 
-// True if more tensors must share memory than in the navigator's arena, so that they fit into L1.
+// True if more tensors must share memory than for the navigator. Otherwise the tensors would not fit into L1.
 #define NN_SHARES_PLACES (NN_CHANNELS_FIRST > 4)
 
 // The data of an inference, in the cores' shared memory. Data that are not needed at the same time share memory: the

@@ -42,7 +42,7 @@ void nn_hand_first(nn_arena_t* arena, nn_share_t share) {
   uint32_t table[4 * NN_HAND_WORDS];  // on the core's stack, in L1
   for (int from = 0; from < NN_CHANNELS_FIRST; from += 4) {
     make_table(table, arena, from);
-    // Units are half rows, so that the last ones are shared by more than two of eight cores.
+    // Units are half rows. So if eight cores share the last rows, more than two cores have work.
     const int parts = 2 * NN_POOLED_EDGE;
     for (int part = (int)share.core; part < parts; part += (int)share.cores) {
       const int y = part / 2;

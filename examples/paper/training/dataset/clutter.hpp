@@ -13,8 +13,8 @@ struct Floor {
   double half_width_m = 4.0;
 };
 
-/// Adds a thing that is not a gate, but resembles one or is often near gates: a framed picture on a wall or a stand, a
-/// crate with framed sides, a table, a doorway, a shelf, a tree, a pillar with a bumper.
+/// Adds an object that is not a gate, but resembles a gate or is often near gates: a framed picture on a wall or a
+/// stand, a crate with framed sides, a table, a doorway, a shelf, a tree, a pillar with a bumper.
 void add_clutter(Random& random, const Floor& floor, world::scene::Scene& scene);
 
 /// Returns a texture of rectangles, filled and hollow, as on a poster, a crate or a sheet.

@@ -90,7 +90,8 @@ Cylinder column(Random& random, double length_m, double half_width_m) {
   return cylinder;
 }
 
-/// True if a thing with half the diagonal `half` is so far from the gates that it does not hide a gate from every side.
+/// True if an object whose half diagonal is `reach_m` is so far from the gates that it cannot hide a gate from every
+/// side.
 bool keeps_away(const Scene& scene, const Vector3d& p_W, double reach_m, double clear_m = kClearOfGate_m) {
   return std::all_of(scene.gates.begin(), scene.gates.end(),
                      [&](const Gate& gate) { return (p_W - gate.p_W_m).head<2>().norm() >= clear_m + reach_m; });
