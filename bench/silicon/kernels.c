@@ -32,8 +32,8 @@ void convolution_plain(const job_t* shared, unsigned core) {
   }
 }
 
-// A row of five taps, ordered so that no instruction uses the result of the load directly before it. clang-format
-// off
+// A row of five taps, ordered so that no instruction uses the result of the load directly before it.
+// clang-format off
 #define TAPS_OF_A_ROW                                                 \
   XPULP_LB_POST("t0", "1", "%[p]") XPULP_LB_POST("t1", "1", "%[w]")   \
   XPULP_LB_POST("t2", "1", "%[p]") XPULP_LB_POST("t3", "1", "%[w]")   \

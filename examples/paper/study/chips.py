@@ -86,9 +86,9 @@ def describe_experiments(both):
     alone = [f"{kind} on {BATTERIES[battery][0]}'s cell with the {MOTORS[motors]} ({chip})"
              for motors, battery, kind, a, b in lives_of_both(first, second)
              for chip, one, other in zip(both, (a, b), (b, a)) if other["to_ten_s"] is None is not one["to_ten_s"]]
-    yield (f"The endurance flights that come to 10 % with both chips do so at most {furthest(first, second, 'to_ten_s'):.1f} s apart; "
-           f"with one chip alone: {', '.join(alone) or 'none'}. Their times in the air are at most "
-           f"{furthest(first, second, 'air_s'):.1f} s apart. The protection opens in hover "
+    yield ("In endurance flights that reach 10 % with both chips, the times until then differ by at most "
+           f"{furthest(first, second, 'to_ten_s'):.1f} s. Flights that reach 10 % with one chip only: {', '.join(alone) or 'none'}. The "
+           f"times in the air differ by at most {furthest(first, second, 'air_s'):.1f} s. The protection opens in hover "
            f"{opens_apart(first, second, ('hover', 'empty'), 3)}, in cruise {opens_apart(first, second, ('cruise',), 2)}.")
 
 
@@ -96,7 +96,7 @@ def describe_decisions(both):
     ones = {chip: data["decisions"]["b-adaptive"] for chip, data in both.items()}
     yield "A decision of the hard adaptive flight takes " + ", ".join(
         f"{1e3 * one['latency_s']:.1f} ms with {chip} (rows {1e3 * one['read_out_s']:.1f}, inference "
-        f"{1e3 * one['inference_s']:.1f}, all else "
+        f"{1e3 * one['inference_s']:.1f}, other parts "
         f"{1e3 * (one['latency_s'] - one['read_out_s'] - one['inference_s']):.1f})" for chip, one in ones.items()) + "."
 
 
@@ -106,9 +106,9 @@ def describe_joules(both):
         low, high = bounds(data)
         milliwatts = 1e3 * one["chip_j"] / seconds
         yield (f"In all {seconds:.0f} s of the hard adaptive flight the chip of {chip} takes {milliwatts:.1f} mW; checks allow "
-               f"{low * milliwatts:.1f} to {high * milliwatts:.1f}. Leakage has {1e3 * parts['leakage'] / seconds:.2f} mW of it, the "
-               f"cluster's background {1e3 * parts['cluster_background'] / seconds:.2f}. A picture takes the chip "
-               f"{1e3 * one['chip_j'] / one['pictures']:.2f} mJ, the camera {1e3 * one['camera_j'] / one['pictures']:.2f}. Both together "
+               f"{low * milliwatts:.1f} to {high * milliwatts:.1f}. Of this, leakage takes {1e3 * parts['leakage'] / seconds:.2f} mW, and the "
+               f"cluster's background {1e3 * parts['cluster_background'] / seconds:.2f} mW. For a picture, the chip takes "
+               f"{1e3 * one['chip_j'] / one['pictures']:.2f} mJ, and the camera {1e3 * one['camera_j'] / one['pictures']:.2f} mJ. Both together "
                f"are {100 * (one['chip_j'] + one['camera_j']) / one['cell_j']:.2f} % of the cell's joules.")
 
 
@@ -183,14 +183,14 @@ def same_starts(first, second, name):
 def describe_starts(both, name):
     first, second = both
     with_both, alone_first, alone_second, none = same_starts(both[first], both[second], name)
-    told = (f"{name}: from {with_both} starts both passed, from {alone_first} {first} alone, from {alone_second} {second} alone, "
-            f"from {none} neither.")
+    told = (f"{name}: from {with_both} starts, both chips passed. From {alone_first} starts, only {first} passed; from {alone_second}, only "
+            f"{second}; from {none}, none of them.")
     came = [way for way in both[second]["robustness"][name]["ways"] if way["last_stretch_s"] is not None]
     passed, others = ([way["last_stretch_s"] for way in came if (way["outcome"] in PASSED) == wanted] for wanted in (True, False))
     if passed and others:
         begin, end = LAST_STRETCH_M
-        told += (f" From {begin} m to {end} m before the gate's plane those that passed with {second} took {min(passed):.1f} to "
-                 f"{max(passed):.1f} s, the others {min(others):.1f} to {max(others):.1f} s.")
+        told += (f" From {begin} m to {end} m before the gate's plane, the flights that passed with {second} took {min(passed):.1f} to "
+                 f"{max(passed):.1f} s, and the other flights {min(others):.1f} to {max(others):.1f} s.")
     return told
 
 

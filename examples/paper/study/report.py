@@ -87,7 +87,7 @@ def all_targets(page, rows):
     page.text("The paper names its motor model, but not the other loads and losses that it includes. Column \"bench motors\" has the motors of "
               "MEbots, measured on Bitcraze's bench, the flight controller's 0.96 W and the cell's resistance. The next column has the paper's "
               "motors instead. Each further column leaves out one more load or loss. The last three columns were not flown: the battery "
-              "model was run with the recorded powers of a flight (study/replay.py). A dash: not computed with these motors.")
+              "model was run with the recorded powers of a flight (study/replay.py). A dash means that the value was not computed with these motors.")
     page.table(("target", "what", "paper", "bench motors", *(label for label, _, _ in READINGS.values()), "what it depends on"),
                [(row.target, row.what, row.paper, *row.texts(), row.tells) for row in rows])
 
@@ -156,8 +156,8 @@ def speeds(page, data):
                 "off the centre [cm]"),
                [(name, plain(f["outcome"]), n(f["gate_s"]), n(f["end_s"]), n(f["path_m"], 2), n(f["charge"], 2),
                  n(None if f["lateral_m"] is None else 100 * f["lateral_m"])) for name, f in flights.items()])
-    page.text("The adaptive flight over time. When it is free of the frame, it flies back at 5 km/h. The likely cause is the stabiliser's "
-              "integrals, which had pushed against the frame for 50 s; we did not examine it.")
+    page.text("The figure shows the adaptive flight over time. When the drone is free of the frame, it flies back at 5 km/h. The likely "
+              "cause is the stabiliser's integrals, which had pushed against the frame for 50 s; we did not examine it.")
     page.figure("course", "Time course of the hard adaptive flight", figures.course(data["adaptive"]["course"]))
 
 
@@ -198,9 +198,9 @@ def failures(page, name, found):
 
 def clocks(page, data):
     page.heading("The cluster's clock")
-    page.text("The hard flight with the adaptive policy from the same random starts at each clock, at the least voltage that "
-              "allows it, the fabric controller at 50 MHz. Means over the flights that crossed the opening. Ten flights a row "
-              "are too few to compare the rates of success, so only energy is compared.")
+    page.text("The table has the hard flight with the adaptive policy, from the same random starts at each clock. The voltage is the "
+              "lowest that the clock allows, and the fabric controller runs at 50 MHz. Values are means over the flights that "
+              "crossed the opening. Ten flights per row are too few to compare the rates of success, so only energy is compared.")
     page.figure("clocks", "The chip's energy up to the gate by clock and cores", figures.clocks(data["clocks"]))
     page.table(("cores", "clock [MHz]", "supply [V]", "crossed", "pictures/s", "chip [mW]", "at the gate [s]", "chip up to it [J]"),
                [(n(r["cores"], 0), n(r["clock_mhz"], 0), n(r["voltage_v"], 2), Number(f"{r['crossed']} of {r['flights']}"),
@@ -254,11 +254,11 @@ def on_both_chips(page, data, beside):
               "world, starts and seeds are the same for both boards, and both cameras see the same in the middle of the picture.")
     page.text("Checks against silicon allow " + " and ".join(
         "{:.2f} to {:.2f} times the joules of {}'s chip".format(*chips.bounds(of), chip) for chip, of in both.items())
-        + ". These are no confidence intervals.")
+        + ". These ranges are not confidence intervals.")
     for told in (chips.describe_experiments, chips.describe_decisions, chips.describe_joules):
         page.text(" ".join(told(both)))
     if "landing" not in beside:
-        page.text(f"Not flown with {second}: the charge at which a landing must begin, whose search goes in steps of {STEP} %.")
+        page.text(f"Not flown with {second}: the search for the charge at which a landing must begin, which has steps of {STEP} %.")
     bench, read = chips.of_targets(data, beside)
     page.table(("target", "what", "paper", first, second), bench, "Targets, bench motors")
     page.table(("target", "what", "reading", first, second), read, "Targets, other readings")
@@ -295,8 +295,8 @@ def starts_of_both(page, both):
                numbers(chips.of_starts(both), 2), "From the random starts that both flew")
     for name in chips.scenarios_of_both(*both.values()):
         page.text(chips.describe_starts(both, name))
-    page.text("The adaptive policy slows down where the mean of ten outputs is above 0.3. The noise of the pictures and their times differ "
-              "with the chip, so that rates can be compared and single starts cannot.")
+    page.text("The adaptive policy slows down where the magnitude of the mean of ten outputs is above 0.3. The noise and the times of the "
+              "pictures depend on the chip. So the rates of the two chips can be compared, but single starts cannot.")
 
 
 def write(data, out, beside=None):

@@ -37,8 +37,8 @@ def of_batteries(data):
            for name in BATTERIES}
     standard = [ten["bitcraze_250"][c] for c in COLUMNS]
     yield row("T1", "hovering until 10 % are left, standard battery", "410 s", "{:.0f} s", standard,
-              f"Landing adds 3.5 s. The paper's motors without cell resistance and flight controller come nearest, "
-              f"{100 * (standard[3] / 410 - 1):+.0f} %; each load and loss takes a part.")
+              f"Landing adds 3.5 s. The paper's motors without cell resistance and flight controller come nearest to the paper: "
+              f"{100 * (standard[3] / 410 - 1):+.0f} %. Each load and each loss shortens the flight.")
     for speed, paper in zip(EASY_SPEEDS, (3.0, 3.5, 2.8)):
         used = data["batteries"]["used"]
         ours = 100 * (1 - used["ufx_250"][str(speed)]["real"] / used["bitcraze_250"][str(speed)]["real"])
@@ -47,16 +47,16 @@ def of_batteries(data):
     ufx = [ten["ufx_250"][c] / s - 1 for c, s in zip(COLUMNS, standard)]
     yield row("T2", "UFX hovers longer than standard", "15 s, 4 %", "{:.0f} s, {:.1f} %",
               [(f * s, 100 * f) for f, s in zip(ufx, standard)],
-              "More than the paper's in every column: P_hover goes with the mass to the power of 1.5.")
+              "In every column more than in the paper, because P_hover is proportional to the mass to the power of 1.5.")
     lipol = [100 * (ten["lipol_350"][c] / s - 1) for c, s in zip(COLUMNS, standard)]
     yield row("T3", "LiPol hovers longer than standard", "33 %", "{:.1f} %", lipol,
-              "Depends on how much the cell's resistance takes: without it least. The paper's own 33 % of 410 s are 135 s; its "
-              "text says 150 s.")
+              "Depends on the losses in the cell's resistance; without them, the value is smallest. The paper's 33 % of its 410 s are "
+              "135 s, but its text says 150 s.")
     for speed in EASY_SPEEDS:
         used = data["batteries"]["used"]
         ours = 100 * (used["cyclone_300"][str(speed)]["equal"] / used["lipol_350"][str(speed)]["equal"] - 1)
         yield row("T4", f"Cyclone uses more than LiPol at equal mass, {speed} km/h", "16 to 17 %", "{:.1f} %", [ours],
-                  "350 / 300 = 1.167; the rest is the cells' resistance.")
+                  "The ratio of the capacities is 350 / 300 = 1.167; the cells' resistances cause the remaining difference.")
     lighter = sum(used[b][str(s)]["real"] < used[b][str(s)]["equal"] for b in BATTERIES if b != "lipol_350"
                   for s in EASY_SPEEDS)
     yield row("T5", "lighter batteries that use less with their real mass", "all", "{} of 9", [lighter], "")
@@ -83,27 +83,27 @@ def of_speeds(data):
     constant = sum(missing.values()) / len(missing)
     yield row("T10", "time to the gate at 0.1 / 0.2 / 0.3 km/h, from the start", " / ".join(f"{t:g} s" for t in times.values()),
               " / ".join(["{:.0f} s"] * len(times)), [tuple(flights[n]["gate_s"] for n in times)],
-              f"The paper's are longer by {min(missing.values()):.0f} to {max(missing.values()):.0f} s at every speed: "
-              "one constant, so its clock starts earlier or stops later, and cruise is the same.")
+              f"The paper's times are longer by {min(missing.values()):.0f} to {max(missing.values()):.0f} s at every speed: "
+              "this is a constant. So the paper's clock starts earlier or stops later, and the cruise takes the same time.")
     yield row("T10", "adaptive, time to the gate", "89 s", "{:.1f} s", [adaptive["gate_s"]],
-              f"With that constant, {constant:.1f} s, ours is {adaptive['gate_s'] + constant:.1f} s.")
+              f"With that constant of {constant:.1f} s, our time is {adaptive['gate_s'] + constant:.1f} s.")
     for name, paper in (("0.1", 64), ("0.2", 38), ("0.3", 17)):
         without = 100 * (1 - adaptive["gate_s"] / flights[name]["gate_s"])
         shifted = 100 * (1 - (adaptive["gate_s"] + constant) / (flights[name]["gate_s"] + constant))
         yield row("T10", f"adaptive takes less time than {name} km/h", f"{paper} %", "{:.0f} %", [without],
-                  f"{shifted:.0f} % with the constant.")
+                  f"{shifted:.0f} % if the constant is added to our times.")
     for name, paper, where in (("0.1", 39.85, "end"), ("0.1", 39.85, "gate"), ("adaptive", 82.34, "gate")):
         label = "adaptive" if name == "adaptive" else f"{name} km/h"
         when = "at the landing" if where == "end" else "at the gate's plane"
-        tells = {("0.1", "end"): "The paper's motors without flight controller are nearest.",
-                 ("0.1", "gate"): "The paper's motors without flight controller are nearest.",
-                 ("adaptive", "gate"): "At the paper's own 0.244 % a second 89 s would leave 78.4 %."}[name, where]
+        tells = {("0.1", "end"): "The paper's motors without flight controller are nearest to the paper.",
+                 ("0.1", "gate"): "The paper's motors without flight controller are nearest to the paper.",
+                 ("adaptive", "gate"): "The paper's own rate, 0.244 % per second, would leave 78.4 % after 89 s."}[name, where]
         yield row("T11", f"charge left, {label}, {when}", f"{paper} %",
                   "{:.1f} %", [left[name][c][where] for c in COLUMNS], tells)
     for name, paper in (("0.1", 1.0), ("0.2", 0.17), ("0.3", 1.4)):
         ours = 100 * (adaptive["path_m"] / flights[name]["path_m"] - 1)
         yield row("T12", f"path to the plane, adaptive against {name} km/h", f"{paper} %", "{:+.1f} %", [ours],
-                  "The paper does not say from where to where it measures.")
+                  "The paper does not state the start and the end of the measured path.")
     yield row("", "hard, adaptive: outcome", "passed", "{}", [adaptive["outcome"].replace("_", " ")],
               f"{offset(adaptive)} off the middle; the paper does not mention a touch.")
 
