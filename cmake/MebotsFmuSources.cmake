@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# The folder sources/ of an FMU: all that a C++20 compiler needs to build its library. It is its own and only include folder.
+# The folder sources/ of an FMU: all that a C++20 compiler needs to build its library. The folder itself is the only include folder.
 include(${CMAKE_CURRENT_LIST_DIR}/MebotsMuslSource.cmake)
 set(MEBOTS_MODELDESC ${CMAKE_CURRENT_LIST_DIR}/../modeldesc)
 if(MEBOTS_ROOT AND EXISTS ${MEBOTS_ROOT}/sources/modeldesc)

@@ -20,7 +20,8 @@ else()
   set(folder ${PROJECT_BINARY_DIR}/musl)
   set(members ${MEBOTS_MATH_FUNCTIONS} ${MEBOTS_MATH_HELPERS})
   list(TRANSFORM members APPEND .lo)
-  # Members that have not changed keep their time, so that a new configuration does not link everything again.
+  # Members of the archive that have not changed keep their time stamps. So a new configuration does not link everything
+  # again.
   file(MAKE_DIRECTORY ${folder}/extracted)
   execute_process(COMMAND ${CMAKE_AR} x ${MUSL_ARCHIVE} ${members} WORKING_DIRECTORY ${folder}/extracted COMMAND_ERROR_IS_FATAL ANY)
   foreach(member IN LISTS members)

@@ -14,10 +14,10 @@ const BUSY = 503;
 /** Offered paces, in multiples of real time. */
 const PACES = [0, 0.1, 0.5, 1, 2, 5, 10];
 
-/** Identifies this page to the run, which waits at its end until all open pages have its last data. */
+/** Identifies this page to the run. At its end, the run waits until all open pages have the last data. */
 const PAGE = String(Math.random()).slice(2);
 
-/** The run has answered that it cannot give the data now, because a step takes long. */
+/** The run has answered that it cannot send the data now, because the present step takes long. */
 class Busy extends Error {}
 
 /** Fetches all data. While the run is busy, tries again. From now on, the run counts this page as open until it closes. */

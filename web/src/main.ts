@@ -32,7 +32,7 @@ declare global {
   }
 }
 
-/** If there is no scene and there are few panels, curves have this height [px]. */
+/** Height of curves [px] if there is no scene and there are few panels. */
 const FEW_PANELS = 4;
 const ROOMY_HEIGHT = 150;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The palette of Okabe and Ito, whose colours people with any kind of colour vision can distinguish, with a lighter
-// blue and without black on dark ground. Brown is added for a ninth curve.
+// The palette of Okabe and Ito. People with any kind of colour vision can distinguish its colours. On a dark
+// background, the blue is lighter, and black is not used. Brown is added for a ninth curve.
 
 const LIGHT = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b58900", "#56b4e9", "#5c4d9e", "#7f7f7f", "#8c564b"];
 const DARK = ["#4ea8de", "#f0803c", "#2fc79a", "#e39ac4", "#e6c14a", "#8fd3ff", "#a394e8", "#a9a9a9", "#c49c94"];

@@ -31,8 +31,7 @@ function defaultPanels(run: Run): PanelInfo[] {
   return [...found, ...lanes];
 }
 
-/** Groups variables by instance and unit. Each variable without a unit has its own plot, because such numbers may be
- * of different kinds. */
+/** Groups variables by instance and unit. Each variable without a unit has a separate plot, because numbers without a unit may be of different kinds. */
 function groupsOf(run: Run, names: string[]): Found[] {
   const groups = new Map<string, Found>();
   for (const name of names) {

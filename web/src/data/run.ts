@@ -88,7 +88,7 @@ export class Run {
     for (const listener of this.listeners) listener();
   }
 
-  /** The data of a run in progress that this page already has, in the server's counts. */
+  /** The data of a run in progress that this page already has, counted as the server counts them. */
   get known(): { rows: number; pictures: number; log: number } {
     return { rows: this.header.rows, pictures: this.pictures.length, log: this.header.live?.log ?? 0 };
   }

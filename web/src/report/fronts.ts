@@ -126,7 +126,7 @@ export function makeFronts(study: Study, selection: Selection): HTMLElement {
     context.stroke();
   }
 
-  /** Writes the names of the chosen design and of the best one at the place where they cover the fewest points. */
+  /** Writes the names of the chosen design and of the best design. Each name is at the place where it covers the fewest points. */
   function nameSome(shown: number[], x: Choice, y: Choice): void {
     const points = shown.map((i): [number, number] => [plot.x(x.at(i)!), plot.y(y.at(i)!)]);
     for (const i of shown.filter((each) => each === selection.chosen || (study.designs.rank[each] === 1 && selection.isIn[each])).sort((a) => (a === selection.chosen ? -1 : 1))) {

@@ -227,7 +227,7 @@ function numeric(label: string, unit: string, scale: number, values: (number | n
   const [low, high] = extent(values, { margin: 0, isShare });
   const place = (value: number) => (value - low) / (high - low || 1);
   const named = ticks ?? [low, low + 0.25 * (high - low), low + 0.5 * (high - low), low + 0.75 * (high - low), high];
-  // The names of the ends are placed first. Names between them are left out if there is no space.
+  // The names of the two ends are placed first. The names between them are left out if there is no space.
   const order = [...named].sort((a, b) => Math.abs(place(b) - 0.5) - Math.abs(place(a) - 0.5));
   return {
     label: unit ? `${label} [${unit}]` : label,

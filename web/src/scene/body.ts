@@ -49,7 +49,7 @@ export class Body {
     this.group.updateMatrixWorld();
   }
 
-  /** Of several bodies, the chosen one alone shows what its camera sees. */
+  /** If there are several bodies, only the chosen one shows the view of its camera. */
   setChosen(chosen: boolean): void {
     this.frustum.visible = chosen;
   }

@@ -4,7 +4,7 @@ import * as THREE from "three";
 import type { Json } from "../data/payload";
 import { Mover } from "./mover";
 
-/** A larger face counts as a wall, which is not drawn while it hides the target. */
+/** Faces larger than this count as walls. A wall is not drawn while it hides the target. */
 const WALL_M2 = 0.8;
 
 /** Faces of one texture that are drawn at once. `lights` contains a number for each corner. */

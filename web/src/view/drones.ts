@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Several bodies in one scene: a row for each, with the nearest other one, its collisions, and the groups of the summary.
+// Shows the bodies of one scene: a row for each, with the nearest other body, the collisions, and the body's values in the groups of the summary.
 import type { Clock } from "../clock";
 import type { Run } from "../data/run";
 import { shown } from "../data/units";

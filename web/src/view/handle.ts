@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bar between two parts of the page, or below one, that a drag or the arrow keys move. A double click restores the size. The next page has
-// the last size of the same handle.
+// A bar between two parts of the page, or below one, that a drag or the arrow keys move. A double click restores the size. The browser stores the
+// size, and the next page starts with it.
 import { element } from "../dom";
 import { recalled, remember } from "../remembered";
 

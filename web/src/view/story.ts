@@ -7,7 +7,7 @@ import { element } from "../dom";
 import { clockText, cyclesPerInstruction } from "./chip";
 import { mainValues } from "./statistics";
 
-/** Returns the first time at which a recorded variable whose name has this ending is not 0. */
+/** Searches for a recorded variable whose name ends in this text. Returns the first time at which the variable is not 0. */
 function firstTrue(run: Run, ending: string): number | null {
   const name = run.variables.find((candidate) => candidate.endsWith(ending));
   const values = name === undefined ? undefined : run.values(name);

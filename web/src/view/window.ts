@@ -28,7 +28,8 @@ export class Window {
     return this.to;
   }
 
-  /** Rates are means over this time [s], some pixels of a plot, so that fast switching shows its mean. */
+  /** Rates are means over this time [s]. It corresponds to some pixels of a plot, so that fast switching is shown as
+   * its mean. */
   get mean(): number {
     return (this.to - this.from) / 110;
   }

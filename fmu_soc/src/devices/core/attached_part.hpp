@@ -10,7 +10,8 @@
 
 namespace mebots::soc {
 
-/// A part of the board without an address. Its energy depends on its states and on the bytes that pass it:
+/// A part of the board without an address. Its energy depends on the time in each of its states, and on the number of
+/// bytes that are transferred through it:
 ///
 /// energy = supply_voltage (sum over states of current x time + charge_per_byte x bytes)
 ///

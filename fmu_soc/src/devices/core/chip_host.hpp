@@ -55,7 +55,7 @@ class PartSource {
   virtual ~PartSource() = default;
   /// Returns the part attached to this place of the device, or an empty port.
   virtual PartPort part_at(const BoardDevice& entry, std::string_view place) = 0;
-  /// Returns the places for parts that devices have, as DEVICE.PLACE.
+  /// Returns the names of the places to which parts can be attached, as DEVICE.PLACE.
   virtual std::span<const std::string> places() const = 0;
   /// Returns the energy of the chip or of a device, by its name, up to a time [J].
   virtual double load_energy_j(std::string_view load, Picoseconds now) const = 0;
@@ -119,7 +119,7 @@ class ProgramEnd {
   virtual void end_program(std::int32_t exit_code) = 0;
 };
 
-/// All services of the chip. A kind passes to its device only those that the device needs.
+/// All services of the chip. The code of a kind passes to its device only the services that the device needs.
 class ChipHost : public DeviceHost,
                  public PowerSource,
                  public PartSource,
@@ -128,8 +128,8 @@ class ChipHost : public DeviceHost,
                  public ConsolePort,
                  public ProgramEnd {};
 
-/// A device that collects the interrupts of other devices and has one line to the core. The key `interrupt` of its
-/// entry names that line.
+/// A device that collects the interrupts of other devices and has one line to the core. In the board file, the key
+/// `interrupt` of this device names the line.
 class InterruptController {
  public:
   virtual ~InterruptController() = default;

@@ -22,9 +22,9 @@ namespace mebots::soc {
 ///                    the next state begins.
 ///
 /// A register that shows "status" has bit 0 busy (a delay runs), bit 1 ready (write 1 to clear, which also clears the
-/// interrupt) and bit 2 refused (write 1 to clear). Parameters, and inputs of a device without delays, are shown
-/// directly. Registers that show no variable keep their last stored value; after reset it is `reset`. If the device has
-/// a `span`, an access without a register is reported once; a load returns 0.
+/// interrupt) and bit 2 refused (write 1 to clear). Parameters are shown directly, and so are inputs if the device has
+/// no delays. Registers that show no variable keep their last stored value; after reset it is `reset`. If the device
+/// has a `span`, an access without a register is reported once; a load returns 0.
 ///
 /// The value of a register that sends becomes an output at once, or at the next store into a register that commits. If
 /// a value is outside the limits of its register or of its variable's enumeration, it is reported and nothing is sent.
@@ -47,7 +47,7 @@ class DescribedDevice final : public Device {
   Picoseconds next_event() const override { return done_at_; }
   bool interrupt() const override { return (status_ & kReady) != 0; }
   std::string_view state_name() const override;
-  /// Reports parameters that differ from their start values and that the program never read.
+  /// Reports parameters that have another value than their start value, but that the program never read.
   void program_ended() override;
   void visit(state::Visitor& v) override;
 

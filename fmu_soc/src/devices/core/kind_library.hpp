@@ -26,8 +26,8 @@ class KindLibrary {
   const DeviceLibrary* library_ = nullptr;
 };
 
-/// Returns the file of a library that a board names. It is next to the board's file, or in the first of the folders
-/// that contains it. Throws Error if no folder contains it.
+/// Returns the file of a library that a board names. The function searches the folder of the board's file, and then
+/// `folders` in their order. Throws Error if no folder contains it.
 std::filesystem::path kind_library_file(const BoardDescription& board, const std::string& name,
                                         std::span<const std::filesystem::path> folders);
 

@@ -24,7 +24,7 @@ struct ChipKind {
   std::unique_ptr<Device> (*make)(const BoardDevice& entry, ChipHost& host);
 };
 
-/// Makes a device that needs only its entry and the host.
+/// Creates a device whose constructor needs only its entry and the host.
 template <typename T>
 std::unique_ptr<Device> make_of_entry(const BoardDevice& entry, ChipHost& host) {
   return std::make_unique<T>(entry, host);

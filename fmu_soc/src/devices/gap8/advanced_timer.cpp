@@ -38,7 +38,8 @@ constexpr unsigned kPwmEventEnableShift = 16;
 constexpr unsigned kPwmEvents = 4;
 
 /// The operations of a channel. A channel performs the first operation at its threshold. A combined operation has a
-/// second part, at the end of the period, or at the threshold while the counter counts down.
+/// second part. The channel performs it at the end of the period or, if the counter counts down, again at the
+/// threshold.
 enum PwmOperation : std::uint32_t {
   kPwmSet,
   kPwmToggleClear,
@@ -219,7 +220,7 @@ std::optional<std::size_t> AdvancedTimer::chosen(unsigned event) const {
   return events_ >> 4 * event & 0xfU;
 }
 
-/// Returns the first rising edge that has not raised its event yet, in ticks of its counter.
+/// Returns the next rising edge of the event's output that has not raised the event yet, in ticks of the counter.
 std::optional<std::uint64_t> AdvancedTimer::next_rising_edge(unsigned event) const {
   const auto channel = chosen(event);
   if (!channel || !counts(*channel / kChannelsOfTimer)) return std::nullopt;

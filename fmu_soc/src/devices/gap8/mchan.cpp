@@ -23,7 +23,7 @@ constexpr std::size_t kMostWords = 4;
 constexpr std::uint32_t kRowMask = 0x7fff;
 constexpr unsigned kStrideShift = 16;
 
-/// A transfer's tag contains its number of bytes, its flags and its counter.
+/// The tag of a transfer contains the transfer's number of bytes, flags and counter.
 constexpr std::uint32_t kTagFlags = kRaisesEvent | kRaisesInterrupt | kRaisesForAll;
 constexpr unsigned kTagCounterShift = 24;
 

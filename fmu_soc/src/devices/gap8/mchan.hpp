@@ -17,9 +17,9 @@ namespace mebots::soc::gap8_devices {
 /// counters; a store frees counters. When a counter reaches 0, the requester of its last command gets event 8 or 9, as
 /// selected by that command.
 ///
-/// Silicon stalls a core that requests a counter while all are allocated, or that issues too many commands. In this
-/// model, the first case is an access fault. The second case never occurs, because the queue is unlimited. Sources:
-/// archi/dma/mchan_v6.h; GVSoC's mchan_v6 for the order of words.
+/// On silicon, a core stalls if it requests a counter while all counters are allocated, or if it issues too many
+/// commands. In this model, the first case is an access fault. The second case never occurs, because the queue is
+/// unlimited. Sources: archi/dma/mchan_v6.h; GVSoC's mchan_v6 for the order of words.
 class Mchan {
  public:
   static constexpr unsigned kCounters = 16;
@@ -33,8 +33,8 @@ class Mchan {
 
   BusReply access(unsigned who, std::uint32_t offset, const std::uint32_t* stored, std::uint64_t tick);
 
-  /// The events that a completed transfer raises. While other transfers of its counter are not completed, it raises
-  /// none.
+  /// The events that a completed transfer raises. A transfer raises no event while other transfers of the same counter
+  /// are not completed.
   struct Ended {
     bool raises_event = false;
     bool raises_interrupt = false;

@@ -110,8 +110,9 @@ class Timer final : public Device, private TimerClock {
   TimerCounters counters_;
 };
 
-/// The timer that the cores of GAP8's cluster share. It counts the cluster's ticks, which are also its unit of time. A
-/// program can select the reference clock for a counter; this is not modelled, and such a counter does not count.
+/// The timer that the cores of GAP8's cluster share. It counts the cluster's ticks, which are also its unit of time. On
+/// silicon, a program can select the reference clock for a counter. This is not modelled: such a counter does not
+/// count.
 class ClusterTimer : private TimerClock {
  public:
   explicit ClusterTimer(std::function<void(unsigned counter)> raise) : counters_(*this, std::move(raise)) {}

@@ -168,7 +168,7 @@ void Udma::enqueue(std::size_t channel, Picoseconds now) {
   if (queue.size() == 1) queue.front().done_at = peripheral(channel).end_time(queue.front(), now);
 }
 
-/// Checks again whether waiting transfers can end, after an event that they may wait for.
+/// Called after an event that waiting transfers may need. Checks again whether these transfers can end.
 void Udma::retry_waiting_transfers(Picoseconds now) {
   for (auto& queue : queues_) {
     if (queue.empty() || queue.front().done_at != kNever) continue;

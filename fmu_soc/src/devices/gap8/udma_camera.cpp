@@ -55,9 +55,9 @@ Picoseconds UdmaCamera::end_of_frame() const {
 
 Picoseconds UdmaCamera::end_time(const UdmaTransfer& /*transfer*/, Picoseconds start) {
   if (requested_at_ == kNever) requested_at_ = start;
-  // This function is called at every change of sensor and interface. Therefore only the times of these changes
-  // determine whether a frame is lost. A frame that was read out completely is kept, because its picture may arrive
-  // after a standby.
+  // This function is called at every change of the settings of sensor or interface. Therefore only the times of these
+  // changes determine whether a frame is lost. A frame that was read out completely is kept, because its picture may
+  // arrive after a standby.
   const bool is_same_stream = is_on() && sensor_.first_frame_at() == first_frame_at_;
   if (frame_at_ != kNever && !is_same_stream && start < ends_at_) lose_frame();
   if (frame_at_ == kNever) {
@@ -183,8 +183,8 @@ void UdmaCamera::cancel(const UdmaTransfer& /*transfer*/, Picoseconds /*now*/) {
   forget();
 }
 
-/// Drops the frame. Pictures of the picture roll are not bound to a time, so a picture that was taken from it is kept
-/// for the next frame.
+/// Drops the frame. Pictures of the picture roll do not belong to a time. So if the frame already had a picture of the
+/// roll, the next frame gets this picture.
 void UdmaCamera::lose_frame() {
   frame_at_ = kNever;
   if (roll_.exists()) return;

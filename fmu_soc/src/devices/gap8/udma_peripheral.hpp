@@ -49,8 +49,8 @@ class UdmaPeripheral {
   /// Cancels a transfer that has begun. No byte is copied.
   virtual void cancel(const UdmaTransfer& /*transfer*/, Picoseconds /*now*/) {}
 
-  /// These functions access registers that the board's entry does not describe. They return false if there is no such
-  /// register.
+  /// These functions access registers that the device's entry in the board file does not describe. They return false if
+  /// there is no such register.
   virtual bool load(std::uint32_t /*offset*/, std::uint32_t& /*value*/) { return false; }
   virtual bool store(std::uint32_t /*offset*/, Picoseconds /*now*/, std::uint32_t /*value*/) { return false; }
   /// Called after a store into a register that the entry describes.

@@ -11,9 +11,9 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// An SPI master of the uDMA with a slave that only receives. Its sending channel fetches command words, and data after
-/// a command that sends; received data are zeros. A bit takes twice the divider in clocks of the SoC; with divider 0,
-/// one clock. The command that ends a transaction raises the event of the master. Source:
+/// An SPI master of the uDMA with a slave that only receives. The sending channel fetches command words and, after a
+/// command that sends, data. Received data are zeros. A bit takes twice the divider in clocks of the SoC; with divider
+/// 0, one clock. The command that ends a transaction raises the event of the master. Source:
 /// archi/udma/spim/udma_spim_v2.h.
 ///
 /// Its variables are those of the entry that begin with its name, spim0 or spim1. .transactions counts transactions

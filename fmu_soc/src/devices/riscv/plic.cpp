@@ -9,9 +9,9 @@ namespace mebots::soc {
 namespace {
 
 /// Platform-level interrupt controller with one context: machine mode of the fabric controller. Its sources are levels.
-/// A gateway forwards a request while its source is active, and forwards no further request until the handler has
-/// completed the first one. Registers of other contexts and sources read 0. Source: RISC-V Platform-Level Interrupt
-/// Controller Specification 1.0.0; number of sources and bits of a priority: QEMU 7.2, hw/riscv/virt.c.
+/// If a source is active, its gateway forwards a request. It forwards no further request of this source until the
+/// handler has completed the first one. Registers of other contexts and sources read 0. Source: RISC-V Platform-Level
+/// Interrupt Controller Specification 1.0.0; number of sources and bits of a priority: QEMU 7.2, hw/riscv/virt.c.
 class Plic final : public Device, public InterruptController {
  public:
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;

@@ -128,7 +128,7 @@ void Uart16550::begin_input(Picoseconds now) {
   resume_input(now);
 }
 
-/// Schedules the next byte after one character time, unless one is already scheduled.
+/// Schedules the next input byte one character time later, unless a byte is already scheduled.
 void Uart16550::resume_input(Picoseconds now) {
   if (input_began_ && !input_ended_ && next_input_ == kNever && room() != 0) next_input_ = now + character_time();
 }
