@@ -106,7 +106,7 @@ function(_mebots_merge_archives fmu own_archive archive)
   else()
     set(command mebots::mebots fmu-platforms ${archives} --out ${archive})
   endif()
-  # Always runs, because only the other builds know whether their archives are new.
+  # Always runs, because only the builds for the other platforms can determine whether their archives are new.
   add_custom_target(${fmu}_archive ALL
     COMMAND ${CMAKE_COMMAND} -E make_directory ${MEBOTS_FMU_DIR}
     COMMAND ${command}

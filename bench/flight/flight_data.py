@@ -165,7 +165,8 @@ def _means(values, rows):
 
 
 def craciun(folder):
-    """Returns flights with voltage only, 100 rows per second. Those whose SHA-256 is even may be used for fits."""
+    """Returns flights that have only the voltage, with 100 rows per second. Flights with an even SHA-256 may be used
+    for fits."""
     found = []
     for path in distinct((Path(folder) / CRACIUN).glob("*.csv")):
         voltage = np.genfromtxt(path, delimiter=",", skip_header=1)[:, 3]

@@ -71,7 +71,8 @@ class Model:
         return phase["leakage"] / phase["seconds"]
 
     def gain(self, over, name, cycles):
-        """Returns the energy of phase `over` divided by that of phase `name`, for their numbers of cycles."""
+        """Returns the energy of phase `over` divided by that of phase `name`. Each energy is computed for the phase's
+        number of cycles."""
         return self.power_w(over) * cycles[0] / (self.power_w(name) * cycles[1])
 
 

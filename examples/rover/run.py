@@ -49,8 +49,8 @@ def require(good, complaint):
 
 
 def run_alone(build):
-    """Runs the firmware alone, so that the wheels do not turn. The firmware detects it. Every variable of board.json
-    has its `start`."""
+    """Runs the firmware alone, without a simulation of the wheels, so the wheels do not turn. The firmware detects
+    this. Every variable of board.json has its value `start`."""
     done = subprocess.run([build / "bin/mebots-soc", "run", build / "firmware/rover.elf", "--board", HERE / "board.json"],
                           text=True, capture_output=True, check=False)
     print(done.stdout, end="")

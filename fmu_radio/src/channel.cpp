@@ -81,7 +81,8 @@ void Channel::take_requests(std::int64_t time_ns) {
   }
 }
 
-/// Returns the node with the oldest request. Among equal ones, the turn passes on from the last sender.
+/// Returns the node with the oldest request. If several requests have the same time, the nodes take turns: the next one
+/// after the last sender is first.
 Channel::Node* Channel::next_sender() {
   Node* chosen = nullptr;
   for (std::size_t i = 0; i < nodes_.size(); ++i) {

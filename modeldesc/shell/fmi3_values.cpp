@@ -116,7 +116,7 @@ constexpr bool kHasVariables =
     std::is_same_v<T, fmi3Float64> || std::is_same_v<T, fmi3Int32> || std::is_same_v<T, fmi3Int64> ||
     std::is_same_v<T, fmi3UInt64> || std::is_same_v<T, fmi3Boolean> || std::is_same_v<T, fmi3String>;
 
-/// Refuses values of types that no variable of MEbots' FMUs has. Succeeds only if there are no references.
+/// Refuses calls for types that no variable of MEbots' FMUs has. Succeeds only if the list of references is empty.
 fmi3Status refuse_values(fmi3Instance handle, const Function& function, std::string_view type,
                          const fmi3ValueReference references[], std::size_t count, std::size_t value_count) {
   return guarded3(handle, function, [&](Instance& instance) {

@@ -53,8 +53,8 @@ class Effects(StudyCase):
             found = effects.importances(self.study_of("random"), [factor("a", ones), factor("b", twos)], [], np.array(ones) + lot.normal(size=40))
             shares.append(found.factors)
         strong, idle = np.mean(shares, axis=0)
-        # The variances are 2 and 1. From each, a tenth is subtracted, which the levels of the other factor explain by
-        # chance.
+        # The variances are 2 and 1. From each, a tenth is subtracted: the share that the levels of the other factor
+        # explain by chance.
         self.assertAlmostEqual(strong, 2 / 3, delta=0.08)
         self.assertLess(idle, 0.03)
 

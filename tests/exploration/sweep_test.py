@@ -586,7 +586,7 @@ class Python(StudyCase):
         self.assertEqual(result.designs(), self.rows("designs.csv"))
 
     def test_an_empty_environment_gives_the_same_bytes(self):
-        """Tests an environment without PATH, by which Python finds its own program."""
+        """Tests an environment without PATH. Python uses PATH to find its own program."""
         self.study()
         self.sweep()
         packages = os.pathsep.join(path for path in sys.path if path.endswith(("site-packages", "dist-packages")))

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests the readers of flight logs: what they read, and their errors for other files."""
+"""Tests the readers of flight logs: the values that they read, and their errors for files of other kinds."""
 
 import json
 import pathlib

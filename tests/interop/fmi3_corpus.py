@@ -239,7 +239,7 @@ class Stepped:
         getattr(self.fmu, "set" + variable.type)([variable.valueReference], value if isinstance(value, list) else [value])
 
     def value(self, name):
-        """Returns the values of a variable; of one that belongs to a Clock, those of the last tick."""
+        """Returns the values of a variable. If it belongs to a Clock, returns the values of the last tick."""
         values = self.held[name] if name in self.held else self.get(name)
         return [float(zlib.crc32(value or b"")) if isinstance(value, (bytes, type(None))) else float(value) for value in values]
 

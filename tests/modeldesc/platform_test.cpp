@@ -100,7 +100,8 @@ TEST_F(PlatformTest, ReadsLibrariesOfMacOs) {
   const std::string thin_32("\xce\xfa\xed\xfe\x07\0\0\0", 8);
   EXPECT_THAT(find_platforms(file("x86.dylib", thin_32)),
               ElementsAre(testing::Field(&Platform::fmi2_folder, "darwin32")));
-  // A universal library: the count of its platforms, then 20 bytes for each; only the processor's type is read.
+  // A universal library of macOS: the number of its platforms, then 20 bytes for each platform. Of these bytes, only
+  // the type of the processor is read.
   const auto row = [](char processor) { return std::string("\1\0\0", 3) + processor + std::string(16, '\0'); };
   const auto universal = std::string("\xca\xfe\xba\xbe\0\0\0\2", 8) + row('\7') + row('\14');
   EXPECT_THAT(find_platforms(file("both.dylib", universal)),

@@ -91,8 +91,8 @@ def trajectories(flights, titles, name, first_view):
 
 
 def phases(tables):
-    """Draws energy by phase and consumer: {flight: {phase: {consumer: J}}}. The right side shows the small ones
-    only."""
+    """Draws energy by phase and consumer: {flight: {phase: {consumer: J}}}. The right plot shows only the small
+    energies."""
     figure, axes = plt.subplots(len(tables), 2, figsize=(10, 2.3 * len(tables)), constrained_layout=True,
                                 squeeze=False)
     for row, (flight, table) in zip(axes, tables.items()):

@@ -42,7 +42,8 @@ class ClusterCore final : private Bus {
     connect(1);
   }
 
-  /// Sets the latencies of the memories. An access outside occupies the shared port for this many ticks.
+  /// Sets the latencies of the memories. An access to a memory outside the cluster occupies the shared port for
+  /// `access_ticks` ticks.
   void connect(std::uint32_t access_ticks) {
     auto ports = settings_.ports;
     for (auto& port : ports) {

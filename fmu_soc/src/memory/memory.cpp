@@ -52,7 +52,7 @@ void for_marked(const Region& region, std::uint8_t marks, Visit visit) {
   });
 }
 
-/// Visits the pages of a large region that hold anything but zeros: their numbers, and their bytes.
+/// Visits the pages of a large region that contain other bytes than zeros: the numbers of the pages, and their bytes.
 void visit_pages(Region& region, state::Visitor& v) {
   std::vector<std::uint32_t> pages;
   std::vector<std::uint8_t> bytes;

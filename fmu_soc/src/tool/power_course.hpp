@@ -11,7 +11,7 @@
 
 namespace mebots::soc::tool {
 
-/// The clock of a core over the time in which it has power.
+/// Minimum, maximum and mean of a core's clock, over the time in which the core has power.
 class ClockRange {
  public:
   /// Adds a span of time at a clock.

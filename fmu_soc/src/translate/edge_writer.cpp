@@ -99,7 +99,8 @@ void EdgeWriter::load_next_point() {
   a_.mov(rcx, ptr[rcx]);
 }
 
-/// Leaves before a block, with a resume point, so that the next run begins with the block. That run spends the stall.
+/// Leaves before a block, with a resume point, so that the next run begins with the block. The next run counts the
+/// cycles of the stall.
 void EdgeWriter::park(const Node& node, const Exit& exit, std::uint32_t stall) {
   static_assert(sizeof(Pipeline) == sizeof(std::uint64_t));
   load_next_point();

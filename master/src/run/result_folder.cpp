@@ -83,7 +83,8 @@ void ResultFolder::keep(std::span<const std::string_view> outdated) {
 
 namespace {
 
-/// True if this path still names the opened file. The last owner of a folder removes the file.
+/// True if this path still names the opened file. The file may have been removed, because the last owner of a folder
+/// removes it.
 bool is_still(const std::filesystem::path& file, int descriptor) {
   struct stat named {};
   struct stat opened {};

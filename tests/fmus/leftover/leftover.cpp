@@ -38,7 +38,7 @@ double next() {
   return ++steps;
 }
 #elif defined(LEFTOVER_FIRST_INSTANCE)
-// Only the first instance of a process computes differently, because the memory changes once.
+// Only the first instance of a process has other results, because the memory changes only once.
 bool is_first = true;
 double kept = 1;
 void begin_instance() {

@@ -204,7 +204,7 @@ TEST_F(Ssp, AnUnpackedOneRunsByItsFolderAndByItsFile) {
   EXPECT_THAT(test::input_error([&] { load_system(folder.path() / "none"); }), HasSubstr("SystemStructure.ssd"));
 }
 
-// Rules of the standard, by their sections in SSP 2.0 (those of SSP 1.0 are the same unless stated).
+// Rules of the standard, with their sections in SSP 2.0. The sections in SSP 1.0 are the same unless stated otherwise.
 
 /// A component `name` with one connector.
 std::string part(const std::string& name, const std::string& connector = "", const std::string& more = "") {

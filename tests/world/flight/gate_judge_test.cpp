@@ -35,7 +35,7 @@ class Puppet {
     at.p_WB_m = world({-1.0, 0.0, 0.0});
   }
 
-  /// Moves in steps of a millimetre along a straight line; returns the events on the way.
+  /// Moves the drone along a straight line in steps of a millimetre. Returns the events during this flight.
   std::vector<Kind> fly(const Eigen::Vector3d& to_G_m) {
     std::vector<Kind> kinds;
     const Eigen::Vector3d from_W_m = at.p_WB_m;

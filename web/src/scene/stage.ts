@@ -258,7 +258,7 @@ export class Stage {
     this.ask();
   }
 
-  /** Requests a drawing in the next animation frame. Several calls before it draw once. */
+  /** Requests a drawing in the next animation frame. Several calls before this frame cause one drawing. */
   private ask(): void {
     if (this.asked) return;
     this.asked = true;

@@ -74,7 +74,7 @@ def write_csv(file: pathlib.Path, rows: Iterable[Sequence[str]]) -> None:
 
 
 def write_lines(file: pathlib.Path, lines: Iterable[str]) -> None:
-    """Writes texts of one or more lines in UTF-8 with bounded memory."""
+    """Writes texts into a file in UTF-8. Only a part of the texts is in memory at a time."""
     write_whole(file, _blocks(lines))
 
 

@@ -36,7 +36,7 @@ def held() -> Iterator[None]:
 
 @contextlib.contextmanager
 def allowed() -> Iterator[None]:
-    """Within ``held``, raises an interrupt immediately."""
+    """Inside of ``held``, permits interrupts for a time: they are raised immediately."""
     global _holds
     if not _can_come():
         yield

@@ -320,7 +320,7 @@ class _Pipes:
         self.life = life
         self.folder = folder
         self.records = os.fdopen(out, "w", encoding="utf-8")
-        # An FMU that reads standard input must not read orders.
+        # Orders arrive on standard input. It is replaced by an empty file, so that an FMU cannot read orders from it.
         self._orders = os.dup(0)
         nothing = os.open(os.devnull, os.O_RDONLY)
         os.dup2(nothing, 0)

@@ -24,7 +24,7 @@ class MemorySink final : public RowSink {
 
   void write(const RowBlock& block) override;
   void flush() override {}
-  /// Visits the state. Restoring it can only drop rows: it must not have more rows than this object.
+  /// Visits the state. A restored state can only remove rows: it must not have more rows than this object.
   void visit(state::Visitor& v) override;
   /// Visits the rows, which visit() does not include.
   void visit_rows(state::Visitor& v);

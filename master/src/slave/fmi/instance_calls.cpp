@@ -121,7 +121,8 @@ std::vector<const char*> InstanceCalls::chosen_categories() const {
   static constexpr std::string_view kAlways[] = {"logStatusWarning", "logStatusDiscard", "logStatusError",
                                                  "logStatusFatal"};
   if (std::ranges::find(log_categories_, "*") != log_categories_.end()) return {};
-  // If the FMU has none of these categories, it logs everything, and is_shown() filters.
+  // If the FMU has none of these categories, an empty list is passed, so the FMU logs all messages. Then is_shown()
+  // selects the messages to show.
   std::vector<const char*> chosen;
   for (const auto& category : description().log_categories) {
     if (std::ranges::find(log_categories_, category.name) != log_categories_.end() ||

@@ -101,7 +101,7 @@ class InstanceCalls final : public CallbackListener {
   void require_function(const char* name, Function* function) {
     if (function == nullptr) fail(name, "is missing in the FMU's library");
   }
-  /// Runs `work`, which makes calls. Reports and reverts what they changed in the process.
+  /// Runs `work`, which makes calls. Reports and reverts changes that these calls made to the process.
   template <typename Work>
   void watched(const char* where, Work work);
   /// Like watched(), for the steps number 1, 2, 4, 8 ... of an instance: watching every step would take too long.
