@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 
-# mebots_target(<target>) Sets the compiler options of our own code: warnings, hidden symbols, equal floating-point results on all machines,
+# mebots_target(<target>)
+# Sets the compiler options of our own code: warnings, hidden symbols, equal floating-point results on all machines,
 # assertions, sanitizers, hardening in releases, and options that keep paths of this machine out of the output.
 function(mebots_target target)
   target_compile_features(${target} PUBLIC cxx_std_20)

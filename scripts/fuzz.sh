@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Fuzzes one reader of files with libFuzzer, address and undefined-behaviour sanitizers (clang 14), on one core. Usage: scripts/fuzz.sh NAME
-# [EXECUTIONS] [OPTION...]
+# Fuzzes one reader of files with libFuzzer, address and undefined-behaviour sanitizers (clang 14), on one core.
+# Usage: scripts/fuzz.sh NAME [EXECUTIONS] [OPTION...]
 #   NAME        a mebots_fuzz() of tests/fuzz/CMakeLists.txt (elf, board, gdb, archive, config, ssp, ssp_folder, osp, scenario,
 #               checkpoint, model_description, fmi3, description, state, cell, rotor, scene,
 #               network)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Measures the cost of the system call filter and of Landlock for a step of an FMU in a separate process. Alternates
-runs with both and runs without them. In the second kind of runs, a preloaded library prevents that they are set up.
+runs with both and runs without them. In the second kind of runs, a preloaded library prevents their set-up.
 Usage: filter_cost.py MEBOTS PASSTHROUGH.fmu [--pairs 20] [--steps 50000] [--core 0]
 
 Measures processor time of mebots and all its processes on one core, so that no process spins in parallel. Prints medians and

@@ -53,8 +53,8 @@ struct CellPositions {
 
 /// Reads and checks a cell file. Throws mebots::Error that names file, key, value and limit if a key is missing or
 /// unknown, if a type or unit is wrong, or if mass, capacity, a resistance or a capacitance is not positive. Also
-/// throws if the open-circuit voltage decreases with rising s, unless cut-off < release <= voltage of the full cell,
-/// and for a position outside -1 to 1.
+/// throws if the open-circuit voltage decreases with rising s, or if cut-off < release <= voltage of the full cell
+/// does not hold. Also throws for a position outside -1 to 1.
 Cell load_cell(const std::filesystem::path& path, const CellPositions& positions = {});
 
 /// Returns the terminal current [A, positive = discharge] for a terminal power `power_w` (negative = charging) and a

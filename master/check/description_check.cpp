@@ -110,8 +110,9 @@ void check_start(const ModelDescription& model, const Variable& variable, Findin
   const bool forbidden =
       variable.causality == Causality::independent || (variable.initial && *variable.initial == Initial::calculated);
   if (forbidden && has_start(variable))
-    findings.error(fmt::format("{} has a start value, but its attribute initial ({}) forbids a start value",
-                               quoted(variable), variable.initial ? to_string(*variable.initial) : "none"),
+    findings.error(fmt::format("{} has a start value, but {} forbids a start value", quoted(variable),
+                               variable.causality == Causality::independent ? "its causality (independent)"
+                                                                            : "its attribute initial (calculated)"),
                    "remove start, or use initial exact or approx");
   const auto start = number_of(variable);
   if (start && !std::isfinite(*start))

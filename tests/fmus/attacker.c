@@ -668,7 +668,7 @@ static const Attack attacks[] = {
     ATTACK(open_semaphore, "find a System V semaphore"),
     ATTACK(open_messages, "find a System V message queue"),
     ATTACK(open_queue, "open a POSIX message queue"),
-    ATTACK(connect_by_path, "connect to a Unix socket by its path, as of ssh-agent, D-Bus or Docker"),
+    ATTACK(connect_by_path, "connect to a Unix socket by its path, such as the socket of ssh-agent, D-Bus or Docker"),
     ATTACK(connect_abstract, "connect to an abstract Unix socket"),
     ATTACK(connect_tcp, "connect to a TCP port of this machine (IPv4)"),
     ATTACK(connect_tcp6, "the same (IPv6)"),

@@ -87,7 +87,7 @@ TEST_F(BadInput, IsRefusedIfPicturesAreMissingOrDoNotFitTheCamera) {
   write_file(folder_ / "a.pgm", "P5\n324 243 255\n" + std::string(std::size_t{324} * 243, '0'));
   expect_refused(with("gap8"), "it has 324 x 243 pixels; the camera needs 324 columns and at least 244 rows");
   write_file(folder_ / "a.pgm", "P5\n# grey\n324 244\n255\n" + std::string(std::size_t{324} * 244 - 1, '0'));
-  expect_refused(with("gap8"), "it ends before its 79056 pixels");
+  expect_refused(with("gap8"), "the file ends too early: it must have 79056 pixels");
   write_file(folder_ / "a.pgm", "P5\n324 244\n255\n" + std::string(std::size_t{324} * 244, '0'));
   expect_refused(with("ri5cy"), "board ri5cy has no device of kind gap8_udma");
 }

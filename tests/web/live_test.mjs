@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Usage: live_test.mjs MEBOTS CONFIGS OUT [CHROMIUM] Compares a run that is viewed, paused and changed by hand with the same run without a viewer.
-// The viewer is an HTTP client or a browser.
+// Usage: live_test.mjs MEBOTS CONFIGS OUT [CHROMIUM]
+// Compares a run that is viewed, paused and changed by hand with the same run without a viewer. The viewer is an HTTP client or a browser.
 import assert from "node:assert/strict";
 import { spawn, spawnSync } from "node:child_process";
 import { once } from "node:events";

@@ -32,8 +32,9 @@ declare global {
   }
 }
 
-/** Height of curves [px] if there is no scene and there are few panels. */
+/** Without a scene and with at most this many panels, curves have ROOMY_HEIGHT. */
 const FEW_PANELS = 4;
+/** A height of curves [px]. */
 const ROOMY_HEIGHT = 150;
 
 async function main(): Promise<void> {

@@ -184,7 +184,7 @@ def describe_starts(both, name):
     first, second = both
     with_both, alone_first, alone_second, none = same_starts(both[first], both[second], name)
     told = (f"{name}: from {with_both} starts, both chips passed. From {alone_first} starts, only {first} passed; from {alone_second}, only "
-            f"{second}; from {none}, none of them.")
+            f"{second}; from {none}, neither of them.")
     came = [way for way in both[second]["robustness"][name]["ways"] if way["last_stretch_s"] is not None]
     passed, others = ([way["last_stretch_s"] for way in came if (way["outcome"] in PASSED) == wanted] for wanted in (True, False))
     if passed and others:

@@ -59,8 +59,8 @@ def shipped(name, chip):
 
 
 def lens(field_of_view, chip):
-    """Returns the field of view [rad] for the chip's camera. The part of the picture that the firmware uses then has
-    the given field of view."""
+    """Returns the field of view [rad] of the shipped mission with this chip. It corresponds to the shipped mission with
+    the first chip and the given field of view."""
     def of(name, on):
         return shipped(name, on)["instances"]["world"]["parameters"].get(LENS.removeprefix("world."))
     return {of(name, FIRST_CHIP): of(name, chip) for name in SHIPPED}[field_of_view]

@@ -231,8 +231,8 @@ static void follow_size(traverser_t* t, const sight_t* sight) {
   }
 }
 
-// True if the drone has flown farther than the greatest possible distance to the gate, without entering a gate. Then
-// there was no gate, or the drone has crossed it unnoticed. The next gate starts with a new greatest size.
+// True if the drone has flown farther than the greatest distance of a gate, since the gate was largest in the picture.
+// Then there was no gate, or the drone has crossed it unnoticed. The next gate starts with a new greatest size.
 static bool most_is_behind(const traverser_t* t) {
   return t->flown_um - t->most_at_um > farthest_um(t->most_q8);
 }

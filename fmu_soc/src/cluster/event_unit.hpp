@@ -25,8 +25,8 @@ inline constexpr unsigned kJobDone = 17;
 /// then returns the core, which repeats the load.
 class EventUnit {
  public:
-  /// Status bit of an invalid fork: FORK_CORES names a core that does not exist or is running, or a cluster core writes
-  /// FORK_CORES.
+  /// Status bit of an invalid fork: FORK_CORES is 0 or names a core that does not exist, a core is running, or a
+  /// cluster core writes FORK_CORES.
   static constexpr std::uint32_t kRefused = 1;
 
   explicit EventUnit(unsigned cores) : cores_(cores) {}

@@ -29,8 +29,8 @@ struct InstructionEnergy {
 struct CodeSettings {
   Timing timing = {};
   InstructionEnergy energy = {};
-  /// If true, a block that starts before the limit of a run is executed to its end. Then only memory and pc determine
-  /// where a hart stops.
+  /// If true, a block that starts before the limit of a run is executed to its end. Then earlier decoding does not
+  /// affect where a hart stops.
   bool loose_limit = false;
   InstructionCache* instruction_cache = nullptr;  // of the fetches; null = fetching never waits
   Banks* banks = nullptr;                         // of the first memory, if several users share it; null = one user

@@ -272,7 +272,7 @@ const Instruction* Csrs::access(const Instruction* at) {
   const bool replace = at->op == Op::csrrw || at->op == Op::csrrwi;
   const bool set = at->op == Op::csrrs || at->op == Op::csrrsi;
   // csrrs and csrrc with x0 (or 0) only read; csrrw into x0 only writes. For event counters, RI5CY also writes in these
-  // cases. This write replaces the increment by the present instruction.
+  // cases. The counter then has the written value; the present instruction does not increment it.
   const bool writes = replace || at->rs1 != 0 || (timing_.has_xpulp() && is_event_counter(number));
 
   // Adds the previous instructions of the block to the counters, because the access may read a counter.

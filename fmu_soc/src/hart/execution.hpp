@@ -118,8 +118,8 @@ inline constexpr std::uint32_t kFloatControl = 0x1f80;
 
 /// Data that the interpreter and translated code exchange.
 struct HostState {
-  /// First and last value of the register with which translated code counts cycles. The register is the number of
-  /// cycles that may still start, and decreases to 0. If banks are shared, the register is instead an address in the
+  /// First and last value of the register with which translated code counts cycles. The register contains the number
+  /// of cycles that may still start, and decreases to 0. If banks are shared, the register is instead an address in the
   /// table of banks, which advances by one row per cycle.
   std::uint64_t begin = 0;
   std::uint64_t end = 0;

@@ -59,8 +59,8 @@ bool Interpreter::resume_to_limit() {
   return true;
 }
 
-/// Runs a block one instruction at a time from `at`. The lines of the block are present. Each instruction takes its
-/// static cycles of the block, except a jump after a misaligned load. The load has subtracted cycles of the jump, and
+/// Runs a block one instruction at a time from `at`, whose line is present. Each instruction takes its static cycles of
+/// the block, except a jump after a misaligned load. The load has subtracted cycles of the jump, and
 /// the limit may be between the two instructions.
 void Interpreter::run_one_by_one(const Instruction* at) {
   MEBOTS_ASSERT(at != nullptr && walk_ == nullptr);

@@ -56,9 +56,8 @@ struct Decision {
 ///   picture_stored()   a picture is in memory. If no decision is in progress, one about this picture begins. Otherwise
 ///                      the picture waits, and replaces the picture that was waiting, if any. Throws Error if times are
 ///                      not in order.
-///   sent()             the board's sender has sent set-points: the decision about the picture ends, and the next one
-///   is
-///                      about the waiting picture. Has no effect without a picture.
+///   sent()             the board's sender has sent set-points: the decision about the picture ends. The next decision
+///                      is about the waiting picture. Has no effect without a picture.
 ///   published()        the sent values are visible outside: the end of the FMU's step.
 class Decisions {
  public:

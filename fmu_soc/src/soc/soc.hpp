@@ -54,7 +54,7 @@ class Soc final {
   void begin_step();
   /// Advances to `time_ns`, which must not be in the past.
   void advance(std::int64_t time_ns);
-  /// Runs until any core has executed `cycle_limit` active cycles, until a time, until the program's end, or until a
+  /// Runs until any core has executed `cycle_limit` active cycles, until a time, until the end of the run, or until a
   /// sleep that no event can end. `mebots-soc run` uses this function, without FMI.
   void run_cycles(std::uint64_t cycle_limit, Picoseconds until = kWithoutEnd);
   /// Switches the supply off: afterwards nothing runs, and nothing consumes energy.

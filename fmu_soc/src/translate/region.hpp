@@ -37,8 +37,8 @@ struct Region {
   }
 };
 
-/// Returns the block `head` and all blocks that were executed after it, directly or through others, except blocks that
-/// already have code.
+/// Returns the block `head` and blocks that were executed after it, directly or through others, up to a maximum size.
+/// Blocks that already have code are left out.
 Region grow_region(const BlockCache& blocks, std::uint32_t head, const std::function<bool(std::uint32_t)>& has_code);
 
 /// Returns the block that an instruction's link has led to, if it is at `pc`; 0 if it is unknown or invalid.

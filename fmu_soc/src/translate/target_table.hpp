@@ -10,8 +10,8 @@
 
 namespace mebots::soc::translate {
 
-/// Maps known targets of indirect jumps to their code. Translated code uses the table. It has as many entries as real
-/// programs have targets, so that hot targets do not evict each other.
+/// Maps known targets of indirect jumps to their code. Translated code uses the table. It has one entry per
+/// two bytes of 128 KiB of code, about the code size of a real program. So hot targets rarely evict each other.
 class TargetTable {
  public:
   static constexpr std::uint32_t kStep = 2;  // bytes of a pc per entry

@@ -48,8 +48,8 @@ class Outline {
       const std::int64_t y = first * kOne + kHalf;
       const std::int64_t numerator = (x_top - kHalf) * dy + dx * (y - y_top);
       const std::int64_t denominator = dy * kOne;
-      // The floating-point quotient has an error below 1e-10, so its integer part is wrong by at most one. With integer
-      // divisions instead, they would take most of the rendering time of a picture with many small faces.
+      // The floating-point quotient has an error below 1e-10, so its integer part is wrong by at most one. Integer
+      // divisions would take most of the rendering time of a picture with many small faces.
       auto column = static_cast<std::int64_t>(static_cast<double>(numerator) * columns_per_unit);
       std::int64_t beyond = column * denominator - numerator;  // in [0, denominator) for the exact column
       const int off = static_cast<int>(beyond < 0) - static_cast<int>(beyond >= denominator);

@@ -24,7 +24,7 @@ struct FaceView {
   const Ripmap* ripmap = nullptr;  // without one, `light` is the grey level, and no texture coordinate is set
 };
 
-/// Number of pixels after the end of a row that the loops may write in order to complete a vector.
+/// Number of pixels after the last pixel of a call that the loops may write in order to complete a vector.
 inline constexpr int kSpareColumns = 7;
 
 /// Replaces the pixels of a row where the face is nearer than the present one. All arrays begin at the first of `count`

@@ -30,8 +30,8 @@ class FlightControl {
 
   void set_mass(double mass_kg, const Eigen::Vector3d& inertia_kg_m2) { ideal_.set_mass(mass_kg, inertia_kg_m2); }
 
-  /// Updates the control. At this time, the body has reached `truth` at time_ns, dt after the last call, and the
-  /// sensors were updated.
+  /// Updates the control at time_ns, dt after the last call. Must be called after the body has reached `truth`, and
+  /// after the update of the sensors.
   void update(const StabiliserGoal& goal, const RigidState& truth, const Senses& senses, std::int64_t time_ns,
               double dt_s, double bus_voltage_v);
 

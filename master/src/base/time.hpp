@@ -47,8 +47,8 @@ std::optional<ExactTime> read_ratio(std::string_view text);
 
 ExactTime exact_time_of(std::int64_t time_ns);
 
-/// Converts a time that a program passed to nanoseconds. If it is neither a whole number of nanoseconds nor a ratio as
-/// in exact_time(), throws InputError. `what` is the name of the time in the error.
+/// Converts a program's argument, a time [s], to nanoseconds, rounded. If it is neither a whole number of nanoseconds
+/// nor a ratio as in exact_time(), throws InputError. `what` is the name of the time in the error.
 std::int64_t nanoseconds_of(double seconds, std::string_view what);
 /// Converts like nanoseconds_of(), but for a duration, which must be greater than 0.
 std::int64_t duration_of(double seconds, std::string_view what);

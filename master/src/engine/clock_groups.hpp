@@ -12,7 +12,7 @@
 
 namespace mebots::master {
 
-/// Creates the slaves that have Clocks, and the groups in which they step, from a resolved system.
+/// Creates the slaves whose Clocks tick, and the groups in which they step, from a resolved system.
 class ClockGroups {
  public:
   /// All arguments must outlive the slaves. Once `*interrupted` is true, a call to another process that does not return

@@ -29,8 +29,8 @@ fmi::WholeLimits exact_range(Type type) {
   return {-most, static_cast<std::uint64_t>(most)};
 }
 
-/// Returns the range of an integer or enumeration variable: the range of its type, or from its lowest to its highest
-/// item.
+/// Returns the range of a variable with whole numbers: 0 to 1 for a Boolean, the lowest to the highest item for an
+/// enumeration, otherwise the range of its type.
 fmi::WholeLimits range_of(const modeldesc::ModelDescription& model, const Variable& variable) {
   if (variable.type == Type::boolean) return {0, 1};
   const auto* type = variable.type == Type::enumeration ? model.type_definition(variable.declared_type) : nullptr;

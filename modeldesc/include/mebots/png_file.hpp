@@ -19,8 +19,8 @@ struct GreyPicture {
 };
 
 /// Returns the grey levels of a PNG picture. A colour becomes its luminance, and transparent pixels are drawn on black.
-/// Throws Error that begins with `name` if the bytes are not a PNG file or damaged, or if the picture is larger than
-/// 4096 x 4096.
+/// Throws Error that begins with `name` if the bytes are not a PNG file, if the file is damaged, or if the picture is
+/// larger than 4096 x 4096.
 GreyPicture decode_png(std::span<const std::uint8_t> bytes, const std::string& name);
 GreyPicture read_png(const std::filesystem::path& file);
 

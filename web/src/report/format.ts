@@ -26,7 +26,7 @@ export function titleOf({ label, statistic, unit }: Objective): string {
   return unit === "" ? name : `${name} [${unit}]`;
 }
 
-/** Formats a share in per cent. Near 100 %, the text has more digits, so that only a share of exactly 1 becomes "100 %". */
+/** Formats a share in per cent. Near 100 %, the text has more digits, so that shares of up to 0.9999 do not become "100 %". */
 export function percent(share: number): string {
   if (share > 0 && share < 0.001) return "< 0.1 %";
   return `${digits(100 * share, share > 0.99 && share < 1 ? 4 : 2)} %`;

@@ -38,8 +38,8 @@ constexpr unsigned kPwmEventEnableShift = 16;
 constexpr unsigned kPwmEvents = 4;
 
 /// The operations of a channel. A channel performs the first operation at its threshold. A combined operation has a
-/// second part. The channel performs it at the end of the period or, if the counter counts down, again at the
-/// threshold.
+/// second part. A sawtooth counter performs it at the end of the period. A counter that counts up and down performs it
+/// at the threshold on the way down.
 enum PwmOperation : std::uint32_t {
   kPwmSet,
   kPwmToggleClear,

@@ -11,8 +11,8 @@
 namespace mebots::soc::gap8_devices {
 
 /// GAP8's event unit of the fabric controller: a buffer of 32 events, a mask of events that end a wait, and a mask of
-/// events that interrupt. Event 27 is set as long as the queue of SoC events is not empty. The event unit presents the
-/// highest event in the interrupt mask to the core. When the core takes the interrupt, the event is cleared. Sources:
+/// events that interrupt. Event 27 is set as long as the queue of SoC events is not empty. Of the events in the buffer
+/// and the interrupt mask, the core sees the highest. When the core takes the interrupt, the event is cleared. Sources:
 /// archi/eu/eu_v3.h; behaviour of event_unit_flex (pulp-platform), README and RTL.
 class EventUnit {
  public:

@@ -50,8 +50,8 @@ def quantity(value: Any, unit: str = "") -> str:
 
 
 def percent(share: float) -> str:
-    """Returns a share as a percentage. Adds digits near 0 and 100 %, so that only a share of exactly 0 or 1 appears as
-    0 or 100 %."""
+    """Returns a share as a percentage. Adds digits near 0 and 100 %, so that shares of up to 0.9999 do not appear as
+    100 %."""
     text = f"{100 * share:.0f}"
     if (text == "100" and share < 1) or (text == "0" and share > 0):
         text = f"{100 * share:.2g}" if share < 0.5 else f"{100 * share:.4g}"

@@ -57,8 +57,8 @@ std::atomic<int> kept_signal = 0;
   for (;;) syscall(SYS_exit_group, EXIT_FAILURE);
 }
 
-/// Waits without end, because another thread ends the process. If the calling thread is the one that ends the process,
-/// ends the process at once.
+/// Waits without end if another thread ends the process. If the calling thread ends it, ends the process at once.
+/// Otherwise returns.
 void leave_it_to_the_ending_thread() {
   const pid_t ending = ending_thread.load();
   if (ending == 0) return;
