@@ -14,7 +14,10 @@ from mebots.deploy import layers as integers
 from mebots.deploy.deployed import Options
 from mebots.deploy.equalise import equalise
 from mebots.deploy.graph import Graph, Node, Tensor
+from mebots.deploy.importer import import_graph
 from mebots.deploy.lowering import lower
+from mebots.deploy.model_file import Model
+from mebots.deploy.simplify import simplify
 
 
 def chain(seed=1):
@@ -77,6 +80,24 @@ class Equalisation(DeployCase):
         equalise(graph, set())
         for channel in (2, 4):
             self.assertEqual(graph.nodes[0].bias[channel], biases[channel])
+
+    def test_all_layers_that_use_a_tensor_are_changed(self):
+        maker = Maker(5, (2, 8, 8))
+        first = maker.conv("x", 2, 6, (3, 3), pads=[1] * 4)
+        inner = maker.conv(maker.node("Relu", first), 6, 6, (3, 3), pads=[1] * 4)
+        maker.output(maker.node("Add", inner, maker.conv(first, 6, 6, (1, 1))))
+        path, data = maker.save(self.folder)
+        graphs = [import_graph(Model(path)) for _ in range(2)]
+        for graph in graphs:
+            simplify(graph)
+        self.assertEqual(set(equalise(graphs[1], set())), {"t0", "t1"})
+        # Both convolutions that use the first one's output have the same products with its weights as before.
+        (before, *users), (after, *changed) = ([one for one in graph.nodes if one.kind == "conv"] for graph in graphs)
+        self.assertEqual(len(users), 2)
+        for old, new in zip(users, changed, strict=True):
+            products = [np.einsum("ic,oi->ico", a.weight[:, :, 1, 1], b.weight[:, :, 0, 0]) for a, b in ((before, old), (after, new))]
+            np.testing.assert_allclose(products[1], products[0], rtol=1e-12)
+            self.assertGreater(np.abs(new.weight / old.weight - 1).max(), 0.1)
 
     def test_relu6_several_users_and_fixed_tensors_are_left_alone(self):
         graph = chain()

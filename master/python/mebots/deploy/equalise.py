@@ -22,14 +22,16 @@ _LINEAR_POOLS = ("max_pool", "mean_pool")
 _HOMOGENEOUS = ((-math.inf, math.inf), (0.0, math.inf))  # limits of an output: none, or those of Relu
 _ROUNDS = 50
 _CONVERGED = 1e-3
-_NEGLIGIBLE = 1e-3  # of a layer's largest weight
+_NEGLIGIBLE = 1e-6  # of a layer's largest weight
 
 
 @dataclasses.dataclass(frozen=True)
 class _Pair:
+    """A layer, and all layers that use its output. With several, the range of a column is the largest of them."""
+
     first: Node
     between: list[Tensor]
-    second: Node
+    seconds: list[Node]
 
 
 def equalise(graph: Graph, fixed: set[str]) -> dict[str, np.ndarray]:
@@ -53,18 +55,27 @@ def _pairs(graph: Graph) -> Iterator[_Pair]:
     for first in graph.nodes:
         if first.kind != "conv" or first.weight_steps is not None or first.limits not in _HOMOGENEOUS:
             continue
-        between, node = [first.output], first
-        while True:
-            users = graph.users(node.output)
-            if len(users) != 1 or not graph.has_one_user(node.output):
-                break
-            node = users[0]
-            if node.kind == "conv" and node.weight_steps is None and _columns(node) is not None:
-                yield _Pair(first, between, node)
-                break
-            if node.kind not in _LINEAR_POOLS or node.limits not in _HOMOGENEOUS:
-                break
-            between.append(node.output)
+        pair = _Pair(first, [], [])
+        if _collect(graph, first.output, pair) and pair.seconds:
+            yield pair
+
+
+def _collect(graph: Graph, tensor: Tensor, pair: _Pair) -> bool:
+    """Adds a tensor and all that use it to a pair. Returns False if something else than layers, Relu and pools uses it."""
+    pair.between.append(tensor)
+    if any(one is tensor for one in graph.outputs):
+        return False
+    for user in graph.users(tensor):
+        if user.kind == "conv" and user.weight_steps is None and _columns(user) is not None:
+            pair.seconds.append(user)
+        elif not _is_homogeneous(user) or not _collect(graph, user.output, pair):
+            return False
+    return True
+
+
+def _is_homogeneous(node: Node) -> bool:
+    is_relu = node.kind == "table" and node.is_limited()
+    return (is_relu or node.kind in _LINEAR_POOLS) and node.limits in _HOMOGENEOUS
 
 
 def _columns(node: Node) -> np.ndarray | None:
@@ -78,17 +89,18 @@ def _columns(node: Node) -> np.ndarray | None:
 
 
 def _equalise_pair(pair: _Pair) -> np.ndarray:
-    first, second = pair.first, pair.second
+    first = pair.first
     channels = first.weight.shape[0]
     rows = np.abs(first.weight).reshape(channels, -1).max(axis=1)
-    columns = np.abs(_columns(second)).reshape(channels, -1).max(axis=1)
+    columns = np.max([np.abs(_columns(one)).reshape(channels, -1).max(axis=1) for one in pair.seconds], axis=0)
     # A channel with negligible weights has its bias only, which the small factor would make huge.
     used = (rows > _NEGLIGIBLE * rows.max()) & (columns > _NEGLIGIBLE * columns.max())
     factors = np.where(used, np.sqrt(np.where(used, rows, 1.0) / np.where(used, columns, 1.0)), 1.0)
     first.weight = first.weight / factors.reshape(-1, 1, 1, 1)
     first.bias = first.bias / factors
-    if second.groups == 1:
-        second.weight = second.weight * factors.reshape(1, -1, 1, 1)
-    else:
-        second.weight = second.weight * np.repeat(factors, second.weight.shape[0] // channels).reshape(-1, 1, 1, 1)
+    for second in pair.seconds:
+        if second.groups == 1:
+            second.weight = second.weight * factors.reshape(1, -1, 1, 1)
+        else:
+            second.weight = second.weight * np.repeat(factors, second.weight.shape[0] // channels).reshape(-1, 1, 1, 1)
     return factors
