@@ -35,7 +35,8 @@ struct Fmi3Declared {
   bool is_float() const { return type.starts_with("Float"); }
 };
 
-/// A well-formed modelDescription.xml of FMI 3.0.
+/// A well-formed modelDescription.xml of FMI 3.0. The reader in modeldesc stops at the first error. This class also
+/// reads invalid descriptions and keeps their text, so that `check` reports all errors at once, with their lines.
 class Fmi3Description {
  public:
   /// Throws mebots::Error if the text is not XML.
