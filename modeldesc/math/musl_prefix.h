@@ -2,6 +2,7 @@
 // Precedes each of musl's mathematical functions, so that they compile with the headers of any C library. With GCC or
 // Clang.
 #define _GNU_SOURCE
+#define __CRT__NO_INLINE 1  // MinGW defines some functions of float by those of double in its headers
 #include <errno.h>
 #include <float.h>
 #include <math.h>
