@@ -5,6 +5,8 @@
 
 #include "resolve/instance_groups.hpp"
 
+#include "mebots/assert.hpp"
+
 #include <algorithm>
 #include <iterator>
 
@@ -19,7 +21,10 @@ std::vector<ResolvedConnection> connections_within(const ResolvedSystem& system,
                                                    const std::vector<std::size_t>& members) {
   std::vector<ResolvedConnection> found;
   std::ranges::copy_if(system.connections, std::back_inserter(found), [&](const auto& connection) {
-    return is_carried_by_ticks(connection) && std::ranges::binary_search(members, connection.from.instance);
+    if (!is_carried_by_ticks(connection) || !std::ranges::binary_search(members, connection.from.instance))
+      return false;
+    MEBOTS_ASSERT(std::ranges::binary_search(members, connection.to.instance));
+    return true;
   });
   return found;
 }

@@ -256,6 +256,12 @@ class ConnectionCheck {
       fail(fmt::format("a sum needs an input of type Real, but '{}' is of type {}", to_.name,
                        modeldesc::to_string(to_.type)));
     }
+    if (description_.sum && is_clocked(from_) && is_clocked(to_)) {
+      fail(
+          fmt::format("a sum is formed at communication points, but '{}' and '{}' belong to Clocks, and ticks pass "
+                      "their values; connect one source without \"sum\"",
+                      from_.name, to_.name));
+    }
     if (description_.factor == 1 && description_.offset == 0) return;
     if (!fmi::is_float(to_.type)) {
       fail(fmt::format("factor and offset need an input of type Real, but '{}' is of type {}", to_.name,

@@ -399,8 +399,8 @@ void ContinuousSystem::tick_clocks() {
     if (!propagate_in_event() && !ticked) return;
   }
   throw Error(ErrorCode::algebraic_loop,
-              fmt::format("{}: the values of clocks along the connections still change after {} transfers", subject(),
-                          kMostTransfers));
+              fmt::format("{}: clocked values still change along the connections after {} transfers in one event",
+                          subject(), kMostTransfers));
 }
 
 /// Returns true if a member needs another update, or a clock ticks again at this time.

@@ -72,6 +72,12 @@ TEST(Clocks, ValuesForATickWaitForIt) {
   EXPECT_EQ(run.to_end().column("b.sum").back(), 0);
 }
 
+TEST(Clocks, ASumOfClockedValuesIsRefused) {
+  EXPECT_THAT(metronomes_refused(metronomes(
+                  R"({"from": "a.tock", "to": "b.tap"}, {"from": "a.tock_time", "to": "b.heard", "sum": true})")),
+              HasSubstr("'tock_time' and 'heard' belong to Clocks"));
+}
+
 TEST(Clocks, TicksWithoutEndAreReported) {
   TestRun run(metronomes("", R"("endless": true)"));
   try {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slave/clocked/clock_network.hpp"
 
+#include "mebots/assert.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -123,14 +125,20 @@ bool ClockNetwork::propagate_values() {
 
 bool ClockNetwork::propagate(double time_s) {
   bool changed = false;
-  for (int sweep = 0; sweep < kMostClockSweeps; ++sweep) {
+  // Only sweeps that change values count. Each clock ticks at most once, so sweeps that only tick come to an end.
+  for (int sweeps = 0; sweeps < kMostClockSweeps;) {
     const bool ticked = propagate_ticks(time_s);
-    if (!propagate_values() && !ticked) return changed;
+    const bool passed = propagate_values();
+    if (!passed && !ticked) return changed;
     changed = true;
+    if (passed) ++sweeps;
   }
-  const auto member = value_links_.empty() ? std::size_t{0} : value_links_.front().link.from;
-  throw SlaveError(fmt::format("instance '{}': the values of its clocks still change after {} sweeps at {:.9g} s",
-                               members_[member].slave->name(), kMostClockSweeps, time_s));
+  MEBOTS_ASSERT(!value_links_.empty());
+  const auto& member = members_[value_links_.front().link.from];
+  throw SlaveError(
+      fmt::format("instance '{}': the clocked values of its group still change after {} sweeps at {:.9g} s; "
+                  "remove a connection from the loop of clocked variables",
+                  member.slave->name(), kMostClockSweeps, time_s));
 }
 
 void ClockNetwork::before_update(std::size_t member) {

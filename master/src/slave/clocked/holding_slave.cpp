@@ -43,7 +43,7 @@ void HoldingSlave::Held::visit(state::Visitor& v) {
 
 HoldingSlave::HoldingSlave(std::unique_ptr<Slave> inner) : ForwardingSlave(std::move(inner)) {
   for (const auto& variable : description().variables) {
-    if (variable.fmi3->clocks.empty()) continue;
+    if (variable.fmi3->clocks.empty() || variable.type == modeldesc::Type::clock) continue;
     held_.emplace(variable.value_reference, Held{&variable, false, start_of(variable)});
   }
 }
