@@ -210,6 +210,98 @@ TEST(MissionObserve, ADebuggerGoesBackOverStepsOfTheMissionAndTheBitsStay) {
   EXPECT_TRUE(bytes == state_after({}, kSteps));
 }
 
+/// In the past, the handler of the timer runs twice, which changes nothing but the number of instructions. So later
+/// steps begin at other positions than before. `monitor reset` drops this path, and the bits are those without a
+/// debugger.
+TEST(MissionObserve, AfterAChangeInThePastADebuggerGoesBackAgain) {
+  Parameters debugged;
+  debugged.gdb_port = 0;
+  constexpr int kSteps = 30;
+  const auto handler = Elf::read(MEBOTS_BINARY_DIR "/firmware/gate.elf").symbol("on_timer").value();
+  std::jthread caller;
+  std::vector<std::string> answers;
+  const auto bytes = state_after(debugged, kSteps, [&](std::string_view message) {
+    const auto port = std::stoi(std::string(message.substr(message.rfind(':') + 1)));
+    caller = std::jthread([port, handler, &answers] {
+      Caller gdb(port);
+      const auto pc = [&gdb] { return gdb.ask("p20"); };
+      const auto time = [&gdb] { return gdb.ask("qRcmd,74696d65"); };  // "time"
+      gdb.ask("?");
+      const auto begin = pc();
+      gdb.ask(fmt::format("Z0,{:x},4", handler));
+      gdb.ask("c");
+      const auto at_handler = pc();
+      const auto first_time = time();
+      gdb.ask("c");
+      gdb.ask("bc");
+      EXPECT_EQ(time(), first_time);
+      const auto end_of_handler = gdb.ask("p1");  // ra
+      for (int i = 0; i < 100 && pc() != end_of_handler; ++i) gdb.ask("s");
+      EXPECT_EQ(pc(), end_of_handler);
+      answers.push_back(gdb.ask("P20=" + at_handler));
+      gdb.ask("s");
+      gdb.ask("c");
+      EXPECT_EQ(pc(), at_handler);
+      const auto second_time = time();
+      EXPECT_NE(second_time, first_time);
+      answers.push_back(gdb.ask("bs"));
+      EXPECT_NE(pc(), at_handler);
+      gdb.ask("s");
+      EXPECT_EQ(pc(), at_handler);
+      EXPECT_EQ(time(), second_time);
+      answers.push_back(gdb.ask("bc"));
+      gdb.ask("qRcmd,7265736574");  // "reset"
+      EXPECT_EQ(pc(), begin);
+      gdb.ask("c");
+      EXPECT_EQ(time(), first_time);
+      answers.push_back(gdb.ask("bs"));
+      answers.push_back(gdb.ask("D"));
+    });
+  });
+  caller.join();
+  EXPECT_THAT(answers,
+              testing::ElementsAre("OK", "T05thread:1;", testing::HasSubstr("replaylog:begin"), "T05thread:1;", "OK"));
+  EXPECT_TRUE(bytes == state_after({}, kSteps));
+}
+
+TEST(MissionObserve, ADebuggerGoesBackToTheStateThatTheCoSimulationRestoredButNotToTheStart) {
+  const auto handler = Elf::read(MEBOTS_BINARY_DIR "/firmware/gate.elf").symbol("on_timer").value();
+  const Resources resources;
+  std::jthread caller;
+  std::vector<std::string> answers;
+  Listeners listeners;
+  listeners.observe = [&](std::string_view message) {
+    const auto port = std::stoi(std::string(message.substr(message.rfind(':') + 1)));
+    caller = std::jthread([port, handler, &answers] {
+      Caller gdb(port);
+      gdb.ask("?");
+      gdb.ask(fmt::format("Z0,{:x},4", handler));
+      gdb.ask("c");
+      const auto at_handler = gdb.ask("p20");
+      answers.push_back(gdb.ask("c"));  // again, after the state was restored
+      EXPECT_EQ(gdb.ask("p20"), at_handler);
+      answers.push_back(gdb.ask("bs"));
+      answers.push_back(gdb.ask("qRcmd,7265736574"));  // "reset"
+      answers.push_back(gdb.ask("D"));
+    });
+  };
+  {
+    Variables variables;
+    variables.parameters.gdb_port = 0;
+    Model model(variables, resources.path(), listeners);
+    model.start(0);
+    for (int i = 0; i < 3; ++i) model.step(i * kStep, kStep);
+    const auto saved = state::save(model);
+    for (int i = 3; i < 12; ++i) model.step(i * kStep, kStep);
+    state::restore(model, saved);
+    for (int i = 3; i < 12; ++i) model.step(i * kStep, kStep);
+  }
+  caller.join();
+  constexpr std::string_view kTheStart = "746865207374617274";  // "the start"
+  EXPECT_THAT(answers, testing::ElementsAre(testing::HasSubstr("swbreak"), "T05thread:1;",
+                                            testing::StartsWith(std::string(kTheStart)), "OK"));
+}
+
 TEST(MissionObserve, ADebuggerThatVanishesLetsTheMissionContinue) {
   Parameters debugged;
   debugged.gdb_port = 0;

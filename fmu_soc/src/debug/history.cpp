@@ -46,6 +46,7 @@ void History::restore(Soc& soc, std::size_t snapshot) {
 }
 
 void History::restart(Soc& soc) {
+  MEBOTS_ASSERT(has_start());
   snapshots_ = {start_};
   restore(soc, 0);
   frontier_ = 0;
@@ -57,6 +58,11 @@ void History::cut() {
   snapshots_.clear();
   frontier_ = position_;
   latest_call_ = calls_;
+}
+
+void History::clear() {
+  cut();
+  start_ = {};
 }
 
 int History::input(const std::function<int()>& read) {

@@ -34,10 +34,14 @@ class History {
   void record(const Soc& soc);
   /// Restores a state.
   void restore(Soc& soc, std::size_t snapshot);
-  /// Restores the start of the program and forgets all that followed.
+  /// Restores the start of the program and forgets all that followed. has_start() must be true.
   void restart(Soc& soc);
+  /// False if the start of the program was not recorded, or was forgotten.
+  bool has_start() const { return !start_.state.empty(); }
   /// Forgets the past: gdb has changed the chip, so a replay would not come here again.
   void cut();
+  /// Forgets the past and the start: the co-simulation has restored a state that may belong to another past.
+  void clear();
 
   /// Counts an instruction that a hart begins. Returns its position.
   std::uint64_t advance() {

@@ -55,6 +55,9 @@ std::optional<GdbServer::Resume> GdbServer::travel(std::string_view command) {
     return reply(fmt::format("saved as {}\n", name));
   }
   if (command == "reset") {
+    if (!history_->has_start()) {
+      return reply("the start of the run is before a state that the co-simulation has restored\n");
+    }
     names_.clear();
     replay_ = Replay{.phase = Replay::Phase::restarting, .place = {.position = 1}};
     answer_ = to_hex(fmt::format("at the start of the run; {}", kHint));

@@ -208,14 +208,15 @@ void Model::report_spinning() {
 }
 
 void Model::advance(std::int64_t end_ns) {
-  if (past_) past_->add(soc_.now(), end_ns, fields_);
+  if (past_) past_->begin_step(soc_.now(), end_ns, fields_);
   soc_.advance(end_ns);
   while (session_ && session_->rewind()) replay();
 }
 
 /// Repeats the steps from the restored state to the present one, or until gdb goes back again.
 void Model::replay() {
-  for (auto i = past_->present(soc_.now()); i < past_->steps.size() && !past_->history.leaves(); ++i) {
+  for (auto i = past_->current_step(soc_.now()); i < past_->steps.size() && !past_->history.leaves(); ++i) {
+    past_->repeat_step(i, soc_.now());
     session_->checkpoint();
     fields_.set(past_->steps[i].inputs);
     begin_step();
@@ -297,7 +298,7 @@ void Model::visit(state::Visitor& v) {
   v("origin_ns", origin_ns_);
   v("soc", soc_);
   if (!v.restores()) return;
-  if (past_) past_->forget();
+  if (past_) past_->clear();
   if (session_) session_->restored();
 }
 

@@ -13,9 +13,9 @@
 
 namespace mebots::soc {
 
-/// Saved states of the chip, and the inputs of all steps, with which a debugger goes back in time. Only the chip goes
-/// back. A replay gives it the same inputs, so that it reaches the present with the same bits. Meanwhile the other
-/// models wait at the present.
+/// Data for a debugger that goes back over the steps of a mission: saved states of the chip, and the inputs of all
+/// steps. Only the chip goes back. A replay with the same inputs ends in the present state with the same bits. The
+/// other models wait and are not affected.
 struct Past {
   struct Step {
     std::uint64_t position = 0;  // of the history at the start of the step
@@ -27,23 +27,29 @@ struct Past {
   debug::History history;
   std::vector<Step> steps;
 
-  /// Adds the step that begins at the present position and time.
-  void add(Picoseconds now, std::int64_t end_ns, const VariableFields& fields) {
+  /// Records a new step, which begins at the present position and time.
+  void begin_step(Picoseconds now, std::int64_t end_ns, const VariableFields& fields) {
     const auto* before = steps.empty() ? nullptr : &steps.back().inputs;
     steps.push_back({history.position(), now, end_ns, fields.inputs(before)});
   }
 
-  /// Returns the step at whose start the chip is. Throws Error if there is none.
-  std::size_t present(Picoseconds now) const {
+  /// Records that a step begins again. After a change by gdb, it begins after another number of instructions.
+  void repeat_step(std::size_t step, Picoseconds now) {
+    steps[step].position = history.position();
+    steps[step].began = now;
+  }
+
+  /// Returns the index of the step that begins at the chip's present position. Throws Error if there is none.
+  std::size_t current_step(Picoseconds now) const {
     const auto found = std::ranges::find_if(
         steps, [&](const Step& step) { return step.position == history.position() && step.began == now; });
     if (found != steps.end()) return static_cast<std::size_t>(found - steps.begin());
-    throw Error("gdb cannot go back to a time before a state that the co-simulation has restored");
+    throw Error("gdb cannot go back to a state at which no recorded step of the mission begins");
   }
 
   /// Forgets all steps, because the co-simulation has restored another state.
-  void forget() {
-    history.cut();
+  void clear() {
+    history.clear();
     steps.clear();
   }
 };
