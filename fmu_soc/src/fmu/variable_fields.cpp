@@ -43,6 +43,13 @@ T* known(T* place, const BoardDevice& entry, const std::string& name) {
   return place;
 }
 
+/// Returns the value of the step before if it is equal to `values`, otherwise a copy of `values`.
+template <typename T, typename Values>
+std::shared_ptr<const T> shared_copy(const std::shared_ptr<const T>* before, const Values& values) {
+  if (before != nullptr && std::ranges::equal(**before, values)) return *before;
+  return std::make_shared<const T>(values.begin(), values.end());
+}
+
 }  // namespace
 
 VariableFields::VariableFields(Soc& soc, void* variables) : soc_(soc) {
@@ -102,19 +109,18 @@ void VariableFields::begin_energies() {
 StepInputs VariableFields::inputs(const StepInputs* before) const {
   StepInputs inputs;
   for (const auto& number : numbers_) inputs.numbers.push_back(*number.to);
-  for (const auto& text : texts_) inputs.texts.push_back(*text.from);
+  for (std::size_t i = 0; i < texts_.size(); ++i) {
+    inputs.texts.push_back(shared_copy(before == nullptr ? nullptr : &before->texts[i], *texts_[i].from));
+  }
   for (std::size_t i = 0; i < bytes_.size(); ++i) {
-    const auto bytes = bytes_[i].from->bytes();
-    const bool same = before != nullptr && std::ranges::equal(*before->bytes[i], bytes);
-    inputs.bytes.push_back(same ? before->bytes[i]
-                                : std::make_shared<const std::vector<std::uint8_t>>(bytes.begin(), bytes.end()));
+    inputs.bytes.push_back(shared_copy(before == nullptr ? nullptr : &before->bytes[i], bytes_[i].from->bytes()));
   }
   return inputs;
 }
 
 void VariableFields::set(const StepInputs& inputs) {
   for (std::size_t i = 0; i < numbers_.size(); ++i) *numbers_[i].to = inputs.numbers[i];
-  for (std::size_t i = 0; i < texts_.size(); ++i) *texts_[i].to = inputs.texts[i];
+  for (std::size_t i = 0; i < texts_.size(); ++i) *texts_[i].to = *inputs.texts[i];
   for (std::size_t i = 0; i < bytes_.size(); ++i) *bytes_[i].to = *inputs.bytes[i];
   begin_energies();
 }

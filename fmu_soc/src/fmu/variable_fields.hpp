@@ -14,11 +14,11 @@
 
 namespace mebots::soc {
 
-/// The parameters and inputs of a step.
+/// The parameters and inputs of a step. Successive steps share equal texts and equal bytes.
 struct StepInputs {
   std::vector<double> numbers;
-  std::vector<std::string> texts;
-  std::vector<std::shared_ptr<const std::vector<std::uint8_t>>> bytes;  // shared by steps with equal bytes
+  std::vector<std::shared_ptr<const std::string>> texts;
+  std::vector<std::shared_ptr<const std::vector<std::uint8_t>>> bytes;
 };
 
 /// Copies values between the FMU's variables and the devices that use them, as the entries in the board file say:
