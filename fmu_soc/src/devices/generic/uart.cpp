@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -101,9 +102,10 @@ class Uart final : public Device {
   std::int64_t baud() const { return stored_baud_ != 0 ? stored_baud_ : static_cast<std::int64_t>(baud_after_reset_); }
   /// Returns the time of this number of bits, rounded to picoseconds.
   Picoseconds time_of(std::int64_t bits) const { return (bits * Picoseconds{1'000'000'000'000} + baud() / 2) / baud(); }
-  Picoseconds next_arrival() const { return arriving_.empty() ? kNever : arriving_.front().end; }
+  Picoseconds next_arrival() const { return taken_ < arriving_.size() ? arriving_[taken_].end : kNever; }
 
   void check_settings() const;
+  bool is_sound() const;
   std::uint32_t status() const;
   void transmit(std::uint8_t byte, Picoseconds now);
   void start_next(Picoseconds now);
@@ -123,6 +125,7 @@ class Uart final : public Device {
   // Receiver.
   UartText arrived_;                // keeps its memory
   std::vector<UartByte> arriving_;  // by time; `end` is the time since reset
+  std::uint64_t taken_ = 0;         // the first bytes of arriving_, which have arrived in this step
   std::uint64_t next_number_ = 0;   // of the byte that the sender sends next
   ByteFifo received_;
   // Registers.
@@ -186,6 +189,8 @@ void Uart::begin_step(Picoseconds now) {
   sent_.clear();
   read_uart_text(entry_.name + ".received", received_text_, arrived_);
   received_text_ = {};
+  arriving_.erase(arriving_.begin(), arriving_.begin() + static_cast<std::ptrdiff_t>(taken_));
+  taken_ = 0;
   auto number = arrived_.first;
   if (!arrived_.bytes.empty() && number > next_number_) {
     bytes_lost_ += static_cast<double>(number - next_number_);
@@ -207,8 +212,7 @@ void Uart::advance(Picoseconds now) {
     if (sent_at_ <= next_arrival()) {
       end_transmission();
     } else {
-      receive(arriving_.front());
-      arriving_.erase(arriving_.begin());
+      receive(arriving_[taken_++]);
     }
   }
 }
@@ -328,6 +332,24 @@ bool Uart::store(std::uint32_t offset, Picoseconds now, std::uint32_t value) {
   }
 }
 
+/// True if a restored state has values with which no calculation overflows.
+bool Uart::is_sound() const {
+  const auto within = [](auto value, decltype(value) least, decltype(value) most) {
+    return value >= least && value <= most;
+  };
+  constexpr double kMostCount = 0x1p53;
+  constexpr auto kSeeds = std::numeric_limits<std::int32_t>();
+  const bool settings = within(baud_after_reset_, kLeastBaud, kMostBaud) && within(depth_, 1, 255) &&
+                        within(error_rate_, 0, 1) && within(seed_, kSeeds.min(), kSeeds.max());
+  const bool counts = within(bytes_sent_, 0, kMostCount) && within(bytes_received_, 0, kMostCount) &&
+                      within(bytes_lost_, 0, kMostCount) && within(bytes_garbled_, 0, kMostCount);
+  const bool registers = (stored_baud_ == 0 || within(stored_baud_, kLeastBaud, kMostBaud)) && within(stop_bits_, 1, 2);
+  const bool times = sent_at_ >= 0 && step_began_ >= 0 && std::ranges::all_of(arriving_, [&](const UartByte& byte) {
+                       return within(byte.bit, 1, kLongestUartBit);
+                     });
+  return settings && counts && registers && times && taken_ <= arriving_.size();
+}
+
 void Uart::visit(state::Visitor& v) {
   v("active_time", active_time_);
   v("waiting", waiting_);
@@ -336,6 +358,7 @@ void Uart::visit(state::Visitor& v) {
   v("step_began", step_began_);
   v("sent", sent_);
   v("arriving", arriving_);
+  v("taken", taken_);
   v("next_number", next_number_);
   v("received", received_);
   v("flags", flags_);
@@ -351,8 +374,8 @@ void Uart::visit(state::Visitor& v) {
   v("bytes_received", bytes_received_);
   v("bytes_lost", bytes_lost_);
   v("bytes_garbled", bytes_garbled_);
-  if (v.restores() && (baud() <= 0 || !(depth_ >= 1 && depth_ <= 255) || (stop_bits_ != 1 && stop_bits_ != 2))) {
-    throw Error(ErrorCode::state_damaged, "a saved state is damaged: a UART without baud rate, FIFO or stop bit");
+  if (v.restores() && !is_sound()) {
+    throw Error(ErrorCode::state_damaged, "a saved state is damaged: a UART has a value out of its range");
   }
 }
 

@@ -40,7 +40,7 @@ class UartTextReader {
   [[noreturn]] void fail() const {
     constexpr std::size_t kShown = 80;
     throw Error(ErrorCode::invalid_value,
-                fmt::format("{} = \"{}{}\" is not a text of bytes at character {}. It looks like \"12 =8680556 "
+                fmt::format("{} = \"{}{}\" is not valid at character {}. Expected is a text such as \"12 =8680556 "
                             "a5@86805556\": number of the first byte, length of a bit [ps], and each byte with the "
                             "time of its end [ps]; connect it to the output of another UART",
                             name_, text_.substr(0, kShown), text_.size() > kShown ? "..." : "",
@@ -69,7 +69,6 @@ void UartTextWriter::add(std::uint64_t number, const UartByte& byte) {
 void read_uart_text(std::string_view name, std::string_view text, UartText& result) {
   constexpr std::uint64_t kMostNumber = std::uint64_t{1} << 53;
   constexpr std::uint64_t kLongestStep = 3'600'000'000'000'000;  // [ps]
-  constexpr std::uint64_t kLongestBit = 1'000'000'000'000;
   result.bytes.clear();
   if (text.empty()) return;
   UartTextReader reader(name, text);
@@ -79,7 +78,7 @@ void read_uart_text(std::string_view name, std::string_view text, UartText& resu
   while (!reader.done()) {
     reader.require(' ');
     if (reader.take('=')) {
-      bit = static_cast<Picoseconds>(reader.number(kLongestBit));
+      bit = static_cast<Picoseconds>(reader.number(kLongestUartBit));
       continue;
     }
     const auto value = static_cast<std::uint8_t>(reader.number(0xff, 16));

@@ -18,6 +18,8 @@
 /// byte ended in the step.
 namespace mebots::soc {
 
+inline constexpr Picoseconds kLongestUartBit = 1'000'000'000'000;
+
 struct UartByte {
   Picoseconds end = 0;  // of the stop bit, since the start of the step in a text, or else since reset
   Picoseconds bit = 0;  // length of a bit

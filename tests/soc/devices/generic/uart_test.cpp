@@ -16,6 +16,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -224,6 +226,42 @@ TEST(Uart, RestoredStateSendsAndReceivesTheSameBytes) {
   EXPECT_EQ(straight.sent(), restored.sent());
   EXPECT_NE(straight.sent(), "");
   EXPECT_EQ(state::save(straight.uart()), state::save(restored.uart()));
+}
+
+TEST(Uart, RestoredStateInTheMiddleOfAStepTakesEachByteOnce) {
+  const std::string text = "0 =8680556 01@100000000 02@900000000";
+  Chip straight;
+  straight.step(kMs / 2, text);
+  const auto saved = state::save(straight.uart());
+  Chip restored;
+  state::restore(restored.uart(), saved);
+  EXPECT_EQ(restored.load(kData), 1U);
+  EXPECT_EQ(restored.uart().next_event(), 900 * kUs);
+  restored.uart().advance(900 * kUs);
+  EXPECT_EQ(restored.load(kData), 2U);
+  EXPECT_EQ(restored.uart().next_event(), kNever);
+  EXPECT_EQ(restored.number("uart.bytes_received"), 2);
+}
+
+TEST(Uart, RefusesADamagedState) {
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  for (const auto& [variable, value] : {std::pair{"uart.baud", kInfinite},
+                                        {"uart.baud", std::nan("")},
+                                        {"uart.baud", 1e14},
+                                        {"uart.fifo_depth", 256.0},
+                                        {"uart.error_rate", -0.1},
+                                        {"uart.seed", 1e300}}) {
+    Chip damaged;
+    damaged.input(variable) = value;
+    const auto saved = state::save(damaged.uart());
+    Chip chip;
+    try {
+      state::restore(chip.uart(), saved);
+      ADD_FAILURE() << variable << " = " << value;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::state_damaged) << variable << " = " << value;
+    }
+  }
 }
 
 std::vector<setpoint_t> frames_in(setpoint_reader_t& reader, const std::vector<std::uint8_t>& bytes) {
