@@ -2,9 +2,21 @@
 #include "drivers/flight.h"
 #include "drivers/setpoint_frame.h"
 #include "drivers/uart.h"
+#include "runtime/console.h"
 
 static setpoint_t last;
 static uint8_t number;
+
+// While the UART transmits nothing, its FIFO is empty. If a frame has no place even then, no frame is ever sent.
+static void report_small_fifo(unsigned places) {
+  static bool reported;
+  if (reported || (UART_STATUS & UART_STATUS_TRANSMITS) != 0) {
+    return;
+  }
+  reported = true;
+  print("the UART's FIFO has %u places, but a frame needs %u: set uart.fifo_depth to %u or more\n", places,
+        SETPOINT_FRAME_BYTES, SETPOINT_FRAME_BYTES);
+}
 
 void flight_send(const setpoint_t* setpoint) {
   last = *setpoint;
@@ -12,7 +24,10 @@ void flight_send(const setpoint_t* setpoint) {
 }
 
 void flight_repeat(void) {
-  if (uart_places() < SETPOINT_FRAME_BYTES) {
+  const unsigned places = uart_places();
+  if (places < SETPOINT_FRAME_BYTES) {
+    ++number;  // so that the receiver counts the frame as lost
+    report_small_fifo(places);
     return;
   }
   uint8_t frame[SETPOINT_FRAME_BYTES];

@@ -8,6 +8,7 @@
 
 #define UART_STATUS_RECEIVED 0xFFU
 #define UART_STATUS_PLACES_SHIFT 8
+#define UART_STATUS_TRANSMITS (1U << 16)
 
 static inline unsigned uart_received(void) {
   return UART_STATUS & UART_STATUS_RECEIVED;
