@@ -86,7 +86,7 @@ def fly_with_a_kill(mebots, folder):
             seen.add(checkpoint.stat().st_ino)
         time.sleep(0.005)
     run.kill()
-    run.wait()
+    assert run.wait() < 0, "the run has ended before it was killed"
     subprocess.run([mebots, "resume", str(out), "--quiet"], check=True)
     return Mission(out)
 
@@ -153,6 +153,7 @@ def main():
         clean = fly(mebots, folder, "clean", "--expect", "passed")
         check_line(clean)
         for again in (fly_with_a_kill(mebots, folder), fly(mebots, folder, "isolated", "--isolate", "--stop-time", "3")):
+            assert len(again.rows) > 2000, f"{len(again.rows)} rows"
             assert again.rows == clean.rows[:len(again.rows)], "another run has other bits"
         noisy = fly(mebots, folder, "noisy", "--expect", "passed", "--set", "fc.uart.error_rate=0.002")
         assert noisy.summary["link"]["frames_lost"] > 0, "no frame was lost"
