@@ -18,6 +18,7 @@ from mebots.deploy.command import main
 from mebots.deploy.deployed import Options
 from mebots.deploy.deploying import lower
 from mebots.deploy.judging import Judgement
+from mebots.deploy.report import _shown_sizes
 
 
 def pooled(shape=(1, 20, 24)):
@@ -105,9 +106,23 @@ class Sizes(DeployCase):
         with self.assertRaisesRegex(mebots.InputError, "--sizes: with an input of 8 x 8"):
             self.judged(maker, sizes=((8, 8),))
 
+    def test_sizes_before_the_first_impossible_one_stay(self):
+        maker = Maker(3, (1, 20, 24))
+        flat = maker.node("Flatten", maker.node("GlobalAveragePool", maker.conv("x", 1, 4, (12, 12))))
+        maker.output(maker.node("Gemm", flat, maker.weights(3, 4), maker.weights(3), transB=1))
+        sizes = self.judged(maker)["sizes"]
+        self.assertEqual([(row["rows"], row["columns"]) for row in sizes["rows"]], [(15, 18)])
+        self.assertIn("with an input of 12 x 10, ", sizes["none"])
+        self.assertIn("node Conv", sizes["none"])
+        self.assertIn("its input is too small. Use a larger input", sizes["none"])
+        self.assertNotIn("if the network ends in convolutions", sizes["none"])
+        *_, last = _shown_sizes(sizes)
+        self.assertIn("no smaller input: with an input of 12 x 10", last)
+
     def test_bad_sizes_and_labels_are_refused(self):
         self.assertIn("--sizes is '5'", self.refused("--sizes", "5"))
         self.assertIn("99 x 4 exceeds the network's input, 24 x 20", self.refused("--sizes", "99x4"))
+        self.assertIn("--sizes needs the measurement on the chip", self.refused("--sizes", "12x10"))  # with --no-measure
         for text, expected in (
             ("", "labels.csv:1: the columns are none"),
             ("picture,t9\n0,1\n", "labels.csv:1: column t9 needs an output of this name with one value; the network's outputs are t4 (3 values)"),

@@ -108,6 +108,13 @@ class WholeNumbers(DeployCase):
             expected = [[min(max((int(one) * multiplier + addend) >> shift, 0), 255) for one in row] for row in sums]
             np.testing.assert_array_equal(made.apply(sums, 0, 255), expected)
 
+    def test_equalisation_is_refused(self):
+        model, data = self.folder / "model.onnx", self.folder / "data.npy"
+        model.write_bytes(IntegerMaker(1, (2, 10, 10)).network().model().SerializeToString())
+        np.save(data, np.zeros((2, 2, 10, 10), dtype=np.float32))
+        with self.assertRaisesRegex(mebots.InputError, "--equalise: the network is in integers already"):
+            lower(model, data, Options(equalise=True))
+
     def test_numbers_with_too_many_bits_are_refused(self):
         from mebots.deploy.arithmetic import exact_requantisation
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from mebots.deploy.graph import Graph, Node, Tensor
-from mebots.deploy.model_file import Model, label, onnx_package
+from mebots.deploy.model_file import InputTooSmall, Model, label, onnx_package
 from mebots.errors import InputError
 
 MOST_ELEMENTS = 8 << 20
@@ -74,9 +74,18 @@ class Importer:
             )
         if shape in ((), (1,)):  # a scalar of a batch of one
             return 1, 1
-        if math.prod(shape) > MOST_ELEMENTS or any(one < 1 for one in shape):
+        if any(one < 1 for one in shape):
+            raise self._empty(name, shape)
+        if math.prod(shape) > MOST_ELEMENTS:
             raise self.model.fail(f"tensor {name} has shape {list(shape)}: {math.prod(shape)} bytes, but a chip has 8 MiB of memory at most")
         return shape
+
+    def _empty(self, name: str, shape: tuple[int, ...]) -> InputError:
+        node = next((one for one in self.model.nodes if name in one.output), None)
+        if node is None:
+            return self.model.fail(f"tensor {name} has shape {list(shape)}; each size must be at least 1. Export the model again")
+        text = f"node {label(node)} ({node.op_type}) has an output of shape {list(shape)}: its input is too small. Use a larger input of the network"
+        return InputTooSmall(f"{self.model.path}: {text}", "invalid_model")
 
     def _define(self, name: str) -> Tensor:
         shape = self.shape_of(name)

@@ -21,9 +21,16 @@ Size = tuple[int, int]
 
 @dataclasses.dataclass(frozen=True)
 class Options:
-    """``equalise`` is cross-layer equalisation. With ``percentile`` None, the least and greatest values are used. ``vectors`` is the number of test vectors to
-    keep. The accuracy is judged on the pictures of ``validate`` (None: those of the calibration), with the file ``labels``.
-    ``sizes`` are further sizes of the input; None means three quarters and half of the rows and columns."""
+    """Options of a deployment.
+
+    percentile: share of the values that the ranges contain; None: the least and greatest values
+    equalise: cross-layer equalisation
+    vectors: number of test vectors in the folder
+    pictures: number of pictures for the calibration
+    validate: folder of pictures for the accuracy; None: the calibration's
+    labels: file with the labels of these pictures
+    sizes: further sizes of the input; None: three quarters and half of the rows and columns
+    """
 
     board: str = "ai_deck"
     percentile: float | None = None

@@ -25,6 +25,8 @@ class Judgement:
         self._options = options
         self._compared = comparison(deployed, options)
         self._sizes = sizes.chosen(deployed.graph.inputs[0], options.sizes)
+        if options.sizes and not options.measure:
+            raise InputError("--sizes needs the measurement on the chip. Leave --no-measure or --sizes out", "invalid_value")
 
     def result(self, objects: pathlib.Path) -> dict[str, Any]:
         """Returns the members "accuracy" and "sizes" of network.json. ``objects`` may have object files of the kernels, and gets
@@ -35,8 +37,8 @@ class Judgement:
             usual = lower(self._model, self._data, dataclasses.replace(self._options, equalise=False))
             accuracy["without_equalisation"] = accuracy_of(outputs_of(usual, self._compared), self._compared)
         if not self._options.measure:
-            return {"accuracy": accuracy, "sizes": {"none": "it was deployed with --no-measure"}}
-        rows = []
+            return {"accuracy": accuracy, "sizes": {"rows": [], "none": "it was deployed with --no-measure"}}
+        rows: list[dict[str, Any]] = []
         for size in self._sizes:
             try:
                 smaller = lower(self._model, self._data, self._options, size)
@@ -44,7 +46,7 @@ class Judgement:
                 reason = sizes.reason(error, size, self._model)
                 if self._options.sizes is not None:
                     raise InputError(f"--sizes: {reason}", error.code) from error
-                return {"accuracy": accuracy, "sizes": {"none": reason}}
+                return {"accuracy": accuracy, "sizes": {"rows": rows, "none": reason}}
             rows.append(self._row(smaller, size, whole, objects))
         return {"accuracy": accuracy, "sizes": rows}
 

@@ -40,6 +40,8 @@ def lower(model: str | os.PathLike[str], data: str | os.PathLike[str], options: 
     source = graph.inputs[0]
     pictures = Pictures(pathlib.Path(data), source, options.crop, read.whole)
     if read.requantising:
+        if options.equalise:
+            raise read.fail("--equalise: the network is in integers already. Leave the option out, or deploy the model in float")
         join_flattened(graph)
         scale = Scale(1.0, 0)
         network = IntegerLayers(graph, read.requantising, scale.zero).network()
@@ -69,7 +71,7 @@ def _in_memory(network: integers.Network, planned: Plan, board: chip.Board) -> S
     free = board.l2 - planned.memory_bytes - network.input.size - PROGRAM_BYTES
     if sources.weight_bytes <= free:
         return sources
-    if not board.has_l3:
+    if free <= 0 or not board.has_l3:
         raise _too_large(network, planned, sources.weight_bytes, board)
     if sources.weight_bytes > L3_BYTES:
         raise InputError(f"the weights have {sources.weight_bytes} bytes, but the HyperRAM of board {board.name} has {L3_BYTES}. Use fewer channels", "does_not_fit")
@@ -78,7 +80,7 @@ def _in_memory(network: integers.Network, planned: Plan, board: chip.Board) -> S
         sizes = [size for _, size in planned.stream.segments]
         largest = network.layers[sizes.index(max(sizes))]
         raise InputError(
-            f"the weights of two successive layers do not fit into L2 of board {board.name}: they need {sum(planned.stream.buffers)} bytes, {max(free, 0)} are free. "
+            f"the weights of two successive layers do not fit into L2 of board {board.name}: they need {sum(planned.stream.buffers)} bytes, {free} are free. "
             f"The most are those of layer {largest.name} ({largest.op}): {max(sizes)} bytes. Use fewer channels, or two layers in place of this one",
             "does_not_fit",
         )
@@ -91,9 +93,11 @@ def _too_large(network: integers.Network, planned: Plan, weights: int, board: ch
         ((i, sum(t.bytes for t, (a, b) in planned.lifetimes.items() if a <= i <= b)) for i in range(len(network.layers))), key=lambda one: one[1]
     )
     layer = network.layers[number]
+    needed_but_weights = planned.memory_bytes + picture + PROGRAM_BYTES
+    other_board = ", or board gap8, whose HyperRAM can hold the weights" if needed_but_weights < board.l2 else ""
     return InputError(
-        f"the network does not fit into L2 of board {board.name}: it needs {weights + planned.memory_bytes + picture + PROGRAM_BYTES} bytes (weights {weights}, "
+        f"the network does not fit into L2 of board {board.name}: it needs {weights + needed_but_weights} bytes (weights {weights}, "
         f"activations {planned.memory_bytes}, picture {picture}, program about {PROGRAM_BYTES}), {board.l2} are available. Most activations are alive at layer "
-        f"{layer.name} ({layer.op}): {most} bytes. Use fewer channels or a smaller picture, or board gap8, whose HyperRAM can hold the weights",
+        f"{layer.name} ({layer.op}): {most} bytes. Use fewer channels or a smaller picture{other_board}",
         "does_not_fit",
     )

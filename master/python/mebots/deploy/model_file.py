@@ -27,6 +27,10 @@ def onnx_package() -> Any:
     return extra("onnx", "`mebots deploy`", "onnx", "deploy")
 
 
+class InputTooSmall(InputError):
+    """The network's input has too few rows or columns for a node."""
+
+
 class Model:
     """An ONNX model. ``constants`` are the initialisers and all tensors that are computed from them. ``nodes`` are the
     remaining nodes, in order."""

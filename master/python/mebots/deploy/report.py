@@ -135,14 +135,15 @@ def shown(content: dict[str, Any]) -> str:
 
 def _shown_sizes(sizes: Any) -> list[str]:
     """Returns lines for smaller inputs, each with all cores at the highest clock."""
-    if isinstance(sizes, dict):
-        return [f"one size of the input only: {sizes['none']}"]
+    rows, reason = (sizes["rows"], sizes["none"]) if isinstance(sizes, dict) else (sizes, None)
     lines = []
-    for row in sizes:
+    for row in rows:
         last = row["settings"][-1]
         lines.append(f"input of {row['columns']} x {row['rows']}: {_count(row['macs'])} MACs, {1e3 * last['time']:.3f} ms, {1e3 * last['energy']:.4g} mJ")
         lines += accuracy.shown(row["accuracy"], "  ")
         lines += [f"  {name}: differs from float at the whole size by {one['error']:.3g}" for name, one in row.get("whole", {}).items()]
+    if reason is not None:
+        lines.append(f"{'no smaller input' if rows else 'one size of the input only'}: {reason}")
     return lines
 
 

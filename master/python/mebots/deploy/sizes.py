@@ -8,6 +8,7 @@ import os
 
 from mebots.deploy.deployed import Size
 from mebots.deploy.graph import Tensor
+from mebots.deploy.model_file import InputTooSmall
 from mebots.errors import InputError
 
 _USUAL = (0.75, 0.5)  # of the rows and columns, if the user names no sizes
@@ -46,7 +47,7 @@ def reason(error: InputError, size: Size, model: str | os.PathLike[str]) -> str:
     """Returns why the model cannot have this size of the input."""
     text = str(error).removeprefix(f"{os.fspath(model)}: ").rstrip(".")
     subject = "the model " if text.startswith("is ") else ""
-    return (
-        f"with an input of {size[1]} x {size[0]}, {subject}{text}. The size can change if the network ends in convolutions or in a global pool, "
-        "without a dense layer over rows and columns"
-    )
+    why = f"with an input of {size[1]} x {size[0]}, {subject}{text}"
+    if isinstance(error, InputTooSmall):  # another size is possible, and the text says which
+        return why
+    return f"{why}. The size can change if the network ends in convolutions or in a global pool, without a dense layer over rows and columns"
