@@ -26,7 +26,9 @@ cmake --preset release -B build/arm64 "-DCMAKE_TOOLCHAIN_FILE=$PWD/cmake/arm64.c
 cmake --build build/arm64
 
 # A fused multiply-add has other bits than the two operations on x86-64, so computing code must not contain one.
-for binary in $(find build/arm64/fmu_binaries -name "*.so") "$sysroot/usr/lib/aarch64-linux-gnu/libccd.so.2.0"; do
+mapfile -t binaries < <(find build/arm64/fmu_binaries -name "*.so")
+((${#binaries[@]} > 0)) || { echo "arm64.sh: build/arm64/fmu_binaries has no *.so to check for fused products and sums" >&2; exit 1; }
+for binary in "${binaries[@]}" "$sysroot/usr/lib/aarch64-linux-gnu/libccd.so.2.0"; do
   fused=$(aarch64-linux-gnu-objdump --disassemble --demangle --no-show-raw-insn "$binary" |
     awk '/^[0-9a-f]+ </ { name = $0 } $2 ~ /^(fn?m(add|sub)|fml[as])$/ { print name }' | sort -u)
   [[ -z $fused ]] || { printf 'arm64.sh: %s has fused products and sums, in\n%s\n' "$binary" "$fused" >&2; exit 1; }

@@ -116,7 +116,9 @@ def stated_values(lines):
 
 
 def far_values(question, output):
-    """Returns what the output of a shortened study contradicts in the page's answer. A value must be within twice the page's interval and 0.1 %."""
+    """Returns what the output of a shortened study contradicts in the page's answer. A value must be within the page's interval,
+    widened on each side by the interval's width and 0.1 % of the value.
+    """
     (page, page_best), (values, best) = stated_values(question.answer), stated_values(output.splitlines())
     if not page or not page_best:
         raise ValueError(f"{PAGE.name}: '{question.title}' states no value that a short study could have")

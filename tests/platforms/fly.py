@@ -140,7 +140,8 @@ def main():
             flight.end_step()
             flight.close()
         pictures = flights[own].pictures - 1  # the first is the empty one at the start
-    print(f"{arguments.config.name}, {step * config['step']:g} of {arguments.stop_time:g} s: {values} values, {pictures} pictures, {time.monotonic() - began:.0f} s of real time")
+    print(f"{arguments.config.name}, {step * config['step']:g} of {arguments.stop_time:g} s: {values} values, {pictures} pictures, "
+          f"{time.monotonic() - began:.0f} s of real time")
     for platform in list(flights)[1:]:
         difference = f"; first difference at step {first[platform]}" if platform in first else ""
         print(f"  {platform}: {equal[platform]} of {values} equal{difference}")

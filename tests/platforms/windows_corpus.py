@@ -4,8 +4,8 @@
     windows_corpus.py FOLDER MEBOTS [--json FILE] [--match TEXT]
 
 An FMU without a binary for Linux runs under wine for STEPS steps. An FMU with both binaries runs twice, with one of the two binaries each, and all
-values at all communication points are compared. The step is 0.01 s; an FMU that refuses it gets the step of its default experiment, or 0.1 s, and a slow one 0.0001 s.
-Files of the same bytes count once. Exit code 1: the values of a pair differ.
+values at all communication points are compared. The step is 0.01 s; an FMU that refuses it gets the step of its default experiment, or 0.1 s,
+and a slow one 0.0001 s. Files of the same bytes count once. Exit code 1: the values of a pair differ, or no FMU ran on Windows.
 """
 
 import argparse
@@ -39,7 +39,9 @@ class Archive:
         self.platforms = {platform for platform, (fmi2, fmi3, suffix) in FOLDERS.items()
                           if {f"binaries/{fmi2}/{library}{suffix}", f"binaries/{fmi3}/{library}{suffix}"} & set(self.names)}
         self.start_s = float(self._attribute(text, "startTime") or 0)
-        self.steps = dict.fromkeys(["0.01", self._attribute(text, "stepSize"), "0.1", "0.0001"])
+        own_step = self._attribute(text, "stepSize")
+        float(own_step or 0)  # raises ValueError, as that of the start does
+        self.steps = dict.fromkeys(["0.01", own_step, "0.1", "0.0001"])
         self.steps.pop("", None)
 
     @staticmethod
@@ -68,7 +70,8 @@ def run(program, fmu, start_s, step, folder, *more):
     if done.returncode != 0:
         lines = [line for line in done.stderr.decode(errors="replace").splitlines() if line.strip()]
         errors = [line for line in lines if "error" in line.lower()]
-        return None, re.sub(r"\s+", " ", (errors or lines or [f"exit code {done.returncode}"])[0]).replace("|", "/").replace(str(folder) + "/", "")[:230]
+        reason = re.sub(r"\s+", " ", (errors or lines or [f"exit code {done.returncode}"])[0])
+        return None, reason.replace("|", "/").replace(str(folder) + "/", "")[:230]
     with (out / "results.csv").open(newline="", encoding="utf-8") as file:
         return list(csv.reader(file)), "runs"
 
@@ -135,7 +138,7 @@ def archives_below(base):
         seen.add(digest)
         try:
             archive = Archive(path)
-        except (zipfile.BadZipFile, KeyError) as error:
+        except (zipfile.BadZipFile, KeyError, ValueError) as error:
             print(f"{path}: left out: {error}", file=sys.stderr)
             continue
         if archive.cosimulation and "windows" in archive.platforms:
@@ -169,7 +172,7 @@ def show(rows):
         if row["equal"] != row["values"]:
             print(f"- {row['fmu']} [{row['tool']}, FMI {row['version']}]: {row['equal']} of {row['values']} equal, largest relative difference "
                   f"{row['largest']:.1e}")
-    return all(row["equal"] == row["values"] for row in both)
+    return any(runs(row, "windows") for row in rows) and all(row["equal"] == row["values"] for row in both)
 
 
 def main():
