@@ -194,8 +194,8 @@ void Model::watch_current(double current_a, std::int64_t now_ns, std::int64_t du
 void Model::terminate() {
   if (over_current_ns_ == 0) return;
   report(
-      fmt::format("the current was above the cell's continuous limit of {} A for {:.9g} s; its largest value was "
-                  "{:.3f} A",
+      fmt::format("at communication points, the current was above the cell's continuous limit of {} A for {:.9g} s; "
+                  "its largest value was {:.3f} A",
                   cell_.continuous_current_a, seconds(over_current_ns_), highest_current_a_));
 }
 
