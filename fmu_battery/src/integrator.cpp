@@ -139,7 +139,7 @@ class Integrator::Solver {
   long evaluations() const { return evaluations_; }
 
  private:
-  /// True if an empty cell charges. The current must then exceed the self-discharge.
+  /// Returns whether the charging current exceeds the self-discharge. Only then does an empty cell charge.
   bool charges_faster_than_leak(const CellState& state) const {
     if (!charging_) return false;
     const Circuit circuit = cell_.circuit_at(state.soc);

@@ -61,8 +61,8 @@ std::string variables_header(const Description& description);
 /// Returns binding.hpp, which declares the make_model() that fmu.cpp defines.
 std::string binding_header(const Description& description);
 
-/// Returns variable_table.cpp, which defines the mebots::fmu::Definition for the shell. The token is empty if the FMU
-/// supports FMI 2.0 only.
+/// Returns variable_table.cpp, which defines the mebots::fmu::Definition that the FMI functions of the FMU use. The
+/// token is empty if the FMU supports FMI 2.0 only.
 std::string variable_table_source(const Description& description, const std::string& guid, const std::string& token);
 
 /// True if the text is a C++ identifier and not a keyword.

@@ -39,8 +39,8 @@ std::vector<Part> read_parts(const std::filesystem::path& file) {
     if (fields.size() != kFields || std::ranges::find(kRelations, fields[0]) == kRelations.end() || fields[1].empty())
       throw Error(
           ErrorCode::syntax_error,
-          fmt::format("{}:{}: a part is 'linked|bundled|needed', name, version, licence, package URL and licence "
-                      "text, separated by '|': {}",
+          fmt::format("{}:{}: a part has six fields, separated by '|': relation (linked, bundled or needed), name, "
+                      "version, licence, package URL, licence text: {}",
                       file.string(), number, line));
     parts.push_back({fields[0], fields[1], fields[2], fields[3], fields[4], fields[5]});
   }

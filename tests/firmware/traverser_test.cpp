@@ -40,7 +40,7 @@ std::int8_t in_127ths(double value) {
   return static_cast<std::int8_t>(std::lround(127.0 * std::clamp(value, -1.0, 1.0)));
 }
 
-/// Returns a network's output with errors of at most `error`.
+/// Returns the output of a network that sees the gate with random errors of at most `start.sight_error`.
 sight_t look(const world::scene::Scene& scene, const BodyPose& pose, const Start& start, Uniform& uniform) {
   const world::camera::Intrinsics intrinsics{320, 320, start.field_of_view_rad};
   const auto camera = world::camera::camera_pose({}, pose.p_WB_m, rotation(pose));

@@ -193,7 +193,7 @@ XPULP_INTO_(packlo_b, uint32_t, 0x57, 1, 0x70)    // the same in the lower half
 /// Extracts `width` bits from `position`, with sign or zero extension.
 #define xpulp_extract(a, width, position) XPULP_CONSTANT_(int32_t, 0x33, 0, 0x60 + (width)-1, (uint32_t)(a), position)
 #define xpulp_extractu(a, width, position) XPULP_CONSTANT_(uint32_t, 0x33, 1, 0x60 + (width)-1, (uint32_t)(a), position)
-/// (a + b) >> shift, (a - b) >> shift; R: rounded to the nearest before the shift.
+/// Sum or difference, shifted right arithmetically. RN adds 2^(shift-1) before the shift to round to the nearest.
 #define xpulp_addN(a, b, shift) XPULP_SHIFTED_(int32_t, 0x5b, 2, 0x00, (int32_t)(a), (int32_t)(b), shift)
 #define xpulp_addRN(a, b, shift) XPULP_SHIFTED_(int32_t, 0x5b, 6, 0x00, (int32_t)(a), (int32_t)(b), shift)
 #define xpulp_subRN(a, b, shift) XPULP_SHIFTED_(int32_t, 0x5b, 7, 0x00, (int32_t)(a), (int32_t)(b), shift)

@@ -220,8 +220,8 @@ struct Execution {
   std::uint32_t stalled_before(const Instruction* at) const { return at->index == 0 ? first_stall : 0U; }
   /// Returns the active cycle in which an instruction starts.
   std::uint64_t cycle_of(const Instruction* at) const { return counters.cycles + at->cycles_before + extra_cycles; }
-  /// Returns the cycle in which an instruction starts, for devices and counters. A stall after a load belongs to the
-  /// instruction. If execution leaves the block before the instruction has an effect, the stall has not occurred yet.
+  /// Returns the cycle in which an instruction starts, for devices and counters. If it waits for the result of a load,
+  /// this is before the stall: if execution leaves the block here, the stall has not occurred yet.
   std::uint64_t start_of(const Instruction* at) const { return cycle_of(at) - stalled_before(at); }
   const Instruction* leave_after(const Instruction* at, Leave why);
   const Instruction* leave_before(const Instruction* at, Leave why);

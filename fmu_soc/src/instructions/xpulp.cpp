@@ -115,7 +115,8 @@ const Instruction* execute_loop_end(Execution& e, const Instruction* at) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// Returns the operand for a register of the instruction's loop.
+/// Returns the x86 memory operand of a field of the hardware loop that the instruction changes. `offset` is that of the
+/// field in HardwareLoop.
 Xbyak::Address loop_register(const Instruction* at, std::size_t offset) {
   MEBOTS_ASSERT(is_hardware_loop(at->op) && at->rs2 < 2);
   return dword[rbx + translate::offset_of_loop(at->rs2) + static_cast<int>(offset)];

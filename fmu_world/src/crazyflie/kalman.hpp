@@ -23,8 +23,8 @@ class Kalman {
   Kalman(const scene::FlowData& flow, const RigidState& start);
 
   /// Predicts the state after dt, with the mean specific force and body rate of that time. In flight, the force along x
-  /// and y is ignored, because it is drag and gives no information about the attitude. On the ground, the attitude is
-  /// drawn towards the first one.
+  /// and y is ignored, because it is drag and gives no information about the attitude. On the ground, each
+  /// prediction also moves the attitude a little towards the initial attitude.
   void predict(const Eigen::Vector3d& force_m_per_s2, const Eigen::Vector3d& rate_rad_per_s, bool flying, double dt_s);
   /// Adds the process noise of dt. The deviation grows with dt, so the result depends on the interval of the calls: it
   /// must be a millisecond.

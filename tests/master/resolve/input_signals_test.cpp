@@ -40,7 +40,8 @@ class Files {
   modeldesc::TemporaryFolder folder_{"mebots-test"};
 };
 
-/// A system of one probe, whose integral and real_in show its inputs. `inputs` contains further members of the section.
+/// Returns a config with one instance `a` of the probe FMU. Its recorded variables show which inputs the run has set.
+/// `inputs` is appended to the members of the config's section "inputs".
 std::string probe_with(const Files& files, const std::string& inputs, const std::string& more = "",
                        const std::string& fmu = "PROBE") {
   return fmt::format(R"({{"step": 0.1, "stop_time": 1, "instances": {{"a": {{"fmu": "{}"}}}}, "connections": [],

@@ -13,8 +13,8 @@ struct Sight {
   /// part is too small or too flat for a correct answer; also a gate that the camera is about to fly through, whose
   /// inner edges are all outside of the picture.
   Visibility visibility = Visibility::none;
-  /// Centre of the opening relative to the picture's centre: left over half the width, up over half the height, in [-1,
-  /// 1].
+  /// Centre of the opening relative to the picture's centre, in [-1, 1]. yaw: distance to the left, divided by half the
+  /// picture's width. rise: distance upwards, divided by half its height.
   double yaw = 0.0;
   double rise = 0.0;
   double size = 0.0;        ///< half the frame's width at the gate's depth, relative to half the picture's width

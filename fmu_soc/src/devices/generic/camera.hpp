@@ -41,7 +41,7 @@ class Camera final : public Device {
   /// Throws Error if the entry lacks a state.
   Camera(const BoardDevice& entry, DeviceHost& host);
 
-  /// Returns whether the picture at the start of a step answers the open request. offer() accepts it.
+  /// Returns whether the camera waits for the picture with this number. Only then may offer() be called.
   bool wants(std::int32_t frame_id) const { return state_.waiting && frame_id == state_.requests; }
   void offer(std::span<const std::uint8_t> picture, Picoseconds now);
 

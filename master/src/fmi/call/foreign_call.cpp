@@ -60,8 +60,9 @@ std::string difference_text(const FloatEnvironment& found, const FloatEnvironmen
   std::vector<std::string> parts;
   if (rounding(found) != rounding(wanted)) parts.push_back(fmt::format("rounding {}", kRounding[rounding(found)]));
   if (differs(kFlushToZero | kDenormalsAreZero)) {
-    parts.emplace_back((found.mxcsr & (kFlushToZero | kDenormalsAreZero)) != 0 ? "denormal numbers become 0"
-                                                                               : "denormal numbers stay");
+    parts.emplace_back((found.mxcsr & (kFlushToZero | kDenormalsAreZero)) != 0
+                           ? "denormal numbers become 0"
+                           : "denormal numbers are not flushed to 0");
   }
   if (differs(kTraps)) parts.emplace_back("exceptions end the process");
   if (found.x87 != wanted.x87) {

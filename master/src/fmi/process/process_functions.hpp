@@ -33,7 +33,7 @@ enum class ProcessReach {
   everything,   ///< it imports a function of the list, or can find one at run time
 };
 
-/// Returns the reach of a library that imports this symbol.
+/// Returns which parts of ProcessState a library can change if it imports this symbol.
 ProcessReach reach_of(std::string_view symbol);
 
 /// Returns a readable name: without version prefix, C++ names demangled.

@@ -42,7 +42,7 @@ constexpr Names common(Call call, const char* name) {
   return {call, name, name, name};
 }
 
-/// Names of a call that the master never makes to FMUs of FMI 1.0.
+/// Returns the names of a call that only FMUs of FMI 2.0 and 3.0 receive.
 constexpr Names newer(Call call, const char* fmi2, const char* fmi3) {
   return {call, "an unknown call", fmi2, fmi3};
 }
