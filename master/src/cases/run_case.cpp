@@ -5,8 +5,10 @@
 #include "io/find_fmu.hpp"
 #include "io/signal_file.hpp"
 #include "mebots/assert.hpp"
+#include "mebots/hexadecimal.hpp"
 #include "mebots/nearest_names.hpp"
 #include "record/sink/memory_sink.hpp"
+#include "resolve/resolve.hpp"
 #include "run/run.hpp"
 
 #include <fmt/format.h>
@@ -82,6 +84,7 @@ class Results {
   Results(Run& run, const std::vector<Expected>& columns) : run_(&run) {
     for (const auto& column : columns) {
       if (column.variable->type == Type::string) references_.push_back(column.variable->value_reference);
+      if (column.variable->type == Type::binary) binaries_.push_back(column.variable->value_reference);
     }
   }
 
@@ -113,19 +116,26 @@ class Results {
   }
 
   const std::string& text(const Expected& column, std::int64_t time_ns) const {
-    const auto place = std::ranges::find(references_, column.variable->value_reference) - references_.begin();
-    return texts_[row_at(time_ns)][static_cast<std::size_t>(place)];
+    const bool binary = column.variable->type == Type::binary;
+    const auto& own = binary ? binaries_ : references_;
+    const auto place = std::ranges::find(own, column.variable->value_reference) - own.begin();
+    return texts_[row_at(time_ns)][static_cast<std::size_t>(place) + (binary ? references_.size() : 0)];
   }
 
  private:
   void read_texts() {
-    if (references_.empty()) return;
-    auto& texts = texts_.emplace_back(references_.size());
-    run_->call(0, "test", [&](Slave& slave) { slave.get_strings(references_, texts); });
+    if (references_.empty() && binaries_.empty()) return;
+    auto& texts = texts_.emplace_back(references_.size() + binaries_.size());
+    const std::span all(texts);
+    run_->call(0, "test", [&](Slave& slave) {
+      if (!references_.empty()) slave.get_strings(references_, all.first(references_.size()));
+      if (!binaries_.empty()) slave.get_binaries(binaries_, all.subspan(references_.size()));
+    });
   }
 
   Run* run_;
   std::vector<ValueReference> references_;  // of texts
+  std::vector<ValueReference> binaries_;
   std::vector<std::int64_t> times_ns_;
   std::vector<std::vector<std::string>> texts_;  // by point
 };
@@ -137,8 +147,10 @@ std::optional<Divergence> compared(const Expected& column, const Signal::Value& 
   divergence.variable = column.variable->name;
   if (const auto* text = std::get_if<std::string>(&expected)) {
     if (results.text(column, time_ns) == *text) return std::nullopt;
-    divergence.expected = fmt::format("'{}'", *text);
-    divergence.got = fmt::format("'{}'", results.text(column, time_ns));
+    const bool binary = column.variable->type == Type::binary;
+    const auto shown = [&](const std::string& one) { return fmt::format("'{}'", binary ? hexadecimal(one) : one); };
+    divergence.expected = shown(*text);
+    divergence.got = shown(results.text(column, time_ns));
     return divergence;
   }
   const bool real = std::holds_alternative<double>(expected);
@@ -222,12 +234,13 @@ void run_and_compare(const std::filesystem::path& fmu, const CaseDescription& de
   Run run(fmu, options_of(description, options));
   const auto& instance = run.system().instances.front();
   const auto fmu_file = run.library()->open(instance.fmu_path);
-  const auto& model = fmu_file->description();
+  const auto model_of_sizes = fmu_file->model(structural_values(instance, fmu_file->description()));
+  const auto& model = *model_of_sizes;
   const auto columns = read_expected(description.expected, model, instance.name);
   run.set_stop_time(stop_time_of(description, run.system(), columns.front().signal->times()), "stop_time");
   std::vector<std::string> recorded;
   for (const auto& column : columns) {
-    if (column.variable->type != Type::string) recorded.push_back(column.recorded);
+    if (is_number(column.variable->type)) recorded.push_back(column.recorded);
   }
   run.record(recorded);
   Results results(run, columns);

@@ -65,7 +65,7 @@ WrittenValue as_written(std::string_view cell, Type type) {
 modeldesc::Value other_cell(const CsvReader& reader, const WantedSignal& wanted) {
   const auto cell = reader.cell(wanted.column);
   const auto type = wanted.variable->type;
-  if (type != Type::string && data::trimmed(cell).empty()) {
+  if (type != Type::string && type != Type::binary && data::trimmed(cell).empty()) {
     reader.fail(wanted.column, ErrorCode::wrong_type, "the cell is empty; a value is needed");
   }
   try {

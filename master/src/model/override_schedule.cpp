@@ -38,6 +38,7 @@ Override checked(const ResolvedSystem& system, const OverrideDescription& descri
          fmt::format("is {} of variability {}; inputs, outputs and tunable parameters can be overridden",
                      modeldesc::to_string(variable.causality), modeldesc::to_string(variable.variability)));
   }
+  if (variable.type == Type::clock) fail(description, "is a Clock, which has no value to override");
   if (is_osmp_part(model, variable)) fail(description, "is part of a binary variable, which cannot be overridden");
   if (description.action == OverrideAction::signal) return override;
   if (!description.unit.empty() && description.unit != variable.unit) {

@@ -2,6 +2,8 @@
 #include "record/conditions.hpp"
 
 #include "base/time.hpp"
+#include "mebots/hexadecimal.hpp"
+#include "model/value_kind.hpp"
 
 #include <fmt/format.h>
 
@@ -27,14 +29,21 @@ std::string shown(const modeldesc::ModelDescription& model, const modeldesc::Var
                   const modeldesc::Value& value) {
   if (const auto* number = std::get_if<double>(&value)) return fmt::format("{}", *number);
   if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
-  if (const auto* text = std::get_if<std::string>(&value)) return fmt::format("\"{}\"", *text);
+  if (const auto* text = std::get_if<std::string>(&value)) {
+    return fmt::format("\"{}\"", variable.type == modeldesc::Type::binary ? hexadecimal(*text) : *text);
+  }
   const auto number = std::get<std::int64_t>(value);
   if (const auto* type = model.type_definition(variable.declared_type); type != nullptr) {
     for (const auto& item : type->items) {
       if (item.value == number) return item.name;
     }
   }
-  return fmt::format("{}", number);
+  return whole_text(variable.type, number);
+}
+
+/// True for numbers whose order has a meaning.
+bool is_ordered(modeldesc::Type type) {
+  return fmi::is_float(type) || (kind_of(type) == ValueKind::integer && type != modeldesc::Type::enumeration);
 }
 
 }  // namespace
@@ -60,12 +69,12 @@ void Condition::compare_variable(const ResolvedSystem& system, Ensemble& ensembl
   if (comparison_ == Comparison::equals) {
     const auto typed = typed_value(model, variable, description.value, description.place + "/equals");
     if (const auto* number = std::get_if<double>(&typed)) number_ = *number;
-    if (const auto* number = std::get_if<std::int64_t>(&typed)) number_ = *number;
+    if (const auto* number = std::get_if<std::int64_t>(&typed)) whole_ = *number;
     if (const auto* flag = std::get_if<bool>(&typed)) number_ = *flag ? 1 : 0;
     if (const auto* text = std::get_if<std::string>(&typed)) string_ = *text;
     value = shown(model, variable, typed);
   } else {
-    if (variable.type != modeldesc::Type::real && variable.type != modeldesc::Type::integer) {
+    if (!is_ordered(variable.type)) {
       throw InputError(ErrorCode::wrong_type,
                        fmt::format("{}: '{}' is of type {}, which has no order; use 'equals'", description.place,
                                    description.variable.text(), modeldesc::to_string(variable.type)));
@@ -75,6 +84,7 @@ void Condition::compare_variable(const ResolvedSystem& system, Ensemble& ensembl
     value = fmt::format("{}", number_);
   }
   signal_ = ensemble.watch(resolved);
+  is_unsigned_ = variable.type == modeldesc::Type::uint64;
   text_ = fmt::format("{} {} {}", description.variable.text(), sign(comparison_), value);
 }
 
@@ -96,10 +106,13 @@ bool Condition::holds_now() const {
   if (quantifier_ == Quantifier::any) return std::ranges::any_of(members_, &Condition::holds);
   if (quantifier_ == Quantifier::count)
     return compares(static_cast<double>(std::ranges::count_if(members_, &Condition::holds)));
-  if (signal_.kind == ValueKind::string) return ensemble_->string(signal_) == string_;
+  if (signal_.kind == ValueKind::string || signal_.kind == ValueKind::binary)
+    return ensemble_->string(signal_) == string_;
   if (signal_.kind == ValueKind::real) return compares(ensemble_->real(signal_));
-  const double value = ensemble_->integer(signal_);
-  return compares(signal_.kind == ValueKind::boolean ? (value == 0 ? 0 : 1) : value);
+  const auto value = ensemble_->integer(signal_);
+  if (signal_.kind == ValueKind::boolean) return compares(value == 0 ? 0 : 1);
+  if (comparison_ == Comparison::equals) return value == whole_;  // exact, also for 64 bits
+  return compares(is_unsigned_ ? static_cast<double>(static_cast<std::uint64_t>(value)) : static_cast<double>(value));
 }
 
 bool Condition::compares(double value) const {

@@ -38,7 +38,9 @@ class Condition {
   bool held_ = false;
   SignalId signal_;
   Comparison comparison_;
-  double number_ = 0;  // also for Integers, Booleans (0 and 1) and enumerations
+  double number_ = 0;       // also for Booleans (0 and 1), and limits of whole numbers
+  std::int64_t whole_ = 0;  // for `equals` of whole numbers and enumerations
+  bool is_unsigned_ = false;
   std::string string_;
   std::string text_;
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests co-simulation of FMI 3.0 with tests/fmus/bank, integrators. Their number is a structural parameter.
+#include "cases/run_case.hpp"
 #include "test_system.hpp"
 
 #include <fmt/format.h>
@@ -48,6 +49,26 @@ TEST(Fmi3CoSimulation, ConnectsArraysWholeAndByElement) {
 TEST(Fmi3CoSimulation, PassesBinariesOn) {
   TestRun run(banks(R"("line.message[1]": "0aff00")", R"({"from": "a.line.echo[1]", "to": "b.line.message[1]"})"));
   EXPECT_THAT(run.to_end().column("b.far.bytes"), ElementsAre(0, 0, 3));
+}
+
+TEST(Fmi3CoSimulation, AConditionComparesTheBytesOfABinary) {
+  auto config = banks(R"("line.message[1]": "0aff00")");
+  config.insert(config.rfind('}'), R"(, "stop_when": [{"variable": "a.line.echo[1]", "equals": "0aff00"}])");
+  TestRun run(config);
+  run.to_end();
+  EXPECT_EQ(run.simulation().end().text, "a.line.echo[1] = \"0aff00\" at 0.5 s");
+}
+
+TEST(Fmi3CoSimulation, ACaseComparesElementsAndBinaries) {
+  const modeldesc::TemporaryFolder folder("mebots-test");
+  test::write_file(folder.path() / "cases.json", R"({"cases": {"one": {"expected": "out.csv",
+    "parameters": {"lines": 3, "line.u[3]": 2, "line.message[3]": "0aff00"}}}})");
+  const auto verdict = [&](const std::string& bytes) {
+    test::write_file(folder.path() / "out.csv", "time,line.y[3],line.echo[3]\n1,22," + bytes + "\n");
+    return cases::run_case(BANK_FMU, cases::read_cases(folder.path() / "cases.json").cases.at(0), {}).text();
+  };
+  EXPECT_EQ(verdict("0aff00"), "1 rows of 2 variables");
+  EXPECT_THAT(verdict("0a"), HasSubstr("line.echo[3] is '0aff00', expected '0a'"));
 }
 
 TEST(Fmi3CoSimulation, HasTheSameBitsInAProcessOfItsOwn) {
