@@ -152,7 +152,7 @@ void whole_model_step(benchmark::State& state) {
   mebots::battery::Parameters parameters;
   mebots::battery::Inputs inputs;
   mebots::battery::Outputs outputs;
-  auto model = mebots::battery::Model(parameters, kParams, [](std::string_view) {});
+  auto model = mebots::battery::Model(parameters, kParams, [](auto, std::string_view) {});
   model.start(inputs, 0, outputs);
   std::int64_t now = 0;
   constexpr std::int64_t kStepNs = 2'000'000;
