@@ -6,6 +6,7 @@
 #include "io/fmu_archive.hpp"
 #include "io/fmu_terminals.hpp"
 #include "mebots/file_kind.hpp"
+#include "mebots/hexadecimal.hpp"
 #include "mebots/input_error.hpp"
 #include "mebots/modeldesc/units.hpp"
 #include "mebots/nearest_names.hpp"
@@ -25,13 +26,32 @@ namespace {
 
 using namespace mebots::modeldesc;
 
+/// Returns the sizes of an array: [3], or [n] for a size that the structural parameter n determines.
+std::string dimensions_text(const ModelDescription& model, const Variable& variable) {
+  std::vector<std::string> sizes;
+  for (const auto& dimension : variable.fmi3->dimensions) {
+    if (dimension.start) {
+      sizes.push_back(fmt::format("{}", *dimension.start));
+      continue;
+    }
+    const auto found = std::ranges::find(model.variables, *dimension.value_reference, &Variable::value_reference);
+    sizes.push_back(found == model.variables.end() ? "?" : found->name);
+  }
+  return sizes.empty() ? std::string() : fmt::format("[{}]", fmt::join(sizes, ","));
+}
+
 std::string shown(const ModelDescription& model, const Variable& variable) {
   struct Show {
     std::string operator()(std::monostate) const { return {}; }
     std::string operator()(double value) const { return fmt::format("{}", value); }
-    std::string operator()(std::int64_t value) const { return fmt::format("{}", value); }
+    std::string operator()(std::int64_t value) const {
+      return type == Type::uint64 ? fmt::format("{}", static_cast<std::uint64_t>(value)) : fmt::format("{}", value);
+    }
     std::string operator()(bool value) const { return value ? "true" : "false"; }
-    std::string operator()(const std::string& value) const { return fmt::format("\"{}\"", value); }
+    std::string operator()(const std::string& value) const {
+      return fmt::format("\"{}\"", type == Type::binary ? hexadecimal(value) : value);
+    }
+    Type type;
   };
   if (const auto* type = model.type_definition(variable.declared_type);
       type != nullptr && std::holds_alternative<std::int64_t>(variable.start)) {
@@ -39,7 +59,12 @@ std::string shown(const ModelDescription& model, const Variable& variable) {
       if (item.value == std::get<std::int64_t>(variable.start)) return item.name;
     }
   }
-  return std::visit(Show{}, variable.start);
+  if (variable.fmi3->starts.size() > 1) {
+    std::vector<std::string> all;
+    for (const auto& start : variable.fmi3->starts) all.push_back(std::visit(Show{variable.type}, start));
+    return fmt::format("{}", fmt::join(all, " "));
+  }
+  return std::visit(Show{variable.type}, variable.start);
 }
 
 std::string range_text(const Variable& variable) {
@@ -100,14 +125,14 @@ void print_table(const std::vector<std::vector<std::string>>& rows) {
 void print_variables(const ModelDescription& model) {
   std::vector<std::vector<std::string>> rows = {
       {"variable", "causality", "variability", "type", "unit", "start", "range", "text"}};
-  constexpr Causality kOrder[] = {Causality::parameter, Causality::input,
-                                  Causality::output,    Causality::calculated_parameter,
-                                  Causality::local,     Causality::independent};
+  constexpr Causality kOrder[] = {
+      Causality::structural_parameter, Causality::parameter, Causality::input,      Causality::output,
+      Causality::calculated_parameter, Causality::local,     Causality::independent};
   for (const auto causality : kOrder) {
     for (const auto& variable : model.variables) {
       if (variable.causality != causality) continue;
       const bool named_type = variable.type == Type::enumeration && !variable.declared_type.empty();
-      rows.push_back({variable.name, std::string(to_string(variable.causality)),
+      rows.push_back({variable.name + dimensions_text(model, variable), std::string(to_string(variable.causality)),
                       std::string(to_string(variable.variability)),
                       named_type ? variable.declared_type : std::string(to_string(variable.type)), variable.unit,
                       shown(model, variable), range_text(variable), variable.text});

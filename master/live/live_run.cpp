@@ -238,7 +238,7 @@ std::string LiveRun::set(const std::string& variable, const std::string& value) 
   const auto typed = master::write_variable(*run_, variable, *number, "set by hand");
   scenario_.push_back({{"text", "set by hand"},
                        {"variable", variable},
-                       {"set", master::json_of(typed)},
+                       {"set", master::json_of(master::find_variable(*run_, variable).variable->type, typed)},
                        {"from", master::to_seconds(run_->time_ns())}});
   save_scenario();
   return Json({{"at", run_->time_s()}}).dump();

@@ -62,6 +62,13 @@ class Patterns {
     }
   }
 
+  /// Throws InputError if a pattern is this name.
+  void refuse(const std::string& name, std::string_view why) const {
+    for (const auto& [pattern, place] : *patterns_) {
+      if (pattern == name) throw InputError(ErrorCode::wrong_type, fmt::format("{}: '{}' {}", place, name, why));
+    }
+  }
+
  private:
   static std::string_view literal_beginning(std::string_view pattern) {
     return pattern.substr(0, std::min(pattern.find_first_of("*?"), pattern.size()));
@@ -133,6 +140,10 @@ std::vector<ResolvedVariable> recorded_variables(const ResolvedSystem& system) {
   std::vector<std::string> names;
   for_each_variable(system, [&](const ResolvedVariable& candidate, const std::string& name) {
     const auto& variable = *candidate.variable;
+    if (variable.type == modeldesc::Type::clock) {
+      wanted.refuse(name, "is a Clock, which has no column; record a variable that belongs to it");
+      return;
+    }
     const bool shown =
         variable.causality == Causality::output || (record.locals && variable.causality == Causality::local);
     const bool ticks = variable.type != modeldesc::Type::clock && system.instances[candidate.instance].clocks_tick;

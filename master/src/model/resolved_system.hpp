@@ -164,7 +164,8 @@ modeldesc::Value typed_value(const modeldesc::ModelDescription& description, con
                              const WrittenValue& written, const std::string& place);
 
 /// Returns the shortest text that reads back to the same bits, such as "1.5e+08", "true" or "lipol_350".
-std::string value_text(const modeldesc::Value& value);
+/// A UInt64 is read as unsigned, and a Binary is pairs of hexadecimal digits.
+std::string value_text(modeldesc::Type type, const modeldesc::Value& value);
 
 /// Returns the variables recorded in every row, in the order of instances and descriptions. Throws InputError if a
 /// pattern matches nothing.

@@ -169,15 +169,18 @@ modeldesc::Value typed_value(const modeldesc::ModelDescription& description, con
   return *text;
 }
 
-std::string value_text(const modeldesc::Value& value) {
+std::string value_text(modeldesc::Type type, const modeldesc::Value& value) {
   struct Text {
+    Type type;
     std::string operator()(std::monostate /*none*/) const { return ""; }
-    std::string operator()(double number) const { return fmt::format("{}", number); }
-    std::string operator()(std::int64_t number) const { return fmt::format("{}", number); }
+    std::string operator()(double number) const {
+      return type == Type::float32 ? fmt::format("{}", static_cast<float>(number)) : fmt::format("{}", number);
+    }
+    std::string operator()(std::int64_t number) const { return whole_text(type, number); }
     std::string operator()(bool flag) const { return flag ? "true" : "false"; }
-    std::string operator()(const std::string& text) const { return text; }
+    std::string operator()(const std::string& text) const { return type == Type::binary ? hexadecimal(text) : text; }
   };
-  return std::visit(Text{}, value);
+  return std::visit(Text{type}, value);
 }
 
 }  // namespace mebots::master

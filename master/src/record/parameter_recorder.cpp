@@ -44,7 +44,7 @@ std::vector<ParameterValue> read_parameters(const ResolvedSystem& system, Ensemb
   std::vector<ParameterValue> values;
   for (const auto& parameter : recorded_parameters(system)) {
     values.push_back({system.text(parameter), parameter.variable->unit,
-                      value_text(ensemble.slave(parameter.instance), *parameter.variable)});
+                      value_text(ensemble.slave(parameter.instance), *parameter.variable), parameter.variable->type});
   }
   return values;
 }
@@ -55,7 +55,7 @@ ParameterRecorder::ParameterRecorder(const ResolvedSystem& system, Ensemble& ens
 std::optional<std::string> ParameterRecorder::reached(const Point& point) {
   if (point.step != 0) return std::nullopt;
   std::string text = "parameter,unit,value\n";
-  for (const auto& [name, unit, value] : read_parameters(*system_, *ensemble_)) {
+  for (const auto& [name, unit, value, type] : read_parameters(*system_, *ensemble_)) {
     text += fmt::format("{},{},{}\n", csv_text(name), csv_text(unit), csv_text(value));
   }
   write_whole(file_, text);

@@ -64,7 +64,8 @@ std::size_t ResultTable::span_of(std::size_t rows, std::size_t columns) {
 
 namespace {
 
-ResultTable read_rows(data::CsvReader& reader, std::size_t rows, const std::vector<TimeSpan>& whole) {
+ResultTable read_rows(data::CsvReader& reader, std::size_t rows, const std::vector<TimeSpan>& whole,
+                      const std::set<std::string>& texts) {
   ResultTable table;
   table.columns = read_header(reader);
   const auto width = table.columns.size();
@@ -72,6 +73,7 @@ ResultTable read_rows(data::CsvReader& reader, std::size_t rows, const std::vect
   table.whole = whole;
   Thinner thinner(width, table.span);
   std::vector<bool> is_text(width, false);
+  for (std::size_t i = 1; i < width; ++i) is_text[i] = texts.contains(table.columns[i].name);
   std::vector<double> row(width);
   for (; reader.next(); ++table.rows) {
     row[0] = reader.number(0);
@@ -94,12 +96,13 @@ ResultTable read_rows(data::CsvReader& reader, std::size_t rows, const std::vect
 
 }  // namespace
 
-ResultTable read_results(const std::filesystem::path& file, const std::vector<TimeSpan>& whole) {
+ResultTable read_results(const std::filesystem::path& file, const std::vector<TimeSpan>& whole,
+                         const std::set<std::string>& texts) {
   const auto content = input_text(file);
   const auto text = whole_lines(content);
   return refused_as_input([&] {
     data::CsvReader reader(text, file.string());
-    return read_rows(reader, rows_of(text), whole);
+    return read_rows(reader, rows_of(text), whole, texts);
   });
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -37,8 +38,10 @@ struct ResultTable {
 };
 
 /// Reads results.csv. Within the spans `whole`, every row is kept. Skips an incomplete last line, which a killed run
-/// leaves. Throws InputError if the file is not such a table.
-ResultTable read_results(const std::filesystem::path& file, const std::vector<TimeSpan>& whole = {});
+/// leaves. The columns `texts` are texts even if they look like numbers, such as the Binary 0102. Throws InputError if
+/// the file is not such a table.
+ResultTable read_results(const std::filesystem::path& file, const std::vector<TimeSpan>& whole = {},
+                         const std::set<std::string>& texts = {});
 
 /// Reduces a table, but keeps the extremes. Every `span` consecutive rows become two rows, with the times of the first
 /// and the last row. In each column, the two rows contain the minimum and the maximum of the span, in the order in

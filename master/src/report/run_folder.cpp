@@ -73,6 +73,17 @@ std::vector<Json> read_profiles(const fs::path& folder) {
   return profiles;
 }
 
+/// Returns the names of the recorded Strings and Binaries.
+std::set<std::string> texts_of(const nlohmann::json& system) {
+  std::set<std::string> names;
+  if (!system.is_object() || !system.contains("variables")) return names;
+  for (const auto& [name, variable] : system["variables"].items()) {
+    const auto type = variable.value("type", "");
+    if (type == "String" || type == "Binary") names.insert(name);
+  }
+  return names;
+}
+
 }  // namespace
 
 std::vector<PictureSeries> read_pictures(const fs::path& folder, std::size_t known) {
@@ -109,8 +120,8 @@ RunFolder read_run_folder(const fs::path& folder, const std::vector<TimeSpan>& w
   for (auto& series : run.pictures) fit_into_page(series, whole);
   const auto plain = fs::absolute(folder).lexically_normal();
   run.name = plain.has_filename() ? plain.filename().string() : plain.parent_path().filename().string();
-  run.results = read_results(results, whole);
   run.system = read_json(folder / kSystemFile);
+  run.results = read_results(results, whole, texts_of(run.system));
   run.summary = read_json(folder / "summary.json");
   if (fs::exists(folder / "log.txt")) run.log = input_text(folder / "log.txt");
   return run;

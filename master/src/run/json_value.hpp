@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "mebots/hexadecimal.hpp"
 #include "mebots/modeldesc/model_description.hpp"
 
 #include <nlohmann/json.hpp>
@@ -11,8 +12,12 @@
 
 namespace mebots::master {
 
-/// Returns a variable's value as JSON; null if empty.
-inline nlohmann::ordered_json json_of(const modeldesc::Value& value) {
+/// Returns a variable's value as JSON; null if empty. A Binary is pairs of hexadecimal digits.
+inline nlohmann::ordered_json json_of(modeldesc::Type type, const modeldesc::Value& value) {
+  if (type == modeldesc::Type::uint64 && std::holds_alternative<std::int64_t>(value))
+    return static_cast<std::uint64_t>(std::get<std::int64_t>(value));
+  if (type == modeldesc::Type::binary && std::holds_alternative<std::string>(value))
+    return hexadecimal(std::get<std::string>(value));
   return std::visit(
       []<typename T>(const T& held) -> nlohmann::ordered_json {
         if constexpr (std::is_same_v<T, std::monostate>) {

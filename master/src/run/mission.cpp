@@ -4,6 +4,7 @@
 
 #include "base/signal_guard.hpp"
 #include "base/time.hpp"
+#include "mebots/hexadecimal.hpp"
 #include "mebots/nearest_names.hpp"
 #include "mebots/version.hpp"
 #include "message/message_text.hpp"
@@ -195,8 +196,12 @@ double Mission::value(std::string_view variable) {
   const auto [instance, found] = impl_->find(variable);
   const ValueReference reference[] = {found->value_reference};
   const auto kind = kind_of(found->type);
-  if (kind == ValueKind::string) {
-    throw InputError(ErrorCode::wrong_type, fmt::format("'{}' is a String; read it with text()", variable));
+  if (kind == ValueKind::string || kind == ValueKind::binary) {
+    throw InputError(ErrorCode::wrong_type,
+                     fmt::format("'{}' is a {}; read it with text()", variable, modeldesc::to_string(found->type)));
+  }
+  if (kind == ValueKind::clock) {
+    throw InputError(ErrorCode::wrong_type, fmt::format("'{}' is a Clock, which has no value", variable));
   }
   double real[1] = {};
   std::int64_t number[1] = {};
@@ -206,18 +211,23 @@ double Mission::value(std::string_view variable) {
     if (kind == ValueKind::boolean) slave.get_booleans(reference, number);
   });
   if (kind == ValueKind::real) return real[0];
-  return kind == ValueKind::boolean && number[0] != 0 ? 1 : number[0];
+  if (kind == ValueKind::boolean && number[0] != 0) return 1;
+  if (found->type == Type::uint64) return static_cast<double>(static_cast<std::uint64_t>(number[0]));
+  return static_cast<double>(number[0]);
 }
 
 std::string Mission::text(std::string_view variable) {
   const auto [instance, found] = impl_->find(variable);
-  if (found->type != Type::string) {
-    throw InputError(ErrorCode::wrong_type, fmt::format("'{}' is not a String; read it with value()", variable));
+  const bool binary = found->type == Type::binary;
+  if (found->type != Type::string && !binary) {
+    throw InputError(ErrorCode::wrong_type, fmt::format("'{}' is not a text; read it with value()", variable));
   }
   const ValueReference reference[] = {found->value_reference};
   std::string value[1];
-  impl_->run->call(instance, "text()", [&](Slave& slave) { slave.get_strings(reference, value); });
-  return valid_utf8(value[0]);
+  impl_->run->call(instance, "text()", [&](Slave& slave) {
+    binary ? slave.get_binaries(reference, value) : slave.get_strings(reference, value);
+  });
+  return binary ? hexadecimal(value[0]) : valid_utf8(value[0]);
 }
 
 void Mission::write(std::string_view variable, double value) {

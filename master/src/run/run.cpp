@@ -156,7 +156,8 @@ void Run::set(const Setting& written) {
   const auto start = checked_start(*instance, *model_of(*instance), assignment);
   instance->parameters.push_back(assignment);
   options_.settings.push_back(setting);
-  setting_changes_.push_back(fmt::format("set {}.{}={}", instance->name, assignment.variable, value_text(start.value)));
+  setting_changes_.push_back(
+      fmt::format("set {}.{}={}", instance->name, assignment.variable, value_text(start.variable->type, start.value)));
 }
 
 void Run::add_scenario(const std::filesystem::path& file) {

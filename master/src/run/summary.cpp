@@ -268,7 +268,8 @@ Json summary_json(const ResolvedSystem& system, const InputHash& hash, const Run
   for (const auto& instance : system.instances) {
     if (instance.starts.empty()) continue;
     auto& of_instance = add_member(parameters, instance.description->name);
-    for (const auto& start : instance.starts) add_member(of_instance, start.variable->name) = json_of(start.value);
+    for (const auto& start : instance.starts)
+      add_member(of_instance, start.variable->name) = json_of(start.variable->type, start.value);
   }
   Json inputs;
   inputs["sha256"] = hash.all;

@@ -89,7 +89,7 @@ modeldesc::Value write_variable(Run& run, std::string_view name, double value, c
       slave.set_booleans(reference, {&flag, 1});
     }
   });
-  run.note_write(fmt::format("{}={}", name, value_text(typed)));
+  run.note_write(fmt::format("{}={}", name, value_text(target.variable->type, typed)));
   return typed;
 }
 

@@ -57,7 +57,7 @@ std::string start_text(const modeldesc::ModelDescription& model, const StartValu
       if (item.value == *number) return item.name;
     }
   }
-  return value_text(start.value);
+  return value_text(start.variable->type, start.value);
 }
 
 }  // namespace

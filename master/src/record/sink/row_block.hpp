@@ -25,6 +25,7 @@ struct ParameterValue {
   std::string name;
   std::string unit;
   std::string value;
+  modeldesc::Type type = modeldesc::Type::string;
 };
 
 /// Cells per block: 128 KiB, which fit into the cache of a core.
