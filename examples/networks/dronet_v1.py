@@ -24,7 +24,7 @@ class Writer:
         self.constants = []
 
     def read(self, name, shape, digits):
-        """Adds numbers with ``digits`` binary digits behind the point as a constant. Returns its name."""
+        """Reads 16-bit integers from a file and adds them, divided by 2 to the power of ``digits``, as a constant. Returns its name."""
         values = np.fromfile(self.folder / f"{name}.hex", "<i2").reshape(shape) * 2.0**-digits
         self.constants.append(numpy_helper.from_array(values.astype(np.float32), name))
         return name
@@ -46,7 +46,7 @@ class Writer:
         return self.node("Add", inner, self.conv(source, first + 2, (channels, before, 1, 1), 2, digits, (0, 0)))
 
     def dense(self, source, number, name):
-        # The inputs have no digits behind the point, the sums have 11, of which each is a step of the output.
+        # The inputs are integers. The weights have 22 fractional bits; the bias and the output have 11.
         weight = self.read(f"weights_dense_{number}", (1, 128 * 7 * 7), 22)
         return self.node("Gemm", source, weight, self.read(f"bias_dense_{number}", (1,), 11), output=name, transB=1)
 

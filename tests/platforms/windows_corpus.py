@@ -19,9 +19,11 @@ import tempfile
 import zipfile
 from pathlib import Path
 
+from compare import NAMES
+
 STEPS = 20
 SECONDS = 100
-FOLDERS = {"windows": ("win64", "x86_64-windows", ".dll"), "linux": ("linux64", "x86_64-linux", ".so")}
+FOLDERS = {"windows": NAMES["win64"], "linux": NAMES["linux64"]}
 
 
 class Archive:
@@ -94,6 +96,11 @@ def values_of(rows):
     return [value for row in rows[1:] for value in row[1:]]
 
 
+def changing_columns(rows):
+    """Return how many recorded variables change. An FMU may run to its end and compute nothing."""
+    return sum(len(set(column)) > 1 for column in list(zip(*rows[1:]))[1:])
+
+
 def relative_difference(one, other):
     try:
         a, b = float(one), float(other)
@@ -126,7 +133,8 @@ def examine(program, archive, base):
         if row["pair"]:
             return row | examine_pair(program, archive, Path(folder))
         rows, outcome, step = try_steps(program, archive.path.resolve(), archive.start_s, archive.steps, Path(folder))
-        return row | {"windows": outcome, "step": step, "values": len(values_of(rows)) if rows else 0}
+        return row | {"windows": outcome, "step": step, "values": len(values_of(rows)) if rows else 0,
+                      "changing": changing_columns(rows) if rows else 0}
 
 
 def archives_below(base):
@@ -152,17 +160,22 @@ def runs(row, platform):
 def show(rows):
     alone, pairs = ([row for row in rows if row["pair"] == pair] for pair in (False, True))
     both = [row for row in pairs if "values" in row]
-    print("| tool | Windows alone | run | with both binaries | run on Windows | run on Linux | values of both | equal |\n" + "|---" * 8 + "|")
+    print("| tool | Windows alone | run | with values that change | with both binaries | run on Windows | run on Linux | values of both | equal |\n" + "|---" * 9 + "|")
     for name in [*sorted({row["tool"] for row in rows}), "all"]:
         def of(selected, name=name):
             return [row for row in selected if name in (row["tool"], "all")]
-        print(f"| {name} | {len(of(alone))} | {sum(runs(row, 'windows') for row in of(alone))} | {len(of(pairs))} | "
+        print(f"| {name} | {len(of(alone))} | {sum(runs(row, 'windows') for row in of(alone))} | "
+              f"{sum(row['changing'] > 0 for row in of(alone))} | {len(of(pairs))} | "
               f"{sum(runs(row, 'windows') for row in of(pairs))} | {sum(runs(row, 'linux') for row in of(pairs))} | "
               f"{sum(row['values'] for row in of(both))} | {sum(row['equal'] for row in of(both))} |")
     print("\nWindows alone, not run:")
     for row in alone:
         if not runs(row, "windows"):
             print(f"- {row['fmu']} [{row['tool']}, FMI {row['version']}]: {row['windows']}")
+    print("\nWindows alone, run, but no recorded value changes:")
+    for row in alone:
+        if runs(row, "windows") and not row["changing"]:
+            print(f"- {row['fmu']} [{row['tool']}, FMI {row['version']}]: {row['values']} values")
     print("\nBoth binaries, one of them does not run:")
     for row in pairs:
         if "values" not in row:
