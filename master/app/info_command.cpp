@@ -6,11 +6,10 @@
 #include "io/fmu_archive.hpp"
 #include "io/fmu_terminals.hpp"
 #include "mebots/file_kind.hpp"
-#include "mebots/hexadecimal.hpp"
 #include "mebots/input_error.hpp"
 #include "mebots/modeldesc/units.hpp"
 #include "mebots/nearest_names.hpp"
-#include "model/system_description.hpp"
+#include "model/resolved_system.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -41,17 +40,9 @@ std::string dimensions_text(const ModelDescription& model, const Variable& varia
 }
 
 std::string shown(const ModelDescription& model, const Variable& variable) {
-  struct Show {
-    std::string operator()(std::monostate) const { return {}; }
-    std::string operator()(double value) const { return fmt::format("{}", value); }
-    std::string operator()(std::int64_t value) const {
-      return type == Type::uint64 ? fmt::format("{}", static_cast<std::uint64_t>(value)) : fmt::format("{}", value);
-    }
-    std::string operator()(bool value) const { return value ? "true" : "false"; }
-    std::string operator()(const std::string& value) const {
-      return fmt::format("\"{}\"", type == Type::binary ? hexadecimal(value) : value);
-    }
-    Type type;
+  const auto show = [&](const modeldesc::Value& value) {
+    const auto text = master::value_text(variable.type, value);
+    return std::holds_alternative<std::string>(value) ? fmt::format("\"{}\"", text) : text;
   };
   if (const auto* type = model.type_definition(variable.declared_type);
       type != nullptr && std::holds_alternative<std::int64_t>(variable.start)) {
@@ -61,10 +52,10 @@ std::string shown(const ModelDescription& model, const Variable& variable) {
   }
   if (variable.fmi3->starts.size() > 1) {
     std::vector<std::string> all;
-    for (const auto& start : variable.fmi3->starts) all.push_back(std::visit(Show{variable.type}, start));
+    for (const auto& start : variable.fmi3->starts) all.push_back(show(start));
     return fmt::format("{}", fmt::join(all, " "));
   }
-  return std::visit(Show{variable.type}, variable.start);
+  return show(variable.start);
 }
 
 std::string range_text(const Variable& variable) {

@@ -235,10 +235,10 @@ std::string LiveRun::set(const std::string& variable, const std::string& value) 
   if (!number) {
     throw InputError(ErrorCode::invalid_value, fmt::format("'{}' is not a number for {}", value, variable));
   }
-  const auto typed = master::write_variable(*run_, variable, *number, "set by hand");
+  const auto written = master::write_variable(*run_, variable, *number, "set by hand");
   scenario_.push_back({{"text", "set by hand"},
                        {"variable", variable},
-                       {"set", master::json_of(master::find_variable(*run_, variable).variable->type, typed)},
+                       {"set", written},
                        {"from", master::to_seconds(run_->time_ns())}});
   save_scenario();
   return Json({{"at", run_->time_s()}}).dump();

@@ -5,11 +5,11 @@
 #include "io/find_fmu.hpp"
 #include "io/signal_file.hpp"
 #include "mebots/assert.hpp"
-#include "mebots/hexadecimal.hpp"
 #include "mebots/nearest_names.hpp"
 #include "record/sink/memory_sink.hpp"
 #include "resolve/resolve.hpp"
 #include "run/run.hpp"
+#include "slave/discrete_link.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -83,8 +83,7 @@ class Results {
  public:
   Results(Run& run, const std::vector<Expected>& columns) : run_(&run) {
     for (const auto& column : columns) {
-      if (column.variable->type == Type::string) references_.push_back(column.variable->value_reference);
-      if (column.variable->type == Type::binary) binaries_.push_back(column.variable->value_reference);
+      if (!is_number(column.variable->type)) texts_of_.push_back(column.variable);
     }
   }
 
@@ -116,26 +115,22 @@ class Results {
   }
 
   const std::string& text(const Expected& column, std::int64_t time_ns) const {
-    const bool binary = column.variable->type == Type::binary;
-    const auto& own = binary ? binaries_ : references_;
-    const auto place = std::ranges::find(own, column.variable->value_reference) - own.begin();
-    return texts_[row_at(time_ns)][static_cast<std::size_t>(place) + (binary ? references_.size() : 0)];
+    const auto place = std::ranges::find(texts_of_, column.variable) - texts_of_.begin();
+    return texts_[row_at(time_ns)][static_cast<std::size_t>(place)];
   }
 
  private:
   void read_texts() {
-    if (references_.empty() && binaries_.empty()) return;
-    auto& texts = texts_.emplace_back(references_.size() + binaries_.size());
-    const std::span all(texts);
+    if (texts_of_.empty()) return;
+    auto& texts = texts_.emplace_back();
     run_->call(0, "test", [&](Slave& slave) {
-      if (!references_.empty()) slave.get_strings(references_, all.first(references_.size()));
-      if (!binaries_.empty()) slave.get_binaries(binaries_, all.subspan(references_.size()));
+      for (const auto* variable : texts_of_)
+        texts.push_back(std::get<std::string>(get_value(slave, kind_of(variable->type), variable->value_reference)));
     });
   }
 
   Run* run_;
-  std::vector<ValueReference> references_;  // of texts
-  std::vector<ValueReference> binaries_;
+  std::vector<const modeldesc::Variable*> texts_of_;  // Strings and Binaries
   std::vector<std::int64_t> times_ns_;
   std::vector<std::vector<std::string>> texts_;  // by point
 };
@@ -147,8 +142,9 @@ std::optional<Divergence> compared(const Expected& column, const Signal::Value& 
   divergence.variable = column.variable->name;
   if (const auto* text = std::get_if<std::string>(&expected)) {
     if (results.text(column, time_ns) == *text) return std::nullopt;
-    const bool binary = column.variable->type == Type::binary;
-    const auto shown = [&](const std::string& one) { return fmt::format("'{}'", binary ? hexadecimal(one) : one); };
+    const auto shown = [&](const std::string& one) {
+      return fmt::format("'{}'", value_text(column.variable->type, one));
+    };
     divergence.expected = shown(*text);
     divergence.got = shown(results.text(column, time_ns));
     return divergence;

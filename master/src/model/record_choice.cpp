@@ -146,8 +146,7 @@ std::vector<ResolvedVariable> recorded_variables(const ResolvedSystem& system) {
     }
     const bool shown =
         variable.causality == Causality::output || (record.locals && variable.causality == Causality::local);
-    const bool ticks = variable.type != modeldesc::Type::clock && system.instances[candidate.instance].clocks_tick;
-    if (is_clocked(variable) && !ticks) return;
+    if (is_clocked(variable) && !system.instances[candidate.instance].clocks_tick) return;
     const bool output = shown && (is_number(variable.type) || (variable.type == Type::string && record.texts));
     const auto fit = wanted.fit(name);
     // A pattern without a star may name any variable. A pattern with a star selects outputs: texts only if the config

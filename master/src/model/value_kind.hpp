@@ -55,6 +55,12 @@ inline bool is_clocked(const modeldesc::Variable& variable) {
 /// Returns the text of a whole number. The bits of a UInt64 are read as unsigned.
 std::string whole_text(modeldesc::Type type, std::int64_t value);
 
+/// Returns the nearest double of a whole number. The bits of a UInt64 are read as unsigned.
+constexpr double number_of(modeldesc::Type type, std::int64_t value) {
+  return type == modeldesc::Type::uint64 ? static_cast<double>(static_cast<std::uint64_t>(value))
+                                         : static_cast<double>(value);
+}
+
 /// One bit per ValueKind.
 using KindSet = std::uint8_t;
 constexpr KindSet bit(ValueKind kind) {

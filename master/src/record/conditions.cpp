@@ -2,7 +2,6 @@
 #include "record/conditions.hpp"
 
 #include "base/time.hpp"
-#include "mebots/hexadecimal.hpp"
 #include "model/value_kind.hpp"
 
 #include <fmt/format.h>
@@ -28,17 +27,14 @@ const char* sign(Comparison comparison) {
 std::string shown(const modeldesc::ModelDescription& model, const modeldesc::Variable& variable,
                   const modeldesc::Value& value) {
   if (const auto* number = std::get_if<double>(&value)) return fmt::format("{}", *number);
-  if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
-  if (const auto* text = std::get_if<std::string>(&value)) {
-    return fmt::format("\"{}\"", variable.type == modeldesc::Type::binary ? hexadecimal(*text) : *text);
-  }
-  const auto number = std::get<std::int64_t>(value);
-  if (const auto* type = model.type_definition(variable.declared_type); type != nullptr) {
+  const auto* type = model.type_definition(variable.declared_type);
+  if (const auto* number = std::get_if<std::int64_t>(&value); number != nullptr && type != nullptr) {
     for (const auto& item : type->items) {
-      if (item.value == number) return item.name;
+      if (item.value == *number) return item.name;
     }
   }
-  return whole_text(variable.type, number);
+  const auto text = value_text(variable.type, value);
+  return std::holds_alternative<std::string>(value) ? fmt::format("\"{}\"", text) : text;
 }
 
 /// True for numbers whose order has a meaning.
@@ -84,7 +80,7 @@ void Condition::compare_variable(const ResolvedSystem& system, Ensemble& ensembl
     value = fmt::format("{}", number_);
   }
   signal_ = ensemble.watch(resolved);
-  is_unsigned_ = variable.type == modeldesc::Type::uint64;
+  type_ = variable.type;
   text_ = fmt::format("{} {} {}", description.variable.text(), sign(comparison_), value);
 }
 
@@ -112,7 +108,7 @@ bool Condition::holds_now() const {
   const auto value = ensemble_->integer(signal_);
   if (signal_.kind == ValueKind::boolean) return compares(value == 0 ? 0 : 1);
   if (comparison_ == Comparison::equals) return value == whole_;  // exact, also for 64 bits
-  return compares(is_unsigned_ ? static_cast<double>(static_cast<std::uint64_t>(value)) : static_cast<double>(value));
+  return compares(number_of(type_, value));
 }
 
 bool Condition::compares(double value) const {

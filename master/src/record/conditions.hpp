@@ -40,7 +40,7 @@ class Condition {
   Comparison comparison_;
   double number_ = 0;       // also for Booleans (0 and 1), and limits of whole numbers
   std::int64_t whole_ = 0;  // for `equals` of whole numbers and enumerations
-  bool is_unsigned_ = false;
+  modeldesc::Type type_ = modeldesc::Type::real;
   std::string string_;
   std::string text_;
 };

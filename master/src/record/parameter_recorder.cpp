@@ -5,37 +5,21 @@
 #include "message/message_text.hpp"
 #include "model/resolved_system.hpp"
 #include "record/sink/csv_sink.hpp"
+#include "slave/discrete_link.hpp"
 
 #include <fmt/format.h>
-
-#include <span>
 
 namespace mebots::master {
 namespace {
 
-template <typename T, typename Get>
-T one(Get get, ValueReference reference) {
-  T value{};
-  get(std::span(&reference, 1), std::span(&value, 1));
-  return value;
-}
-
 std::string value_text(Slave& slave, const modeldesc::Variable& variable) {
-  const auto reference = variable.value_reference;
-  switch (kind_of(variable.type)) {
-    case ValueKind::real:
-      return fmt::format("{}", one<double>([&](auto r, auto v) { slave.get_reals(r, v); }, reference));
-    case ValueKind::integer:
-      return whole_text(variable.type, one<std::int64_t>([&](auto r, auto v) { slave.get_integers(r, v); }, reference));
-    case ValueKind::boolean:
-      return one<std::int64_t>([&](auto r, auto v) { slave.get_booleans(r, v); }, reference) == 0 ? "0" : "1";
-    case ValueKind::binary:
-      return hexadecimal(one<std::string>([&](auto r, auto v) { slave.get_binaries(r, v); }, reference));
-    case ValueKind::clock:  // recorded_parameters() returns no clocks
-    case ValueKind::string:
-      break;
-  }
-  return valid_utf8(one<std::string>([&](auto r, auto v) { slave.get_strings(r, v); }, reference));
+  const auto kind = kind_of(variable.type);  // recorded_parameters() returns no clocks
+  const auto value = get_value(slave, kind, variable.value_reference);
+  if (const auto* real = std::get_if<double>(&value)) return fmt::format("{}", *real);
+  if (const auto* whole = std::get_if<std::int64_t>(&value))
+    return whole_text(variable.type, kind == ValueKind::boolean ? std::int64_t{*whole != 0} : *whole);
+  const auto& text = std::get<std::string>(value);
+  return kind == ValueKind::binary ? hexadecimal(text) : valid_utf8(text);
 }
 
 }  // namespace

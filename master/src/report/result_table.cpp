@@ -78,8 +78,9 @@ ResultTable read_rows(data::CsvReader& reader, std::size_t rows, const std::vect
   for (; reader.next(); ++table.rows) {
     row[0] = reader.number(0);
     for (std::size_t i = 1; i < width; ++i) {
+      if (is_text[i]) continue;  // the column is dropped
       const auto value = data::csv_number<double>(reader.cell(i));
-      if (!value) is_text[i] = true;
+      is_text[i] = !value;
       row[i] = value.value_or(0);
     }
     if (std::ranges::any_of(whole, [&](const TimeSpan& span) { return span.holds(row[0]); })) {

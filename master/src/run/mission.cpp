@@ -10,6 +10,7 @@
 #include "message/message_text.hpp"
 #include "run/draws.hpp"
 #include "run/run.hpp"
+#include "slave/discrete_link.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -51,6 +52,13 @@ class Mission::Impl {
   ResolvedVariable find(std::string_view variable) {
     if (!run->busy()) run->start();
     return find_variable(*run, variable);
+  }
+
+  LinkValue read(std::size_t instance, const modeldesc::Variable& variable, const char* what) const {
+    LinkValue value;
+    run->call(instance, what,
+              [&](Slave& slave) { value = get_value(slave, kind_of(variable.type), variable.value_reference); });
+    return value;
   }
 
   std::filesystem::path config;  // of the constructor; empty for a resumed run
@@ -194,7 +202,6 @@ std::string Mission::summary() const {
 
 double Mission::value(std::string_view variable) {
   const auto [instance, found] = impl_->find(variable);
-  const ValueReference reference[] = {found->value_reference};
   const auto kind = kind_of(found->type);
   if (kind == ValueKind::string || kind == ValueKind::binary) {
     throw InputError(ErrorCode::wrong_type,
@@ -203,17 +210,10 @@ double Mission::value(std::string_view variable) {
   if (kind == ValueKind::clock) {
     throw InputError(ErrorCode::wrong_type, fmt::format("'{}' is a Clock, which has no value", variable));
   }
-  double real[1] = {};
-  std::int64_t number[1] = {};
-  impl_->run->call(instance, "value()", [&](Slave& slave) {
-    if (kind == ValueKind::real) slave.get_reals(reference, real);
-    if (kind == ValueKind::integer) slave.get_integers(reference, number);
-    if (kind == ValueKind::boolean) slave.get_booleans(reference, number);
-  });
-  if (kind == ValueKind::real) return real[0];
-  if (kind == ValueKind::boolean && number[0] != 0) return 1;
-  if (found->type == Type::uint64) return static_cast<double>(static_cast<std::uint64_t>(number[0]));
-  return static_cast<double>(number[0]);
+  const auto value = impl_->read(instance, *found, "value()");
+  if (const auto* real = std::get_if<double>(&value)) return *real;
+  const auto number = std::get<std::int64_t>(value);
+  return kind == ValueKind::boolean ? (number != 0 ? 1 : 0) : number_of(found->type, number);
 }
 
 std::string Mission::text(std::string_view variable) {
@@ -222,12 +222,8 @@ std::string Mission::text(std::string_view variable) {
   if (found->type != Type::string && !binary) {
     throw InputError(ErrorCode::wrong_type, fmt::format("'{}' is not a text; read it with value()", variable));
   }
-  const ValueReference reference[] = {found->value_reference};
-  std::string value[1];
-  impl_->run->call(instance, "text()", [&](Slave& slave) {
-    binary ? slave.get_binaries(reference, value) : slave.get_strings(reference, value);
-  });
-  return binary ? hexadecimal(value[0]) : valid_utf8(value[0]);
+  const auto value = std::get<std::string>(impl_->read(instance, *found, "text()"));
+  return binary ? hexadecimal(value) : valid_utf8(value);
 }
 
 void Mission::write(std::string_view variable, double value) {

@@ -248,7 +248,7 @@ ResolvedVariable find_variable(const Run& run, std::string_view name);
 /// Sets an unconnected input or a tunable parameter from the next step on, between two steps. summary.json lists it
 /// under `inputs.writes`. `place` names the caller in errors. Returns the value in the variable's type. Throws
 /// InputError if the variable cannot be set or does not accept the value.
-modeldesc::Value write_variable(Run& run, std::string_view name, double value, const std::string& place);
+nlohmann::ordered_json write_variable(Run& run, std::string_view name, double value, const std::string& place);
 
 /// Returns the variables that write_variable() accepts: [{"variable", "unit", "text", "type"}], in the order of
 /// instances and descriptions.

@@ -156,8 +156,7 @@ Json SummaryValues::value_of(const Entry& entry) const {
       if (item.value == entry.whole) return item.name;
     }
   }
-  if (entry.variable->type == modeldesc::Type::uint64) return static_cast<std::uint64_t>(entry.whole);
-  return entry.whole;
+  return json_of(entry.variable->type, entry.whole);
 }
 
 Json SummaryValues::statistics_of(const Group& group) const {
@@ -176,15 +175,13 @@ Json SummaryValues::statistics_of(const Group& group) const {
     }
     return {{"counts", counts}};
   }
-  const bool is_uint64 = first.variable->type == modeldesc::Type::uint64;
-  const auto number_of = [&](const Entry& one) {
-    if (one.signal.kind == ValueKind::real) return one.number;
-    return is_uint64 ? static_cast<double>(static_cast<std::uint64_t>(one.whole)) : static_cast<double>(one.whole);
+  const auto number = [&](const Entry& one) {
+    return one.signal.kind == ValueKind::real ? one.number : number_of(first.variable->type, one.whole);
   };
-  const auto least = std::ranges::min_element(members, {}, number_of);
-  const auto most = std::ranges::max_element(members, {}, number_of);
+  const auto least = std::ranges::min_element(members, {}, number);
+  const auto most = std::ranges::max_element(members, {}, number);
   double sum = 0;
-  for (const auto& one : members) sum += number_of(one);
+  for (const auto& one : members) sum += number(one);
   return {{"least", value_of(*least)},
           {"mean", sum / static_cast<double>(members.size())},
           {"most", value_of(*most)},

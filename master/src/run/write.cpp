@@ -3,6 +3,7 @@
 
 #include "mebots/input_error.hpp"
 #include "model/value_kind.hpp"
+#include "run/json_value.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -74,12 +75,12 @@ ResolvedVariable find_variable(const Run& run, std::string_view name) {
   return system.find(parse_variable(*system.description, name, place), place);
 }
 
-modeldesc::Value write_variable(Run& run, std::string_view name, double value, const std::string& place) {
+nlohmann::ordered_json write_variable(Run& run, std::string_view name, double value, const std::string& place) {
   const auto target = find_variable(run, name);
   check_settable(run, target, name);
   // The same rules apply as for values of a config: type, limits, items.
   const auto& model = *run.resolved().instances[target.instance].model;
-  auto typed = typed_value(model, *target.variable, as_written(*target.variable, value), place);
+  const auto typed = typed_value(model, *target.variable, as_written(*target.variable, value), place);
   const ValueReference reference[] = {target.variable->value_reference};
   run.call(target.instance, "write()", [&](Slave& slave) {
     if (const auto* real = std::get_if<double>(&typed)) slave.set_reals(reference, {real, 1});
@@ -90,7 +91,7 @@ modeldesc::Value write_variable(Run& run, std::string_view name, double value, c
     }
   });
   run.note_write(fmt::format("{}={}", name, value_text(target.variable->type, typed)));
-  return typed;
+  return json_of(target.variable->type, typed);
 }
 
 nlohmann::ordered_json writable_variables(const ResolvedSystem& system) {

@@ -393,10 +393,10 @@ void ContinuousSystem::iterate_event() {
 /// Activates the clocks that are due at this instant, and propagates ticks and values until nothing changes.
 void ContinuousSystem::tick_clocks() {
   if (parts_.clocks == nullptr) return;
-  parts_.clocks->begin_instant(time_s_);
+  bool changed = parts_.clocks->begin_instant(time_s_);
   for (int transfer = 0; transfer < kMostTransfers; ++transfer) {
-    const bool ticked = parts_.clocks->propagate(time_s_);
-    if (!propagate_in_event() && !ticked) return;
+    if (!parts_.clocks->propagate(time_s_) && !changed) return;
+    changed = propagate_in_event();
   }
   throw Error(ErrorCode::algebraic_loop,
               fmt::format("{}: clocked values still change along the connections after {} transfers in one event",
@@ -426,13 +426,14 @@ bool ContinuousSystem::update_members() {
 
 /// Makes the next tick of a clock a time event. Returns true if it is at the present time.
 bool ContinuousSystem::schedule_tick() {
-  const double tick_s = on_grid(parts_.clocks->next_tick_s());
+  const auto tick = parts_.clocks->next_tick();
+  const double tick_s = on_grid(tick.time_s);
   if (tick_s < next_event_s_) {
     next_event_s_ = tick_s;
-    next_event_member_ = parts_.clocks->next_member();
+    next_event_member_ = tick.member;
   }
   if (tick_s > time_s_) return false;
-  causes_.push_back(parts_.clocks->next_member());
+  causes_.push_back(tick.member);
   return true;
 }
 

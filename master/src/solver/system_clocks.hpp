@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 
 namespace mebots::master {
 
@@ -14,12 +15,14 @@ class SystemClocks {
  public:
   virtual ~SystemClocks() = default;
 
-  /// Returns the time of the next tick [s]; infinity if none is scheduled.
-  virtual double next_tick_s() const = 0;
-  /// Returns the member whose clock is the next to tick.
-  virtual std::size_t next_member() const = 0;
-  /// Activates the clocks that are due.
-  virtual void begin_instant(double time_s) = 0;
+  /// A tick of a member's clock [s]; infinity if none is scheduled.
+  struct Tick {
+    double time_s = std::numeric_limits<double>::infinity();
+    std::size_t member = 0;
+  };
+  virtual Tick next_tick() const = 0;
+  /// Activates the clocks that are due. Returns true if there is one.
+  virtual bool begin_instant(double time_s) = 0;
   /// Propagates ticks and values of clocked variables along the connections until nothing changes. Returns true if a
   /// clock starts to tick or an input changes.
   virtual bool propagate(double time_s) = 0;

@@ -182,10 +182,9 @@ void Hdf5Sink::put_parameters(const std::vector<ParameterValue>& parameters) {
   const Handle group(H5Gcreate2(file_->file.id(), "parameters", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), &H5Gclose);
   for (const auto& [name, unit, value, parameter_type] : parameters) {
     const auto link = hdf5::without_slashes(name);
+    const bool is_number = master::is_number(parameter_type);
     double number = 0;
-    const auto parsed = std::from_chars(value.data(), value.data() + value.size(), number);
-    const bool is_number =
-        master::is_number(parameter_type) && parsed.ec == std::errc{} && parsed.ptr == value.data() + value.size();
+    if (is_number) std::from_chars(value.data(), value.data() + value.size(), number);
     const Handle type = memory_type(is_number ? Type::real : Type::string);
     const Handle space(H5Screate(H5S_SCALAR), &H5Sclose);
     const Handle set(H5Dcreate2(group, link.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), &H5Dclose);

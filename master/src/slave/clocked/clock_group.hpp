@@ -42,7 +42,7 @@ class ClockGroup final : private EventModes {
   void exit_initialization();
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns);
   /// Returns the next tick of any clock [s]; TimedClock::kNever if none is scheduled.
-  double next_tick_s() const { return network_.next_tick_s(); }
+  double next_tick_s() const { return network_.next_tick().time_s; }
 
   /// Returns the times of members and clocks; the first member stores them.
   std::vector<std::byte> save() const;

@@ -49,20 +49,14 @@ void ClockNetwork::start(std::size_t member, double start_s) {
   for (auto& clock : members_[member].timed) clock.start(*members_[member].clocks, start_s);
 }
 
-double ClockNetwork::next_tick_s() const {
-  double next_s = TimedClock::kNever;
-  for (const auto& member : members_) {
-    for (const auto& clock : member.timed) next_s = std::min(next_s, clock.next_s());
+SystemClocks::Tick ClockNetwork::next_tick() const {
+  Tick next;
+  for (std::size_t m = 0; m < members_.size(); ++m) {
+    for (const auto& clock : members_[m].timed) {
+      if (clock.next_s() < next.time_s) next = {clock.next_s(), m};
+    }
   }
-  return next_s;
-}
-
-std::size_t ClockNetwork::next_member() const {
-  const double next_s = next_tick_s();
-  const auto found = std::ranges::find_if(members_, [&](const auto& member) {
-    return std::ranges::any_of(member.timed, [&](const auto& clock) { return clock.next_s() == next_s; });
-  });
-  return static_cast<std::size_t>(found - members_.begin());
+  return next;
 }
 
 /// Activates a clock. Returns false if it already ticks at this instant.
@@ -76,16 +70,18 @@ bool ClockNetwork::tick(std::size_t member, ValueReference clock, double time_s)
   return true;
 }
 
-void ClockNetwork::begin_instant(double time_s) {
+bool ClockNetwork::begin_instant(double time_s) {
+  bool ticked = false;
   for (auto& sent : sent_) sent.reset();
   for (std::size_t m = 0; m < members_.size(); ++m) {
     for (auto& clock : members_[m].timed) {
       if (clock.next_s() > time_s + kSameTime_s) continue;
       if (clock.next_s() < time_s - kSameTime_s) modes_->note_late_tick(m, clock.next_s());
-      tick(m, clock.variable().value_reference, time_s);
+      ticked |= tick(m, clock.variable().value_reference, time_s);
       clock.ticked();
     }
   }
+  return ticked;
 }
 
 /// Propagates ticks along the connections. Returns true if a further clock starts to tick.

@@ -53,11 +53,10 @@ class ClockNetwork final : public SystemClocks {
 
   /// Queries the first ticks of a member's clocks. The member must be in initialisation mode.
   void start(std::size_t member, double start_s);
-  bool is_due(double time_s) const { return next_tick_s() <= time_s + kSameTime_s; }
+  bool is_due(double time_s) const { return next_tick().time_s <= time_s + kSameTime_s; }
 
-  double next_tick_s() const override;
-  std::size_t next_member() const override;
-  void begin_instant(double time_s) override;
+  Tick next_tick() const override;
+  bool begin_instant(double time_s) override;
   bool propagate(double time_s) override;
   void before_update(std::size_t member) override;
   void after_update(std::size_t member, double time_s) override;

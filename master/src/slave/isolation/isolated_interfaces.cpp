@@ -55,7 +55,7 @@ double IsolatedClocks::shift(ValueReference clock) {
 IsolatedModelExchange::IsolatedModelExchange(const ResolvedInstance& instance, MessageSink& messages,
                                              const std::atomic<bool>* interrupted, const TimeGrid& grid)
     : IsolatedClocks(instance, messages, interrupted, grid),
-      continuous_(continuous_states_of(*instance.model, IsolatedSlave::name())) {}
+      continuous_(continuous_states_of(*instance.model, IsolatedClocks::name())) {}
 
 template <typename... Arguments>
 Evaluation IsolatedModelExchange::get_values(Call call, std::span<double> values, const Arguments&... arguments) {

@@ -33,7 +33,7 @@ class IsolatedModelExchange final : public IsolatedClocks, public ContinuousInst
   IsolatedModelExchange(const ResolvedInstance& instance, MessageSink& messages, const std::atomic<bool>* interrupted,
                         const TimeGrid& grid);
 
-  const std::string& name() const override { return IsolatedSlave::name(); }
+  const std::string& name() const override { return IsolatedClocks::name(); }
   std::size_t state_count() const override { return continuous_.names.size(); }
   std::size_t indicator_count() const override { return description().number_of_event_indicators; }
   std::string state_name(std::size_t state) const override { return continuous_.names[state]; }
@@ -75,7 +75,7 @@ class IsolatedEventSlave final : public IsolatedClocks, public EventInstance {
  public:
   using IsolatedClocks::IsolatedClocks;
 
-  const std::string& name() const override { return IsolatedSlave::name(); }
+  const std::string& name() const override { return IsolatedClocks::name(); }
   std::optional<StepEnd> step_until(double start_s, double end_s) override;
   void enter_event_mode() override;
   void enter_step_mode() override;
