@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* GAP8's registers that the runtime uses and board.h does not have: the board file gives the devices' addresses, their
    kinds have the registers. Sources: archi/eu/eu_v3.h, archi/cluster_ctrl/cluster_ctrl_v2.h, archi/dma/mchan_v6.h,
-   archi/timer/timer_v2.h, archi/fll/fll_v1.h, archi/soc_eu/soc_eu_v1.h, archi/chips/gap/ and hal/maestro/ of
-   pulp-platform's and GreenWaves' headers. */
+   archi/timer/timer_v2.h, archi/fll/fll_v1.h, archi/soc_eu/soc_eu_v1.h, archi/udma/udma_v2.h, archi/chips/gap/ and
+   hal/maestro/ of pulp-platform's and GreenWaves' headers. */
 #pragma once
 
 #include "board.h"
@@ -82,7 +82,10 @@
 #define TIMER_COMPARE_LO_OFFSET 0x10
 #define TIMER_COMPARE_HI_OFFSET 0x14
 
-/* Channels of the uDMA. */
+/* Channels of the uDMA. A channel runs one transfer and queues another. */
+#define UDMA_HYPER_RECEIVE_OFFSET 0x180
+#define UDMA_HYPER_SEND_OFFSET 0x190
+#define UDMA_HYPER_OUTSIDE_OFFSET 0x1A0 /* address of the next transfer in the outside memory */
 #define UDMA_UART_SEND_OFFSET 0x210
 #define UDMA_UART_STATUS_OFFSET 0x220
 #define UDMA_UART_SENDS 0x1
@@ -91,7 +94,8 @@
 #define UDMA_ADDRESS_OFFSET 0x0
 #define UDMA_SIZE_OFFSET 0x4
 #define UDMA_CONFIG_OFFSET 0x8
-#define UDMA_CONFIG_RUN 0x10 /* write: start; read: a transfer runs */
+#define UDMA_CONFIG_RUN 0x10    /* write: start; read: a transfer runs */
+#define UDMA_CONFIG_QUEUED 0x20 /* read: another transfer is queued */
 #define UDMA_CLOCK_UART 0x10
 #define UDMA_CLOCK_I2C1 0x40
 #define UDMA_CLOCK_CAMERA 0x200
@@ -117,5 +121,8 @@ static inline void udma_start(uint32_t channel, const volatile void* memory, uin
 }
 static inline int udma_runs(uint32_t channel) {
   return (load(UDMA_BASE + channel + UDMA_CONFIG_OFFSET) & UDMA_CONFIG_RUN) != 0;
+}
+static inline int udma_is_full(uint32_t channel) {
+  return (load(UDMA_BASE + channel + UDMA_CONFIG_OFFSET) & UDMA_CONFIG_QUEUED) != 0;
 }
 #endif
