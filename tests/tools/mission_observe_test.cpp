@@ -20,6 +20,7 @@
 #include <span>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace mebots::soc::test {
@@ -117,7 +118,7 @@ class Caller {
     unsigned sum = 0;
     for (const char c : content) sum += static_cast<std::uint8_t>(c);
     const auto packet = fmt::format("${}#{:02x}", content, sum & 0xffU);
-    ::send(socket_, packet.data(), packet.size(), 0);
+    ::send(socket_, packet.data(), packet.size(), MSG_NOSIGNAL);
     return read_packet();
   }
   /// Returns the content of the next packet and acknowledges it.
@@ -128,26 +129,35 @@ class Caller {
     while (::recv(socket_, &c, 1, 0) == 1 && c != '#') content += c;
     ::recv(socket_, &c, 1, 0);
     ::recv(socket_, &c, 1, 0);
-    ::send(socket_, "+", 1, 0);
+    ::send(socket_, "+", 1, MSG_NOSIGNAL);
     return content;
   }
+  std::string pc() { return ask("p20"); }
+  std::string time() { return ask("qRcmd,74696d65"); }  // "time"
 
  private:
   int socket_;
   bool connected_ = false;
 };
 
+/// Starts a thread with a debugger, which connects to the port at the end of the message.
+template <typename Talk>
+std::jthread start_debugger(std::string_view message, Talk talk) {
+  const auto port = std::stoi(std::string(message.substr(message.rfind(':') + 1)));
+  return std::jthread([port, talk = std::move(talk)] {
+    Caller gdb(port);
+    talk(gdb);
+  });
+}
+
 TEST(MissionObserve, ADebuggerPausesTheMissionWhichThenContinuesWithTheSameBits) {
   Parameters debugged;
   debugged.gdb_port = 0;
   constexpr int kSteps = 20;
-  std::thread caller;
   std::vector<std::string> answers;
+  std::jthread caller;
   const auto bytes = state_after(debugged, kSteps, [&](std::string_view message) {
-    const auto colon = message.rfind(':');
-    const auto port = std::stoi(std::string(message.substr(colon + 1)));
-    caller = std::thread([port, &answers] {
-      Caller gdb(port);
+    caller = start_debugger(message, [&answers](Caller& gdb) {
       answers.push_back(gdb.ask("?"));
       for (int i = 0; i < 100; ++i) answers.push_back(gdb.ask("s"));
       answers.push_back(gdb.ask("m1c000000,4"));
@@ -169,37 +179,33 @@ TEST(MissionObserve, ADebuggerGoesBackOverStepsOfTheMissionAndTheBitsStay) {
   debugged.gdb_port = 0;
   constexpr int kSteps = 30;
   const auto handler = Elf::read(MEBOTS_BINARY_DIR "/firmware/gate.elf").symbol("on_timer").value();
-  std::thread caller;
   std::vector<std::string> answers;
+  std::jthread caller;
   const auto bytes = state_after(debugged, kSteps, [&](std::string_view message) {
-    const auto port = std::stoi(std::string(message.substr(message.rfind(':') + 1)));
-    caller = std::thread([port, handler, &answers] {
-      Caller gdb(port);
-      const auto pc = [&gdb] { return gdb.ask("p20"); };
-      const auto time = [&gdb] { return gdb.ask("qRcmd,74696d65"); };  // "time"
+    caller = start_debugger(message, [handler, &answers](Caller& gdb) {
       gdb.ask("?");
-      const auto begin = pc();
-      const auto begin_time = time();
+      const auto begin = gdb.pc();
+      const auto begin_time = gdb.time();
       gdb.ask(fmt::format("Z0,{:x},4", handler));
       for (int i = 0; i < 2; ++i) answers.push_back(gdb.ask("c"));  // the handler of the timer, each 20 ms
-      const auto present = pc();
-      const auto present_time = time();
+      const auto present = gdb.pc();
+      const auto present_time = gdb.time();
       answers.push_back(gdb.ask("bc"));
-      EXPECT_EQ(pc(), present) << "the same breakpoint";
-      EXPECT_NE(time(), present_time) << "an earlier time";
+      EXPECT_EQ(gdb.pc(), present) << "the same breakpoint";
+      EXPECT_NE(gdb.time(), present_time) << "an earlier time";
       answers.push_back(gdb.ask("bc"));
-      EXPECT_EQ(pc(), begin);
-      EXPECT_EQ(time(), begin_time);
+      EXPECT_EQ(gdb.pc(), begin);
+      EXPECT_EQ(gdb.time(), begin_time);
       gdb.ask("c");
       gdb.ask("c");
-      EXPECT_EQ(pc(), present);
-      EXPECT_EQ(time(), present_time) << "the same place after a replay";
+      EXPECT_EQ(gdb.pc(), present);
+      EXPECT_EQ(gdb.time(), present_time) << "the same place after a replay";
       gdb.ask("s");
       gdb.ask("s");
       gdb.ask("bs");
       gdb.ask("bs");
-      EXPECT_EQ(pc(), present);
-      EXPECT_EQ(time(), present_time);
+      EXPECT_EQ(gdb.pc(), present);
+      EXPECT_EQ(gdb.time(), present_time);
       answers.push_back(gdb.ask("D"));
     });
   });
@@ -219,42 +225,38 @@ TEST(MissionObserve, AfterAChangeInThePastADebuggerGoesBackAgain) {
   debugged.gdb_port = 0;
   constexpr int kSteps = 30;
   const auto handler = Elf::read(MEBOTS_BINARY_DIR "/firmware/gate.elf").symbol("on_timer").value();
-  std::jthread caller;
   std::vector<std::string> answers;
+  std::jthread caller;
   const auto bytes = state_after(debugged, kSteps, [&](std::string_view message) {
-    const auto port = std::stoi(std::string(message.substr(message.rfind(':') + 1)));
-    caller = std::jthread([port, handler, &answers] {
-      Caller gdb(port);
-      const auto pc = [&gdb] { return gdb.ask("p20"); };
-      const auto time = [&gdb] { return gdb.ask("qRcmd,74696d65"); };  // "time"
+    caller = start_debugger(message, [handler, &answers](Caller& gdb) {
       gdb.ask("?");
-      const auto begin = pc();
+      const auto begin = gdb.pc();
       gdb.ask(fmt::format("Z0,{:x},4", handler));
       gdb.ask("c");
-      const auto at_handler = pc();
-      const auto first_time = time();
+      const auto at_handler = gdb.pc();
+      const auto first_time = gdb.time();
       gdb.ask("c");
       gdb.ask("bc");
-      EXPECT_EQ(time(), first_time);
+      EXPECT_EQ(gdb.time(), first_time);
       const auto end_of_handler = gdb.ask("p1");  // ra
-      for (int i = 0; i < 100 && pc() != end_of_handler; ++i) gdb.ask("s");
-      EXPECT_EQ(pc(), end_of_handler);
+      for (int i = 0; i < 100 && gdb.pc() != end_of_handler; ++i) gdb.ask("s");
+      EXPECT_EQ(gdb.pc(), end_of_handler);
       answers.push_back(gdb.ask("P20=" + at_handler));
       gdb.ask("s");
       gdb.ask("c");
-      EXPECT_EQ(pc(), at_handler);
-      const auto second_time = time();
+      EXPECT_EQ(gdb.pc(), at_handler);
+      const auto second_time = gdb.time();
       EXPECT_NE(second_time, first_time);
       answers.push_back(gdb.ask("bs"));
-      EXPECT_NE(pc(), at_handler);
+      EXPECT_NE(gdb.pc(), at_handler);
       gdb.ask("c");
-      EXPECT_EQ(pc(), at_handler);
-      EXPECT_EQ(time(), second_time);
+      EXPECT_EQ(gdb.pc(), at_handler);
+      EXPECT_EQ(gdb.time(), second_time);
       answers.push_back(gdb.ask("bc"));
       gdb.ask("qRcmd,7265736574");  // "reset"
-      EXPECT_EQ(pc(), begin);
+      EXPECT_EQ(gdb.pc(), begin);
       gdb.ask("c");
-      EXPECT_EQ(time(), first_time);
+      EXPECT_EQ(gdb.time(), first_time);
       answers.push_back(gdb.ask("bs"));
       answers.push_back(gdb.ask("D"));
     });
@@ -269,13 +271,11 @@ TEST(MissionObserve, ADebuggerGoesBackToTheStateThatTheCoSimulationRestoredButNo
   const auto handler = Elf::read(MEBOTS_BINARY_DIR "/firmware/gate.elf").symbol("on_timer").value();
   const Resources resources;
   std::atomic<bool> restored = false;
-  std::jthread caller;
   std::vector<std::string> answers;
+  std::jthread caller;
   Listeners listeners;
   listeners.observe = [&](std::string_view message) {
-    const auto port = std::stoi(std::string(message.substr(message.rfind(':') + 1)));
-    caller = std::jthread([port, handler, &answers, &restored] {
-      Caller gdb(port);
+    caller = start_debugger(message, [handler, &answers, &restored](Caller& gdb) {
       gdb.ask("?");
       gdb.ask(fmt::format("Z0,{:x},4", handler));
       std::string stop;
@@ -308,10 +308,9 @@ TEST(MissionObserve, ADebuggerGoesBackToTheStateThatTheCoSimulationRestoredButNo
 TEST(MissionObserve, ADebuggerThatVanishesLetsTheMissionContinue) {
   Parameters debugged;
   debugged.gdb_port = 0;
-  std::thread caller;
+  std::jthread caller;
   const auto bytes = state_after(debugged, 5, [&](std::string_view message) {
-    const auto port = std::stoi(std::string(message.substr(message.rfind(':') + 1)));
-    caller = std::thread([port] { Caller(port).ask("?"); });
+    caller = start_debugger(message, [](Caller& gdb) { gdb.ask("?"); });
   });
   caller.join();
   EXPECT_TRUE(bytes == state_after({}, 5));
