@@ -113,6 +113,14 @@ class Uart final : public Device {
   void receive(UartByte byte);
   void lose(std::uint32_t flag, std::string_view what);
 
+  /// Calls `use` with name, value, least and greatest value of each setting.
+  template <typename Use>
+  void for_each_setting(Use use) const {
+    use("baud", baud_after_reset_, kLeastBaud, kMostBaud);
+    use("fifo_depth", depth_, 1, 255);
+    use("error_rate", error_rate_, 0, 1);
+  }
+
   const BoardDevice& entry_;
   ChipHost& host_;
   ActiveTime active_time_;
@@ -171,14 +179,11 @@ const std::string* Uart::text_output(std::string_view variable) const {
 }
 
 void Uart::check_settings() const {
-  const auto check = [&](std::string_view name, double value, double least, double most) {
+  for_each_setting([&](std::string_view name, double value, double least, double most) {
     if (value >= least && value <= most) return;
     throw Error(ErrorCode::value_out_of_range,
                 fmt::format("{}.{} = {} must be from {} to {}", entry_.name, name, value, least, most));
-  };
-  check("baud", baud_after_reset_, kLeastBaud, kMostBaud);
-  check("fifo_depth", depth_, 1, 255);
-  check("error_rate", error_rate_, 0, 1);
+  });
 }
 
 /// Takes the bytes that the text has not had before. If the sender's step is the longer one, it keeps its text for
@@ -339,8 +344,10 @@ bool Uart::is_sound() const {
   };
   constexpr double kMostCount = 0x1p53;
   constexpr auto kSeeds = std::numeric_limits<std::int32_t>();
-  const bool settings = within(baud_after_reset_, kLeastBaud, kMostBaud) && within(depth_, 1, 255) &&
-                        within(error_rate_, 0, 1) && within(seed_, kSeeds.min(), kSeeds.max());
+  bool settings = within(seed_, kSeeds.min(), kSeeds.max());
+  for_each_setting([&](std::string_view, double value, double least, double most) {
+    settings = settings && within(value, least, most);
+  });
   const bool counts = within(bytes_sent_, 0, kMostCount) && within(bytes_received_, 0, kMostCount) &&
                       within(bytes_lost_, 0, kMostCount) && within(bytes_garbled_, 0, kMostCount);
   const bool registers = (stored_baud_ == 0 || within(stored_baud_, kLeastBaud, kMostBaud)) && within(stop_bits_, 1, 2);
