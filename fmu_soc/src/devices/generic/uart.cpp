@@ -111,7 +111,6 @@ class Uart final : public Device {
   void start_next(Picoseconds now);
   void end_transmission();
   void receive(UartByte byte);
-  void lose(std::uint32_t flag, std::string_view what);
 
   /// Calls `use` with name, value, least and greatest value of each setting.
   template <typename Use>
@@ -119,6 +118,16 @@ class Uart final : public Device {
     use("baud", baud_after_reset_, kLeastBaud, kMostBaud);
     use("fifo_depth", depth_, 1, 255);
     use("error_rate", error_rate_, 0, 1);
+  }
+
+  /// Sets a flag for the firmware, and reports the first loss to the user.
+  template <typename... Values>
+  void lose(std::uint32_t flag, fmt::format_string<const Values&...> what, const Values&... values) {
+    flags_ |= flag;
+    if (complained_) return;
+    complained_ = true;
+    host_.complain(fmt::format("{}: {}; {}.bytes_lost counts all of them", entry_.name, fmt::format(what, values...),
+                               entry_.name));
   }
 
   const BoardDevice& entry_;
@@ -199,9 +208,8 @@ void Uart::begin_step(Picoseconds now) {
   auto number = arrived_.first;
   if (!arrived_.bytes.empty() && number > next_number_) {
     bytes_lost_ += static_cast<double>(number - next_number_);
-    lose(0, fmt::format("{} bytes of the sender never arrived; give this chip a step that is not longer than that of "
-                        "the sender",
-                        number - next_number_));
+    lose(0, "{} bytes of the sender never arrived; give this chip a step that is not longer than that of the sender",
+         number - next_number_);
     next_number_ = number;
   }
   for (auto byte : arrived_.bytes) {
@@ -225,7 +233,7 @@ void Uart::advance(Picoseconds now) {
 void Uart::transmit(std::uint8_t byte, Picoseconds now) {
   if (waiting_.size() >= depth()) {
     bytes_lost_ += 1;
-    lose(kDropped, fmt::format("a byte was stored while the transmit FIFO of {} bytes was full, and is lost", depth()));
+    lose(kDropped, "a byte was stored while the transmit FIFO of {} bytes was full, and is lost", depth());
     return;
   }
   waiting_.push(byte);
@@ -266,18 +274,10 @@ void Uart::receive(UartByte byte) {
   }
   if (received_.size() >= depth()) {
     bytes_lost_ += 1;
-    lose(kOverrun, fmt::format("a byte arrived while the receive FIFO of {} bytes was full, and is lost", depth()));
+    lose(kOverrun, "a byte arrived while the receive FIFO of {} bytes was full, and is lost", depth());
     return;
   }
   received_.push(byte.value);
-}
-
-/// Sets a flag for the firmware, and reports the first loss to the user.
-void Uart::lose(std::uint32_t flag, std::string_view what) {
-  flags_ |= flag;
-  if (complained_) return;
-  complained_ = true;
-  host_.complain(fmt::format("{}: {}; {}.bytes_lost counts all of them", entry_.name, what, entry_.name));
 }
 
 std::uint32_t Uart::status() const {
