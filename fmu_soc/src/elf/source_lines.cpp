@@ -363,8 +363,8 @@ std::optional<SourceLine> find_line(const LineSections& sections, std::uint32_t 
   return found;
 }
 
-/// In optimised code, a statement often begins at the address of the next row, which is no statement. Such a statement
-/// has an empty range: its address still tells how often it began.
+/// In optimised code, the next row often has the same address and no statement. The range of the statement is then
+/// empty. The list contains it, because the instruction at its address runs each time the statement begins.
 std::vector<LineRange> all_lines(const LineSections& sections) {
   std::vector<LineRange> ranges;
   for_each_unit(sections, [&](LineProgram& program) {

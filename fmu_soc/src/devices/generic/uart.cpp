@@ -29,7 +29,7 @@ class ByteFifo {
   void clear() { count_ = 0; }
   /// The FIFO must have fewer than 255 bytes.
   void push(std::uint8_t byte) { bytes_[(first_ + count_++) % bytes_.size()] = byte; }
-  /// Removes the oldest byte and returns it; 0 if there is none.
+  /// Removes and returns the oldest byte. Returns 0 if the FIFO is empty.
   std::uint8_t pop() {
     if (count_ == 0) return 0;
     const auto byte = bytes_[first_];
@@ -52,8 +52,11 @@ class ByteFifo {
 
 /// UART whose line leads to a UART of another chip: a start bit, eight data bits, one or two stop bits.
 ///
-///   DATA stored -> transmit FIFO -> line: each byte takes its bits at BAUD -> text .sent of the step in which it ends
-///   text .received of the step before -> each byte at the same time within the present step -> receive FIFO -> DATA
+/// Sender: a store to DATA puts a byte into the transmit FIFO. The line transmits one byte after the other, at BAUD.
+/// The text .sent of a step has the bytes that ended in this step.
+///
+/// Receiver: the text .received has the bytes of the previous step. Each byte arrives at the same time within the
+/// present step. It then waits in the receive FIFO, until a load of DATA takes it.
 ///
 /// So a byte arrives exactly one communication step after the end of its stop bit. With an order of instances in which
 /// the sender steps first (Gauss-Seidel), it arrives at that end.
