@@ -10,9 +10,13 @@ from mebots.deploy.graph import Tensor
 from mebots.deploy.layers import Network
 from mebots.deploy.plan import Plan
 
-L3_KERNEL = "l3.c"
-KERNELS = ("steps.c", "convolve.c", "convolve_pooled.c", "depthwise.c", "pool.c", "elementwise.c", "direct.c")
+_KERNELS = ("steps.c", "convolve.c", "convolve_pooled.c", "depthwise.c", "pool.c", "elementwise.c", "direct.c")
 _TAG = "// SPDX-License-Identifier: Apache-2.0\n"
+
+
+def kernels(plan: Plan) -> tuple[str, ...]:
+    """Returns the names of the kernels' sources that a network needs."""
+    return _KERNELS if plan.stream is None else (*_KERNELS, "l3.c")
 
 
 def identifier(name: str) -> str:
@@ -274,16 +278,14 @@ network_weights:
     return text if plan.stream is None else f"# In a chip's program, the weights come from the flash.\n#ifndef __riscv\n{text}#endif\n"
 
 
-
 def cmake(plan: Plan) -> str:
-    names = KERNELS if plan.stream is None else (*KERNELS, L3_KERNEL)
-    kernels = "\n  ".join(f"${{MEBOTS_ROOT}}/fmu_soc/firmware/kernels/{one}" for one in names)
+    files = "\n  ".join(f"${{MEBOTS_ROOT}}/fmu_soc/firmware/kernels/{one}" for one in kernels(plan))
     return f"""# SPDX-License-Identifier: Apache-2.0
 # Written by `mebots deploy`. In the CMakeLists.txt of a firmware:
 #   include(FOLDER/network.cmake)
 #   mebots_add_firmware(NAME SOURCES main.c ${{NETWORK_SOURCES}} OPTIONS ${{NETWORK_OPTIONS}} DATA ${{NETWORK_DATA}})
 set(NETWORK_SOURCES
-  {kernels}
+  {files}
   ${{CMAKE_CURRENT_LIST_DIR}}/network.c
   ${{CMAKE_CURRENT_LIST_DIR}}/network_weights.S)
 set(NETWORK_OPTIONS -I${{CMAKE_CURRENT_LIST_DIR}})

@@ -10,6 +10,7 @@ import numpy as np
 
 from mebots.deploy import chip
 from mebots.deploy import layers as integers
+from mebots.deploy.c_files import kernels
 from mebots.deploy.deployed import Deployed
 from mebots.deploy.graph import Tensor
 from mebots.deploy.layers import Network
@@ -25,7 +26,7 @@ def check(library: pathlib.Path, scratch: pathlib.Path, deployed: Deployed, on_c
     networks use again.
     """
     network, board = deployed.network, deployed.board
-    build = chip.Build(library, scratch, board, objects)
+    build = chip.Build(library, scratch, board, kernels(deployed.plan), objects)
     sizes = [layer.output.bytes for layer in network.layers]
     picture = deployed.pictures.one(0, deployed.scale)
     values = integers.run(network, picture)

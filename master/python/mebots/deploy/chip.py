@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 
 import mebots
-from mebots.deploy.c_files import KERNELS, L3_KERNEL
 from mebots.errors import Error, InputError
 from mebots.installation import data_folder
 
@@ -104,17 +103,18 @@ def board(name: str) -> Board:
 class Build:
     """The programs that check a network, built in a folder of their own."""
 
-    def __init__(self, library: pathlib.Path, scratch: pathlib.Path, on: Board, objects: pathlib.Path | None = None) -> None:
+    def __init__(self, library: pathlib.Path, scratch: pathlib.Path, on: Board, kernels: Sequence[str], objects: pathlib.Path | None = None) -> None:
+        """``kernels``: the names of the kernels' sources that the network needs."""
         self._library = library
         self._scratch = scratch
         self._objects = objects or scratch
         self._board = on
+        self._kernels = kernels
         self._firmware = data_folder() / "fmu_soc/firmware"
 
     def _shared(self) -> list[pathlib.Path]:
         """Returns the sources that are the same for all networks with weights in the same memory."""
-        uses_l3 = "network_fetched" in (self._library / "network.c").read_text()
-        return [self._firmware / "kernels" / one for one in (*KERNELS, *[L3_KERNEL] * uses_l3)]
+        return [self._firmware / "kernels" / one for one in self._kernels]
 
     def _own(self) -> list[pathlib.Path]:
         return [self._firmware / "kernels/check.c", self._library / "network.c", self._library / "network_weights.S"]

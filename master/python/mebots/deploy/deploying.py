@@ -15,6 +15,7 @@ import numpy as np
 
 from mebots.deploy import chip, contracts
 from mebots.deploy import layers as integers
+from mebots.deploy.c_files import kernels
 from mebots.deploy.checking import check
 from mebots.deploy.deployed import Deployed, Options
 from mebots.deploy.judging import Judgement
@@ -90,7 +91,7 @@ def _build_pilot(folder: pathlib.Path, deployed: Deployed, options: Options) -> 
         return {"none": fitting}
     contract = fitting.contract
     try:
-        elf = chip.Build(folder, folder.parent, deployed.board).pilot(contract.name, contract.sources, fitting.order)
+        elf = chip.Build(folder, folder.parent, deployed.board, kernels(deployed.plan)).pilot(contract.name, contract.sources, fitting.order)
     except InputError as error:
         return {"none": str(error)}
     shutil.copy(elf, folder / elf.name)
