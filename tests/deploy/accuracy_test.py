@@ -66,8 +66,8 @@ class Sizes(DeployCase):
 
     def judged(self, maker, **options):
         """Returns accuracy and sizes of a network, as they are in network.json."""
-        path = self.folder / "model.onnx"
-        onnx.save(maker.model(), str(path))
+        path = f"{self.folder}/./model.onnx"  # messages have it without "./"
+        onnx.save(maker.model(), path)
         scratch = self.folder / "scratch"
         shutil.copytree(objects(), scratch, dirs_exist_ok=True)
         deployed = lower(path, self.data, Options(**options))

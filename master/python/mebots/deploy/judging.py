@@ -43,7 +43,7 @@ class Judgement:
             try:
                 smaller = lower(self._model, self._data, self._options, size)
             except InputError as error:
-                reason = sizes.reason(error, size, self._model)
+                reason = sizes.reason(error, size, self._deployed.model.path)
                 if self._options.sizes is not None:
                     raise InputError(f"--sizes: {reason}", error.code) from error
                 return {"accuracy": accuracy, "sizes": {"rows": rows, "none": reason}}

@@ -223,7 +223,7 @@ def _with_shapes(model: Any, path: pathlib.Path) -> Any:
         onnx.checker.check_model(model)
         return onnx.shape_inference.infer_shapes(model, strict_mode=True, data_prop=True)
     except Exception as error:  # ValidationError, InferenceError, and others of the C++ library
-        raise InputError(f"{path}: is not a valid ONNX model: {_one_line(error)}", "invalid_model") from error
+        raise InputError(f"{path}: the model is not a valid ONNX model: {_one_line(error)}", "invalid_model") from error
 
 
 def _one_line(error: Exception) -> str:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-import os
+import pathlib
 
 from mebots.deploy.deployed import Size
 from mebots.deploy.graph import Tensor
@@ -43,11 +43,10 @@ def chosen(whole: Tensor, sizes: tuple[Size, ...] | None) -> tuple[Size, ...]:
     return tuple(one for one in dict.fromkeys(sizes) if one != (whole.rows, whole.columns))
 
 
-def reason(error: InputError, size: Size, model: str | os.PathLike[str]) -> str:
+def reason(error: InputError, size: Size, model: pathlib.Path) -> str:
     """Returns why the model cannot have this size of the input."""
-    text = str(error).removeprefix(f"{os.fspath(model)}: ").rstrip(".")
-    subject = "the model " if text.startswith("is ") else ""
-    why = f"with an input of {size[1]} x {size[0]}, {subject}{text}"
+    text = str(error).removeprefix(f"{model}: ").rstrip(".")
+    why = f"with an input of {size[1]} x {size[0]}, {text}"
     if isinstance(error, InputTooSmall):  # another size is possible, and the text says which
         return why
     return f"{why}. The size can change if the network ends in convolutions or in a global pool, without a dense layer over rows and columns"
