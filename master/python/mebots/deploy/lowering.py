@@ -53,8 +53,8 @@ def lower(model: str | os.PathLike[str], data: str | os.PathLike[str], options: 
         divisors = equalise(graph, set(read.scales)) if options.equalise else {}
         if options.equalise and not divisors:
             raise read.fail(
-                "--equalise: no two layers can be equalised. Only Relu or pools may be between them, not Clip (Relu6), and only one layer may use the tensor. "
-                "Leave the option out, or train with Relu"
+                "--equalise: no two layers can be equalised. Only Relu or pools may be between them, not Clip (Relu6), and "
+                "nothing else may use the tensors between them. Leave the option out, or train with Relu"
             )
         chosen = (pictures.real(pictures.one(i, scale), scale) for i in pictures.chosen(options.pictures))
         ranges = ranges_of(float_model, chosen, options.percentile, divisors)
