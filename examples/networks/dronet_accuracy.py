@@ -14,7 +14,7 @@ import numpy as np
 
 from mebots.deploy import layers as integers
 from mebots.deploy.deployed import Options
-from mebots.deploy.deploying import lower
+from mebots.deploy.lowering import lower
 from mebots.deploy.pictures import Crop
 
 CROP = Crop(62, 44)  # 200 x 200 at the middle of the bottom, as PULP-DroNet's firmware

@@ -16,8 +16,8 @@ import mebots
 from mebots.deploy.accuracy import Outputs, _against, _resampled, difference
 from mebots.deploy.command import main
 from mebots.deploy.deployed import Options
-from mebots.deploy.deploying import lower
 from mebots.deploy.judging import Judgement
+from mebots.deploy.lowering import lower
 from mebots.deploy.report import _shown_sizes
 
 

@@ -12,9 +12,10 @@ from networks import DeployCase, Maker, objects
 from onnx import helper
 
 import mebots
+from mebots.deploy import checking
 from mebots.deploy import layers as integers
 from mebots.deploy.deployed import Options
-from mebots.deploy.deploying import check_and_measure, lower
+from mebots.deploy.lowering import lower
 
 
 class IntegerMaker(Maker):
@@ -82,10 +83,8 @@ class WholeNumbers(DeployCase):
         for seed, shifts in ((1, False), (2, True)):
             deployed = self.check(seed, shifts)
             library = self.folder / "library"
-            library.mkdir(exist_ok=True)
-            for name, content in deployed.sources.files.items():
-                (library / name).write_bytes(content)
-            check_and_measure(library, self.folder, deployed, Options(), objects(), with_cost=False)
+            deployed.sources.write(library)
+            checking.check(library, self.folder, deployed, True, objects())
 
     def test_broken_requantising_is_refused(self):
         maker = IntegerMaker(1, (2, 10, 10), shifts=True)

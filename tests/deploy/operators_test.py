@@ -8,9 +8,10 @@ import sys
 import numpy as np
 from networks import DeployCase, Maker, objects
 
+from mebots.deploy import checking
 from mebots.deploy import layers as integers
 from mebots.deploy.deployed import Options
-from mebots.deploy.deploying import check_and_measure, lower
+from mebots.deploy.lowering import lower
 
 
 def pair(random, low, high):
@@ -23,10 +24,8 @@ class OperatorCase(DeployCase):
         model, data = maker.save(self.folder)
         deployed = lower(model, data, Options(board=board))
         library = self.folder / "library"
-        library.mkdir(exist_ok=True)
-        for name, content in deployed.sources.files.items():
-            (library / name).write_bytes(content)
-        check_and_measure(library, self.folder, deployed, Options(), objects(board), with_cost=False)
+        deployed.sources.write(library)
+        checking.check(library, self.folder, deployed, True, objects(board))
         self.near_to_float(deployed, steps)
         return deployed
 

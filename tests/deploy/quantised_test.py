@@ -13,7 +13,7 @@ from onnxruntime.quantization import CalibrationDataReader, QuantFormat, QuantTy
 from mebots.deploy import layers as integers
 from mebots.deploy.arithmetic import Scale
 from mebots.deploy.deployed import Options
-from mebots.deploy.deploying import lower
+from mebots.deploy.lowering import lower
 
 
 class Reader(CalibrationDataReader):

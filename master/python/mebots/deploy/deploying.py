@@ -20,11 +20,9 @@ from mebots.deploy.checking import check
 from mebots.deploy.deployed import Deployed, Options
 from mebots.deploy.judging import Judgement
 from mebots.deploy.lowering import lower
-from mebots.deploy.measure import Measurement, measure
+from mebots.deploy.measure import measure
 from mebots.deploy.report import contract, result_of
 from mebots.errors import InputError
-
-__all__ = ["check_and_measure", "deploy", "lower"]
 
 
 def deploy(model: str | os.PathLike[str], data: str | os.PathLike[str], out: str | os.PathLike[str], options: Options | None = None) -> dict[str, Any]:
@@ -53,7 +51,8 @@ def deploy(model: str | os.PathLike[str], data: str | os.PathLike[str], out: str
 def _fill(folder: pathlib.Path, deployed: Deployed, options: Options, judgement: Judgement) -> dict[str, Any]:
     deployed.sources.write(folder)
     vectors = _write_vectors(folder, deployed, options.vectors)
-    measurement = check_and_measure(folder, folder.parent, deployed, options)
+    program = check(folder, folder.parent, deployed, options.measure)
+    measurement = None if program is None else measure(program, len(deployed.network.layers))
     judged = judgement.result(folder.parent)
     pilot = _build_pilot(folder, deployed, options)
     content = contract(deployed, options, vectors) | judged | {"flight": pilot, "files": _hashes(folder)}
@@ -61,19 +60,6 @@ def _fill(folder: pathlib.Path, deployed: Deployed, options: Options, judgement:
         content["measured"] = result_of(deployed, measurement)
     (folder / "network.json").write_text(json.dumps(content, indent=2) + "\n")
     return content
-
-
-def check_and_measure(
-    library: pathlib.Path,
-    scratch: pathlib.Path,
-    deployed: Deployed,
-    options: Options,
-    objects: pathlib.Path | None = None,
-    with_cost: bool = True,
-) -> Measurement | None:
-    """Compares C with the reference (checking.check). Unless that is switched off, also measures on the chip."""
-    program = check(library, scratch, deployed, options.measure, objects)
-    return measure(program, len(deployed.network.layers)) if program is not None and with_cost else None
 
 
 def _build_pilot(folder: pathlib.Path, deployed: Deployed, options: Options) -> dict[str, Any]:

@@ -242,8 +242,8 @@ class Sources:
     weight_bytes: int
 
     def write(self, folder: pathlib.Path) -> None:
-        """Writes the files into a new folder."""
-        folder.mkdir()
+        """Writes the files into a folder, which is created if necessary."""
+        folder.mkdir(exist_ok=True)
         for name, content in self.files.items():
             (folder / name).write_bytes(content)
 
