@@ -52,7 +52,7 @@ def _fill(folder: pathlib.Path, deployed: Deployed, options: Options, judgement:
     deployed.sources.write(folder)
     vectors = _write_vectors(folder, deployed, options.vectors)
     program = check(folder, folder.parent, deployed, options.measure)
-    measurement = None if program is None else measure(program, len(deployed.network.layers))
+    measurement = None if program is None else measure(program)
     judged = judgement.result(folder.parent)
     pilot = _build_pilot(folder, deployed, options)
     content = contract(deployed, options, vectors) | judged | {"flight": pilot, "files": _hashes(folder)}

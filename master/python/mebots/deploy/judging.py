@@ -63,7 +63,7 @@ class Judgement:
             "macs": sum(one.macs for one in layers),
             "accuracy": accuracy_of(outputs, compared),
             "settings": [
-                {"cores": one.cores, "cluster_clock": one.clock_hz, "time": one.total.time_s, "energy": one.total.energy_j} for one in measure_settings(program, len(layers))
+                {"cores": one.cores, "cluster_clock": one.clock_hz, "time": one.total.time_s, "energy": one.total.energy_j} for one in measure_settings(program)
             ],
         }
         if whole.floats is not None and all(outputs.integers[name].shape == values.shape for name, values in whole.floats.items()):

@@ -71,22 +71,26 @@ def _difference(a: dict, b: dict, clock_hz: float) -> Cost:
     )
 
 
-def measure(program: chip.Program, layers: int) -> Measurement:
+def measure(program: chip.Program) -> Measurement:
     """Measures each layer with all cores at the highest clock, and the inference in all settings."""
     cores = program.board.cores
-    reports = [program.report(cores, count, by_cause=True) for count in range(layers + 1)]
+    reports = [program.report(cores, count, by_cause=True) for count in range(len(program.bytes) + 1)]
     costs = [_difference(a, b, chip.CLOCK_HZ) for a, b in zip(reports, reports[1:], strict=False)]
     total = _difference(reports[0], reports[-1], chip.CLOCK_HZ)
-    return Measurement(cores, chip.CLOCK_HZ, costs, total, measure_settings(program, layers, total))
+    return Measurement(cores, chip.CLOCK_HZ, costs, total, measure_settings(program, (reports[0], total)))
 
 
-def measure_settings(program: chip.Program, layers: int, usual: Cost | None = None) -> list[Setting]:
-    """Measures an inference for each clock and number of cores. ``usual`` is its known cost with all cores at the highest clock."""
+def measure_settings(program: chip.Program, usual: tuple[dict, Cost] | None = None) -> list[Setting]:
+    """Measures an inference for each clock and number of cores.
+
+    ``usual``: the report without layers, and the cost, if they are known for all cores at the highest clock.
+    """
     most = program.board.cores
     settings = []
     for clock in (*CLOCKS_HZ, chip.CLOCK_HZ):
-        start = program.report(most, 0, clock)  # without a layer, the number of cores has no effect
+        known = usual if clock == chip.CLOCK_HZ else None
+        start = known[0] if known else program.report(most, 0, clock)  # without a layer, the number of cores has no effect
         for cores in [*(2**i for i in range(most.bit_length()) if 2**i < most), most]:
-            known = usual is not None and clock == chip.CLOCK_HZ and cores == most
-            settings.append(Setting(cores, clock, usual if known else _difference(start, program.report(cores, layers, clock), clock)))
+            cost = known[1] if known and cores == most else _difference(start, program.report(cores, len(program.bytes), clock), clock)
+            settings.append(Setting(cores, clock, cost))
     return settings
