@@ -85,7 +85,7 @@ class Sizes(DeployCase):
     def test_each_size_is_checked_measured_and_judged(self):
         self.labels.write_text("picture,class\n0,2\n3,0\n5,1\n")
         content = self.judged(pooled(), sizes=((10, 12),), labels=str(self.labels))
-        (row,) = content["sizes"]
+        (row,) = content["sizes"]["rows"]
         self.assertEqual((row["rows"], row["columns"], row["macs"]), (10, 12, 5 * 6 * 8 * 9 + 24))
         self.assertEqual(row["accuracy"]["pictures"], 3)
         self.assertEqual(set(row["accuracy"]["labels"]["outputs"]["class"]), {"float", "int8", "loss"})

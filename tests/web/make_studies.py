@@ -136,8 +136,8 @@ def network(is_measured):
     return {
         "format": 1, "model": {"file": "invented.onnx", "sha256": "0" * 64, "opset": 17}, "calibration": {"pictures": 12, "percentile": None},
         "input": {"rows": 160, "columns": 160, "channels": 1, "tensor": "picture"}, "outputs": {"outputs": {"shape": [1, 1, 4]}},
-        "accuracy": judged(0.01), "sizes": [{"rows": size, "columns": size, "macs": size * size * 400, "accuracy": judged(0.01 * 160 / size), "settings": [
-            one | {"time": one["time"] * (size / 160) ** 2, "energy": one["energy"] * (size / 160) ** 2} for one in settings]} for size in (120, 80)],
+        "accuracy": judged(0.01), "sizes": {"rows": [{"rows": size, "columns": size, "macs": size * size * 400, "accuracy": judged(0.01 * 160 / size), "settings": [
+            one | {"time": one["time"] * (size / 160) ** 2, "energy": one["energy"] * (size / 160) ** 2} for one in settings]} for size in (120, 80)]},
         "memory": {"weights": 60000, "fetched": 0, "activations": 102400, "l1": 16000, "picture": 25600}, "layers": layers, "flight": {"none": "it has other outputs"},
     } | ({"measured": measured} if is_measured else {})  # fmt: skip
 

@@ -78,7 +78,7 @@ export interface NetworkPage extends Page {
     flight: { program?: string; firmware?: string[]; none?: string };
     measured?: Measured;
     accuracy: Accuracy;
-    sizes: SizeRow[] | { rows: SizeRow[]; none: string };
+    sizes: { rows: SizeRow[]; none?: string };
   };
   board: { name: string; cores: number; l1: number; l2: number };
 }

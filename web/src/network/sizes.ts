@@ -17,11 +17,10 @@ interface Quantity {
 export function makeSizes({ network }: NetworkPage, measured: Measured): HTMLElement {
   const { input, accuracy, sizes, layers } = network;
   const own: SizeRow = { rows: input.rows, columns: input.columns, macs: sumOf(layers, "macs"), accuracy, settings: measured.settings };
-  const smaller = Array.isArray(sizes) ? sizes : sizes.rows;
-  const rows = [own, ...smaller];
+  const rows = [own, ...sizes.rows];
   const quantities = quantitiesOf(accuracy);
   const parts: HTMLElement[] = [];
-  if (!Array.isArray(sizes)) parts.push(element("p", {}, `${smaller.length > 0 ? "No smaller input" : "One size of the input only"}: ${sizes.none}.`));
+  if (sizes.none !== undefined) parts.push(element("p", {}, `${sizes.rows.length > 0 ? "No smaller input" : "One size of the input only"}: ${sizes.none}.`));
   if (quantities.length > 0) parts.push(makePlot(rows, quantities[0]), makeTable(rows, quantities));
   const text = quantities.length > 0 ? `${accuracy.pictures} pictures of ${accuracy.data}; 95 % intervals in brackets.` : "The model has whole numbers, which the chip computes without rounding.";
   const made = panel("Accuracy next to energy", text, ...parts);

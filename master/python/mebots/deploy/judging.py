@@ -48,7 +48,7 @@ class Judgement:
                     raise InputError(f"--sizes: {reason}", error.code) from error
                 return {"accuracy": accuracy, "sizes": {"rows": rows, "none": reason}}
             rows.append(self._row(smaller, size, whole, objects))
-        return {"accuracy": accuracy, "sizes": rows}
+        return {"accuracy": accuracy, "sizes": {"rows": rows}}
 
     def _row(self, smaller: Deployed, size: Size, whole: Outputs, objects: pathlib.Path) -> dict[str, Any]:
         place = objects / f"input {size[0]} {size[1]}"

@@ -133,9 +133,9 @@ def shown(content: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def _shown_sizes(sizes: Any) -> list[str]:
+def _shown_sizes(sizes: dict[str, Any]) -> list[str]:
     """Returns lines for smaller inputs, each with all cores at the highest clock."""
-    rows, reason = (sizes["rows"], sizes["none"]) if isinstance(sizes, dict) else (sizes, None)
+    rows, reason = sizes["rows"], sizes.get("none")
     lines = []
     for row in rows:
         last = row["settings"][-1]
