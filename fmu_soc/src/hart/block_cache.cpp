@@ -64,7 +64,8 @@ bool BlockCache::fetch(const Memory& memory, std::uint32_t pc, std::uint32_t& wo
   return true;
 }
 
-/// Returns the slot of an instruction without the fields that are sums over the previous instructions of the block.
+/// Returns the slot of an instruction. The fields that are sums over the previous instructions of the block are not
+/// set.
 Instruction BlockCache::instruction_of(const Decoded& decoded, std::uint32_t pc) const {
   Instruction instruction;
   instruction.run = handler_of(decoded.op, decoded.operand);
@@ -110,11 +111,11 @@ struct BlockCache::Decoding {
   bool ends_loop = false;              // its last instruction may be the last one of a hardware loop
 };
 
-/// True if the block should end before the next instruction. It ends where another block begins and at a target of one
-/// of its own branches, because overlapping blocks cost more than a step from one block into the next. If blocks are
-/// decoded for translation, the block also ends after a backward branch. Otherwise, the time bound and the lines of
-/// each iteration would include the code after the loop. The block does not end before code that jumps within two
-/// instructions: the cycles of such a jump depend on the instructions before it.
+/// True if the block should end before the next instruction. A block ends where another block begins, and at a target
+/// of one of its own branches. The reason is that overlapping blocks cost more than a step from one block into the
+/// next. If blocks are decoded for translation, the block also ends after a backward branch. If it continued, the time
+/// bound and the cache lines of each iteration would include the code after the loop. The block does not end before
+/// code that jumps within two instructions: the cycles of such a jump depend on the instructions before it.
 bool BlockCache::ends_here(const Decoding& decoding) const {
   // The cycles of the next block's first two instructions depend on the last two instructions, which must both be in
   // this block.
@@ -168,7 +169,7 @@ void BlockCache::append(Decoding& decoding, const Decoded& decoded) {
   const auto cycles = static_cycles(timing_, decoding.two_before, decoding.before, current_of(decoded));
   MEBOTS_ASSERT(sums.cycles_before + cycles <= 0xffff);
   block.last_start_bound = decoding.next_start_bound;
-  // A misaligned access is two bus accesses.
+  // A misaligned access consists of two bus accesses.
   decoding.next_start_bound += cycles + most_extra_cycles(decoded.op) + 2 * longest_wait_ * accesses_of(decoded.op);
   sums.cycles_before = static_cast<std::uint16_t>(sums.cycles_before + cycles);
   sums.index = static_cast<std::uint8_t>(sums.index + 1);
@@ -261,9 +262,9 @@ void BlockCache::invalidate(std::uint32_t number) {
   if (listener_ != nullptr) listener_->invalidated(number);
 }
 
-/// Invalidates every block that overlaps one of the words. A mark covers a whole word, so afterwards none of these
-/// words is marked. No block is longer than a page. Therefore a block that contains a byte begins in the page of that
-/// byte or in the page before.
+/// Invalidates every block that overlaps one of the words. A mark covers a whole word, so none of these words is marked
+/// afterwards. No block is longer than a page. Therefore a block that contains a byte begins in the page of that byte
+/// or in the previous page.
 void BlockCache::invalidate_overlapping(std::uint32_t address, std::uint32_t count) {
   MEBOTS_ASSERT(count > 0);
   const auto last = (address + (count - 1)) | 3U;

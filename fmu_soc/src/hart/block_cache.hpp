@@ -29,8 +29,8 @@ struct InstructionEnergy {
 struct CodeSettings {
   Timing timing = {};
   InstructionEnergy energy = {};
-  /// If true, a block that starts before the limit of a run is executed to its end. Then earlier decoding does not
-  /// affect where a hart stops.
+  /// If true, a block that starts before the limit of a run is executed to the block's end. The effect is that the
+  /// place where a hart stops does not depend on earlier decoding.
   bool loose_limit = false;
   InstructionCache* instruction_cache = nullptr;  // of the fetches; null = fetching never waits
   Banks* banks = nullptr;                         // of the first memory, if several users share it; null = one user
@@ -48,7 +48,7 @@ struct HartSettings {
   bool has_gap8_interrupts = false;
 };
 
-/// Straight code from one address, decoded once.
+/// A decoded sequence of instructions that starts at one address.
 struct Block {
   std::uint32_t pc = kInvalid;
   std::uint32_t end = 0;                // address after it
@@ -69,44 +69,45 @@ struct Block {
   /// Marks an invalidated block. No pc is odd.
   static constexpr std::uint32_t kInvalid = 1;
   bool valid() const { return pc != kInvalid; }
-  /// True if translated code should fetch the lines of the block in the hot path. Each line is absent at its first use,
-  /// so a few absences do not count.
+  /// True if translated code should fetch the lines of the block in the hot path. The first absences do not count,
+  /// because each line is absent at its first use.
   bool is_often_absent() const { return 2 * absences > heat + kFewAbsences; }
   static constexpr int kFewAbsences = 8;  // of the 64 turns after which a block is hot
-  /// Returns the stall of its first instruction after a load.
+  /// Returns the number of stall cycles of the block's first instruction after a load.
   std::uint32_t stall_after(const Previous& before) const {
     return is_load(before.op) && before.writes() ? static_cast<std::uint32_t>(stalled_by >> before.rd & 1U) : 0U;
   }
 };
 
-/// Gets a call when a block becomes invalid. Derived classes keep data about decoded blocks.
+/// Receives calls when blocks become invalid. Derived classes keep data about decoded blocks.
 class BlockListener {
  public:
   virtual ~BlockListener() = default;
-  /// Called when the block becomes invalid. A later block may get the same number.
+  /// Called when the block with this number becomes invalid. A later block may get the same number.
   virtual void invalidated(std::uint32_t number) = 0;
   /// Called when all blocks become invalid.
   virtual void invalidated_all() = 0;
 };
 
-/// The decode cache: decoded blocks by address. See decode-cache.md in this folder.
+/// The decode cache: stores decoded blocks by their address. See decode-cache.md in this folder.
 class BlockCache {
  public:
   static constexpr std::uint32_t kMaxBlockLength = 64;
   static constexpr std::uint32_t kMaxBlocks = 1U << 16;
 
-  /// Reserves a mark of the memory, which must outlive the cache. If `for_translation` is true, blocks end where
-  /// translated code needs it, otherwise where the interpreter needs it.
+  /// Reserves a mark of the memory, which must outlive the cache. If `for_translation` is true, blocks end at the
+  /// places that suit translated code. If it is false, blocks end at the places that suit the interpreter.
   BlockCache(Memory& memory, const CodeSettings& settings, bool for_translation);
 
   const Timing& timing() const { return timing_; }
 
-  /// Returns the number of the block that starts at `pc`, and decodes it if necessary; 0 if `pc` cannot be fetched.
+  /// Returns the number of the block that starts at `pc`, and decodes the block if necessary. If `pc` cannot be
+  /// fetched, returns 0.
   std::uint32_t find(std::uint32_t pc) {
     const auto number = known(pc);
     return number != 0 ? number : decode_block(pc);
   }
-  /// Returns the number of the block that starts at `pc`; 0 if it is not decoded.
+  /// Returns the number of the block that starts at `pc`. If no such block is decoded, returns 0.
   std::uint32_t known(std::uint32_t pc) const {
     auto number = by_pc_[bucket_of_pc(pc)];
     while (number != 0 && blocks_[number].pc != pc) number = blocks_[number].next_of_pc;
@@ -121,39 +122,40 @@ class BlockCache {
     MEBOTS_ASSERT(block.first < kArenaSize);
     return &arena_[block.first];
   }
-  /// Returns the link to the first block of a hardware loop's next iteration. If the link belongs to another start
-  /// address, clears it.
+  /// Returns the link to the first block of a hardware loop's next iteration. If the link leads to another address than
+  /// `start`, clears the link.
   std::uint16_t* loop_link(const Instruction& holder, std::uint32_t start) const {
     if (block(holder.link).pc != start) holder.link = 0;
     return &holder.link;
   }
-  /// True if the two instructions before the block change the cycles of a jump at the start of the block. Then the
-  /// cycles stored in the block are wrong, and single() returns the right ones. If the jump is the second instruction,
-  /// always returns true.
+  /// True if the two instructions before the block change the cycles of a jump at the start of the block. In this case,
+  /// the cycles stored in the block are wrong, and single() must be used. If the jump is the block's second
+  /// instruction, always returns true.
   bool delays_jump(const Block& block, const Previous& two_before, const Previous& before) const {
     return block.early_jump && before.op != Op::end_of_block && delays_first_jump(block, two_before, before);
   }
-  /// Replaces the handler of an instruction, and returns the earlier one.
+  /// Replaces the handler of an instruction. Returns the replaced handler.
   Handler exchange(const Instruction* at, Handler handler) {
     MEBOTS_ASSERT(index_of(at) < kArenaSize, "single instructions stay as they are");
     return std::exchange(arena_[index_of(at)].run, handler);
   }
 
   /// Decodes one instruction for the given state of the pipeline, as a block of this instruction. If the instruction
-  /// cannot be fetched, returns null. The result is stored until code changes, because loops execute the same
+  /// cannot be fetched, returns null. The result is cached until code changes, because loops execute the same
   /// instructions many times.
   const Instruction* single(std::uint32_t pc, const Previous& two_before, const Previous& before);
 
-  /// Ends blocks after the instruction at `pc`, the last one of a hardware loop. Returns true if blocks did not end
-  /// there before. Blocks that continue after this instruction become invalid at the next forget_if_stale().
+  /// Makes blocks end after the instruction at `pc`, which is the last instruction of a hardware loop. Returns true if
+  /// blocks did not end there before. Blocks that continue after this instruction become invalid at the next
+  /// forget_if_stale().
   bool end_block_at(std::uint32_t pc);
 
   /// True if blocks end at `pc`, because it may be the last instruction of a hardware loop.
   bool may_end_loop(std::uint32_t pc) const { return timing_.has_xpulp() && memory_.marked(pc, 2, Region::kLoop); }
 
-  /// Invalidates all blocks, also those of other cores that share the memory.
+  /// Invalidates all blocks. This includes the blocks of other cores that share the memory.
   void clear();
-  /// True if code has changed since the last check, also by a device or another core.
+  /// True if code has changed since the last check. The change may come from a device or from another core.
   bool is_stale() const { return code_generation_ != memory_.code_generation(); }
   /// Invalidates the blocks whose code has changed. Returns true if there are any.
   bool forget_if_stale() {
@@ -165,12 +167,12 @@ class BlockCache {
   /// Sets the listener for invalid blocks; null removes it.
   void set_listener(BlockListener* listener) { listener_ = listener; }
   /// Sets the maximum number of wait cycles of one bus access of the core. Time bounds of blocks use the largest value
-  /// that was ever set. So no code is decoded again when the supply of a memory is switched.
+  /// that was ever set, so that no code is decoded again when a memory is switched on or off.
   void set_longest_wait(std::uint32_t cycles);
   /// Returns the instruction cache; null if there is none.
   const InstructionCache* fetched() const { return cached_lines_; }
-  /// Returns the most cycles from the start of the block to the start of its last instruction, if all lines must be
-  /// fetched.
+  /// Returns the largest number of cycles from the start of the block to the start of its last instruction, if all
+  /// cache lines must be fetched.
   std::uint32_t fetch_bound(const Block& block) const {
     const auto refill = cached_lines_ == nullptr ? 0U : cached_lines_->refill_cycles();
     return block.last_start_bound + block.line_count * refill;
@@ -189,10 +191,10 @@ class BlockCache {
   }
   /// Increases whenever blocks become invalid.
   std::uint64_t generation() const { return generation_; }
-  /// Returns the instructions decoded since construction; repeated decoding counts.
+  /// Returns the number of instructions decoded since construction. An instruction that is decoded again counts again.
   std::uint64_t decoded() const { return decoded_; }
 
-  /// Returns the instruction word at `pc`, or nullopt if it cannot be fetched.
+  /// Returns the instruction word at `pc`. If the word cannot be fetched, returns nullopt.
   std::optional<std::uint32_t> word_at(std::uint32_t pc) const {
     std::uint32_t word = 0;
     std::uint32_t fault_address = 0;
@@ -201,7 +203,7 @@ class BlockCache {
   /// Decodes a word with the extensions of the core.
   Decoded decode_word(std::uint32_t word) const { return decode(word, extensions_); }
   Extensions extensions() const { return extensions_; }
-  /// Reads an instruction word. If it cannot be fetched, returns false and sets `fault_address`.
+  /// Reads the instruction word at `pc`. If the word cannot be fetched, returns false and sets `fault_address`.
   static bool fetch(const Memory& memory, std::uint32_t pc, std::uint32_t& word, std::uint32_t& fault_address);
 
  private:
@@ -213,7 +215,8 @@ class BlockCache {
 
   static constexpr std::size_t kArenaSize = std::size_t{kSegmentSize} * kSegments;
 
-  /// A single instruction with its end slot and a slot for its link. Valid for one generation of the memory's code.
+  /// A single instruction with its end slot and a slot for its link. The entry is valid for one generation of the
+  /// memory's code.
   struct Single {
     std::uint64_t generation = 0;  // 0 = empty; the memory never has this one
     Previous two_before;
@@ -221,8 +224,8 @@ class BlockCache {
     std::array<Instruction, 3> slots{};
   };
 
-  /// Frees the arena. The arena is allocated without initialisation. Clearing 16 MB would delay each start, and most
-  /// programs use only a part of the arena.
+  /// Frees the arena. The arena is allocated without initialisation, because clearing 16 MB would delay each start, and
+  /// most programs use only a part of the arena.
   struct FreeArena {
     void operator()(Instruction* arena) const { std::allocator<Instruction>().deallocate(arena, kArenaSize); }
   };
@@ -251,7 +254,7 @@ class BlockCache {
   Extensions extensions_;
   std::array<std::uint32_t, kOpCount> energy_fj_;
   /// True if a block also ends at known targets of jumps and branches, so that few blocks overlap. False for harts with
-  /// a loose limit, whose blocks must depend on memory and pc only.
+  /// a loose limit, because their blocks must depend only on memory and pc.
   bool end_at_targets_;
   bool end_after_loops_;  // true if a block also ends after a backward branch
   const InstructionCache* cached_lines_;

@@ -8,17 +8,17 @@
 #include <string>
 #include <string_view>
 
-/// Numbers of the control and status registers, from their table.
+/// Numbers of the control and status registers, from the table csrs.inc.
 namespace mebots::soc::csr {
 
 #define MEBOTS_CSR(constant, number, ...) inline constexpr unsigned k##constant = number;
 #include "hart/csrs.inc"
 
-/// mstatus.FS = Dirty. A core has Off and Dirty alone: writing Initial or Clean sets Dirty.
+/// mstatus.FS = Dirty. The field has only the states Off and Dirty: writing Initial or Clean sets Dirty.
 inline constexpr std::uint32_t kFloatsOn = 3U << 13;
 
-/// The cores that have the registers of a row. `floats`: cores with F or Zfinx; `user`: with U mode; `pmp`: with
-/// entries of physical memory protection.
+/// The cores that have the registers of a row. `floats` means cores with F or Zfinx. `user` means cores with U mode.
+/// `pmp` means cores with entries of physical memory protection.
 enum class Core : std::uint8_t { every, ri5cy, gap8, floats, user, pmp };
 
 /// The numbers of the registers of one row. All registers of the table have consecutive slots.
@@ -31,14 +31,14 @@ inline constexpr auto kPlaces = std::to_array<Place>({
 #include "hart/csrs.inc"
 });
 
-/// Returns the number of slots before row `row`. For the end of the table, that is the number of all slots.
+/// Returns the number of slots before row `row`. If `row` is the end of the table, this is the number of all slots.
 constexpr unsigned slots_before(std::size_t row) {
   unsigned slots = 0;
   for (std::size_t i = 0; i < row; ++i) slots += kPlaces[i].count;
   return slots;
 }
 
-/// Returns the slot of the first register with this number; the number of all slots if no row has it.
+/// Returns the slot of the first register with this number. If no row has the number, returns the number of all slots.
 constexpr unsigned slot_of(unsigned number) {
   unsigned slots = 0;
   for (const auto& place : kPlaces) {
@@ -53,7 +53,7 @@ struct Named {
   std::string_view name;
 };
 
-/// Returns the registers that every core has, by number. Excludes registers that share a row of the table with others.
+/// Returns the registers that every core has, by number. Rows of the table with several registers are excluded.
 std::span<const Named> named();
 /// Returns the name of a register, such as "mepc" or "mhpmcounter7"; "csr0x7c0" if it has none.
 std::string name(unsigned number);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// The effects of accesses to control and status registers: the column `meaning` of csrs.inc, and its functions.
+// The effects of accesses to control and status registers: the column `meaning` of csrs.inc, and the functions that
+// this column names.
 #include "hart/csrs.hpp"
 
 #include "hart/data_path.hpp"
@@ -29,7 +29,7 @@ constexpr std::uint32_t kWaitTraps = 1U << 21;
 constexpr std::uint32_t kCounterEnables = 0xfffffffdU;  // without TM: U mode cannot read `time`
 constexpr std::uint32_t kInhibitCycle = 1U << 0;
 constexpr std::uint32_t kInhibitInstret = 1U << 2;
-/// Software, timer and external interrupt of machine mode, and 16 fast lines.
+/// Interrupt lines of machine mode: software, timer, external, and 16 fast ones.
 constexpr std::uint32_t kInterruptLines = 0xffff0000U | (1U << 11) | (1U << 7) | (1U << 3);
 /// JEDEC number of the OpenHW Group and architecture number of CV32E40P. GAP8's RI5CY also has a JEDEC number and an
 /// architecture number.
@@ -49,7 +49,7 @@ bool is_event_counter(unsigned number) {
 
 }  // namespace
 
-/// The rows of the table, and the row of each number for each kind of core.
+/// The rows of the table, and the index of each register number's row for each kind of core.
 struct Csrs::Rows {
   using Core = csr::Core;
   static constexpr std::size_t kCores = 3;  // every, ri5cy, gap8; an option of a core is in all of them
@@ -135,7 +135,7 @@ constexpr std::array<Csrs::Rows::Row, csr::kPlaces.size()> Csrs::Rows::kAll = []
   return rows;
 }();
 
-/// If two rows have the same number, the row for RI5CY is used on RI5CY.
+/// If two rows have the same number, a core of kind RI5CY uses the row for RI5CY.
 constexpr std::array<std::array<std::uint8_t, Csrs::Rows::kNumbers>, Csrs::Rows::kCores> Csrs::Rows::kRowOf = [] {
   std::array<std::array<std::uint8_t, kNumbers>, kCores> row_of{};
   for (std::size_t core = 0; core < kCores; ++core) {
@@ -218,7 +218,7 @@ void Csrs::set_interrupts(std::uint32_t lines) {
 }
 
 void Csrs::update_interrupts() {
-  // No code below machine mode can disable machine mode's interrupts.
+  // Code below machine mode cannot disable the interrupts of machine mode.
   interrupt_ready_ = (state_.interrupts_on || state_.mode == Mode::user) && pending() != 0;
   if (interrupt_ready_) execution_.drop_resume_point();
 }
@@ -239,7 +239,7 @@ void Csrs::set_mode(Mode mode) {
   update_guard();
 }
 
-/// Switches the check of each access on if the mode does not have all rights, else off.
+/// Enables the check of each access if the mode lacks some rights; disables the check if the mode has all rights.
 void Csrs::update_guard() {
   guarded_ = !pmp_.allows_all(state_.mode) || !pmp_.allows_all(data_mode());
   if (execution_.units != nullptr) execution_.units->data_path.guard(guarded_);
@@ -271,8 +271,8 @@ const Instruction* Csrs::access(const Instruction* at) {
   const auto operand = immediate ? at->rs1 : e.x[at->rs1];
   const bool replace = at->op == Op::csrrw || at->op == Op::csrrwi;
   const bool set = at->op == Op::csrrs || at->op == Op::csrrsi;
-  // csrrs and csrrc with x0 (or 0) only read; csrrw into x0 only writes. For event counters, RI5CY also writes in these
-  // cases. The counter then has the written value; the present instruction does not increment it.
+  // The instructions csrrs and csrrc with x0 (or 0) only read. For an event counter, RI5CY also writes in this case.
+  // The counter then has the written value, because the present instruction does not increment it.
   const bool writes = replace || at->rs1 != 0 || (timing_.has_xpulp() && is_event_counter(number));
 
   // Adds the previous instructions of the block to the counters, because the access may read a counter.
@@ -292,7 +292,8 @@ const Instruction* Csrs::access(const Instruction* at) {
                             : at + 1;  // stale: it has moved the end of a hardware loop
 }
 
-/// True if the mode is high enough for a register: bits 9:8 of its number, and mcounteren for counters in U mode.
+/// True if the privilege mode is high enough for a register. Bits 9:8 of a register's number are the lowest mode. In U
+/// mode, mcounteren must also enable a counter.
 bool Csrs::may_access(unsigned number) const {
   if (state_.mode == Mode::machine) return true;
   if ((number >> 8 & 3U) != 0) return false;
@@ -452,7 +453,7 @@ void Csrs::update_counting() {
   counts_events_ = (word<csr::kPcmr>() & kCountersOn) != 0 && (word<csr::kPcer>() & kAccounted) != 0;
 }
 
-/// The value of an inhibited counter is its base. The value of other counters is the core's count minus the base.
+/// The value of an inhibited counter is its base. The value of a running counter is the core's count minus the base.
 std::uint64_t Csrs::read_counter(bool instret) const {
   const auto base = instret ? state_.instret_base : state_.cycle_base;
   const auto inhibit = instret ? kInhibitInstret : kInhibitCycle;

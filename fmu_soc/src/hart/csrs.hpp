@@ -22,25 +22,26 @@ struct CsrRemarks {
       {};  // number of a counter that was read although it has not run since reset
 };
 
-/// The control and status registers of a core, from the table csrs.inc: machine mode of CV32E40P; with Xpulp also
-/// RI5CY's; with an event unit also GAP8's. The registers determine whether an interrupt is taken.
+/// The control and status registers of a core, from the table csrs.inc. Every core has those of CV32E40P's machine
+/// mode. A core with Xpulp also has RI5CY's, and a core with an event unit also has GAP8's. The registers determine
+/// whether an interrupt is taken.
 class Csrs {
  public:
-  /// A core with GAP8's interrupts has the CSRs of the stack check, too. In the model, these CSRs store values, but no
-  /// stack is checked.
+  /// A core with GAP8's interrupts also has the CSRs of the stack check. In the model, programs can write and read
+  /// these CSRs, but no stack is checked.
   Csrs(Execution& execution, BlockCache& blocks, const HartSettings& settings);
 
-  /// Resets all registers. The counters start from here.
+  /// Resets all registers. The program-visible counters count from this time.
   void restart();
   bool has_gap8_interrupts() const { return has_gap8_interrupts_; }
 
-  /// Accesses a CSR as an instruction does, without its cycles. Returns false if the CSR or this access does not exist.
+  /// Accesses a CSR like an instruction, but adds no cycles. Returns false if the CSR or this access does not exist.
   bool read(unsigned number, std::uint32_t& value) const;
   bool write(unsigned number, std::uint32_t value);
   /// Executes a CSR instruction.
   const Instruction* access(const Instruction* at);
 
-  /// Sets the level of one interrupt line (bit of mip), or of all.
+  /// set_interrupt() sets the level of one interrupt line (bit of mip); set_interrupts() sets all lines.
   void set_interrupt(unsigned bit, bool level);
   void set_interrupts(std::uint32_t lines);
   /// Returns the lines that are pending and enabled.
@@ -58,19 +59,19 @@ class Csrs {
   /// True if U mode must not execute wfi (mstatus.TW).
   bool wait_traps() const { return state_.mode == Mode::user && state_.wait_traps; }
   const Pmp& pmp() const { return pmp_; }
-  /// True if the privilege mode may forbid an access or a fetch. Then each access is checked, and no code is
+  /// True if the privilege mode may forbid an access or a fetch. In this case, each access is checked, and no code is
   /// translated.
   bool is_guarded() const { return guarded_; }
-  /// True if an event other than cycles and instructions is counted. Then each instruction must be accounted for
-  /// separately.
+  /// True if the program counts an event other than cycles and instructions. In this case, each instruction must be
+  /// accounted for separately.
   bool counts_events() const { return counts_events_; }
   /// Returns the cause of the exception that an ecall raises in the present mode.
   std::uint32_t call_cause() const;
 
-  /// Returns the base address of the handlers; bit 0 is set if interrupts are vectored.
+  /// Returns the base address of the trap handlers. Bit 0 is set if interrupts are vectored.
   std::uint32_t handlers() const { return state_.handlers; }
   const CsrRemarks& remarks() const { return remarks_; }
-  /// Enters a trap at the pc: stores its cause, and disables interrupts.
+  /// Enters a trap at the present pc: stores the cause of the trap, and disables interrupts.
   void enter_handler(std::uint32_t cause, std::uint32_t value);
   Trapped last_trap() const { return {word<csr::kMepc>(), word<csr::kMcause>(), word<csr::kMtval>()}; }
   /// Executes mret. Returns the next pc.
@@ -103,7 +104,7 @@ class Csrs {
     return state_.words[csr::slot_of(kNumber)];
   }
 
-  // The functions that the table csrs.inc names.
+  // Functions that the table csrs.inc names.
   std::uint32_t id() const { return id_; }
   std::uint32_t zero() const { return 0; }
   std::uint32_t misa() const;

@@ -11,26 +11,28 @@
 namespace mebots::soc {
 
 /// Divides the cycles of a core among their causes, instruction by instruction, and counts RI5CY's events. Only cores
-/// that are observed or count events use it.
+/// that are observed or that count events use this class.
 ///
-/// The cycles from one retired instruction to the next are: waits for cache lines, entries of traps, a cycle for an
-/// unaligned target, the cycles known from decoding (with stalls), and those that depend on the execution.
+/// The cycles from one retired instruction to the next have five parts: waits for cache lines; entries of traps; a
+/// cycle for an unaligned target; the cycles known from decoding, with stalls; and the cycles that depend on the
+/// execution.
 class CycleAccount {
  public:
   CycleAccount(const Execution& execution, const Timing& timing) : execution_(execution), timing_(timing) {}
 
   /// Starts a new account at the core's present counts.
   void restart();
-  /// Called when a trap is taken. The cycles of the trap's entry follow.
+  /// Called when a trap is taken. Adds the cycles of the trap's entry.
   void entered_trap() { trap_cycles_ += kTrapEntryCycles; }
 
-  /// Called before an instruction runs. `start` is the cycle in which the instruction starts, after waits for its cache
-  /// lines and before its stall. `decoded` is the number of its cycles that is known from decoding, with its stall.
+  /// Called before an instruction runs. `start` is the cycle after the waits for the instruction's cache lines and
+  /// before its stall. `decoded` is the instruction's number of cycles that is known from decoding, including the
+  /// stall.
   void begin(std::uint64_t start, std::uint32_t decoded);
   /// Does the same as begin() for an instruction that runs alone and whose cache lines have not been fetched yet.
   void begin_alone(std::uint32_t decoded);
-  /// Called after the instruction has retired and was counted. Sets the instruction's cycles. `hidden` is the number of
-  /// cycles of the following jump that this instruction hides.
+  /// Called after the instruction has retired and has been counted. Sets the instruction's cycles. `hidden` is the
+  /// number of cycles of the following jump that this instruction hides.
   void retire(Retired& instruction, std::uint32_t hidden);
   /// Adds the events of the instruction that retired last. `external` is true if the core counts accesses outside its
   /// first memory.

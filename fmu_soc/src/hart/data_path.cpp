@@ -24,9 +24,9 @@ std::uint32_t loaded(std::uint32_t value, unsigned size, bool sign) {
   return value;
 }
 
-/// Returns the cycles from `cycle` on for which the table of banks has rows. In later cycles, the interpreter treats
-/// all banks as free and claims none. Translated code does not check its position in the table. So translated code must
-/// end before the last row.
+/// Returns the number of cycles from `cycle` on for which the table of banks has rows. In later cycles, the interpreter
+/// treats all banks as free and claims none. Translated code must end before the last row, because it does not check
+/// its position in the table.
 std::uint64_t bank_cycles_left(const Execution& e, std::uint64_t cycle) {
   if (const auto* shared = e.ram[0].banks; shared != nullptr) return shared->cycles_left(cycle);
   MEBOTS_ASSERT(cycle >= e.counters.cycles);
@@ -86,7 +86,7 @@ const MemoryPort* DataPath::port_of(std::uint32_t address, unsigned size) const 
   return nullptr;
 }
 
-/// Adds the waits of an access, as ram_access() does on the fast path.
+/// Adds the wait cycles of an access. The fast path does the same in ram_access().
 void DataPath::wait_for_ram(const Instruction* at, const MemoryPort& port, std::uint32_t address, unsigned size) {
   MEBOTS_ASSERT(size == 1 || size == 2 || size == 4);
   MEBOTS_ASSERT(memory_.regions()[port.region].holds(address, size));
@@ -185,7 +185,7 @@ std::uint8_t* DataPath::atomic_word(const Instruction* at, std::uint32_t address
   return region.data.get() + (place - region.base);
 }
 
-/// Completes an atomic operation after its store.
+/// Completes an atomic operation after its value has been stored.
 const Instruction* DataPath::stored_atomic(const Instruction* at, std::uint32_t address) {
   const auto place = address - port_of(address, 4)->moved;
   const auto* next = memory_.marked(place, 4, 0xff) ? stored_over_mark(at, place, 4) : at + 1;
@@ -233,7 +233,8 @@ const Instruction* DataPath::stored_over_mark(const Instruction* at, std::uint32
   memory_.changed(address, size);
   if (memory_.marked(address, size, Region::kWatch) && bus_.watched(address))
     return execution_.leave_after(at, Leave::stop);
-  // With a loose limit the block runs to its end: where a core stops must not depend on decoded code.
+  // If the limit is loose, the block continues to its end, because the place where a core stops must not depend on
+  // decoded code.
   return finishes_block_ ? at + 1 : execution_.leave_after(at, Leave::normal);
 }
 

@@ -23,11 +23,11 @@ struct MemoryPort {
       0;  // address in this core's map minus the memory's own address; if not 0, accesses never use the fast path
 };
 
-/// Loads and stores that are not on the fast path: to other memories, across the end of a memory, to devices, to code,
-/// or to watched words.
+/// Performs the loads and stores that are not on the fast path: to other memories, across the end of a memory, to
+/// devices, to code, or to watched words.
 class DataPath {
  public:
-  /// If `finishes_block` is true, a block that stores into code runs to its end unchanged, and is invalidated
+  /// If `finishes_block` is true, a block that stores into code runs to its end with the old code. It is invalidated
   /// afterwards.
   DataPath(Execution& execution, Memory& memory, Bus& bus, bool finishes_block)
       : execution_(execution), memory_(memory), bus_(bus), finishes_block_(finishes_block) {}
@@ -35,7 +35,8 @@ class DataPath {
   /// Sets the memories of the core. Returns true if this changes the fast memories, or a wait that is a constant in
   /// translated code.
   bool connect(std::span<const MemoryPort> ports);
-  /// Sets the banks of the first memory, for all its addresses; null if the core is the only user.
+  /// Sets the banks of the first memory, for all addresses at which the core sees this memory. If the core is the only
+  /// user, `banks` is null.
   void share_first(BankSchedule* banks);
   std::uint32_t longest_wait() const;
 
@@ -48,13 +49,13 @@ class DataPath {
   const Instruction* store(const Instruction* at, std::uint32_t address, unsigned size, std::uint32_t value);
   /// p.elw
   const Instruction* event_load(const Instruction* at);
-  /// The instructions lr.w and sc.w.
+  /// Execute lr.w and sc.w.
   const Instruction* load_reserved(const Instruction* at, std::uint32_t address);
   const Instruction* store_conditional(const Instruction* at, std::uint32_t address, std::uint32_t value);
-  /// amo*.w: stores `combine(word, value)`, and loads the word that was there before.
+  /// Executes amo*.w: stores `combine(word, value)`, and loads the previous word.
   const Instruction* amo(const Instruction* at, std::uint32_t address, std::uint32_t value,
                          std::uint32_t (*combine)(std::uint32_t word, std::uint32_t value));
-  /// Continues after a store to code or to a watched word.
+  /// Handles a store to code or to a watched word, and continues after the store.
   const Instruction* stored_over_mark(const Instruction* at, std::uint32_t address, unsigned size);
 
  private:
@@ -76,14 +77,14 @@ class DataPath {
   std::vector<MemoryPort> ports_;
 };
 
-/// Returned by wait_for_far() if it has not made the access.
+/// Value that wait_for_far() returns if it has not performed the access.
 inline constexpr std::uint64_t kOutsideBanks = std::numeric_limits<std::uint64_t>::max();
 
-/// Performs an access of translated code to a word of the shared second memory. It counts the access, and claims the
-/// bank of the word for the instruction that starts in active cycle `cycle`. `offset` is relative to the start of the
-/// memory. Returns the cycles that the access waits for the port and the bank. If the rest of the block might run
-/// beyond the end of the table of the first memory's banks, the function has no effect and returns kOutsideBanks. Then
-/// the interpreter performs the access.
+/// Performs an access of translated code to a word of the shared second memory. The function counts the access, and
+/// claims the bank of the word for the instruction that starts in active cycle `cycle`. `offset` is relative to the
+/// start of the memory. Returns the cycles that the access waits for the port and the bank. If the rest of the block
+/// might run beyond the end of the table of the first memory's banks, the function has no effect and returns
+/// kOutsideBanks. In this case, the interpreter performs the access.
 std::uint64_t wait_for_far(Execution& execution, std::uint64_t cycle, std::uint32_t offset) noexcept;
 
 }  // namespace mebots::soc

@@ -30,10 +30,10 @@ struct FastRegion {
   bool is_shared() const { return banks != nullptr; }
 };
 
-/// The reason for which execution left a block, if neither a branch nor the block's end was the reason.
+/// The reason for which execution left a block. `normal` means a branch or the end of the block.
 enum class Leave : std::uint8_t { normal, trap, device, stop, sleep, event, turn, counting };
 
-/// Registers of a hardware loop. The body runs once more after its last instruction while the count is above 1.
+/// Registers of a hardware loop. If the count is above 1 after the last instruction of the body, the body runs again.
 struct HardwareLoop {
   std::uint32_t start = 0;
   std::uint32_t end = 0;  // address of the last instruction of the body
@@ -59,7 +59,7 @@ struct Reservation {
   }
 };
 
-/// Counters since reset. The program cannot write them.
+/// Counters since reset. Programs cannot write these counters.
 struct Counters {
   std::uint64_t instructions = 0;     // retired
   std::uint64_t cycles = 0;           // active, sleep not counted
@@ -92,8 +92,8 @@ struct Counters {
   }
 };
 
-/// Counts of RI5CY's events by their number in PCER. The first two, cycles and instructions, stay 0, because Counters
-/// has them.
+/// Counts of RI5CY's events by their number in PCER. Events 0 (cycles) and 1 (instructions) always stay 0 here, because
+/// `Counters` has their counts.
 inline constexpr std::size_t kEventCounters = 17;
 using EventCounts = std::array<std::uint64_t, kEventCounters>;
 
@@ -113,44 +113,44 @@ struct Execution;
 
 inline constexpr const std::uint8_t* kNoResumePoint = nullptr;
 
-/// Value of MXCSR without flags: rounds to nearest, no exceptions, and no number is flushed to zero.
+/// Value of MXCSR without flags: rounds to nearest, masks all exceptions, and flushes no number to zero.
 inline constexpr std::uint32_t kFloatControl = 0x1f80;
 
 /// Data that the interpreter and translated code exchange.
 struct HostState {
-  /// First and last value of the register with which translated code counts cycles. The register contains the number
-  /// of cycles that may still start, and decreases to 0. If banks are shared, the register is instead an address in the
-  /// table of banks, which advances by one row per cycle.
+  /// First and last value of the register with which translated code counts cycles. If banks are not shared, the
+  /// register contains the number of remaining cycles, and decreases to 0. If banks are shared, the register contains
+  /// an address in the table of banks, and advances by one row per cycle.
   std::uint64_t begin = 0;
   std::uint64_t end = 0;
-  /// Address at which translated code resumes after it stopped at its limit. Null if translated code cannot resume
-  /// there, or if the hart's state has changed since then.
+  /// Address at which translated code resumes after it stopped at its limit. Null if translated code cannot resume at
+  /// its limit, or if the hart's state has changed after the stop.
   const std::uint8_t* resume_point = nullptr;
   /// The next hart of the round; null = none. Translated code continues with that hart without a return to the caller.
   /// `resume_point_of_next` is the address of that hart's `resume_point`, or of a null pointer. Translated code loads
-  /// this pointer first, because the host cannot predict the indirect jump to the address.
+  /// `resume_point_of_next` early, because the host cannot predict the indirect jump to the resume point.
   Execution* next = nullptr;
   const std::uint8_t* const* resume_point_of_next = &kNoResumePoint;
   std::uint64_t instructions = 0;  // of the last run; upper half: loads and stores
   /// The state of the pipeline, as the bits of a Pipeline, if execution fell through from another block into the
-  /// present block of a region; else 0.
+  /// present block of a region. At all other times, the value is 0.
   std::uint64_t straight_pipeline = 0;
   const Instruction* slow_load = nullptr;  // the last load across two words
   std::uint64_t slow_load_when = 0;  // `instructions` at that time; if equal now, the load is in the present block
   std::uint64_t tick_offset = 0;     // active cycle c of the hart is tick c + offset of shared units
   bool alone = false;                // true if no other core uses the banks: then the table need not be read
-  // Values of MXCSR, the host's control register for floating-point operations: outside of translated code, inside, and
-  // after translated code.
+  // Values of MXCSR, the host's control register for floating-point operations: outside of translated code, within
+  // translated code, and after translated code.
   std::uint32_t float_control_outside = 0;
   std::uint32_t float_control = kFloatControl;
   std::uint32_t float_control_after = kFloatControl;
-  // The list of steps into other functions that translated code has recorded.
+  // The list of recorded steps from one function into another in translated code.
   Flow* flow = nullptr;              // next entry to write
   std::uint64_t position = 0;        // the cycle count at the end of the last run
   std::uint64_t instruction_fj = 0;  // energy of the last run
 };
 
-/// Marks the absence of a pc, which is never odd.
+/// Value that means "no pc". A real pc is never odd.
 inline constexpr std::uint32_t kNoPc = 1;
 
 /// The units of a core that handlers use in addition to Execution. See runs/core.md.
@@ -174,7 +174,7 @@ struct Execution {
   EventCounts events{};  // advance while the program counts events
   Pipeline pipeline;
 
-  // State of the block in progress.
+  // State of the block that is being executed.
   std::uint32_t extra_cycles = 0;          // beyond the static ones
   std::uint32_t first_stall = 0;           // of them: stall of the first instruction after a load
   const Instruction* exit = nullptr;       // everything before it has retired
@@ -196,7 +196,7 @@ struct Execution {
   Hart* hart = nullptr;              // its hart
   HostState host;
 
-  /// Sets the next hart of the round; null = none.
+  /// Sets the next hart of the round; null if there is none.
   void set_next(Execution* next) {
     host.next = next;
     host.resume_point_of_next = next == nullptr ? &kNoResumePoint : &next->host.resume_point;
@@ -204,8 +204,8 @@ struct Execution {
   /// Drops the resume point, so that the next run starts in the interpreter.
   void drop_resume_point() { host.resume_point = nullptr; }
 
-  // Functions for the block in progress. A function that leaves the block returns null, and the handler returns that
-  // null.
+  // Functions for the block that is being executed. A function that leaves the block returns null, which the handler
+  // must also return.
 
   /// Begins a block. `stall` is the number of stall cycles of its first instruction after a load.
   void begin_block(std::uint32_t cycles, std::uint32_t stall, const Instruction* slow_load_before) {
@@ -215,13 +215,14 @@ struct Execution {
     slow_load = slow_load_before;
   }
   /// Resumes a block at an instruction that is not its first. The counters already contain the previous instructions of
-  /// the block, so these are subtracted. Until the block is finished, the counters are not valid.
+  /// the block, so the function subtracts these instructions. The counters are not valid until the block is finished.
   void begin_block_inside(const Instruction* at);
   std::uint32_t stalled_before(const Instruction* at) const { return at->index == 0 ? first_stall : 0U; }
   /// Returns the active cycle in which an instruction starts.
   std::uint64_t cycle_of(const Instruction* at) const { return counters.cycles + at->cycles_before + extra_cycles; }
-  /// Returns the cycle in which an instruction starts, for devices and counters. If it waits for the result of a load,
-  /// this is before the stall: if execution leaves the block here, the stall has not occurred yet.
+  /// Returns the cycle in which an instruction starts, for devices and counters. If the instruction waits for the
+  /// result of a load, the returned cycle is before the stall, because execution may leave the block before the stall
+  /// occurs.
   std::uint64_t start_of(const Instruction* at) const { return cycle_of(at) - stalled_before(at); }
   const Instruction* leave_after(const Instruction* at, Leave why);
   const Instruction* leave_before(const Instruction* at, Leave why);

@@ -38,7 +38,7 @@ constexpr std::uint32_t kImmediate = 0x13;
 constexpr std::uint32_t kRegister = 0x33;
 constexpr std::uint32_t kSystem = 0x73;
 
-/// A word is decoded as the first row that it matches.
+/// A word may match several rows. It is decoded as the first of these rows.
 constexpr auto kRows = std::to_array<Row>({
     // Atomic memory operations.
     {kFunct5, amo(0x00), {"amoadd.w", "A"}},
@@ -136,7 +136,7 @@ constexpr auto kRows = std::to_array<Row>({
     {kFunct7, op(kRegister, 5, 0x07), {"czero.eqz", "Zicond"}},
     {kFunct7, op(kRegister, 7, 0x07), {"czero.nez", "Zicond"}},
     {kTop6, op(kImmediate, 1, 0x08), {"a hash operation", "Zknh"}},
-    // Instructions for caches and privilege.
+    // Instructions for cache management and privileged modes.
     {kFunct3, op(0x0f, 2), {"a cache-block operation", "Zicbom or Zicboz"}},
     {kAll, 0x10200073, {"sret", "S"}},
     {kAll, 0x00200073, {"uret", "N"}},
@@ -221,7 +221,8 @@ std::string advice_for_illegal(std::uint32_t word, Extensions has, std::string_v
   const auto or_xpulp = is_xpulp ? ", or an instruction of Xpulp v2 for a core ri5cy" : "";
   const auto built =
       architecture.empty() ? std::string() : fmt::format("; the program was compiled for {}", architecture);
-  // A generic core gets the extension from its ISA string; a core of a board gets it from the key `isa` of the board.
+  // The ISA string determines the extensions of a generic core. The key `isa` of the board determines the extensions of
+  // a board's core.
   const auto option = optional_extension(foreign.extension);
   if (decode(word, has).encoding != nullptr) {
     return "this instruction is not allowed now: it is a floating-point operation while mstatus.FS is Off or with an "

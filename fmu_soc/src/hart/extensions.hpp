@@ -16,8 +16,9 @@ struct ForeignInstruction {
   std::string_view extension;  // "A", "RV64I"
 };
 
-/// Returns the instruction that the word encodes in a ratified extension of RISC-V. If there is none, the name is
-/// empty. Source: The RISC-V Instruction Set Manual, volumes I and II, 20240411, chapters of each extension.
+/// Returns the instruction that the word encodes in a ratified extension of RISC-V. If there is no such instruction,
+/// the name in the result is empty. Source: The RISC-V Instruction Set Manual, volumes I and II, 20240411, chapters of
+/// each extension.
 ForeignInstruction foreign_instruction(std::uint32_t word);
 
 /// Returns a text with the name of an illegal instruction and a way to avoid it. The text is empty if the instruction

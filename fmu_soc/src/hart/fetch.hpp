@@ -13,8 +13,8 @@
 namespace mebots::soc {
 
 /// Fetches a core's instructions through the instruction cache, if there is one. An instruction waits for its cache
-/// lines only when the core reaches the instruction. Therefore the refills and their cycles do not depend on where a
-/// run stops.
+/// lines only when the core reaches the instruction. Therefore the refills and their cycles do not depend on the limits
+/// of runs.
 class Fetch {
  public:
   /// `cache` may be null.
@@ -30,7 +30,8 @@ class Fetch {
     MEBOTS_ASSERT(is_cached());
     return cache_->line_of(before[1].pc - 1) == cache_->line_of(at[1].pc - 1);
   }
-  /// Returns the first instruction after `at` that may have to wait, or the end of the block.
+  /// Returns the first instruction after `at` that may have to wait for a cache line. If there is none, returns the end
+  /// of the block.
   const Instruction* next_to_wait(const Instruction* at) const;
   /// True if all lines of a block from this instruction on are in the cache.
   bool is_present(const Instruction* at) const;
@@ -41,8 +42,8 @@ class Fetch {
 };
 
 /// Predicts the value that a core is about to store at `address`: executes the next few instructions from `pc` with the
-/// registers `x`, without any effect. Returns nullopt if another store to the same eight bytes comes first, or an
-/// access to a device or a CSR, or a trap.
+/// registers `x`, without any effect. Returns nullopt if another store to the same eight bytes comes first. Also
+/// returns nullopt if an access to a device, an access to a CSR, or a trap comes first.
 std::optional<std::uint32_t> upcoming_store(const Memory& memory, std::uint32_t pc, std::array<std::uint32_t, 32> x,
                                             std::uint32_t address);
 

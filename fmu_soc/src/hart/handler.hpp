@@ -12,8 +12,8 @@ inline constexpr bool kChain = true;
 inline constexpr bool kChain = false;
 #endif
 
-/// Ends a handler: calls the handler of the next instruction, which the optimiser turns into a jump (threaded code).
-/// Without optimisation and with sanitizers, returns the next instruction instead.
+/// Ends a handler: calls the handler of the next instruction, which the optimiser turns into a jump (threaded code). In
+/// builds without optimisation or with sanitizers, the function instead returns the next instruction.
 [[gnu::always_inline]] inline const Instruction* next(Execution& e, const Instruction* at) {
   if constexpr (kChain) {
     return at[1].run(e, at + 1);

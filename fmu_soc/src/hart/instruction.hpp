@@ -12,7 +12,7 @@ namespace mebots::soc {
 struct Execution;
 struct Instruction;
 
-/// Executes one instruction. Returns the next instruction of the block; null if the block is left.
+/// Executes one instruction. Returns the next instruction of the block. If execution leaves the block, returns null.
 using Handler = const Instruction* (*)(Execution&, const Instruction*);
 
 /// Number of a register that no instruction reads. It replaces x0 as destination register (rd).
@@ -45,20 +45,21 @@ constexpr std::uint8_t third_register(const Instruction& instruction) {
 /// Returns the handler of an operation whose second operand is of this kind.
 Handler handler_of(Op op, Operand operand = Operand::reg);
 
-/// Computes rd from rs1 and the second operand. compute_of() returns null if the operation has other effects, too.
+/// Computes the value of rd from the value of rs1 and the second operand. If the operation also has other effects,
+/// compute_of() returns null.
 using Compute = std::uint32_t (*)(std::uint32_t a, std::uint32_t b);
 Compute compute_of(Op op);
-/// The condition under which a branch is taken; null for other operations.
+/// The condition under which a branch is taken. If the operation is not a branch, compare_of() returns null.
 using Compare = bool (*)(std::uint32_t a, std::uint32_t b);
 Compare compare_of(Op op);
 
-/// Returns the kind of the second operand, which the handler determines.
+/// Returns the kind of the second operand. The handler of the instruction determines this kind.
 Operand operand_of(const Instruction& instruction);
 
 struct Instruction;
 
-/// A step from one instruction to the next that may enter another function, with the hart's counts since reset at that
-/// step. Translated code records counts in its own form, and the hart converts them for the observer.
+/// A step from one instruction to the next that may enter another function. It includes the hart's counts since reset.
+/// Translated code records the counts in its own form, and the hart converts them for the observer.
 struct Flow {
   std::uint64_t instructions = 0;    // as recorded: of the run; upper half: loads and stores
   std::uint64_t instruction_fj = 0;  // as recorded: of the run
@@ -71,8 +72,8 @@ struct Flow {
 };
 static_assert(offsetof(Flow, instruction_fj) == offsetof(Flow, instructions) + 8, "both are one vector register");
 
-/// Finds the steps that may enter another function. Not called for calls and indirect jumps, because these are always
-/// recorded.
+/// Finds the steps that may enter another function. It is not used for calls and indirect jumps, because these are
+/// always recorded.
 class FlowMap {
  public:
   FlowMap() = default;

@@ -14,7 +14,8 @@ const Instruction* stop_here(Execution& e, const Instruction* at) {
   return nullptr;
 }
 
-/// Returns the cycles of a jump that overlap with a misaligned load before it. The load has already subtracted them.
+/// Returns the cycles of a jump that overlap with a misaligned load before it. These cycles have already been
+/// subtracted at the load.
 std::uint32_t overlapped_cycles(const Execution& e, const Instruction* jump) {
   const bool hides = jump->index != 0 && e.slow_load == jump - 1 &&
                      overlaps_slow(executed(jump[-1], true), {jump->op, jump->rd, jump->rs1});
@@ -59,9 +60,9 @@ bool Interpreter::resume_to_limit() {
   return true;
 }
 
-/// Runs a block one instruction at a time from `at`, whose line is present. Each instruction takes its static cycles of
-/// the block, except a jump after a misaligned load. The load has subtracted cycles of the jump, and
-/// the limit may be between the two instructions.
+/// Runs a block one instruction at a time from `at`, whose line is present. Each instruction takes its static cycles in
+/// the block. The exception is a jump after a misaligned load: cycles of the jump were already subtracted at the load,
+/// and the limit may be between these two instructions.
 void Interpreter::run_one_by_one(const Instruction* at) {
   MEBOTS_ASSERT(at != nullptr && walk_ == nullptr);
   auto& e = execution_;
@@ -83,7 +84,7 @@ void Interpreter::run_one_by_one(const Instruction* at) {
   if (cut_.at != nullptr) cut_.pipeline = e.pipeline;
 }
 
-/// Stops the core before an instruction of a block.
+/// Stops the core inside a block, before the instruction `at`.
 void Interpreter::cut_at(const Instruction* at) {
   MEBOTS_ASSERT(at->index > 0 && !is_block_end(at->op));
   auto& e = execution_;
@@ -128,7 +129,7 @@ bool Interpreter::run_fetching(const Block& block, std::uint32_t stall) {
   const auto wait = std::uint64_t{missing} * fetch_.cache()->refill_cycles();
   if (!limit_.admits(execution_.counters.cycles, block.last_start_bound + stall + wait)) return false;
   const auto* first = blocks_.instructions(block);
-  // Each instruction is fetched before its stall for a load, including the first instruction.
+  // Every instruction, including the first, is fetched before its stall for a load.
   execution_.begin_block(fetch_.fetch_lines(first, execution_.counters.cycles), stall, nullptr);
   execute_fetching(first);
   return true;

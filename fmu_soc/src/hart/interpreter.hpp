@@ -22,7 +22,8 @@ class RunLimit {
   void set_end(std::uint64_t cycle) { end_ = std::min(cycle, kLongest); }
   bool reached_at(std::uint64_t cycle) const { return cycle >= end_; }
   std::uint64_t cycles_from(std::uint64_t cycle) const { return end_ - cycle; }
-  /// True if a block may begin in `cycle`, if its last instruction starts at most `bound` cycles later.
+  /// True if a block may begin in `cycle`. `bound` is the largest number of cycles from its start to the start of its
+  /// last instruction.
   bool admits(std::uint64_t cycle, std::uint64_t bound) const { return cycle + (bound & counted_) < end_; }
 
  private:
@@ -32,7 +33,7 @@ class RunLimit {
   std::uint64_t counted_;  // mask of the bits of a bound that count
 };
 
-/// A loop over the instructions of a block that replaces the interpreter's loop, in order to observe each instruction.
+/// Replaces the interpreter's loop over the instructions of a block, in order to observe each instruction.
 class BlockWalk {
  public:
   BlockWalk() = default;
@@ -46,20 +47,20 @@ class BlockWalk {
   ~BlockWalk() = default;
 };
 
-/// Runs decoded blocks by the handlers of their instructions: one instruction, a block, or the rest of one. If a line
-/// is absent from the instruction cache, it is fetched when the core reaches it.
+/// Executes decoded code by the handlers of the instructions: a single instruction, a block, or the rest of a block. If
+/// a line is absent from the instruction cache, the line is fetched when the core reaches it.
 class Interpreter {
  public:
   Interpreter(Execution& execution, const Memory& memory, BlockCache& blocks, Fetch& fetch, const RunLimit& limit)
       : execution_(execution), memory_(memory), blocks_(blocks), fetch_(fetch), limit_(limit) {}
 
-  /// Sets a loop that replaces the loop over a block; null removes it.
+  /// Sets an object that replaces the interpreter's loop over the instructions of a block; null removes it.
   void set_walk(BlockWalk* walk) { walk_ = walk; }
 
   /// Runs only the instruction at the pc, decoded for the present pipeline. Ignores the BlockWalk.
   void step();
-  /// Runs a block to the limit, or to its end. The first instruction stalls for `stall` cycles after a load. Ignores
-  /// the BlockWalk.
+  /// Runs a block to the limit, or to the end of the block. The first instruction stalls for `stall` cycles after a
+  /// load. Ignores the BlockWalk.
   void run_to_limit(const Block& block, std::uint32_t stall);
   /// Continues at the instruction before which the last limit stopped a block, and runs up to the new limit. If the
   /// core is no longer at that instruction, returns false without effect.
@@ -70,8 +71,8 @@ class Interpreter {
   /// Runs a block and then the blocks that are linked to it, until a check between two blocks requires a return.
   /// Ignores the BlockWalk.
   bool run_linked(const Block& block, std::uint32_t stall, const Csrs& csrs);
-  /// Resumes a block that translated code has left after `wait_cycles` of waiting. `fetches` is true if lines may be
-  /// absent.
+  /// Resumes a block that translated code has left after `wait_cycles` of waiting. If lines may be absent from the
+  /// instruction cache, `fetches` must be true.
   void resume(const Instruction* at, std::uint32_t wait_cycles, std::uint32_t stall, const Instruction* slow_load,
               bool fetches);
 
@@ -85,7 +86,8 @@ class Interpreter {
   void run_one_by_one(const Instruction* at);
   void cut_at(const Instruction* at);
 
-  /// The instruction before which a limit stopped a block. Valid while blocks and pipeline do not change.
+  /// The instruction before which a limit stopped a block. The pointer is valid as long as the blocks and the pipeline
+  /// do not change.
   struct Cut {
     const Instruction* at = nullptr;  // null = none
     std::uint64_t generation = 0;     // of blocks

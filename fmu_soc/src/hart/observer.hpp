@@ -31,15 +31,15 @@ struct Retired {
   CycleShares cycles = {};   // only for an observer without quiet code
 };
 
-/// A trap or interrupt that the hart has taken. The hart's pc is at the handler. The cycles of the entry are not
-/// counted yet.
+/// An exception or interrupt that the hart has taken. The hart's pc is the address of the handler. The cycles of the
+/// entry are not counted yet.
 struct Trapped {
   std::uint32_t pc = 0;  // of the instruction that did not run
   std::uint32_t cause = 0;
   std::uint32_t value = 0;  // mtval
 };
 
-/// A range of code in which the observer needs no call per instruction.
+/// A range of code for which the observer needs no call after each instruction.
 struct QuietCode {
   std::uint32_t begin = 0;
   std::uint32_t size = 0;  // bytes; 0 = no such code
@@ -48,7 +48,7 @@ struct QuietCode {
 };
 
 /// Observes a hart instruction by instruction. The hart calls the observer after each instruction. An observer does not
-/// change the counts. An observer must outlive the runs that it observes, and must not throw.
+/// affect the counts of the hart. An observer must outlive the runs that it observes, and must not throw.
 class Observer {
  public:
   Observer() = default;
@@ -57,25 +57,26 @@ class Observer {
   virtual ~Observer() = default;
 
   /// Called before the instruction at the hart's pc, which may also trap. If the function returns false, the run ends
-  /// before the instruction. With a loose limit, only the result for the first instruction of a block can end the run.
+  /// before the instruction. If the limit is loose, the run can end only before the first instruction of a block.
   virtual bool before(const Hart& /*hart*/) { return true; }
   virtual void retired(const Hart& /*hart*/, const Retired& /*instruction*/) {}
-  /// Returns code in which the observer needs no call per instruction. For an instruction in this code whose successor
-  /// is also in it, the hart does not call retired() and before(), except for calls, indirect jumps and mret. The
+  /// Returns code in which the observer needs no call per instruction. If an instruction and its successor are both in
+  /// this code, the hart does not call retired() and before(). The exceptions are calls, indirect jumps and mret. The
   /// result must be valid until the next call of a function that is not const.
   virtual QuietCode quiet() const { return {}; }
-  /// Returns null if the observer needs each instruction. Otherwise the observer only needs the steps that may enter
-  /// another function. Hot code is then translated, and records these steps; before() is not called. The observer may
-  /// get the steps late, but before any other event. The result must not change while the observer is set.
+  /// Returns null if the observer needs each instruction. If the result is not null, the observer only needs the steps
+  /// that may enter another function. In this case, hot code is translated and records these steps, and before() is not
+  /// called. The observer may get the steps late, but before any other event. The result must not change while the
+  /// observer is set.
   virtual const FlowMap* flow() const { return nullptr; }
-  /// Called with steps that translated code has taken, in their order. The hart's counters are those after the last
-  /// step.
+  /// Called with steps that translated code has taken, in their order. During the call, the hart's counters have their
+  /// values after the last step.
   virtual void flowed(const Hart& /*hart*/, std::span<const Flow> /*steps*/) {}
   virtual void trapped(const Hart& /*hart*/, const Trapped& /*trap*/) {}
   /// Called when the hart starts to wait for an interrupt, and when it continues.
   virtual void slept(const Hart& /*hart*/) {}
   virtual void woke(const Hart& /*hart*/) {}
-  /// Called when the hart is switched off or on. After it is switched on, the hart starts at its pc.
+  /// Called when the hart is switched off or on. When the hart is switched on, it starts at its pc.
   virtual void switched(const Hart& /*hart*/, bool /*on*/) {}
 };
 

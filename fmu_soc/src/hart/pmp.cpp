@@ -47,8 +47,8 @@ void Pmp::set_configurations(unsigned index, std::uint32_t value) {
   }
 }
 
-/// If an entry is the end of a range (TOR) and locked, the address of the previous entry is locked, too, because the
-/// range begins there.
+/// Sets the address of an entry, unless the entry is locked. If the next entry is locked and its range (TOR) begins at
+/// this address, this address is locked, too.
 void Pmp::set_address(unsigned entry, std::uint32_t value) {
   if (entry >= entries_ || is_locked(entry)) return;
   const bool begins_locked =

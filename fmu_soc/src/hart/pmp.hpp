@@ -31,7 +31,7 @@ class Pmp {
 
   /// True if the mode may access all of the bytes.
   bool allows(std::uint32_t address, unsigned size, Access access, Mode mode) const;
-  /// True if the mode may fetch, load and store at all addresses. Then no access needs a check.
+  /// True if the mode may fetch, load and store at all addresses. If so, no access needs a check.
   bool allows_all(Mode mode) const;
 
   void visit(state::Visitor& v);

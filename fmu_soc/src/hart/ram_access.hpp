@@ -13,7 +13,8 @@ struct RamAccess {
   std::uint8_t* marks = nullptr;  // of the first word that the bytes touch
 };
 
-/// The fast region of an access and the offset in it; a null region means no fast region.
+/// The fast region that contains an access, and the offset in this region. If there is no such region, `region` is
+/// null.
 struct RamPlace {
   const FastRegion* region = nullptr;
   std::uint32_t offset = 0;
@@ -28,7 +29,7 @@ struct RamPlace {
   return {};
 }
 
-/// Counts an access that lies within one word. Does not claim its bank.
+/// Counts an access that lies within one word. Does not claim the bank of that word.
 [[gnu::always_inline]] inline RamAccess count_access(Execution& e, const RamPlace& place) {
   MEBOTS_ASSERT(place.region != nullptr && place.offset < place.region->span);
   const auto& ram = *place.region;

@@ -9,12 +9,13 @@
 namespace mebots::soc {
 namespace {
 
-/// True if the operation reads rs1. If it does not, the decoded field of rs1 is 0, or contains other data.
+/// True if the operation reads rs1. If the operation does not read rs1, the decoded field of rs1 is 0 or contains other
+/// data.
 bool reads_rs1(Op op) {
   return traits_of(op).kind != OpKind::csr_immediate;
 }
 
-/// True if an instruction directly after a load reads or writes the register that is loaded.
+/// True if an instruction directly after a load reads or writes the register that the load writes.
 bool load_stall(const Timing& timing, const Previous& load, const Current& current) {
   if (!is_load(load.op) || !load.writes()) return false;
   if (reads_rs1(current.op) && current.rs1 == load.rd) return true;

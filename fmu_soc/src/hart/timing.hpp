@@ -22,8 +22,8 @@ namespace mebots::soc {
 /// aligned to 4 bytes, counters that run after reset, mtval written by exceptions.
 enum class CoreKind : std::uint8_t { cv32e40p, ri5cy, rv32imc };
 
-/// Returns the kind of "cv32e40p", "ri5cy" or "rv32imc"; nullopt for other names. The name of a generic core may also
-/// be an ISA string.
+/// Returns the kind of "cv32e40p", "ri5cy" or "rv32imc"; nullopt for other names. An ISA string also names a generic
+/// core.
 std::optional<CoreKind> core_kind(std::string_view name);
 
 /// Differences between the cores. Source of CV32E40P's CSRs: its user manual 1.8.3, chapter "Control and status
@@ -61,8 +61,8 @@ inline constexpr unsigned kTrapEntryCycles = 4;
 struct Previous {
   Op op = Op::end_of_block;  // = nothing
   std::uint8_t rd = 0;       // 0 or kNoRegister = none
-  /// The register that a post-increment wrote (0: none), and the bit kSlow if the instruction took several cycles:
-  /// mulh, div, misaligned load.
+  /// The number of the register that a post-increment wrote, or 0. If the instruction took several cycles (mulh, div,
+  /// misaligned load), the bit kSlow is also set.
   std::uint8_t pointer_and_slow = 0;
 
   static constexpr std::uint8_t kSlow = 0x80;
@@ -87,7 +87,8 @@ Previous executed(const Executed& instruction, bool across_words) {
   return {instruction.op, instruction.rd, static_cast<std::uint8_t>(pointer | (slow ? Previous::kSlow : 0))};
 }
 
-/// Returns the state one instruction later. `slow` only affects a jump directly after the instruction.
+/// Returns the state for the instruction after the next one. The bit for slow instructions is cleared, because it only
+/// affects a jump directly after the slow instruction.
 constexpr Previous one_later(Previous before) {
   before.pointer_and_slow = before.pointer();
   return before;
@@ -103,11 +104,11 @@ struct Current {
   std::int32_t imm = 0;
 };
 
-/// Returns the cycles of an instruction other than a jump, without stalls and without cycles that depend on data.
+/// Returns the cycles of an instruction that is not a jump. Excludes stalls and cycles that depend on data.
 unsigned own_cycles(const Timing& timing, const Current& current);
 
-/// Returns the cycles of an instruction that decoding determines. They depend on the two previous instructions.
-/// Excludes taken branches, operands of divisions, misaligned addresses and unaligned targets.
+/// Returns those cycles of an instruction that are known after decoding. The result depends on the two previous
+/// instructions. Excludes taken branches, operands of divisions, misaligned addresses and unaligned targets.
 unsigned static_cycles(const Timing& timing, const Previous& two_before, const Previous& before,
                        const Current& current);
 
@@ -115,7 +116,8 @@ unsigned static_cycles(const Timing& timing, const Previous& two_before, const P
 /// instruction, and takes one cycle.
 bool overlaps_slow(const Previous& slow, const Current& current);
 
-/// Returns the most cycles that execution can add to static_cycles(), apart from an unaligned target.
+/// Returns the largest number of cycles that execution can add to static_cycles(). An additional cycle for an unaligned
+/// target is not included.
 unsigned most_extra_cycles(Op op);
 
 /// Returns the steps of the serial divider beyond kDivideBaseCycles.

@@ -11,16 +11,16 @@
 namespace mebots::soc {
 namespace {
 
-/// The number of consecutive exceptions with the same state of the hart after which a core ends.
+/// A core ends after this number of consecutive exceptions with the same state of the hart.
 constexpr std::uint32_t kEndlessRepeats = 16;
-/// The number of equal exceptions with the same registers after which a core ends. The number is large because a
-/// handler may count in memory and leave without mret.
+/// A core ends after this number of consecutive exceptions with the same cause, pc and registers. The number is large
+/// because a handler may count in memory and leave without mret.
 constexpr std::uint32_t kEndlessReturns = 1'000'000;
 
 constexpr unsigned kReturnAddress = 1;
 constexpr unsigned kStackPointer = 2;
 
-/// Offsets of GAP8's exception vectors, which come after the vectors of 32 interrupts and the reset.
+/// Offsets of GAP8's exception vectors. The vectors of 32 interrupts and of the reset come before them.
 constexpr std::uint32_t kIllegalVector = 0x84;
 constexpr std::uint32_t kCallVector = 0x88;
 constexpr std::uint32_t kAccessVector = 0x8C;
@@ -62,7 +62,7 @@ void Traps::fail(std::uint32_t cause, std::uint32_t value, bool double_trap) {
   fault_.double_trap = double_trap;
 }
 
-/// Compares the state of the hart at this exception with that at the last one.
+/// Compares the hart's state at this exception with its state at the last exception.
 Traps::Progress Traps::progress_since_last(std::uint32_t cause) const {
   const auto& e = execution_;
   const auto& last = last_exception_;
@@ -97,8 +97,8 @@ bool Traps::take_exception() {
 }
 
 unsigned Traps::next_interrupt() const {
-  // Fast interrupts 31 to 16 come first, the highest number first; then external (11), software (3), timer (7). Source:
-  // CV32E40P user manual, chapter "Exceptions and interrupts".
+  // Priorities of interrupts: first the fast interrupts from 31 down to 16, and then external (11), software (3) and
+  // timer (7). Source: CV32E40P user manual, chapter "Exceptions and interrupts".
   const auto ready = csrs_.pending();
   MEBOTS_ASSERT(ready != 0 && csrs_.interrupt_ready(), "an interrupt is taken when one is ready");
   if ((ready >> 16) != 0) return 31U - static_cast<unsigned>(std::countl_zero(ready));

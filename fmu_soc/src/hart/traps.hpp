@@ -30,7 +30,7 @@ struct Exception {
   }
 };
 
-/// The end of a core: a trap without a handler, or a trap in a handler that repeats without end.
+/// The reason why a core ended: a trap without a handler, or a trap in a handler that repeats without end.
 struct Fault {
   bool happened = false;
   bool double_trap = false;
@@ -52,20 +52,20 @@ class Traps {
       : execution_(execution), csrs_(csrs), blocks_(blocks) {}
 
   void restart();
-  /// Takes the exception that ended the last block. The cycles to its handler are not counted yet. Returns false if the
-  /// core cannot continue (`fault`).
+  /// Takes the exception that ended the last block. The cycles of the entry of its handler are not counted yet. If the
+  /// core cannot continue, returns false, and fault() gives the reason.
   bool take_exception();
   /// Returns the pending interrupt of the highest priority.
   unsigned next_interrupt() const;
-  /// Enters the handler of an exception or interrupt. Returns false if its first instruction cannot be fetched, which
-  /// ends the core.
+  /// Enters the handler of an exception or interrupt. If the first instruction of the handler cannot be fetched, ends
+  /// the core and returns false.
   bool enter_handler(std::uint32_t cause, std::uint32_t value);
   /// mret
   const Instruction* leave_handler(const Instruction* at);
 
   const Fault& fault() const { return fault_; }
-  /// True if no handler has returned since the last exception. fault().first is the first exception since the last
-  /// return of a handler.
+  /// True if the core took an exception, and no handler has returned since that exception. fault().first is the first
+  /// exception since the last return of a handler.
   bool in_exception() const { return repeats_ != 0; }
 
   void visit(state::Visitor& v);

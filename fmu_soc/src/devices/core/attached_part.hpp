@@ -15,9 +15,9 @@ namespace mebots::soc {
 ///
 /// energy = supply_voltage (sum over states of current x time + charge_per_byte x bytes)
 ///
-/// The device to which it is attached changes its state and counts its bytes: see PartPort. A part without attachment
-/// stays in its initial state. The energy is computed from integer picoseconds and bytes, so that it does not depend on
-/// the times at which it is read.
+/// The device to which the part is attached changes the part's state and counts the bytes (PartPort). A part without
+/// attachment stays in its initial state. The energy is computed from integer picoseconds and bytes, so that it does
+/// not depend on the times at which it is read.
 class AttachedPart final : public Device {
  public:
   explicit AttachedPart(const BoardDevice& entry);
@@ -42,8 +42,8 @@ class AttachedPart final : public Device {
   std::uint64_t bytes_ = 0;
 };
 
-/// A place of a device to which a part of the board can be attached. An attached part is active while the device uses
-/// it, and idle otherwise. If nothing is attached, all calls have no effect.
+/// A connection point of a device for a part of the board. An attached part is active while the device uses the part.
+/// At all other times, the part is idle. If nothing is attached, all calls have no effect.
 class PartPort {
  public:
   PartPort() = default;

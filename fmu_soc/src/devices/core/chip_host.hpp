@@ -53,9 +53,10 @@ class PowerSource {
 class PartSource {
  public:
   virtual ~PartSource() = default;
-  /// Returns the part attached to this place of the device, or an empty port.
+  /// Returns the part that is attached to the device's connection point `place`. If no part is attached, returns an
+  /// empty port.
   virtual PartPort part_at(const BoardDevice& entry, std::string_view place) = 0;
-  /// Returns the names of the places to which parts can be attached, as DEVICE.PLACE.
+  /// Returns the names of the connection points for parts, as DEVICE.PLACE.
   virtual std::span<const std::string> places() const = 0;
   /// Returns the energy of the chip or of a device, by its name, up to a time [J].
   virtual double load_energy_j(std::string_view load, Picoseconds now) const = 0;
@@ -99,7 +100,7 @@ class DeviceSource {
   virtual std::vector<Device*> made_devices() const = 0;
 };
 
-/// The console of a program that runs alone, byte by byte.
+/// Byte-by-byte input and output of the console of a stand-alone program.
 class ConsolePort {
  public:
   static constexpr int kNothingYet = -1;
@@ -108,7 +109,8 @@ class ConsolePort {
   virtual ~ConsolePort() = default;
   /// Writes a byte. Returns false, without effect, if the console takes whole lines only (DeviceHost::print()).
   virtual bool write_console(std::uint8_t byte) = 0;
-  /// Takes the next byte of input and returns it; otherwise returns kNothingYet or kEnded.
+  /// Removes and returns the next byte of input. If there is no byte, returns kNothingYet, or kEnded after the end of
+  /// the input.
   virtual int read_console(Picoseconds now) = 0;
 };
 

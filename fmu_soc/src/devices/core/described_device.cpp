@@ -119,8 +119,8 @@ bool DescribedDevice::store(std::uint32_t offset, Picoseconds now, std::uint32_t
   return true;
 }
 
-/// Handles an access where the entry has no register. If the device's address range is larger than its registers, the
-/// access has no effect.
+/// Handles an access at an offset without a register. If the entry has a `span`, reports the offset once and returns
+/// true. Without a `span`, returns false.
 bool DescribedDevice::pass_over(std::uint32_t offset, std::string_view access) {
   if (entry_.span == 0) return false;
   if (std::ranges::find(warned_, offset) != warned_.end()) return true;
@@ -133,7 +133,8 @@ bool DescribedDevice::pass_over(std::uint32_t offset, std::string_view access) {
   return true;
 }
 
-/// Sends the values of these registers, except registers that do not send. If one value is invalid, sends none.
+/// Sends the values of the registers `first` to `last` - 1; skips registers that do not send. If one value is invalid,
+/// sends no value.
 void DescribedDevice::send(std::size_t first, std::size_t last, Picoseconds now) {
   for (auto i = first; i < last; ++i) {
     if (const auto fault = fault_of(i); !fault.empty()) {

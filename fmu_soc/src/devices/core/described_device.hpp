@@ -11,23 +11,25 @@
 
 namespace mebots::soc {
 
-/// A device without C++ code. The board file describes what its registers show and send, the values that are opcodes,
-/// and the states: current, delay and next state of each.
+/// A device without C++ code. The board file describes which variables its registers show and send. It also lists the
+/// opcodes, and the states with their current, delay and next state.
 ///
-///   opcode stored    The device enters the opcode's state. A value that is not an opcode is refused; so is a state
-///   with
-///                    a delay while a delay runs.
-///   after the delay  Registers that show an input take its present value. Ready is set, the interrupt line goes up,
-///   and
-///                    the next state begins.
+/// - If an opcode is stored, the device enters the opcode's state. The device refuses a value that is not an opcode.
+///   While a delay runs, it also refuses the opcode of a state with a delay.
+/// - After the delay, registers that show an input take the present value of that input. The ready bit is set, the
+///   interrupt line goes up, and the next state begins.
 ///
-/// A register that shows "status" has bit 0 busy (a delay runs), bit 1 ready (write 1 to clear, which also clears the
-/// interrupt) and bit 2 refused (write 1 to clear). Parameters are shown directly, and so are inputs if the device has
-/// no delays. Registers that show no variable keep their last stored value; after reset it is `reset`. If the device
-/// has a `span`, an access without a register is reported once; a load returns 0.
+/// A register that shows "status" has three bits. Bit 0 is busy (a delay runs). Bit 1 is ready; writing 1 clears this
+/// bit and the interrupt. Bit 2 is refused; writing 1 clears this bit.
 ///
-/// The value of a register that sends becomes an output at once, or at the next store into a register that commits. If
-/// a value is outside the limits of its register or of its variable's enumeration, it is reported and nothing is sent.
+/// A register that shows a parameter always has the parameter's present value. If the device has no delays, the same
+/// applies to inputs. A register that shows no variable keeps the last stored value; after reset, it has the value
+/// `reset`. If the device has a `span`, the first access at an offset without a register is reported, and loads there
+/// return 0.
+///
+/// If no register commits, a stored value becomes an output at once. If a register commits, the values become outputs
+/// at a store into that register. If a value is outside the limits of its register, or not an item of its variable's
+/// enumeration, the device reports the value and sends nothing.
 class DescribedDevice final : public Device {
  public:
   static constexpr std::uint32_t kBusy = 1;
@@ -47,14 +49,14 @@ class DescribedDevice final : public Device {
   Picoseconds next_event() const override { return done_at_; }
   bool interrupt() const override { return (status_ & kReady) != 0; }
   std::string_view state_name() const override;
-  /// Reports parameters that have another value than their start value, but that the program never read.
+  /// Reports each parameter that differs from its start value and that the program never read.
   void program_ended() override;
   void visit(state::Visitor& v) override;
 
  private:
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
-  /// Properties of a register from the entry, as indices.
+  /// Properties of a register from the board file; its variables are stored as indices.
   struct Register {
     std::size_t input = kNone;   // variable that it shows
     std::size_t output = kNone;  // variable that it sends

@@ -14,7 +14,8 @@ namespace mebots::soc {
 /// A shared library with kinds of devices. It stays open as long as this object exists.
 class KindLibrary {
  public:
-  /// Throws Error if the file cannot be opened, is not such a library, or was built for another version of MEbots.
+  /// Throws Error if the file cannot be opened, is not a library of device kinds, or was built for another version of
+  /// MEbots.
   explicit KindLibrary(const std::filesystem::path& path);
 
   const std::filesystem::path& path() const { return path_; }

@@ -56,8 +56,8 @@ class Kinds {
 
 }  // namespace mebots::soc
 
-/// Defines the kind NAME: its registers and the function that makes its device, at global scope. The build finds the
-/// kinds in the files of devices/ (fmu_soc/list_kinds.cmake), so that a new kind is one new file.
+/// Defines the kind NAME: its registers and the function that creates its device. Must be used at global scope. The
+/// build finds the kinds in the files of devices/ (fmu_soc/list_kinds.cmake), so that a new kind is one new file.
 #define MEBOTS_CHIP_KIND(NAME, REGISTERS, ...)                                                      \
   namespace mebots::soc::kinds {                                                                    \
   extern const ChipKind kKind_##NAME;                                                               \

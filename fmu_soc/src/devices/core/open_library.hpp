@@ -6,7 +6,8 @@
 
 namespace mebots::soc {
 
-/// Opens a shared library, which is closed with the last copy of the handle. Throws Error with the system's reason.
+/// Opens a shared library. The library is closed when the last copy of the returned handle is destroyed. Throws Error
+/// with the system's reason.
 std::shared_ptr<void> open_library(const std::filesystem::path& file);
 
 /// Returns a symbol's address; null if the library lacks it.

@@ -38,8 +38,8 @@ constexpr unsigned kPwmEventEnableShift = 16;
 constexpr unsigned kPwmEvents = 4;
 
 /// The operations of a channel. A channel performs the first operation at its threshold. A combined operation has a
-/// second part. A sawtooth counter performs it at the end of the period. A counter that counts up and down performs it
-/// at the threshold on the way down.
+/// second part. With a sawtooth counter, the second part is performed at the end of the period. With a counter that
+/// counts up and down, it is performed at the threshold while the counter counts down.
 enum PwmOperation : std::uint32_t {
   kPwmSet,
   kPwmToggleClear,
@@ -121,8 +121,8 @@ std::uint64_t AdvancedTimer::ticks_at(std::size_t timer, Picoseconds now) const 
   if (!counts(timer)) return counter.ticks;
   const auto passed = static_cast<double>(now - counter.since) * tick_hz(counter) / kPsPerS;
   const auto ticks = counter.ticks + static_cast<std::uint64_t>(counter.fraction + passed);
-  // Both this function and time_of() round. Their results must agree: a tick has elapsed only from the time on that
-  // time_of() returns for it.
+  // Both this function and time_of() round. Their results must agree: a tick has elapsed from the time that time_of()
+  // returns for this tick.
   return ticks > counter.ticks && time_of(counter, ticks) > now ? ticks - 1 : ticks;
 }
 
@@ -134,7 +134,8 @@ Picoseconds AdvancedTimer::time_of(const Counter& counter, std::uint64_t ticks) 
   return counter.since + static_cast<Picoseconds>(std::ceil(missing * kPsPerS / tick_hz(counter)));
 }
 
-/// Continues the count from `now` after a change of rate or start. The elapsed part of a tick is kept.
+/// Updates the ticks of a counter to `now`, before its rate changes or when it starts. The elapsed part of a tick is
+/// kept.
 void AdvancedTimer::settle(std::size_t timer, Picoseconds now) {
   auto& counter = counters_[timer];
   if (counts(timer)) {
@@ -172,7 +173,7 @@ bool AdvancedTimer::store(std::uint32_t offset, Picoseconds now, std::uint32_t v
   }
   if (offset == kPwmEventConfig) {
     events_ = value;
-    // Outputs of channels without an event may have risen up to now.
+    // Rising edges up to now raise no event, because the configuration of the events has just changed.
     for (std::size_t i = 0; i < kTimers; ++i) counters_[i].raised = std::max(counters_[i].raised, ticks_at(i, now));
     return true;
   }
@@ -220,7 +221,8 @@ std::optional<std::size_t> AdvancedTimer::chosen(unsigned event) const {
   return events_ >> 4 * event & 0xfU;
 }
 
-/// Returns the next rising edge of the event's output that has not raised the event yet, in ticks of the counter.
+/// Returns the next rising edge of the output that is selected for this event, in ticks of the counter. Edges that have
+/// already raised the event do not count.
 std::optional<std::uint64_t> AdvancedTimer::next_rising_edge(unsigned event) const {
   const auto channel = chosen(event);
   if (!channel || !counts(*channel / kChannelsOfTimer)) return std::nullopt;

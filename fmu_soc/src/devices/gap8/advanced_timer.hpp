@@ -64,8 +64,7 @@ class AdvancedTimer final : public Device {
       v("is_fresh", is_fresh);
     }
   };
-  /// Ticks at which a channel's output rises: the first tick and the period. The result is nullopt if the output does
-  /// not rise.
+  /// The ticks at which a channel's output rises: the first one, and the period of the following ones.
   struct RisingEdges {
     std::uint64_t first;
     std::uint64_t step;  // 0: once

@@ -15,7 +15,8 @@ namespace reg = event_unit_reg;
 /// Used in place of a core's number for an access through the peripheral bus.
 constexpr unsigned kNoCore = kMostClusterCores;
 
-/// Cycles of an event load beyond the first, if its answer is available: 4 in all. Source: CV32E40P user manual.
+/// Additional cycles of an event load if its result is available. Such a load takes 4 cycles in all. Source: CV32E40P
+/// user manual.
 constexpr std::uint32_t kEventLoadExtra = 3;
 
 BusReply load_only(std::uint32_t value, const std::uint32_t* stored) {
@@ -104,7 +105,8 @@ BusReply ClusterEventUnit::core_register(Core& core, std::uint32_t offset, const
   }
 }
 
-/// Returns the events that ended the wait of a p.elw. Other loads return the present events.
+/// Performs a load that may wait for events. A p.elw returns the events that ended its wait; other loads return the
+/// present events.
 BusReply ClusterEventUnit::wait(Core& core, Wait what, bool clear, bool event) {
   const auto events = core.buffer & core.event_mask;
   if (events == 0 && event) {
@@ -116,8 +118,9 @@ BusReply ClusterEventUnit::wait(Core& core, Wait what, bool clear, bool event) {
   return BusReply::done(events, event ? kEventLoadExtra : 0);
 }
 
-/// Each of the three blocks has a word for each event. The effects of the blocks are: raise; raise and wait; raise,
-/// wait and clear.
+/// Accesses a register of the software events. There are three blocks of registers, each with one word per event. The
+/// first block raises an event. The second block raises it and waits. The third block raises it, waits, and clears the
+/// events that ended the wait.
 BusReply ClusterEventUnit::software_event(unsigned core, std::uint32_t offset, const std::uint32_t* stored,
                                           bool event) {
   const auto number = offset % reg::kTriggerBytes / 4;

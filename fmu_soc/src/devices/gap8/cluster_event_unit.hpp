@@ -44,7 +44,7 @@ class ClusterEventUnit {
 
   std::uint32_t take_woken();
   std::uint32_t take_line_changes();
-  /// Returns a core's interrupt lines. Only the highest pending line is active.
+  /// Returns a core's interrupt lines. Only the pending line with the highest number is active.
   std::uint32_t lines(unsigned core) const;
   void interrupt_taken(unsigned core, unsigned line);
 

@@ -90,7 +90,7 @@ BusReply ClusterPeripherals::access_at(std::uint32_t offset, const ClusterAccess
   } else if (offset >= kEventUnit && offset < kEventUnit + kEventUnitBytes) {
     reply = events_.shared(offset - kEventUnit, access.stored);
   } else if (offset >= kCacheControl && offset < kCacheControl + kCacheControlBytes) {
-    // The cache is always on here, and always agrees with memory, so commands have no effect.
+    // The modelled cache is always enabled and always agrees with memory. Therefore its commands have no effect.
     reply = BusReply::done(0);
   } else if (offset >= kDma && offset < kDma + kDmaBytes) {
     return mchan_.access(access.who, offset - kDma, access.stored, access.tick);
@@ -112,7 +112,8 @@ BusReply ClusterPeripherals::control(std::uint32_t offset, const std::uint32_t* 
   switch (offset) {
     case kFetchEnable:
       if (stored == nullptr) return BusReply::done(fetching_);
-      // A core whose fetch enable is already set continues. It stops only when the cluster stops.
+      // A store has no effect on a core whose fetch enable is already set. Such a core stops only when the cluster
+      // stops.
       started_ |= *stored & ~fetching_ & ((1U << cores_) - 1);
       fetching_ |= started_;
       return BusReply::done();

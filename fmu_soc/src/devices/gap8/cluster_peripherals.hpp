@@ -40,7 +40,8 @@ class ClusterPeripherals final : public soc::ClusterPeripherals {
 
   void reset(std::uint32_t boot) override;
   std::uint32_t take_started() override;
-  /// Returns the boot address, after the vectors of interrupts. Source: RI5CY's user manual of 2018, instruction fetch.
+  /// Returns the address of a core's first instruction: 0x80 bytes after the start of the core's interrupt vectors.
+  /// Source: RI5CY's user manual of 2018, instruction fetch.
   std::uint32_t boot_address(unsigned core) const override { return (boot_[core] & ~0xffU) + 0x80U; }
   std::uint32_t take_woken() override { return events_.take_woken(); }
   std::uint32_t take_line_changes() override { return events_.take_line_changes(); }

@@ -11,9 +11,10 @@
 namespace mebots::soc::gap8_devices {
 
 /// GAP8's event unit of the fabric controller: a buffer of 32 events, a mask of events that end a wait, and a mask of
-/// events that interrupt. Event 27 is set as long as the queue of SoC events is not empty. Of the events in the buffer
-/// and the interrupt mask, the core sees the highest. When the core takes the interrupt, the event is cleared. Sources:
-/// archi/eu/eu_v3.h; behaviour of event_unit_flex (pulp-platform), README and RTL.
+/// events that interrupt. Event 27 is set as long as the queue of SoC events is not empty. If several events are set in
+/// both the buffer and the interrupt mask, the core sees only the event with the highest number. When the core takes
+/// the interrupt, the event is cleared. Sources: archi/eu/eu_v3.h; behaviour of event_unit_flex (pulp-platform), README
+/// and RTL.
 class EventUnit {
  public:
   /// Maximum number of SoC events in the queue; a further one is lost.
@@ -35,7 +36,7 @@ class EventUnit {
   void queue_soc_event(unsigned event);
   /// Called when the core takes an interrupt.
   void acknowledge(unsigned line);
-  /// Returns the core's interrupt lines. Only the highest pending line is active.
+  /// Returns the core's interrupt lines. Only the pending line with the highest number is active.
   std::uint32_t lines() const;
   /// True if an event ends the wait of a core. Returns true only once for each wait.
   bool take_wake();
@@ -85,7 +86,7 @@ class EventUnitDemux final : public Device {
   EventUnit& unit_;
 };
 
-/// Returns the event unit of the board. Throws Error if no device before `entry` is one.
+/// Returns the event unit of the board. Throws Error if no device before `entry` in the board file is an event unit.
 EventUnit& event_unit_before(const BoardDevice& entry, const DeviceSource& devices);
 
 }  // namespace mebots::soc::gap8_devices

@@ -13,7 +13,7 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// Interface of a device on an I2C bus. The model of the bus master calls it.
+/// Interface of a device on an I2C bus. The model of the bus master calls the functions of this interface.
 class I2cDevice {
  public:
   virtual ~I2cDevice() = default;
@@ -42,8 +42,8 @@ struct FrameFormat {
   void visit(state::Visitor& v);
 };
 
-/// HM01B0, the camera of AI-deck and GAPuino. It has 8-bit registers at 16-bit addresses over I2C, and sends frames as
-/// MODE_SELECT says. These registers have an effect:
+/// HM01B0, the camera of AI-deck and GAPuino. It has 8-bit registers at 16-bit addresses over I2C, and sends frames in
+/// the mode that MODE_SELECT sets. These registers have an effect:
 ///
 ///   0x0100 mode                  0x0340 lines of a frame                    0x0390 binning: bit 0 rows, bit 1 columns
 ///   0x0101 orientation           0x0342 pixel clocks of a line              0x3010 window of 244 lines, not 324
@@ -51,9 +51,10 @@ struct FrameFormat {
 ///   0x0202 lines of integration
 ///
 /// In mode 1, frames follow each other until mode 0 is set. We assume that mode 0 acts at once: a frame in progress is
-/// lost. A reset also enters standby. In mode 3, the sensor takes as many frames as 0x3020 says (0: one, assumed), and
-/// then enters standby. The rows of the first frame are read out after their exposure; waking up takes no time
-/// (assumed). If mode 3 is set during mode 1, the count starts with the next frame that begins an integration later.
+/// lost. A reset also enters standby. In mode 3, the sensor takes the number of frames in register 0x3020 (0 means one
+/// frame, which is assumed). Then it enters standby. The rows of the first frame are read out after their exposure;
+/// waking up takes no time (assumed). If mode 3 is set during mode 1, the first counted frame is the next one that
+/// begins at least one integration time later.
 ///
 /// Lines and clocks determine the frame rate (docs/chip/gap8-camera.md lists the highest rates). If a frame has fewer
 /// lines than rows, each row takes a line. Gain and integration do not change a picture.

@@ -19,7 +19,7 @@ class HyperFlash {
   static constexpr std::uint32_t kSectorBytes = 256U << 10;  // of the same chip
   static constexpr std::uint32_t kLineBytes = 512;           // maximum of one program command
 
-  /// At first, the flash contains `image`, followed by ones. The image must not move.
+  /// At first, the flash contains `image`, followed by ones. `image` must outlive this object.
   explicit HyperFlash(std::span<const std::uint8_t> image) : image_(image) {}
   /// Replaces the whole contents of the flash by another image.
   void set_image(std::span<const std::uint8_t> image);

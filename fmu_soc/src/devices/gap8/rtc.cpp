@@ -51,7 +51,7 @@ constexpr std::uint32_t kDividerAtReset = 0x8000;
 constexpr std::uint32_t kAlarmAtReset = 0x00660003;
 constexpr std::uint32_t kDateAtReset = 0x00000101;  // 1 January 2000 is our choice; in GVSoC it depends on the board
 
-/// Returns the number of two BCD digits from bit `from`.
+/// Returns the number in the two BCD digits that start at bit `from`.
 std::uint32_t digits(std::uint32_t word, unsigned from) {
   return (word >> from & 0xfU) + 10 * (word >> (from + 4) & 0xfU);
 }

@@ -26,8 +26,8 @@ inline constexpr unsigned kReferenceClockEvent = 56;
 
 inline constexpr std::int64_t kReferenceClockHz = 32768;
 
-/// Signals between GAP8's devices. The constructor of the receiver sets the function of a signal. A board may lack
-/// sender or receiver.
+/// Signals between GAP8's devices. The constructor of the receiving device sets the function of a signal. On a board
+/// without the sender or the receiver, a signal has no effect.
 struct Signals {
   std::function<void(unsigned event)> raise_fabric_event = [](unsigned) {};
   std::function<void(unsigned event, Picoseconds now)> raise_soc_event = [](unsigned, Picoseconds) {};
@@ -52,7 +52,7 @@ inline std::int64_t reference_edges(Picoseconds now) {
   const auto rest_ps = now % 1'000'000'000'000;
   return whole_s * kReferenceClockHz + rest_ps * kReferenceClockHz / 1'000'000'000'000;
 }
-/// Returns the time of edge number `edge`.
+/// Returns the time of the rising edge number `edge` of the reference clock.
 inline Picoseconds reference_edge_time(std::int64_t edge) {
   const auto whole_s = edge / kReferenceClockHz;
   if (whole_s >= kNever / 1'000'000'000'000) return kNever;

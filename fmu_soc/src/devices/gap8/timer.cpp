@@ -65,7 +65,7 @@ void TimerCounters::count(std::int64_t now) {
   }
 }
 
-/// Applies a match of a comparison.
+/// Applies the configured effects of a counter that has reached its compare value.
 void TimerCounters::compare(unsigned index) {
   auto& counter = counters_[index];
   if ((counter.config & kEnable) == 0 || counter.met || counter.value != target_of(index)) return;
@@ -185,7 +185,7 @@ std::int64_t TimerCounters::next_event() const {
 
 namespace {
 
-/// More counts take longer than any mission.
+/// Upper limit of counts. A larger number of counts takes longer than any mission.
 constexpr std::uint64_t kFarCounts = std::uint64_t{1} << 48;
 
 }  // namespace
@@ -220,7 +220,7 @@ Picoseconds Timer::time_of(std::uint32_t config, Picoseconds since, std::uint64_
 
 namespace {
 
-/// More ticks than in any mission.
+/// Upper limit of ticks. No mission has more ticks.
 constexpr std::int64_t kFarTicks = std::int64_t{1} << 56;
 
 }  // namespace

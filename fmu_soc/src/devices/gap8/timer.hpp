@@ -12,7 +12,7 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// The clock of a timer's counters, in its owner's unit of time: picoseconds, or ticks of a clock.
+/// The clock of a timer's counters, in the unit of time of the timer's owner: picoseconds, or ticks of a clock.
 class TimerClock {
  public:
   TimerClock() = default;
@@ -20,16 +20,16 @@ class TimerClock {
   TimerClock& operator=(const TimerClock&) = delete;
   virtual ~TimerClock() = default;
 
-  /// Returns the largest time. As the time of an event, it means "never".
+  /// Returns the largest time. If it is the time of an event, the event never occurs.
   virtual std::int64_t never() const = 0;
-  /// Returns the counts between two times of a counter with this configuration.
+  /// Returns the number of counts of a counter with this configuration between two times.
   virtual std::uint64_t counts(std::uint32_t config, std::int64_t from, std::int64_t to) const = 0;
   /// Returns the time after `counts` more counts; never() if this time is out of range.
   virtual std::int64_t time_of(std::uint32_t config, std::int64_t since, std::uint64_t counts) const = 0;
 };
 
 /// Registers of GAP8's timers, of the fabric controller and of the cluster: two 32-bit counters. When a counter reaches
-/// its compare value, it raises an event, restarts, or stops. Both can form a 64-bit counter. Source:
+/// its compare value, it raises an event, restarts, or stops. The two counters can form one 64-bit counter. Source:
 /// archi/timer/timer_v2.h.
 class TimerCounters {
  public:
@@ -44,7 +44,7 @@ class TimerCounters {
   /// load() and store() return false if there is no such register.
   bool load(std::uint32_t offset, std::int64_t now, std::uint32_t& value);
   bool store(std::uint32_t offset, std::int64_t now, std::uint32_t value);
-  /// Updates the counts. Must be called before the clock changes; also called at a match.
+  /// Updates the counts. Must be called before the clock changes. The class itself calls this function at a match.
   void count(std::int64_t now);
   void advance(std::int64_t now);
   std::int64_t next_event() const;

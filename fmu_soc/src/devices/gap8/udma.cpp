@@ -60,7 +60,7 @@ constexpr std::uint32_t kRun = 1U << 4;     // written: start; read: a transfer 
 constexpr std::uint32_t kQueued = 1U << 5;  // written: clear; read: another transfer is queued
 constexpr std::size_t kMostInQueue = 2;     // per channel, with the one that runs
 
-/// Returns the channel with this register; kChannelRows.size() = none.
+/// Returns the channel with this register; kChannelRows.size() if there is none.
 std::size_t channel_at(std::uint32_t offset) {
   const auto* const found = std::ranges::find_if(
       kChannelRows, [&](const ChannelRow& row) { return offset >= row.offset && offset - row.offset < kChannelBytes; });
@@ -168,7 +168,7 @@ void Udma::enqueue(std::size_t channel, Picoseconds now) {
   if (queue.size() == 1) queue.front().done_at = peripheral(channel).end_time(queue.front(), now);
 }
 
-/// Called after an event that waiting transfers may need. Checks again whether these transfers can end.
+/// Checks again whether waiting transfers can end. Called after an event that may end such a wait.
 void Udma::retry_waiting_transfers(Picoseconds now) {
   for (auto& queue : queues_) {
     if (queue.empty() || queue.front().done_at != kNever) continue;

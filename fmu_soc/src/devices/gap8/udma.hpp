@@ -34,12 +34,13 @@ struct UdmaParts {
 /// Its variables are those of its peripherals, and the parameter flash.image. This is the path of an image that
 /// replaces the flash's initial content; if it is empty, the image of the board is used.
 ///
-/// Channels of other peripherals behave as their entry in the board file says. Source: archi/udma/udma_v2.h.
+/// Channels of other peripherals behave as described by their entry in the board file. Source: archi/udma/udma_v2.h.
 class Udma final : public Device {
  public:
   static constexpr std::uint32_t kFlashBytes = UdmaHyperBus::kFlashBytes;
 
-  /// `flash` is the initial content of the flash, followed by ones. Flash and pictures must not move.
+  /// `flash` is the initial content of the flash; all bytes after it are ones. `flash` and `pictures` must outlive the
+  /// uDMA.
   Udma(const BoardDevice& entry, DeviceHost& host, Signals& signals, std::span<const std::uint8_t> flash,
        const PictureRoll& pictures, std::function<double()> clock_hz, const UdmaParts& parts);
 

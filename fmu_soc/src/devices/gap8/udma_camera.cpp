@@ -55,9 +55,9 @@ Picoseconds UdmaCamera::end_of_frame() const {
 
 Picoseconds UdmaCamera::end_time(const UdmaTransfer& /*transfer*/, Picoseconds start) {
   if (requested_at_ == kNever) requested_at_ = start;
-  // This function is called at every change of the settings of sensor or interface. Therefore only the times of these
-  // changes determine whether a frame is lost. A frame that was read out completely is kept, because its picture may
-  // arrive after a standby.
+  // This function is called whenever the settings of the sensor or of the interface change. Therefore only the times of
+  // these changes determine whether a frame is lost. A frame that was read out completely is kept, because its picture
+  // may arrive after a standby.
   const bool is_same_stream = is_on() && sensor_.first_frame_at() == first_frame_at_;
   if (frame_at_ != kNever && !is_same_stream && start < ends_at_) lose_frame();
   if (frame_at_ == kNever) {
@@ -183,8 +183,8 @@ void UdmaCamera::cancel(const UdmaTransfer& /*transfer*/, Picoseconds /*now*/) {
   forget();
 }
 
-/// Drops the frame. Pictures of the picture roll do not belong to a time. So if the frame already had a picture of the
-/// roll, the next frame gets this picture.
+/// Drops the frame. Pictures of the picture roll do not belong to a time. If the dropped frame already had a picture of
+/// the roll, the next frame gets that picture.
 void UdmaCamera::lose_frame() {
   frame_at_ = kNever;
   if (roll_.exists()) return;
@@ -231,8 +231,8 @@ void UdmaCamera::begin_step(Picoseconds now) {
   take(picture, now);
 }
 
-/// Checks the parameters before the first picture. A board file may allow other sizes: 648 x 162 has as many bytes as
-/// 324 x 324.
+/// Checks the parameters before the first picture. The later check of the number of bytes does not find every wrong
+/// size: 648 x 162 pixels have as many bytes as 324 x 324.
 void UdmaCamera::require_parameters() const {
   if (frame_width_ == Himax::kWidth && (frame_height_ == 0 || frame_height_ >= Himax::kWindowHeight)) return;
   throw Error(
@@ -241,7 +241,8 @@ void UdmaCamera::require_parameters() const {
                   host_.entry.name, frame_width_, frame_height_, Himax::kWidth, Himax::kWindowHeight));
 }
 
-/// Checks the number of bytes. The rows do not follow from it: with another width, the picture would be garbled.
+/// Checks that a picture has frame_width x frame_height bytes. The number of rows must not be computed from the number
+/// of bytes: if the width were another one, the picture would be garbled.
 void UdmaCamera::require_size(std::size_t bytes) const {
   const auto rows = static_cast<std::size_t>(frame_height_);
   if (rows == 0 || bytes == static_cast<std::size_t>(frame_width_) * rows) return;

@@ -25,9 +25,9 @@ struct InterfaceSettings {
 };
 
 /// The camera interface (CPI) of the uDMA with an HM01B0. A transfer takes the next frame that begins while interface
-/// and camera are on. It ends with the last line of the frame's window. If interface or camera is switched off before
-/// that, the frame is lost, and the transfer takes the next one. Format and lines of a frame are those at its start.
-/// Dropping of frames is not modelled; its use is reported.
+/// and camera are on. It ends with the last line of the frame's window. If the interface or the camera is switched off
+/// before the transfer ends, the frame is lost. The transfer then takes the next frame. The settings at the start of a
+/// frame determine its format and lines. The interface's function to drop frames is not modelled; its use is reported.
 ///
 /// When the exposure of the frame's first row starts, its picture is requested, from the roll or from the world. A
 /// picture of the world arrives later, usually before the last line, and is copied at the end of the transfer. If steps
@@ -53,7 +53,8 @@ class UdmaCamera final : public UdmaPeripheral {
   std::span<const std::uint8_t>* bytes_input(std::string_view variable) override;
   const double* output(std::string_view variable) const override;
   void begin_step(Picoseconds now) override;
-  /// True while a picture is requested. On a board with a picture roll: true while the roll has no picture left.
+  /// True while a transfer of the camera's channel runs. On a board with a picture roll: true if the transfer waits
+  /// although the roll has no picture left.
   bool takes_picture() const override { return roll_.exists() ? waits_ : requested_at_ != kNever; }
 
   void visit(state::Visitor& v) override;

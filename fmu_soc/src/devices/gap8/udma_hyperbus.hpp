@@ -27,7 +27,7 @@ class UdmaHyperBus final : public UdmaPeripheral {
   static constexpr std::uint32_t kRamBytes = 8U << 20;  // S71KS512S, the GAPuino's HyperBus memory
   static constexpr std::uint32_t kFlashBytes = HyperFlash::kBytes;
 
-  /// `flash` is the initial content of the flash; all bytes after it are ones. It must not move.
+  /// `flash` is the initial content of the flash; all bytes after it are ones. `flash` must outlive this object.
   UdmaHyperBus(UdmaHost& host, std::span<const std::uint8_t> flash, std::uint32_t send_channel,
                const HyperBusParts& parts)
       : host_(host), flash_(flash), send_channel_(send_channel), parts_(parts) {}

@@ -120,7 +120,7 @@ void UdmaI2c::write(Master& master, std::uint8_t byte, Picoseconds now) {
   if (master.is_address) {
     master.is_address = false;
     master.is_selected = device_ != nullptr && byte >> 1 == device_->address();
-    // A read continues after the address that a write has set.
+    // A read continues at the address that the last write has set. Therefore only a write starts a new address.
     if (master.is_selected && (byte & 1U) == 0) device_->start();
   } else if (master.is_selected) {
     device_->write(byte, now);

@@ -43,8 +43,8 @@ class UdmaI2c final : public UdmaPeripheral {
     }
   };
 
-  /// Executes a byte of the commands. Returns the clocks of the SoC that it takes. If `acts` is false, only computes
-  /// the time.
+  /// Executes a byte of the commands. Returns the number of clocks of the SoC that this byte takes. If `acts` is false,
+  /// only computes the time.
   double obey(Master& master, std::uint8_t byte, bool acts, Picoseconds now);
   double command(Master& master, std::uint8_t byte, bool acts);
   void write(Master& master, std::uint8_t byte, Picoseconds now);

@@ -41,8 +41,8 @@ class UdmaPeripheral {
   UdmaPeripheral& operator=(const UdmaPeripheral&) = delete;
   virtual ~UdmaPeripheral() = default;
 
-  /// Returns the end of a transfer that begins at `start`. Returns kNever if the transfer waits for another event;
-  /// after that event, the function is called again.
+  /// Returns the end of a transfer that begins at `start`. Returns kNever if the transfer waits for another event; the
+  /// function is called again after that event.
   virtual Picoseconds end_time(const UdmaTransfer& transfer, Picoseconds start) = 0;
   /// Ends a transfer: copies its bytes.
   virtual void end(const UdmaTransfer& transfer) = 0;
@@ -81,7 +81,7 @@ struct UdmaHost {
     registers.load(offset, 0, value);
     return value;
   }
-  /// Returns the time `clocks` of the SoC after a time.
+  /// Returns the time that is `clocks` clock periods of the SoC after `time`.
   Picoseconds later(Picoseconds time, double clocks) const {
     return time + std::llround(clocks / clock_hz() * kPsPerS);
   }

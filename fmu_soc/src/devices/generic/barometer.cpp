@@ -37,8 +37,8 @@ double normal(std::uint64_t seed, std::uint64_t index) {
   return sum;
 }
 
-/// Returns the time of a measurement: the delay of state `active`. A board may leave it out; then the barometer would
-/// measure without end at one moment.
+/// Returns the time of a measurement: the delay of state `active`. Throws Error if the delay is too short. Without a
+/// delay, the barometer would measure without end at one moment.
 Picoseconds measurement_time(const BoardDevice& entry) {
   constexpr double kLeastS = 1e-6;
   const auto delay_s = entry.state("active").delay_s;

@@ -16,8 +16,8 @@
 namespace mebots::soc {
 namespace {
 
-/// The integration of an HM01B0 has this many lines less than its frame. Source: its data sheet, as used in
-/// nanocockpit's driver (himax.c).
+/// The exposure of an HM01B0 must be at least this many lines shorter than its frame. Source: its data sheet, as used
+/// in nanocockpit's driver (himax.c).
 constexpr double kBlankLines = 2;
 
 }  // namespace
@@ -96,7 +96,8 @@ void Camera::offer(std::span<const std::uint8_t> picture, Picoseconds now) {
   state_.done_at = now + delay_ps_;
 }
 
-/// Computes times from numbers of lines. The lines of a frame limit the rate of pictures, whatever the firmware does.
+/// Computes the times of exposure and read-out from numbers of lines. Two read-outs start at least `frame_lines_` lines
+/// apart, even if the firmware requests pictures faster.
 void Camera::time_lines(Picoseconds now) {
   const auto rows = frame_width_ > 0 ? static_cast<double>(picture_.size()) / frame_width_ : 0;
   if (rows > frame_lines_ || exposure_lines_ > frame_lines_ - kBlankLines) {
@@ -128,7 +129,8 @@ void Camera::finish() {
   state_.interrupt = true;
   const auto size = static_cast<std::uint32_t>(picture_.size());
   const auto width = static_cast<std::uint32_t>(frame_width_);
-  // The rows do not follow from the number of bytes: with another width, the picture would be garbled.
+  // The number of rows must not be computed from the number of bytes: if the width were another one, the picture would
+  // be garbled.
   if (const auto height = static_cast<std::uint32_t>(frame_height_); height != 0 && size != width * height) {
     state_.status |= kRefused;
     if (!state_.warned_of_format) {

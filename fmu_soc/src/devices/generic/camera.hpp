@@ -22,7 +22,7 @@ namespace mebots::soc {
 /// If the buffer is not usable or the camera is busy, a request is refused: the status bit kRefused is set, without an
 /// interrupt. A picture is dropped if it does not fit into the buffer, or if it does not have .frame_width times
 /// .frame_height pixels. Then kRefused is set and the line goes up, so that the firmware does not wait without end. The
-/// camera draws its active current from offer() to the end, and its idle current otherwise.
+/// camera draws its active current from offer() to the end of the delay. At all other times, it draws its idle current.
 ///
 /// If the parameter .frame_lines is above 0, the camera has an HM01B0's times instead of the delay. A line takes
 /// .line_clocks periods of .pixel_clock. The first row is exposed for .exposure_lines lines. Then one row is read out
@@ -41,7 +41,7 @@ class Camera final : public Device {
   /// Throws Error if the entry lacks a state.
   Camera(const BoardDevice& entry, DeviceHost& host);
 
-  /// Returns whether the camera waits for the picture with this number. Only then may offer() be called.
+  /// Returns whether the camera waits for the picture with this number. If it does not, offer() must not be called.
   bool wants(std::int32_t frame_id) const { return state_.waiting && frame_id == state_.requests; }
   void offer(std::span<const std::uint8_t> picture, Picoseconds now);
 

@@ -18,10 +18,10 @@ constexpr std::size_t kAxes = 6;  // specific force x, y, z, then angular veloci
 
 /// Accelerometer and gyroscope with a FIFO.
 ///
-/// A sample of time n * PERIOD enters the FIFO after the delay of state `active`, and the device reads its inputs then.
-/// The inputs are constant during a step. If the delay is shorter than the step, and the period is a whole number of
-/// steps, a sample has the world's output values at the time of the sample. Full scale: 24 g and 2000 degrees/s (Bosch,
-/// BMI088 data sheet).
+/// A sample starts at each time n * PERIOD. After the delay of state `active`, the device reads its inputs, and the
+/// sample enters the FIFO. The inputs are constant during a step. If the delay is shorter than the step, and the period
+/// is a whole number of steps, a sample has the world's output values at the time of the sample. Full scale: 24 g and
+/// 2000 degrees/s (Bosch, BMI088 data sheet).
 class Imu final : public Device {
  public:
   Imu(const BoardDevice& entry, ChipHost& /*host*/)

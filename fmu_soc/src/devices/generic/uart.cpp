@@ -21,7 +21,7 @@
 namespace mebots::soc {
 namespace {
 
-/// First in, first out: up to 255 bytes.
+/// A FIFO of at most 255 bytes.
 class ByteFifo {
  public:
   std::size_t size() const { return count_; }
@@ -53,13 +53,13 @@ class ByteFifo {
 /// UART whose line leads to a UART of another chip: a start bit, eight data bits, one or two stop bits.
 ///
 /// Sender: a store to DATA puts a byte into the transmit FIFO. The line transmits one byte after the other, at BAUD.
-/// The text .sent of a step has the bytes that ended in this step.
+/// The text .sent contains the bytes whose stop bit ended in this step.
 ///
-/// Receiver: the text .received has the bytes of the previous step. Each byte arrives at the same time within the
-/// present step. It then waits in the receive FIFO, until a load of DATA takes it.
+/// Receiver: the text .received contains the bytes of the sender's previous step. A byte has the same time since the
+/// start of the step in both steps. After its arrival, it waits in the receive FIFO until a load of DATA takes it.
 ///
-/// So a byte arrives exactly one communication step after the end of its stop bit. With an order of instances in which
-/// the sender steps first (Gauss-Seidel), it arrives at that end.
+/// So a byte arrives exactly one communication step after the end of its stop bit. If the sender steps before the
+/// receiver (Gauss-Seidel), the byte arrives at the end of its stop bit.
 ///
 /// The receiver samples the middle of each bit, timed from the start bit. A byte is garbled if the last sample, in the
 /// stop bit, is off by half a bit or more. The device is active, in the sense of its energy, while it transmits.
@@ -115,7 +115,7 @@ class Uart final : public Device {
   void end_transmission();
   void receive(UartByte byte);
 
-  /// Calls `use` with name, value, least and greatest value of each setting.
+  /// Calls `use` for each setting with four values: name, value, least value and greatest value.
   template <typename Use>
   void for_each_setting(Use use) const {
     use("baud", baud_after_reset_, kLeastBaud, kMostBaud);
@@ -198,8 +198,8 @@ void Uart::check_settings() const {
   });
 }
 
-/// Takes the bytes that the text has not had before. If the sender's step is the longer one, it keeps its text for
-/// several steps.
+/// Takes those bytes of the text that were not taken before. If the sender's step is longer than the receiver's, the
+/// text stays the same for several steps.
 void Uart::begin_step(Picoseconds now) {
   check_settings();
   step_began_ = now;
@@ -340,7 +340,7 @@ bool Uart::store(std::uint32_t offset, Picoseconds now, std::uint32_t value) {
   }
 }
 
-/// True if a restored state has values with which no calculation overflows.
+/// Returns whether the values of a restored state are in their ranges, so that no calculation overflows.
 bool Uart::is_sound() const {
   const auto within = [](auto value, decltype(value) least, decltype(value) most) {
     return value >= least && value <= most;

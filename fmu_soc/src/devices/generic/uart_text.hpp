@@ -37,7 +37,7 @@ struct UartText {
   std::vector<UartByte> bytes;
 };
 
-/// Writes such a text, byte by byte.
+/// Writes the text of the bytes of one step, byte by byte.
 class UartTextWriter {
  public:
   void clear() { text_.clear(); }
@@ -55,7 +55,7 @@ class UartTextWriter {
   Picoseconds bit_ = 0;  // of the last byte in the text
 };
 
-/// Reads a text into `result`. Throws Error if it is not such a text; `name` is the variable that contains it.
+/// Reads a text into `result`. Throws Error if the text has another form; `name` is the variable that contains it.
 void read_uart_text(std::string_view name, std::string_view text, UartText& result);
 
 }  // namespace mebots::soc

@@ -5,9 +5,9 @@
 namespace mebots::soc {
 namespace {
 
-/// Timer of machine mode: MTIME counts 10 MHz, and the line is up while MTIME >= MTIMECMP. Both can be written.
-/// Registers of harts that the chip lacks read 0. Source: RISC-V Advanced Core Local Interruptor Specification 1.0-rc4,
-/// chapter "Machine-level timer device"; the second part of a SiFive CLINT, 0x4000 after its begin.
+/// Timer of machine mode: MTIME counts 10 MHz, and the interrupt line is up while MTIME >= MTIMECMP. Programs can write
+/// both registers. Registers of harts that the chip lacks read 0. Source: RISC-V Advanced Core Local Interruptor
+/// Specification 1.0-rc4, chapter "Machine-level timer device"; the second part of a SiFive CLINT, at offset 0x4000.
 class Mtimer final : public Device {
  public:
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
