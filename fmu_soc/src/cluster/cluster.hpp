@@ -27,9 +27,9 @@ namespace mebots::soc {
 /// ticks and picoseconds.
 ///
 /// The scheduler determines the order of cores, event unit and DMA: each core runs a quantum of ticks in turn. Accesses
-/// to the event unit or the DMA are in the order of their ticks; within a tick, in the order of the cores. Another core
-/// may see a store to RAM up to one quantum too late or too early. Cores that synchronise through the event unit see
-/// all stores in order.
+/// to the event unit or the DMA are in the order of their ticks. Accesses in the same tick are in the order of the
+/// cores. Another core may see a store to RAM up to one quantum too late or too early. Cores that synchronise through
+/// the event unit see all stores in order.
 class Cluster final : private ClusterBus, private ClusterEvents {
  public:
   Cluster(Memory& memory, const ClusterSettings& settings, const InstructionEnergy& energy);
@@ -37,11 +37,11 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   Cluster(const Cluster&) = delete;
   Cluster& operator=(const Cluster&) = delete;
 
-  /// Sets the function called after a core has stored into a watched word. If it returns true, the run ends.
+  /// Sets the function called after a core has stored into a watched word. If the function returns true, the run ends.
   void set_watcher(std::function<bool(std::uint32_t address)> watcher) { watcher_ = std::move(watcher); }
 
-  /// Serves a core's access to an address outside of memory and of the cluster's registers. The argument is the time of
-  /// the access. The access may change the next event of the rest of the chip.
+  /// Serves a core's access to an address outside of memory and of the cluster's registers. `now` is the time of the
+  /// access. The access may change the time of the next event of the rest of the chip.
   using Outside = std::function<BusReply(const ClusterAccess& access, Picoseconds now)>;
   void set_outside(Outside outside) { outside_ = std::move(outside); }
 
@@ -63,15 +63,17 @@ class Cluster final : private ClusterBus, private ClusterEvents {
 
   /// Returns the time of the cluster's next activity; kNever while all cores sleep and no transfer runs.
   Picoseconds next() const;
-  /// Returns the time `ticks` after a time.
+  /// Returns the time that is `ticks` ticks after the first tick at or after `time`.
   Picoseconds later(Picoseconds time, std::uint64_t ticks) const {
     return clock_.time_of(clock_.first_at(time) + ticks);
   }
-  /// Runs quanta up to `until`, which must be after next(). Returns if the next quantum would start after `last`, if an
-  /// event for the rest of the chip has occurred, or if a core has reached `cycle_limit` active cycles.
+  /// Runs quanta up to `until`, which must be after next(). Returns earlier in three cases: the next quantum would
+  /// start after `last`, an event for the rest of the chip has occurred, or a core has reached `cycle_limit` active
+  /// cycles.
   void advance(Picoseconds until, Picoseconds last, std::uint64_t cycle_limit);
 
-  /// Makes an access of the fabric controller. The cluster must have been advanced to `now`.
+  /// Functions for accesses of the fabric controller. owns() returns whether the cluster serves an address. Before an
+  /// access, the cluster must have been advanced to `now`.
   bool owns(std::uint32_t address) const;
   BusReply load(std::uint32_t address, Picoseconds now);
   BusReply load_event(std::uint32_t address, Picoseconds now);

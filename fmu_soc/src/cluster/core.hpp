@@ -15,22 +15,23 @@
 
 namespace mebots::soc {
 
-/// The bus of a cluster's cores. Like Bus, but for several cores, and with times in the cluster's ticks.
+/// The bus of a cluster's cores. It corresponds to Bus, but serves several cores, and its times are ticks of the
+/// cluster.
 class ClusterBus {
  public:
   virtual ~ClusterBus() = default;
   virtual BusReply access(const ClusterAccess& access) = 0;
   /// Called when the core takes the interrupt of this line. Returns the lines that are pending afterwards.
   virtual std::uint32_t interrupt_taken(unsigned core, unsigned line) = 0;
-  /// Called after a store into a watched word. If it returns true, the run ends with this store.
+  /// Called after a store into a watched word. If the function returns true, the run ends with this store.
   virtual bool watched(std::uint32_t address) = 0;
 };
 
 /// A core of a cluster: its hart, the conversion of its cycles to ticks, and its permission to access shared devices.
 class ClusterCore final : private Bus {
  public:
-  /// `code` is the decoded code of all cores. The banks in `code` are those of L1. `way` is the port to the SoC; the
-  /// settings determine whether cores share it. All references must outlive the core.
+  /// `code` is the decoded code of all cores. The banks in `code` are those of L1. `way` is the port to the SoC. The
+  /// settings determine whether cores share this port. All references must outlive the core.
   ClusterCore(ClusterBus& bus, const ClusterSettings& settings, unsigned id, Memory& memory, DecodedCode& code,
               Banks& way)
       : bus_(bus),
@@ -91,8 +92,8 @@ class ClusterCore final : private Bus {
     resume_at(tick);
     return true;
   }
-  /// Sets all interrupt lines of the core. An active and enabled line wakes the core in this tick. Returns true if the
-  /// core wakes.
+  /// Sets all interrupt lines of the core. A line that is active and enabled wakes the core in this tick. Returns true
+  /// if the core wakes.
   bool set_interrupts(std::uint32_t lines, std::uint64_t tick) {
     hart_.set_interrupts(lines);
     return asleep_ && hart_.sleeping() && hart_.wakes() && wake(tick);
@@ -119,7 +120,8 @@ class ClusterCore final : private Bus {
 
   /// True if the core's next instruction accesses a shared device.
   bool waits_for_turn() const { return waits_for_turn_; }
-  /// Permits this access in the next run, because no other core has an earlier tick.
+  /// Permits the access for which the core waits, because no other core has an earlier tick. The core performs the
+  /// access in its next run.
   void grant_turn() {
     granted_ = waits_for_turn_;
     waits_for_turn_ = false;

@@ -146,7 +146,7 @@ void ClusterDma::find_next() {
   for (const auto& transfer : transfers_) next_ = std::min(next_, transfer.end);
 }
 
-/// Returns the next transfer to move data; null if all transfers have moved their data.
+/// Returns the first queued transfer that has not moved all its data; null if there is none.
 ClusterDma::Transfer* ClusterDma::first_unmoved() {
   Transfer* first = nullptr;
   for (auto& transfer : transfers_) {
@@ -165,7 +165,7 @@ void ClusterDma::occupy(Banks& banks, std::uint64_t until) {
       waited += occupy_burst(banks, *transfer, until);
     }
     if (waited == 0) continue;
-    // Transfers that were queued later wait, too.
+    // Transfers that were queued later also wait.
     for (auto& other : transfers_) {
       if (other.end == kNoTick || other.end < transfer->end || &other == transfer) continue;
       other.next_beat += waited;
@@ -178,7 +178,8 @@ void ClusterDma::occupy(Banks& banks, std::uint64_t until) {
   }
 }
 
-/// Claims banks for the next beats of a burst that start before `until`. Returns the ticks that they wait.
+/// Claims banks for the next beats of a burst that start before `until`. Returns the number of ticks that these beats
+/// wait.
 std::uint64_t ClusterDma::occupy_burst(Banks& banks, Transfer& transfer, std::uint64_t until) const {
   const auto& what = transfer.what;
   const auto row = what.row == 0 ? what.size : what.row;

@@ -18,7 +18,8 @@ struct DmaTiming {
   std::uint32_t latency = 16;            // from the start to the first data
   std::uint32_t outstanding = 8;         // most bursts in flight
   std::uint32_t least_burst_cycles = 2;  // least_burst_of(latency)
-  /// Ticks of the cluster per beat, in 1/kBeatUnit. If the SoC's clock is slower, a beat takes more than one tick.
+  /// Ticks of the cluster per beat, in units of 1/kBeatUnit. If the SoC's clock is slower than the cluster's clock, a
+  /// beat takes more than one tick.
   std::uint32_t beat_ticks = kBeatUnit;
 
   std::uint32_t least_burst_of(std::uint32_t its_latency) const {
@@ -32,18 +33,19 @@ struct DmaTiming {
   }
 };
 
-/// Moves bytes between L2 and the cluster's L1 in parallel to the cores. Each requester has its own draft registers;
-/// START queues their transfer. Transfers run one after the other in the order of their starts, in bursts. A row of a
-/// 2D transfer is at least one burst. The latency of a queued transfer overlaps with the transfer before it.
+/// Moves bytes between L2 and the cluster's L1 in parallel to the cores. Each requester has its own draft registers. A
+/// store to START queues the transfer that these registers describe. Transfers run one after the other in the order of
+/// their starts, in bursts. A row of a 2D transfer is at least one burst. The latency of a queued transfer overlaps
+/// with the previous transfer.
 ///
 /// The words of a transfer claim banks of L1, as accesses of cores do. A beat waits at most one cycle for its bank;
-/// this wait delays all later beats, too. All bytes are copied when the transfer ends. Then the core that started the
-/// transfer gets the event.
+/// this wait delays all later beats, too. When the transfer ends, all bytes are copied, and the core that started the
+/// transfer gets an event.
 class ClusterDma {
  public:
   static constexpr unsigned kTransfers = 16;
-  /// Set after a START that was refused: addresses outside L1 and L2, no bytes, rows that do not divide the size, or
-  /// all transfers in use.
+  /// Status bit that is set after a refused START. A START is refused if addresses are outside L1 and L2, if there are
+  /// no bytes, if rows do not divide the size, or if all transfers are in use.
   static constexpr std::uint32_t kRefused = 1U << 31;
 
   ClusterDma(Memory& memory, std::size_t l1_region, const DmaTiming& timing)
@@ -74,8 +76,8 @@ class ClusterDma {
     }
   };
 
-  /// Queues a transfer of a requester, for chips with other DMA registers. If memories or the number of transfers do
-  /// not allow it, returns false without effect.
+  /// Queues a transfer of a requester, for chips with other DMA registers. If the addresses are not allowed, or if all
+  /// transfers are in use, returns false without effect.
   bool enqueue(unsigned who, const Draft& what, bool out, std::uint64_t tick);
   /// True if one end of the transfer is in L1 and the other end in another memory.
   bool fits(const Draft& draft) const;
@@ -87,9 +89,11 @@ class ClusterDma {
 
   /// True if transfers are queued or running.
   bool busy() const { return next_ != kNoTick; }
-  /// Reserves the banks for all beats before `until`. Must be called before `advance` for any tick up to there.
+  /// Reserves the banks for all beats before `until`. Must be called before any call of advance() for a tick up to
+  /// `until`.
   void occupy(Banks& banks, std::uint64_t until);
-  /// Returns the earliest tick in which the next transfer can end. The tick is exact if `occupy` has reached it.
+  /// Returns the earliest tick in which the next transfer can end. The tick is exact if occupy() was called for a time
+  /// after it.
   std::uint64_t next_tick() const { return next_; }
   /// Ends every transfer whose end tick is reached.
   void advance(std::uint64_t tick, TransferListener& listener);

@@ -11,7 +11,8 @@ namespace {
 
 namespace event_reg = board::event_unit;
 
-/// Cycles of an event load beyond the first, if its answer is available: 4 in all. Source: CV32E40P user manual.
+/// Additional cycles of an event load if its result is available. Such a load takes 4 cycles in all. Source: CV32E40P
+/// user manual.
 constexpr std::uint32_t kEventLoadExtra = 3;
 constexpr unsigned kSoftwareEventShift = 16;
 

@@ -11,7 +11,7 @@
 
 namespace mebots::soc {
 
-/// Numbers of events: bits of EVENT_MASK and EVENT_BUFFER. 0 to 7 are for the firmware.
+/// Numbers of events: bits of EVENT_MASK and EVENT_BUFFER. Events 0 to 7 are for the firmware.
 namespace event {
 inline constexpr unsigned kSoftwareEvents = 8;
 inline constexpr unsigned kDmaDone = 8;
@@ -21,8 +21,8 @@ inline constexpr unsigned kJobDone = 17;
 /// Synchronises cores without spinning: events with a mask and a buffer for each core, a barrier, and a fork that
 /// passes an entry and an argument to idle cores. Each requester sees its own registers at the same addresses.
 ///
-/// A p.elw of EVENT_WAIT, BARRIER_WAIT or DISPATCH_WAIT puts its core to sleep until the answer is available. woken()
-/// then returns the core, which repeats the load.
+/// A p.elw of EVENT_WAIT, BARRIER_WAIT or DISPATCH_WAIT puts its core to sleep until the answer is available. When the
+/// answer is available, take_woken() returns the core, which repeats the load.
 class EventUnit {
  public:
   /// Status bit of an invalid fork: FORK_CORES is 0 or names a core that does not exist, a core is running, or a
@@ -38,7 +38,7 @@ class EventUnit {
   /// Raises an event for all requesters whose bits are set.
   void raise(std::uint32_t targets, unsigned event);
 
-  /// Returns the requesters whose event load can be answered since the last call.
+  /// Returns the requesters that wait in an event load, and whose answer became available after the last call.
   std::uint32_t take_woken() {
     const auto woken = woken_;
     woken_ = 0;
@@ -47,7 +47,7 @@ class EventUnit {
   /// Returns the level of the interrupt line to the fabric controller. The line is active if an event of the fabric
   /// controller is pending and enabled.
   bool interrupt() const { return (of_[kFabricController].buffer & of_[kFabricController].mask) != 0; }
-  /// Returns the cores that run the entry of a fork.
+  /// Returns the cores that execute a fork.
   std::uint32_t at_work() const { return at_work_; }
 
   void visit(state::Visitor& v);

@@ -71,12 +71,12 @@ class ClusterPeripherals : public TransferListener {
   virtual std::uint64_t next_tick() const { return kNoTick; }
   virtual void advance(std::uint64_t /*tick*/) {}
 
-  /// Called when the cluster is switched on; `boot` comes from the power manager.
+  /// Called when the cluster is switched on. `boot` is the start address from the power manager's registers.
   virtual void reset(std::uint32_t boot) = 0;
-  /// Returns the cores that must start since the last call. Each starts at boot_address().
+  /// Returns the cores that have become due to start since the last call. Each starts at boot_address().
   virtual std::uint32_t take_started() = 0;
   virtual std::uint32_t boot_address(unsigned core) const = 0;
-  /// Returns the requesters whose event load can be answered since the last call.
+  /// Returns the requesters that wait in an event load, and whose answer became available after the last call.
   virtual std::uint32_t take_woken() = 0;
   /// Returns the level of the interrupt line to the fabric controller.
   virtual bool interrupt() const { return false; }

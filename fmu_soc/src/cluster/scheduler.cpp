@@ -40,7 +40,7 @@ std::uint64_t ClusterScheduler::next_tick() const {
 /// Returns the tick at which the earliest core continues; kNoTick while all sleep.
 std::uint64_t ClusterScheduler::first_ready() const {
   auto first = kNoTick;
-  // Branch-free, because the branch would be unpredictable.
+  // Has no branch, because the host could not predict it.
   for (const auto* core : cores_) first = std::min(first, core->ready());
   return first;
 }
@@ -75,7 +75,7 @@ std::uint64_t ClusterScheduler::run_quantum(std::uint64_t start, std::uint64_t u
 }
 
 /// A faster form of run_quantum(). It requires that all awake cores ended the previous quantum in translated code, and
-/// that no other event is due. Then only the cores' ticks have changed since the previous quantum.
+/// that no other event is due. In this case, only the cores' ticks have changed since the previous quantum.
 std::uint64_t ClusterScheduler::run_quantum_in_step(std::uint64_t start, std::uint64_t until) {
   MEBOTS_ASSERT(sharing_banks_ && start > banks_.start());
   move_banks(start);
@@ -123,7 +123,7 @@ std::uint64_t ClusterScheduler::finish_quantum(std::uint64_t end) {
   return kNoTick;
 }
 
-/// Runs the event of the registers whose time is reached.
+/// Runs the registers' event that is due now.
 void ClusterScheduler::ring() {
   const auto tick = alarm_;
   events_.alarm_rings(tick);
@@ -177,8 +177,8 @@ void ClusterScheduler::line_up(std::uint64_t end) {
   }
 }
 
-/// Queues the cores that may run without a permission of the scheduler, from the first core of this quantum on. Links
-/// each core to the next one.
+/// Queues the cores that may run without a permission of the scheduler, starting with the first core of this quantum.
+/// Links each core to the next one.
 void ClusterScheduler::queue_cores(std::uint64_t end) {
   queue_.clear();
   const bool tree = settings_.arbitration_tree;
@@ -197,8 +197,8 @@ void ClusterScheduler::queue_cores(std::uint64_t end) {
   if (!queue_.empty()) queue_.back()->hart().set_next(nullptr);
 }
 
-/// Changes the queue of the last quantum into that of the next one: if the core that was first is now last, moves this
-/// core to the end.
+/// Changes the queue of the last quantum into the queue of the next quantum. If the core that was first must now be
+/// last, moves this core to the end.
 void ClusterScheduler::rotate_queue() {
   const auto before = (first_core_ == 0 ? cores() : first_core_) - 1;
   if (queue_.front()->id() != before) return;  // a sleeping core is not in the queue
@@ -218,7 +218,7 @@ void ClusterScheduler::reorder_queue() {
   }
 }
 
-/// Runs the queue from `place` on, up to `end`.
+/// Runs the cores of the queue from index `place` on, up to tick `end`.
 void ClusterScheduler::run_queue(std::size_t place, std::uint64_t end) {
   while (place < queue_.size()) {
     auto& core = *queue_[place];
@@ -246,7 +246,8 @@ bool ClusterScheduler::can_resume(const ClusterCore& core) {
   return false;
 }
 
-/// Handles the end of a round that began at `place`. Returns the next place.
+/// Handles the end of a round that began at index `place` of the queue. Returns the index at which the next round
+/// begins.
 std::size_t ClusterScheduler::note_round(std::size_t place, const Hart::RoundEnd& round) {
   while (place < queue_.size() && &queue_[place]->hart() != round.broke_off) ++place;
   if (round.ran) note_stop(*queue_[place++], round.stop);
@@ -264,8 +265,8 @@ void ClusterScheduler::note_stop(ClusterCore& core, Stop stop) {
   if (!events_.core_stopped(core, stop)) goes_on_ = false;
 }
 
-/// Called if all cores of the queue ended the quantum in translated code. Then only their ticks have changed. Returns
-/// the tick at which the first core continues.
+/// Called if all cores of the queue ended the quantum in translated code. In this case, only the ticks of the cores
+/// have changed. Returns the tick at which the first core continues.
 std::uint64_t ClusterScheduler::keep_in_step() {
   last_ready_ = 0;
   auto first = kNoTick;
@@ -276,7 +277,7 @@ std::uint64_t ClusterScheduler::keep_in_step() {
   }
   in_step_ = true;
   if (queue_.size() == awake_) return first;
-  // All other cores have already passed the end of this quantum, or wait.
+  // All other cores have already passed the end of this quantum, or wait for permission.
   for (const auto* core : cores_) {
     if (core->sleeps()) continue;
     in_step_ = in_step_ && core->can_resume();

@@ -15,8 +15,8 @@
 
 namespace mebots::soc {
 
-/// Events of a cluster other than runs of its cores. The scheduler calls them in the order of ticks. The cluster
-/// reports the effects to the scheduler (`set_alarm`, `cores_changed`).
+/// Events of a cluster other than runs of its cores. The scheduler calls these functions in the order of ticks. The
+/// cluster reports the effects to the scheduler (`set_alarm`, `cores_changed`).
 class ClusterEvents {
  public:
   virtual ~ClusterEvents() = default;
@@ -24,8 +24,8 @@ class ClusterEvents {
   virtual void alarm_rings(std::uint64_t tick) = 0;
   /// Ends every DMA transfer whose end tick is reached.
   virtual void transfers_end(std::uint64_t tick) = 0;
-  /// Called if a core stopped before its limit, for another reason than the order of cores. Returns false to end the
-  /// run of the chip; then no core runs again.
+  /// Called if a core stopped before its limit, for another reason than the order of cores. The function returns false
+  /// to end the run of the chip. In this case, no core runs again.
   virtual bool core_stopped(ClusterCore& core, Stop stop) = 0;
 };
 
@@ -41,7 +41,8 @@ class ClusterScheduler {
   /// Upper bound of the ticks by which a core can be ahead of the start of the next quantum.
   static constexpr std::uint64_t kFarthestAhead = kLongQuantum + Banks::kLongestBlock;
 
-  /// `way` is the port to the SoC, which cores share if the settings say so. All references must outlive the scheduler.
+  /// `way` is the port to the SoC. The settings determine whether cores share this port. All references must outlive
+  /// the scheduler.
   ClusterScheduler(const ClusterSettings& settings, DecodedCode& code, Banks& way, ClusterDma& dma,
                    ClusterEvents& events);
   ClusterScheduler(const ClusterScheduler&) = delete;
@@ -54,7 +55,7 @@ class ClusterScheduler {
   /// Returns the start of the next quantum; kNoTick while all cores sleep and no event is due.
   std::uint64_t next_tick() const;
   /// Runs the quantum that starts at `start` and ends before `until`. `undisturbed` is true if no access from outside
-  /// came after the quantum before. Returns the start of the next quantum.
+  /// the cluster has occurred since the previous quantum. Returns the start of the next quantum.
   std::uint64_t run_quantum(std::uint64_t start, std::uint64_t until, bool undisturbed);
 
   /// Sets the tick of the registers' next event.
@@ -81,7 +82,7 @@ class ClusterScheduler {
   std::size_t note_round(std::size_t place, const Hart::RoundEnd& round);
   void run_core(ClusterCore& core, std::uint64_t end);
   void note_stop(ClusterCore& core, Stop stop);
-  // Functions for cores that all ended their quantum in translated code.
+  // Functions for a quantum after all awake cores ended the previous quantum in translated code.
   std::uint64_t run_quantum_in_step(std::uint64_t start, std::uint64_t until);
   std::uint64_t keep_in_step();
   // Functions for events in the order of their ticks.

@@ -31,10 +31,11 @@ struct ClusterSettings {
   unsigned cores = 0;
   std::size_t l1_region = 0;  // index in Memory::regions()
   unsigned l1_banks = 16;
-  /// Selects the order in which cores claim banks of L1 in a quantum. True: increasing core number XOR n, where n
-  /// counts the quanta, as in an arbitration tree. False: the first core changes from quantum to quantum in turn.
+  /// Selects the order in which cores claim banks of L1 in a quantum. If true, cores are in the order of core number
+  /// XOR n, where n counts the quanta. This is the order of an arbitration tree. If false, each core in turn is first
+  /// in a quantum, and the others follow in the order of their numbers.
   bool arbitration_tree = false;
-  /// Ticks of a quantum if several cores are awake or the DMA moves data.
+  /// Length of a quantum in ticks if several cores are awake or the DMA moves data.
   std::uint32_t quantum = 0;
   std::vector<MemoryPort> ports;  // memories of a core, L1 first; the core adds the banks
   bool shares_soc_port = false;   // port to the SoC: an access of a core waits for those of other cores

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+//
 // The effects of accesses to control and status registers: the column `meaning` of csrs.inc, and the functions that
 // this column names.
 #include "hart/csrs.hpp"

@@ -17,7 +17,7 @@ constexpr std::size_t kAlignment = 16;
 /// offsetof() is only defined for standard-layout types.
 static_assert(std::is_standard_layout_v<Execution>);
 
-/// Writes host code for an instruction. Returns false if the block is left at it.
+/// Writes host code for an instruction. Returns false if execution leaves the block at this instruction.
 bool emit_instruction(Assembler& a, const Instruction* at) {
   const auto lowering = lowering_of(at->op);
   if (lowering == nullptr || !lowering(a, at)) {

@@ -49,7 +49,7 @@ constexpr int offset_of_loop(unsigned loop) {
   return static_cast<int>(offsetof(Execution, loops) + sizeof(HardwareLoop) * loop);
 }
 
-/// Pieces of code that all regions share.
+/// Addresses of the pieces of code that all regions share.
 struct Stubs {
   const std::uint8_t* prologue = nullptr;  // at its executable address
   const std::uint8_t* leave = nullptr;     // at its writable address; eax = number of the exit
@@ -59,13 +59,13 @@ struct Stubs {
   /// Subroutine (writable address). Fetches line edx into the set whose entries begin at byte offset rax; [rcx] is the
   /// line's presence byte. Null if there is no instruction cache, or if other cores use the cache.
   const std::uint8_t* fetch = nullptr;
-  /// Subroutine (writable address). Counts an access at offset ecx of the second memory and spends its wait. edx holds
-  /// the cycles of the block before the access. If the interpreter must make the access instead, sets eax to a negative
-  /// value and has no other effect. Changes rdx. Null if no other core uses that memory.
+  /// Subroutine (writable address). Counts an access at offset ecx of the second memory, and counts the cycles that the
+  /// access waits. edx holds the cycles of the block before the access. If the interpreter must perform the access, the
+  /// subroutine only sets eax to a negative value. Changes rdx. Null if no other core uses that memory.
   const std::uint8_t* far = nullptr;
 };
 
-/// The value of an exit's number if no translated code was left.
+/// Exit number of a run that ended without an exit of a region.
 inline constexpr std::uint64_t kNoExit = 0xffffffff;
 
 /// Inputs of all regions of a translator: memories, blocks and options.
@@ -82,8 +82,9 @@ struct TranslationContext {
 ///
 ///   rbx    Execution
 ///   r14    bytes of the first fast memory
-///   r15    cycles that may still start, at the start of the block; costs that are known at run time are subtracted at
-///          once. If banks are shared: the address of the present row of their table, which moves by a row per cycle
+///   r15    number of cycles up to the limit, counted from the start of the block; costs that are only known at run time
+///          are subtracted at once. If banks are shared: the address of the present row of the table of banks, which
+///          advances by one row per cycle
 ///   xmm15  counts: instructions and accesses (32 bits each), energy of instructions [fJ]
 ///   xmm3 to xmm14  guest registers that dot products and floats use, in the low word; the upper bits have no meaning
 ///   rax, rcx, rdx, xmm0 to xmm2  scratch; the other registers hold guest registers, zero-extended
@@ -103,7 +104,7 @@ class Assembler : public Xbyak::CodeGenerator {
   const Label& constant(std::uint64_t low, std::uint64_t high) { return constants_[{low, high}]; }
   void emit_constants();
 
-  /// True if a table is within reach of r14.
+  /// True if the table can be addressed relative to r14, the start of the first memory.
   bool is_near(const void* table, std::size_t size) const;
   int from_first_memory(const void* table) const;
   /// Returns the operand for the marks of one or two words of the first memory; ecx has the number of the first word.

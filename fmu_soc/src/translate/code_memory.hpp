@@ -7,7 +7,8 @@
 
 namespace mebots::soc::translate {
 
-/// Memory for host code, mapped twice: writable at one address and executable at another address. No address is both.
+/// Memory for host code, mapped twice: writable at one address and executable at another address. No address is both
+/// writable and executable.
 class CodeMemory {
  public:
   /// Returns null if the host does not provide such memory.

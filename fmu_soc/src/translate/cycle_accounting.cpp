@@ -14,7 +14,7 @@ std::uint32_t CycleAccounting::waits_before(const Instruction* at) const {
   return a_.ram[0].wait_cycles * at->accesses_before;
 }
 
-/// Adds the sums of the block up to and including `at`.
+/// Writes code that adds the counts of the block's instructions up to and including `at`.
 void CycleAccounting::count(const Instruction* at, std::uint32_t extra_cycles) {
   MEBOTS_ASSERT(at[1].index == at->index + 1 && at[1].cycles_before >= at->cycles_before);
   const auto& sums = at[1];
@@ -55,9 +55,9 @@ void CycleAccounting::spend(const Xbyak::Reg64& cycles) {
   }
 }
 
-/// Jumps to `leave` if the block needs more cycles than the limit allows. `stall` is the number of these cycles in
-/// which the first instruction stalls. With a loose limit, jumps only if the limit is reached. Also jumps if other
-/// cores use the instruction cache and a line of the first instruction is absent.
+/// Jumps to `leave` if the block needs more cycles than the limit allows. In `stall` of these cycles, the first
+/// instruction stalls. If the limit is loose, jumps only if the limit is already reached. Also jumps if other cores use
+/// the instruction cache and a line of the first instruction is absent.
 void CycleAccounting::jump_at_limit(const Block& block, std::uint32_t stall, Label& leave) {
   if (!a_.options.loose_limit) {
     a_.cmp(r15, a_.blocks.fetch_bound(block) + stall);
@@ -105,7 +105,7 @@ void CycleAccounting::record_flow_to(const Instruction* at, std::uint32_t next) 
   record_flow(at, [this, next](const Xbyak::Address& place) { a_.mov(place, next); });
 }
 
-/// Records that control flow goes from `at` to the address in register `next`.
+/// Records that execution continues after `at` at the address in register `next`.
 void CycleAccounting::record_flow_to(const Instruction* at, const Xbyak::Reg32& next) {
   record_flow(at, [this, next](const Xbyak::Address& place) { a_.mov(place, next); });
 }
@@ -119,7 +119,7 @@ void CycleAccounting::record_flow_inside(const Instruction* at) {
   take_back(at);
 }
 
-/// If other cores use the first memory, claims the bank of the word at offset eax in this cycle. If `word_in_ecx` is
+/// If other cores use the first memory, claims the bank of the word at offset eax for this access. If `word_in_ecx` is
 /// set, ecx holds the number of the word. Changes ecx and edx.
 void CycleAccounting::claim_bank(const Instruction* at, bool word_in_ecx) {
   if (a_.options.banks == nullptr) return;
@@ -150,7 +150,7 @@ void CycleAccounting::claim_bank(const Instruction* at, bool word_in_ecx) {
   });
 }
 
-/// Adds the counts of a run to the counters. The guest registers must be stored before. Changes rsi and rdx.
+/// Adds the counts of a run to the counters. The guest registers must already be stored. Changes rsi and rdx.
 void CycleAccounting::add_to_counters() {
   if (a_.options.flow != nullptr) a_.mov(ptr[rbx + offset_of_host(offsetof(HostState, position))], r15);
   a_.mov(rdx, ptr[rbx + offset_of_host(offsetof(HostState, begin))]);

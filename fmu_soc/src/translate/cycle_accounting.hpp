@@ -11,16 +11,16 @@ namespace mebots::soc::translate {
 
 class Assembler;
 
-/// Writes the code that counts. Cycles are in r15; instructions, accesses and energy are in xmm15 (assembler.hpp). The
-/// code also claims banks of the first memory that cores share, and records steps between functions with the counts at
-/// each step.
+/// Writes the code that counts cycles (in r15), and instructions, accesses and energy (in xmm15; see assembler.hpp).
+/// The code also claims banks of the first memory that cores share, and records steps between functions with the counts
+/// at each step.
 class CycleAccounting {
  public:
   explicit CycleAccounting(Assembler& assembler) : a_(assembler) {}
 
   /// Spends cycles.
   void spend(std::uint32_t cycles);
-  /// Spends the cycles that a register holds. Changes the register.
+  /// Counts the number of cycles in register `cycles`. Changes this register.
   void spend(const Xbyak::Reg64& cycles);
   /// Adds the sums of the block up to and including `at`.
   void count(const Instruction* at, std::uint32_t extra_cycles);

@@ -55,7 +55,8 @@ void EdgeWriter::resume(const Instruction* at) {
   leave_by(exit);
 }
 
-/// Returns the node of the region that a link has led to, if it is at `pc`; else null.
+/// Returns the region's node to which `link` leads. If the region has no such node, or the node does not start at `pc`,
+/// returns null.
 const Node* EdgeWriter::node_at(std::uint32_t link, std::uint32_t pc) const {
   const auto number = linked(a_.blocks, link, pc);
   return number == 0 ? nullptr : region_->find(number);
@@ -67,7 +68,8 @@ void EdgeWriter::check_limit(const Node& node, std::uint32_t stall, const Exit& 
   a_.cycles.jump_at_limit(*node.block, stall, leave);
   a_.defer_cold([this, &node, stall, at_limit, leave]() mutable {
     a_.L(leave);
-    // With a strict limit, a stall needs one more cycle. The next run may then have to begin in the interpreter.
+    // If the limit is strict, a stall needs one more cycle. Therefore the next run may have to begin in the
+    // interpreter.
     if (stall == 0 || a_.options.loose_limit) {
       park(node, at_limit, stall);
     } else {
@@ -99,8 +101,8 @@ void EdgeWriter::load_next_point() {
   a_.mov(rcx, ptr[rcx]);
 }
 
-/// Leaves before a block, with a resume point, so that the next run begins with the block. The next run counts the
-/// cycles of the stall.
+/// Leaves translated code before a block, and sets a resume point so that the next run begins with this block. The
+/// cycles of the stall are counted in the next run.
 void EdgeWriter::park(const Node& node, const Exit& exit, std::uint32_t stall) {
   static_assert(sizeof(Pipeline) == sizeof(std::uint64_t));
   load_next_point();
@@ -116,8 +118,9 @@ void EdgeWriter::park(const Node& node, const Exit& exit, std::uint32_t stall) {
   a_.jmp(park_all_, kNear);
 }
 
-/// Leaves at an entry, before any register is loaded. After a fall-through, the pipeline's state is in
-/// HostState::straight_pipeline. After a jump, the pipeline is empty. At the start of a run, it is unchanged.
+/// Leaves translated code at an entry of a node, before any register is loaded. Three cases determine the state of the
+/// pipeline. After a fall-through, it is in HostState::straight_pipeline. After a jump, the pipeline is empty. At the
+/// start of a run, the state in Execution::pipeline remains valid.
 void EdgeWriter::park_at_entry(const Node& node, const Exit& exit, std::uint32_t stall) {
   const auto pipeline = ptr[rbx + static_cast<int>(offsetof(Execution, pipeline))];
   load_next_point();
@@ -208,7 +211,7 @@ void EdgeWriter::jump(const Instruction* at, std::uint32_t pc, bool jumped) {
   leave_chained(exit);
 }
 
-/// Leaves by a patch point.
+/// Leaves the block through a new patch point.
 void EdgeWriter::leave_chained(Exit exit) {
   MEBOTS_ASSERT(exit.patch_point == 0 && !exit.indirect);
   a_.registers.store_all();
@@ -224,7 +227,7 @@ void EdgeWriter::leave_chained(Exit exit) {
 
 void EdgeWriter::jump_indirect(const Instruction* at) {
   MEBOTS_ASSERT(at->op == Op::jalr);
-  // The most likely target of a jump is its last target.
+  // The most likely target of an indirect jump is its previous target.
   if (const auto* node = at->link != 0 ? region_->find(at->link) : nullptr; node != nullptr) {
     Label guessed;
     a_.cmp(eax, node->block->pc);

@@ -25,8 +25,8 @@ class EdgeWriter {
   void begin(const Region& region);
   /// Must be called before the code of a node is written.
   void begin_node(std::size_t index);
-  /// Writes the entries of a node. If the node is next in the code, execution continues into it; otherwise a jump leads
-  /// to it.
+  /// Writes the entries of a node. If `runs_into_node` is true, the node's code must follow directly. If it is false, a
+  /// jump leads to the node's code.
   Entry emit_entry(const Node& node, bool runs_into_node);
   /// Writes the code that all exits of the region share.
   void emit_exits();

@@ -33,7 +33,7 @@ class ExitTable {
  public:
   explicit ExitTable(const CodeMemory& memory) : memory_(memory) {}
 
-  /// Starts to fill a segment. Drops what it contained.
+  /// Starts to fill a segment, and drops the previous content of the segment.
   void begin_segment(std::uint32_t segment) {
     MEBOTS_ASSERT(segment < Segments::kCount);
     segment_ = segment;
@@ -78,7 +78,8 @@ class ExitTable {
   void patch(std::uint32_t patch_point, const std::uint8_t* target) {
     std::memcpy(place_of(patch_point), &target, sizeof target);
   }
-  /// Sets the target of a patch point that is not chained to a block. The target is outside of translated code.
+  /// Sets the target that a patch point has while it is not chained to a block. This target is outside of translated
+  /// code.
   void set_unpatched(std::uint32_t patch_point, const std::uint8_t* target) {
     unpatched_[patch_point >> kIndexBits][(patch_point & kIndexMask) - 1] = target;
     patch(patch_point, target);

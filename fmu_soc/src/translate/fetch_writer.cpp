@@ -14,7 +14,8 @@ bool FetchWriter::are_inline() const {
   return !a_.options.loose_limit;
 }
 
-/// Sets the zero flag if the line of this code has not arrived in the instruction cache. May change rdx.
+/// Writes code that sets the zero flag if the cache line of `address` has not arrived in the instruction cache. May
+/// change rdx.
 void FetchWriter::compare_presence(std::uint32_t address) {
   const auto* present = a_.blocks.fetched()->presence(address);
   if (a_.is_near(present, 1)) {
@@ -25,7 +26,7 @@ void FetchWriter::compare_presence(std::uint32_t address) {
   }
 }
 
-/// Jumps if the line has not arrived. May change rdx.
+/// Writes a jump to `absent` that is taken if the cache line of `address` has not arrived. May change rdx.
 void FetchWriter::jump_when_absent(std::uint32_t address, Label& absent) {
   compare_presence(address);
   a_.je(absent, kNear);
@@ -58,7 +59,7 @@ void FetchWriter::emit(const Block& block, const Instruction* at, const Instruct
   }
 }
 
-/// Fetches the line of this code if it is absent. If a line is seldom absent, its code is placed after the region's
+/// Fetches the line if it is absent. If a line is seldom absent, the code of the refill is placed after the region's
 /// other code. This saves a jump if the line is present, and costs two jumps if the line is absent.
 void FetchWriter::emit_line(std::uint32_t line, std::uint32_t address, bool often_absent) {
   Label present;

@@ -79,14 +79,14 @@ class LoopFinder {
   std::vector<std::vector<std::size_t>> from_;
 };
 
-/// Returns the block that followed the end of a node last time; 0 = none.
+/// Returns the block that was executed most recently after the end of a node; 0 if there is none.
 std::uint32_t next_of(const Node& node) {
   const auto* at = node.end();
   return at->link != 0 || at->index == 0 || !is_jump(at[-1].op) ? at->link : at[-1].link;
 }
 
-/// Orders the nodes. After each node comes its successor, if the successor is not placed yet. Two nodes in sequence
-/// need no jump.
+/// Places the successor of each node directly after the node, unless the successor already has a place. Between two
+/// such nodes, no jump is needed.
 void put_in_order(Region& region) {
   std::vector<Node> ordered;
   ordered.reserve(region.nodes.size());

@@ -17,7 +17,8 @@ struct Node {
   const Instruction* first = nullptr;
   std::uint32_t weight = 1;  // estimate of how often it runs: 8 to the power of its loop depth
 
-  /// Returns the slot after its last instruction. The slot's index is the number of instructions.
+  /// Returns the slot after the node's last instruction. The index of this slot is the number of the node's
+  /// instructions.
   const Instruction* end() const {
     const auto* at = first;
     while (!is_block_end(at->op)) ++at;
@@ -38,16 +39,17 @@ struct Region {
 };
 
 /// Returns the block `head` and blocks that were executed after it, directly or through others, up to a maximum size.
-/// Blocks that already have code are left out.
+/// Blocks that already have code are excluded.
 Region grow_region(const BlockCache& blocks, std::uint32_t head, const std::function<bool(std::uint32_t)>& has_code);
 
-/// Returns the block that an instruction's link has led to, if it is at `pc`; 0 if it is unknown or invalid.
+/// Returns the block to which an instruction's link leads. If this block does not start at `pc`, or if the link is not
+/// set, returns 0.
 inline std::uint32_t linked(const BlockCache& blocks, std::uint32_t link, std::uint32_t pc) {
   return link != 0 && blocks.block(link).pc == pc ? link : 0;
 }
 
-/// True if the block's first instruction stalls for a load at the end of the block before. `end` is the slot after that
-/// load.
+/// True if the block's first instruction stalls because of a load at the end of the previous block. `end` is the slot
+/// after that load.
 inline bool stalls(const Block& block, const Instruction* end) {
   MEBOTS_ASSERT(is_block_end(end->op));
   return end->index != 0 && block.stall_after(executed(end[-1], false)) != 0;

@@ -10,8 +10,8 @@
 namespace mebots::soc::translate {
 namespace {
 
-/// The host registers that hold guest registers, in the order of `Registers`. The first ones have the shortest
-/// encodings.
+/// The host registers that hold guest registers, in the order of `Registers`. The first registers of the list have the
+/// shortest encodings.
 constexpr std::array<int, kHostRegisters> kHosts{Xbyak::Operand::RSI, Xbyak::Operand::RDI, Xbyak::Operand::RBP,
                                                  Xbyak::Operand::R8,  Xbyak::Operand::R9,  Xbyak::Operand::R10,
                                                  Xbyak::Operand::R11, Xbyak::Operand::R12, Xbyak::Operand::R13};

@@ -21,7 +21,7 @@ inline constexpr int kFirstVector = 3;
 /// Number of guest registers: x0 to x31, f0 to f31, and the one that replaces x0 as a destination.
 inline constexpr unsigned kGuestRegisters = kNoRegister + 1;
 
-/// The guest registers that are in host registers in the whole region. The others are in memory.
+/// The guest registers that are in host registers in the whole region. All other guest registers are in memory.
 struct Registers {
   static constexpr std::int8_t kInMemory = -1;
 
@@ -35,8 +35,8 @@ struct Registers {
   std::array<bool, kGuestRegisters> written{};  // true if the region writes it
 };
 
-/// Allocates registers to guest registers: vector registers if mostly dot products and floats use the guest register,
-/// host registers to the most used of the other guest registers.
+/// Allocates registers. A guest register that is mostly used by dot products and floats gets a vector register. The
+/// most used of the other guest registers get general-purpose host registers.
 Registers allocate(const Region& region);
 
 /// The locations of a region's guest registers. Writes the code that reads and writes these registers.
@@ -48,7 +48,7 @@ class RegisterMap {
 
   void set_allocation(const Registers& allocation) { allocation_ = allocation; }
   /// load_all() and store_all() move the guest registers between memory and host registers. store_all() stores only
-  /// those that the region writes.
+  /// registers that the region writes.
   void load_all();
   void store_all();
 
@@ -61,9 +61,11 @@ class RegisterMap {
   const Xbyak::Operand& operand(unsigned reg);
   /// Returns a register as an operand that is only read. The value of a vector register is copied to `scratch` first.
   const Xbyak::Operand& source(unsigned reg, const Reg32& scratch);
-  /// Returns the host register that holds a register's value. It must not be changed unless it is `scratch`.
+  /// Returns the host register that holds a register's value. The caller must not change the returned register unless
+  /// it is `scratch`.
   Reg32 value(unsigned reg, const Reg32& scratch);
-  /// Returns the vector register that holds a register's value. It must not be changed unless it is `scratch`.
+  /// Returns the vector register that holds a register's value. The caller must not change the returned register unless
+  /// it is `scratch`.
   Xbyak::Xmm in_vector_for(unsigned reg, const Xbyak::Xmm& scratch);
   /// Returns the register for a result: the host register of guest register `rd`. If `rd` has no host register, or if
   /// its old value is still needed, returns `scratch`.

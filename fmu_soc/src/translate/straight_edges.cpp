@@ -16,8 +16,8 @@ static_assert(offsetof(Pipeline, before) == 0 && offsetof(Pipeline, two_before) 
 
 }  // namespace
 
-/// Returns the node that a link from the end of a block leads to. Returns null if the node is not in the region, or if
-/// the previous instructions change more than a stall of the node.
+/// Returns the node that a link from the end of a block leads to. Returns null if the node is not in the region. Also
+/// returns null if the previous instructions change the node's cycles in another way than by a stall.
 const Node* EdgeWriter::straight_successor(const Instruction* at, std::uint32_t link) const {
   if (link == 0) return nullptr;
   const auto* node = a_.blocks.block(link).valid() ? region_->find(link) : nullptr;
@@ -61,7 +61,7 @@ void EdgeWriter::fall_through_to(const Instruction* at, const Node& node, bool i
   if (!is_last || &node != following_) a_.jmp(label_of(node), kNear);
 }
 
-/// Jumps to the start of a loop, which may have changed since the last iteration.
+/// Jumps to the start of a hardware loop. The program may have changed the start since the last iteration.
 void EdgeWriter::iterate(const Instruction* at, unsigned loop) {
   MEBOTS_ASSERT(at->op == Op::loop_end && loop < 2);
   const auto start = dword[rbx + offset_of_loop(loop) + static_cast<int>(offsetof(HardwareLoop, start))];

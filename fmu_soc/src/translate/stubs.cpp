@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kStubAlignment = 16;
 
-/// wait_for_far() with the calling convention of translated code.
+/// Calls wait_for_far() with the calling convention of translated code.
 [[gnu::sysv_abi]] std::uint64_t wait_for_far_from_code(Execution& execution, std::uint64_t cycle,
                                                        std::uint32_t offset) noexcept {
   return wait_for_far(execution, cycle, offset);
@@ -45,8 +45,8 @@ void emit_next_core(Assembler& a, const Label& next_core, const Label& done) {
   a.jmp(done);
 }
 
-/// Does what InstructionCache::refill() does for the only user of a cache, and spends the wait. Changes rax, rcx and
-/// rdx.
+/// Refills a line as InstructionCache::refill() does if the cache has only one user, and counts the wait cycles.
+/// Changes rax, rcx and rdx.
 void emit_fetch_stub(Assembler& a) {
   using Cache = InstructionCache;
   static_assert(std::is_standard_layout_v<Cache::State> && std::is_standard_layout_v<Cache::Entry>);
@@ -79,7 +79,7 @@ void emit_fetch_stub(Assembler& a) {
   a.ret();
 }
 
-/// Calls wait_for_far() and spends the cycles that it returns.
+/// Calls wait_for_far() and counts the returned cycles.
 void emit_far_stub(Assembler& a) {
   MEBOTS_ASSERT(a.options.banks != nullptr, "a core whose second memory is shared shares the first one");
   static_assert(kOutsideBanks >> 63 == 1 && Banks::kReach < std::uint64_t{1} << 31,
@@ -127,7 +127,8 @@ Stubs emit_stubs(Assembler& a) {
   Label done;
 
   stubs.prologue = a.code_memory.executable(a.getCurr());
-  // (Execution* rdi, code rsi) -> (number of the exit, Execution*). Saves the registers of the caller (System V ABI).
+  // The prologue is called with Execution* in rdi and the address of the code in rsi. It returns the number of the exit
+  // and an Execution*. It saves the registers of the caller (System V ABI).
   const std::array saved{rbx, rbp, r12, r13, r14, r15};
   for (const auto& reg : saved) a.push(reg);
   a.mov(rbx, rdi);

@@ -10,8 +10,8 @@
 
 namespace mebots::soc::translate {
 
-/// Maps known targets of indirect jumps to their code. Translated code uses the table. It has one entry per
-/// two bytes of 128 KiB of code, about the code size of a real program. So hot targets rarely evict each other.
+/// Maps known targets of indirect jumps to their code. Translated code uses the table. The table has one entry per two
+/// bytes of 128 KiB of code. Real programs have about this code size, so that hot targets rarely evict each other.
 class TargetTable {
  public:
   static constexpr std::uint32_t kStep = 2;  // bytes of a pc per entry
@@ -23,8 +23,8 @@ class TargetTable {
     const std::uint8_t* code;
   };
 
-  /// All entries are zero at first, so only pc 0 would match; its entry is removed. calloc() keeps untouched pages free
-  /// of cost.
+  /// calloc() sets all entries to zero, which would match pc 0. Therefore the entry of pc 0 is removed. calloc() is
+  /// used because pages that are never touched cost nothing.
   TargetTable() : targets_(static_cast<Target*>(std::calloc(kMask / kStep + 1, sizeof(Target)))) {
     if (targets_ == nullptr) throw std::bad_alloc();
     forget(0);

@@ -116,8 +116,7 @@ class HostTranslator : public Translator {
     std::vector<std::uint32_t> patched_to;  // patch points that lead to its code, or once did
   };
 
-  /// Block chaining: makes a patch point of a region jump to the code of another region, without a return to the
-  /// caller.
+  /// Chains blocks: makes a patch point of a region jump to the code of another region, without a return to the caller.
   void chain(const Exit& exit, const Entry& entry, bool stalled) {
     MEBOTS_ASSERT(exit.patch_point != 0 && entry.plain != nullptr);
     MEBOTS_ASSERT(!stalled || exit.straight, "a jump leaves no load before it");
@@ -150,8 +149,8 @@ class HostTranslator : public Translator {
     return number;
   }
 
-  /// Drops a region, so that no jump leads to its code any more. The code stays until its segment is filled again,
-  /// because the last run may have left translated code through an exit of this region.
+  /// Drops a region, so that no jump leads to its code any more. The code stays in memory until its segment is filled
+  /// again, because the last run may have ended at an exit of this region.
   void drop(std::uint32_t number) {
     MEBOTS_ASSERT(number != 0 && number < regions_.size());
     auto& region = regions_[number];

@@ -8,9 +8,9 @@
 #include <memory>
 #include <vector>
 
-/// Translation of hot blocks to host code. All counts are equal to those of the interpreter. Costs that decoding
-/// determines are added where a block is left; others are added when they occur. Rare instructions are left to the
-/// interpreter: the code leaves the block before them.
+/// Translation of hot blocks to host code. All counts are equal to those of the interpreter. Costs that are known after
+/// decoding are counted when execution leaves a block. All other costs are counted when they occur. Translated code
+/// leaves a block before a rare instruction, which the interpreter executes.
 namespace mebots::soc::translate {
 
 class Assembler;
@@ -68,12 +68,13 @@ class Translator : public BlockListener {
   /// Runs `code` of an entry up to the hart's limit. If the hart has reached its limit, continues with the next harts
   /// of the round. The result is valid until the next translation.
   virtual RunEnd run(Execution& execution, const std::uint8_t* code) = 0;
-  /// Block chaining: the last run ended before this block. Makes the patch point of that exit lead to the block's code.
-  /// `stalled` is true if the block's first instruction stalls for a load.
+  /// Chains blocks: makes the patch point of the last run's exit lead to the code of `block`. The last run must have
+  /// ended before `block`. `stalled` is true if the block's first instruction stalls for a load.
   virtual void chain_last_exit(const Block& block, const Entry& entry, bool stalled) = 0;
-  /// Returns how often regions were dropped. A resume point from before the last drop may be invalid.
+  /// Returns the number of times that regions were dropped. A resume point that is older than the last drop may be
+  /// invalid.
   virtual std::uint64_t times_dropped() const = 0;
-  /// Returns the number of translated instructions; repeated translations count.
+  /// Returns the number of translated instructions. If an instruction is translated again, it is counted again.
   virtual std::uint64_t translated() const = 0;
 
  protected:
@@ -83,14 +84,14 @@ class Translator : public BlockListener {
 /// True if this build contains the translator and the host's processor has the required instructions.
 bool can_translate();
 
-/// True if some form of this operation can be translated. The interpreter executes the others.
+/// True if some form of this operation can be translated. Only the interpreter executes all other operations.
 bool has_translation(Op op);
 
 /// Writes host code for an instruction. Returns false, without effect, if the interpreter must execute this form of the
 /// instruction.
 using Lowering = bool (*)(Assembler&, const Instruction*);
 
-/// Returns the lowering of an operation; null if all forms are left to the interpreter.
+/// Returns the lowering of an operation. If the interpreter executes all forms of the operation, returns null.
 Lowering lowering_of(Op op);
 
 /// Returns null if translation is not possible on this host or for these memories. `execution` contains the memories.
