@@ -45,7 +45,7 @@ Exact exact(std::uint32_t a) {
   return {is_negative(a), exponent - 1 + kLeastWeight, fraction | kHiddenBit};
 }
 
-/// Shifts the significand, which is not 0, so that kTop is its highest bit.
+/// Shifts the significand so that its highest set bit is bit kTop. The significand must not be 0.
 Exact normal(Exact a) {
   const auto shift = std::countl_zero(a.significand) - (63 - kTop);
   MEBOTS_ASSERT(a.significand != 0 && shift >= 0);
@@ -135,8 +135,8 @@ std::uint32_t packed_sum(Exact a, Exact b, Context& context) {
   a = normal(a);
   b = normal(b);
   if (a.exponent < b.exponent || (a.exponent == b.exponent && a.significand < b.significand)) std::swap(a, b);
-  // The low bits of both significands are 0. If more than one bit of b is shifted out, b is so small that the sum still
-  // has enough exact bits above these.
+  // The low bits of both significands are 0. If more than one bit of `b` is shifted out, `b` is much smaller than `a`.
+  // In this case, the sum still has enough exact bits above the inexact lowest bit.
   const auto aligned = shift_right_sticky(b.significand, a.exponent - b.exponent);
   const auto sum = a.sign == b.sign ? a.significand + aligned : a.significand - aligned;
   if (sum == 0) return with_sign(zero_sign, 0);
@@ -150,7 +150,7 @@ Exact product(std::uint32_t a, std::uint32_t b) {
   return {x.sign != y.sign, x.exponent + y.exponent, x.significand * y.significand};
 }
 
-/// Rounds to an integer of up to 32 bits, within [least, most].
+/// Rounds a float to an integer in [least, most].
 std::uint32_t to_integer(std::uint32_t a, Context& context, std::int64_t least, std::int64_t most) {
   const auto out_of_range = [&context](std::int64_t nearest) {
     context.flags |= kInvalid;
@@ -170,7 +170,7 @@ std::uint32_t to_integer(std::uint32_t a, Context& context, std::int64_t least, 
   return static_cast<std::uint32_t>(integer);
 }
 
-/// Orders numbers that are not NaN, as integers: -0 before +0.
+/// Maps numbers other than NaN to integers with the same order. -0 comes before +0.
 constexpr std::int64_t order(std::uint32_t a) {
   return is_negative(a) ? -std::int64_t{a & ~kSign} - 1 : std::int64_t{a};
 }

@@ -55,7 +55,8 @@ std::uint32_t maximum(std::uint32_t a, std::uint32_t b, Context& context);
 bool equal(std::uint32_t a, std::uint32_t b, Context& context);
 bool less(std::uint32_t a, std::uint32_t b, Context& context);
 bool less_or_equal(std::uint32_t a, std::uint32_t b, Context& context);
-/// Conversions from and to integers. A value out of range becomes the nearest integer, and a NaN the largest one.
+/// Conversions from and to integers. A value out of range becomes the nearest representable integer, and a NaN becomes
+/// the largest integer.
 std::uint32_t to_signed(std::uint32_t a, Context& context);
 std::uint32_t to_unsigned(std::uint32_t a, Context& context);
 std::uint32_t from_signed(std::uint32_t value, Context& context);

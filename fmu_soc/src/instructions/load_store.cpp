@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Lowering of loads and stores in the two fast memories. The interpreter makes all other accesses: misaligned ones in
-// the second memory, those outside both, and stores over marks.
+// Lowering of loads and stores in the two fast memories. The interpreter performs all other accesses: misaligned
+// accesses to the second memory, accesses outside both memories, and stores to marked words.
 #include "instructions/load_store.hpp"
 
 #include "mebots/assert.hpp"
@@ -16,7 +16,7 @@ namespace {
 
 using namespace lowering;
 
-/// Returns the register with the offset or the increment.
+/// Returns the number of the register that contains the offset or the increment.
 unsigned step_register(const Instruction* at) {
   return is_store(at->op) ? static_cast<unsigned>(at->imm) : at->rs2;
 }
@@ -38,8 +38,8 @@ void check_address(Assembler& c, const Reg32& offset, const Reg32& scratch, cons
   c.jae(other, kNear);
 }
 
-/// Sets eax to the offset in the first memory. Jumps to `other` if the address is outside or misaligned. The address is
-/// valid at the returned label.
+/// Sets eax to the offset in the first memory. Jumps to `other` if the address is outside the memory or misaligned. The
+/// returned label is the place in the code at which the address has passed these checks.
 Label emit_address(Assembler& c, const Instruction* at, unsigned size, Label& other) {
   const auto mode = traits_of(at->op).mode;
   MEBOTS_ASSERT(size == 1 || size == 2 || size == 4);
@@ -59,7 +59,8 @@ Label emit_address(Assembler& c, const Instruction* at, unsigned size, Label& ot
   return inside;
 }
 
-/// Continues after a failed address check with a halfword in the middle of a word, which is a single access.
+/// Runs after a failed address check. If the access is a halfword in the middle of a word, jumps to `inside`, because
+/// such a halfword needs only one access.
 void emit_middle_of_word(Assembler& c, unsigned size, Label& inside) {
   if (size != 2) return;
   Label other;
@@ -131,8 +132,8 @@ void emit_read(Assembler& c, const Reg32& to, const Xbyak::RegExp& from, unsigne
   }
 }
 
-/// Counts an access to the second memory at offset ecx, and spends its wait. Changes eax and edx. If the interpreter
-/// must make the access, jumps to `left` without effect.
+/// Counts an access to the second memory at offset ecx, and counts the cycles that the access waits. Changes eax and
+/// edx. If the interpreter must perform the access, jumps to `left` without another effect.
 void emit_far_wait(Assembler& c, const Instruction* at, Label& left) {
   const auto& ram = c.ram[1];
   if (ram.is_shared()) {
@@ -159,7 +160,7 @@ bool emit_load(Assembler& c, const Instruction* at) {
   auto inside = emit_address(c, at, size, other);
   c.cycles.claim_bank(at, size == 4);
   c.L(claimed);
-  // If the increment is in the register that is loaded, the old value of this register is needed.
+  // If the load writes the register that contains the increment, the old value of this register is still needed.
   const bool is_own_step = traits_of(at->op).mode == AddressMode::post_register && step_register(at) == at->rd;
   const auto to = c.registers.place(at->rd, eax, is_own_step);
   const bool into_vector = size == 4 && c.registers.in_vector(at->rd) && !is_own_step;

@@ -33,7 +33,8 @@ constexpr bool is_post(Mode mode) {
   }
 }
 
-/// Called after an access on the slow path. True if the access took place; false if it trapped or was deferred.
+/// Called after an access on the slow path. Returns true if the access was performed, and false if it trapped or was
+/// deferred.
 inline bool retired(const Execution& e, const Instruction* at) {
   return e.exit == at + 1;
 }
@@ -50,7 +51,7 @@ struct Addresses {
   std::uint32_t moved;
 };
 
-/// The register with the offset or increment is in rs2; for stores, its number is in imm.
+/// For loads, the register with the offset or increment is rs2. For stores, `imm` contains the number of this register.
 template <Mode kMode>
 [[gnu::always_inline]] inline Addresses addresses_of(const Execution& e, const Instruction* at, std::uint32_t in) {
   const auto base = e.x[at->rs1];
@@ -58,7 +59,8 @@ template <Mode kMode>
   return {is_post(kMode) ? base : moved, moved};
 }
 
-/// Finishes a load. If the load writes its own address register, the loaded value wins over the increment.
+/// Finishes a load. If the load writes its own address register, the register gets the loaded value, not the
+/// incremented address.
 template <typename T, Mode kMode>
 [[gnu::always_inline]] inline void finish_load(Execution& e, const Instruction* at, const std::uint8_t* data,
                                                std::uint32_t moved) {

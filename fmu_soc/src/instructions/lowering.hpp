@@ -5,7 +5,8 @@
 
 #include <utility>
 
-/// Lowerings that several operations share. Each takes a function that writes the host instruction that differs.
+/// Lowerings that several operations share. The argument of each lowering is a function that writes the host
+/// instruction of one operation.
 namespace mebots::soc::lowering {
 
 using namespace Xbyak::util;
@@ -15,7 +16,7 @@ using Xbyak::Label;
 using Xbyak::Reg32;
 using Xbyak::Xmm;
 
-/// rd = rs1 op rs2; `apply(to, from)`: to = to op from
+/// Writes code for rd = rs1 op rs2. `apply(to, from)` writes the host instruction for `to = to op from`.
 template <typename Apply>
 void emit_binary(Assembler& c, const Instruction* at, Apply apply) {
   const auto to = c.registers.place(at->rd, eax, at->rd == at->rs2 && at->rd != at->rs1);
@@ -29,7 +30,7 @@ void emit_binary(Assembler& c, const Instruction* at, Apply apply) {
   c.registers.finish(at->rd, to);
 }
 
-/// rd = rs1 op immediate; `apply(to, value)`: to = to op value
+/// Writes code for rd = rs1 op immediate. `apply(to, value)` writes the host instruction for `to = to op value`.
 template <typename Apply>
 void emit_immediate(Assembler& c, const Instruction* at, Apply apply) {
   const auto to = c.registers.place(at->rd, eax);
@@ -38,7 +39,7 @@ void emit_immediate(Assembler& c, const Instruction* at, Apply apply) {
   c.registers.finish(at->rd, to);
 }
 
-/// rd = rs1 shifted by the low five bits of rs2; `apply(to, from, by)`
+/// Writes code that shifts rs1 by the low five bits of rs2. `apply(to, from, by)` writes the host instruction.
 template <typename Apply>
 void emit_shift(Assembler& c, const Instruction* at, Apply apply) {
   const auto to = c.registers.place(at->rd, eax);
@@ -47,7 +48,7 @@ void emit_shift(Assembler& c, const Instruction* at, Apply apply) {
   c.registers.finish(at->rd, to);
 }
 
-/// Copies the second operand: rs2 or the immediate.
+/// Writes code that copies the second operand (rs2 or the immediate) to `to`.
 inline void copy_second(Assembler& c, const Instruction* at, const Reg32& to) {
   if (operand_of(*at) == mebots::soc::Operand::immediate) {
     c.mov(to, static_cast<std::uint32_t>(at->imm));
@@ -56,7 +57,7 @@ inline void copy_second(Assembler& c, const Instruction* at, const Reg32& to) {
   }
 }
 
-/// rd = op rs1; `apply(to)`: to = op to
+/// Writes code for rd = op rs1. `apply(to)` writes the host instruction for `to = op to`.
 template <typename Apply>
 void emit_unary(Assembler& c, const Instruction* at, Apply apply) {
   c.registers.copy(eax, at->rs1);
@@ -64,7 +65,7 @@ void emit_unary(Assembler& c, const Instruction* at, Apply apply) {
   c.registers.finish(at->rd, eax);
 }
 
-/// Flags of rs1 - rs2.
+/// Writes code that sets the host's flags to those of rs1 - rs2.
 inline void emit_compare(Assembler& c, unsigned rs1, unsigned rs2) {
   if (rs1 != 0 && rs2 == 0) {
     if (c.registers.in_host(rs1)) {
@@ -82,7 +83,7 @@ inline void emit_compare(Assembler& c, unsigned rs1, unsigned rs2) {
   }
 }
 
-/// Sets rd to 1 or 0 from the flags; `set_al()` writes the setcc of al.
+/// Writes code that sets rd to 1 or 0, depending on the host's flags. `set_al()` writes the setcc of al.
 template <typename Set>
 void finish_set(Assembler& c, unsigned rd, Set set_al) {
   set_al();

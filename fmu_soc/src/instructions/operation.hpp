@@ -17,8 +17,8 @@ constexpr std::int32_t as_signed(Word word) {
   return static_cast<std::int32_t>(word);
 }
 
-/// An operation: its handlers for the interpreter, and its lowering to host code. operation() makes it from two
-/// functions, which the tables of each family (isa/*.decode) name.
+/// An operation: its handlers for the interpreter, and its lowering to host code. operation() creates an Operation from
+/// two functions, whose names are in the tables isa/*.decode.
 struct Operation {
   std::array<Handler, 3> handlers{};  // by Operand
   Lowering emit = nullptr;            // null: the interpreter executes all forms
@@ -54,9 +54,9 @@ template <Op kOp, Operand kFrom>
   }
 }
 
-/// Runs a function of words. A function of one argument gets rs1; of two, rs1 and the second operand; of three, also
-/// the immediate. An operation that reads rd gets it as the first argument. (rd = x0 is kNoRegister here, for reads and
-/// writes.)
+/// Runs a function of words. The arguments are rs1, the second operand and the immediate; a function with fewer
+/// arguments gets only the first ones. If the operation reads rd, the value of rd comes before these arguments. If rd
+/// is x0, the number of rd is kNoRegister.
 template <Op kOp, Operand kFrom, auto kExecute>
 const Instruction* run(Execution& e, const Instruction* at) {
   constexpr auto kCount = Signature<decltype(kExecute)>::kCount;
@@ -104,9 +104,9 @@ bool lower(translate::Assembler& c, const Instruction* at) {
 
 }  // namespace binding
 
-/// Returns the row of an operation whose encodings take the second operand from `kOperands`. For a kind of operand that
-/// is not in `kOperands`, the row has the handler for a register or, if registers are missing too, for the first kind
-/// in `kOperands`.
+/// Returns the row of an operation whose encodings take the second operand from `kOperands`. Other kinds of operand get
+/// the handler for a register. If `kOperands` contains no register, they get the handler for the first kind in
+/// `kOperands`.
 template <Op kOp, auto kExecute, Operand... kOperands>
 constexpr Operation operation(Lowering emit) {
   constexpr std::array kGiven{kOperands..., Operand::reg};
@@ -125,7 +125,8 @@ constexpr Operation operation(Lowering emit) {
   return made;
 }
 
-// The generated tables contain MEBOTS_LOWERING(emit_add), which is null in a build without translation.
+// The generated tables contain macros such as MEBOTS_LOWERING(emit_add). In a build without translation, the macro is
+// null.
 #ifdef MEBOTS_TRANSLATES
 #define MEBOTS_LOWERING(emit) binding::lower<emit>
 #else

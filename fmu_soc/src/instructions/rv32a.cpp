@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The A extension: execution of each operation of isa/rv32a.decode. None of them has a lowering. Boards with several
+// The A extension: execution of each operation of isa/rv32a.decode. No operation has a lowering. Boards with several
 // cores cannot have the extension (board/board_file.cpp checks this), so each access is atomic.
 #include "hart/data_path.hpp"
 #include "instructions/operation.hpp"
@@ -10,7 +10,7 @@
 namespace mebots::soc::rv32a {
 namespace {
 
-/// Returns what an operation stores, from the word in memory and rs2.
+/// Returns the value that an operation stores. `word` is the word in memory, and `value` is rs2.
 template <Op kOp>
 constexpr Word amo(Word word, Word value) {
   switch (kOp) {

@@ -25,7 +25,7 @@ const Instruction* illegal(Execution& e, const Instruction* at) {
   return e.raise(at, cause::kIllegalInstruction, e.units->blocks.word_at(at->pc).value_or(0));
 }
 
-/// Executes an operation that rounds and raises flags: `compute(context)` returns rd.
+/// Executes an operation that rounds and raises flags. `compute(context)` returns the value of rd.
 template <typename Compute>
 const Instruction* run_rounded(Execution& e, const Instruction* at, Compute compute) {
   const auto own = static_cast<unsigned>(at->imm) & 7U;
@@ -107,15 +107,15 @@ void emit_float_move(Assembler& c, const Instruction* at) {
 /// Operations that the host executes. They round to nearest. MXCSR collects their flags: see
 /// TranslatedRun::take_float_flags().
 
-/// Returns false for a rounding mode other than the host's present one. The interpreter executes operations with these
-/// modes.
+/// Returns false if the operation needs another rounding mode than the present mode of the host. The interpreter
+/// executes such operations.
 bool emit_rounding(Assembler& c, const Instruction* at) {
   const auto own = static_cast<unsigned>(at->imm) & 7U;
   if (own != static_cast<unsigned>(float32::Rounding::nearest_even) && own != float32::kDynamic) return false;
   emit_check(c, at);
   return true;
 }
-/// Stores xmm0 into rd, or the canonical NaN if it is a NaN.
+/// Stores xmm0 into rd. If xmm0 is a NaN, stores the canonical NaN.
 void finish_float(Assembler& c, const Instruction* at) {
   Label nan;
   Label done;
@@ -134,7 +134,7 @@ void finish_float(Assembler& c, const Instruction* at) {
 void copy_float(Assembler& c, unsigned reg, const Xmm& to) {
   if (const auto from = c.registers.in_vector_for(reg, to); from.getIdx() != to.getIdx()) c.movaps(to, from);
 }
-/// `apply(to, from)`: to = to op from
+/// Writes code for an arithmetic operation. `apply(to, from)` writes the host instruction for `to = to op from`.
 template <typename Apply>
 bool emit_arithmetic(Assembler& c, const Instruction* at, Apply apply) {
   if (!emit_rounding(c, at)) return false;
@@ -163,7 +163,8 @@ bool emit_fsqrt_s(Assembler& c, const Instruction* at) {
   return true;
 }
 
-/// `apply(to, b, c)`: to = +-to * b +- c. Returns false on a processor without such an operation.
+/// Writes code for a fused multiply-add. `apply(to, b, c)` writes the host instruction for to = +-to * b +- c. Returns
+/// false if the host's processor lacks this instruction.
 template <typename Apply>
 bool emit_multiply_add(Assembler& c, const Instruction* at, Apply apply) {
   if (!translate::host_processor().has(Xbyak::util::Cpu::tFMA) || !emit_rounding(c, at)) return false;
@@ -198,7 +199,7 @@ bool emit_fnmadd_s(Assembler& c, const Instruction* at) {
 const Instruction* execute_fadd_s(Execution& e, const Instruction* at) {
   return run_rounded(e, at, [&](Context& c) { return float32::add(e.x[at->rs1], e.x[at->rs2], c); });
 }
-/// a - b is computed as a + -b. A NaN must stay a quiet or signalling NaN.
+/// Computes a - b as a + -b. The change of the sign does not change whether a NaN is quiet or signalling.
 const Instruction* execute_fsub_s(Execution& e, const Instruction* at) {
   return run_rounded(e, at, [&](Context& c) { return float32::add(e.x[at->rs1], e.x[at->rs2] ^ kSign, c); });
 }
@@ -248,8 +249,9 @@ const Instruction* execute_fcvt_s_wu(Execution& e, const Instruction* at) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// Converts to an integer with the low 32 bits of eax or rax as the result; `convert(from, truncates)`. The host has a
-/// separate operation that truncates. A jump to `leave` leaves the block.
+/// Writes code that converts a float to an integer. The result is in eax. `convert(truncates, leave)` writes the
+/// conversion, because the host has separate instructions with and without truncation. A jump to `leave` leaves the
+/// block.
 template <typename Convert>
 bool emit_to_integer(Assembler& c, const Instruction* at, Convert convert) {
   const auto own = static_cast<unsigned>(at->imm) & 7U;
@@ -335,7 +337,8 @@ const Instruction* execute_fclass_s(Execution& e, const Instruction* at) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// Puts the sign of rs2, changed by `apply()`, in the sign bit of ecx, and the rest of rs1 in eax.
+/// Writes code that puts the sign of rs2 into the sign bit of ecx, and rs1 into eax. `apply()` then writes the code
+/// that changes the signs.
 template <typename Apply>
 void emit_sign(Assembler& c, const Instruction* at, Apply apply) {
   emit_check(c, at);
@@ -344,7 +347,7 @@ void emit_sign(Assembler& c, const Instruction* at, Apply apply) {
   apply();
   c.registers.finish(at->rd, eax);
 }
-/// Sets eax to its magnitude with the sign of ecx.
+/// Writes code that replaces the sign bit of eax by the sign bit of ecx.
 void emit_join_sign(Assembler& c) {
   c.and_(eax, ~kSign);
   c.and_(ecx, kSign);
@@ -365,7 +368,8 @@ void emit_fsgnjx_s(Assembler& c, const Instruction* at) {
     c.xor_(eax, ecx);
   });
 }
-/// Leaves NaNs to the interpreter, and also zeros, because two zeros may have different signs.
+/// Writes code for fmin.s or fmax.s. The interpreter handles NaNs, and also zeros, because two zeros may have different
+/// signs.
 template <typename Apply>
 void emit_extreme(Assembler& c, const Instruction* at, Apply apply) {
   emit_check(c, at);
@@ -397,7 +401,8 @@ void emit_feq_s(Assembler& c, const Instruction* at) {
   c.movzx(eax, al);
   c.registers.finish(at->rd, eax);
 }
-/// The operands are exchanged: if rs2 is compared with rs1, an unordered result gives the flags of "below".
+/// Writes code that compares rs2 with rs1. With this order of the operands, an unordered result gives the flags of
+/// "below".
 template <typename Set>
 void emit_order(Assembler& c, const Instruction* at, Set set_al) {
   emit_check(c, at);

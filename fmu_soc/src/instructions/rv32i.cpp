@@ -16,7 +16,7 @@ namespace {
 using namespace lowering;
 #endif
 
-// Constants. For auipc, the decoder has added the pc.
+// Instructions that load constants. For auipc, the decoder has already added the pc.
 
 const Instruction* execute_lui(Execution& e, const Instruction* at) {
   e.x[at->rd] = static_cast<Word>(at->imm);
@@ -84,7 +84,7 @@ void emit_jal(Assembler& c, const Instruction* at) {
   c.edges.jump(at, static_cast<std::uint32_t>(at->imm), at->rs2 == 0);
 }
 /// Writes host code for jalr. Returns false in a rare case: a slow instruction before the jalr hides the cost of an
-/// unaligned target (rs2).
+/// unaligned target (rs2 is not 0).
 bool emit_jalr(Assembler& c, const Instruction* at) {
   if (at->rs2 != 0) return false;
   const auto base = c.registers.value(at->rs1, eax);

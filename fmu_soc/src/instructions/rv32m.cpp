@@ -59,8 +59,8 @@ void emit_mulhu(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Division by zero returns all ones; the overflow -2^31 / -1 returns -2^31. The remainder of a division by zero is the
-// dividend; that of the overflow is 0.
+// Division by zero returns all ones, and the overflow -2^31 / -1 returns -2^31. The remainder of a division by zero is
+// the dividend. The remainder of the overflow is 0.
 
 constexpr Word execute_div(Word a, Word b) {
   if (b == 0) return ~Word{0};
@@ -81,8 +81,8 @@ constexpr Word execute_remu(Word a, Word b) {
 
 #ifdef MEBOTS_TRANSLATES
 /// Writes code that counts the cycles of a division. They depend on the number of the divisor's leading zeros or, if
-/// the divisor is negative, of its leading ones minus 1: see divide_extra_signed(). The divisor must be in ecx. The
-/// number of steps is returned in edx. Changes eax.
+/// the divisor is negative, of its leading ones minus 1: see divide_extra_signed(). The divisor must be in ecx. edx
+/// returns the number of additional steps. Changes eax.
 void emit_divide_cycles(Assembler& c, bool is_signed) {
   if (is_signed) {
     c.mov(edx, ecx);

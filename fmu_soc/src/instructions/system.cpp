@@ -31,7 +31,8 @@ const Instruction* execute_csr_access(Execution& e, const Instruction* at) {
   return e.units->csrs.access(at);
 }
 
-/// Machine mode's instructions are illegal in U mode; wfi only if mstatus.TW says so.
+/// Instructions of machine mode are illegal in U mode. The exception is wfi, which is illegal in U mode only if
+/// mstatus.TW is set.
 const Instruction* illegal_in_user_mode(Execution& e, const Instruction* at) {
   return e.raise(at, cause::kIllegalInstruction, e.units->blocks.word_at(at->pc).value_or(0));
 }

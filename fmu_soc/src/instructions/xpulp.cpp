@@ -115,8 +115,8 @@ const Instruction* execute_loop_end(Execution& e, const Instruction* at) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// Returns the x86 memory operand of a field of the hardware loop that the instruction changes. `offset` is that of the
-/// field in HardwareLoop.
+/// Returns the x86 memory operand of a field of the hardware loop that the instruction changes. `offset` is the offset
+/// of the field in HardwareLoop.
 Xbyak::Address loop_register(const Instruction* at, std::size_t offset) {
   MEBOTS_ASSERT(is_hardware_loop(at->op) && at->rs2 < 2);
   return dword[rbx + translate::offset_of_loop(at->rs2) + static_cast<int>(offset)];
@@ -229,7 +229,8 @@ void emit_p_slet(Assembler& c, const Instruction* at) {
 void emit_p_sletu(Assembler& c, const Instruction* at) {
   emit_set(c, at, [&] { c.setbe(al); });
 }
-/// Selects the second operand if the flags of first - second say so. `move()` writes the cmov from ecx to eax.
+/// Writes code that selects one of two operands by the flags of their difference. `move()` writes the cmov that copies
+/// the second operand from ecx to eax.
 template <typename Move>
 void emit_select(Assembler& c, const Instruction* at, Move move) {
   c.registers.copy(eax, at->rs1);
@@ -262,7 +263,8 @@ void emit_p_extbs(Assembler& c, const Instruction* at) {
 void emit_p_extbz(Assembler& c, const Instruction* at) {
   emit_unary(c, at, [&](const Reg32& to) { c.movzx(to, al); });
 }
-/// Limits a value to the bound from above. The lower limit is 0; for a signed clip, it is the complement of the bound.
+/// Writes code that limits a value to an upper and a lower bound. The lower bound is 0 for an unsigned clip, and the
+/// complement of the upper bound for a signed clip.
 void emit_clip(Assembler& c, const Instruction* at, bool is_signed) {
   c.registers.copy(eax, at->rs1);
   if (operand_of(*at) == Operand::immediate) {
@@ -292,9 +294,9 @@ void emit_p_clipu(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Sums that are shifted right. The traits of the operation say whether it subtracts, rounds, and keeps the sign.
+// Sums that are shifted right. The traits of an operation determine whether it subtracts, rounds, and extends the sign.
 
-/// Returns half of the last place that remains after the shift.
+/// Returns half of the lowest bit that remains after the shift.
 constexpr Word rounding(Word shift) {
   return (Word{1} << shift) >> 1;
 }
@@ -344,7 +346,7 @@ void emit_shifted_sum_by_register(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Operations on bits. An immediate or a register contains a bit field as width - 1 << 5 | position.
+// Operations on bits. An immediate or a register contains a bit field as `(width - 1) << 5 | position`.
 
 /// Returns the mask of a bit field at position 0.
 constexpr Word field_mask(Word bits) {
@@ -353,7 +355,8 @@ constexpr Word field_mask(Word bits) {
 constexpr Word execute_p_extractu(Word a, Word bits) {
   return (a >> (bits & 31U)) & field_mask(bits);
 }
-/// Bits beyond the end of the word are copies of its sign.
+/// Returns a bit field of `a` with sign extension. Bits of the field beyond the end of the word are copies of the
+/// word's sign bit.
 constexpr Word execute_p_extract(Word a, Word bits) {
   const auto shifted = shift_right_signed(a, bits);
   const auto mask = field_mask(bits);
@@ -487,14 +490,14 @@ constexpr Word execute_p_mac(Word sum, Word a, Word b) {
 constexpr Word execute_p_msu(Word sum, Word a, Word b) {
   return sum - a * b;
 }
-/// Returns the half that the operation uses, as a word.
+/// Returns the upper or the lower half of a word, as the operation's traits require, extended to a word.
 template <Op kOp>
 constexpr Word half(Word a) {
   if (traits_of(kOp).high) return shift_right<kOp>(a, 16);
   return traits_of(kOp).sign ? static_cast<Word>(static_cast<std::int16_t>(a)) : a & 0xffffU;
 }
-/// Returns the sum plus the product of halves, shifted right. If the operation's traits require rounding, the value is
-/// rounded before the shift.
+/// Computes `sum` plus the product of two halves, and shifts the result right. If the operation's traits require
+/// rounding, the value is rounded before the shift.
 template <Op kOp>
 constexpr Word execute_accumulate_halves(Word sum, Word a, Word b, Word shift) {
   sum += half<kOp>(a) * half<kOp>(b);

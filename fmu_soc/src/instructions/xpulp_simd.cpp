@@ -151,7 +151,7 @@ void emit_pv_maxu(Assembler& c, const Instruction* at) {
   emit_packed(c, at,
               [&](const Xmm& to, const Xmm& from) { on_bytes(at->op) ? c.pmaxub(to, from) : c.pmaxuw(to, from); });
 }
-/// Computes half of the sum in each part. The sum wraps.
+/// Writes code that computes half of the sum of two parts. The sum wraps before it is halved.
 void emit_average(Assembler& c, const Instruction* at, bool sign) {
   c.registers.copy(eax, at->rs1);
   load_second(c, at);
@@ -203,7 +203,7 @@ constexpr Word execute_pv_sll(Word a, Word b) {
 
 #ifdef MEBOTS_TRANSLATES
 enum class PartShift : std::uint8_t { left, right, right_signed };
-/// Shifts all parts by the same number of places. Other shifts are rare.
+/// Writes code for a shift of all parts by the same number of places. For other shifts, which are rare, returns false.
 bool emit_shift_parts(Assembler& c, const Instruction* at, PartShift shift) {
   const bool bytes = on_bytes(at->op);
   const auto from = operand_of(*at);
@@ -272,7 +272,7 @@ constexpr Word execute_pv_and(Word a, Word b) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// `apply(to, from)`: to = to op from
+/// Writes code for a logical operation. `apply(to, from)` writes the host instruction for `to = to op from`.
 template <typename Apply>
 void emit_logic(Assembler& c, const Instruction* at, Apply apply) {
   c.registers.copy(eax, at->rs1);
@@ -311,7 +311,7 @@ constexpr Word execute_compare_parts(Word a, Word b) {
 constexpr std::uint32_t kSignOfBytes = 0x80808080U;
 constexpr std::uint32_t kSignOfHalves = 0x80008000U;
 
-/// Compares parts: ==, != and signed >, >=, <, <=. Unsigned comparisons invert the signs first.
+/// Compares parts: ==, != and signed >, >=, <, <=. For an unsigned comparison, the sign bits are inverted first.
 void emit_compare_parts(Assembler& c, const Instruction* at) {
   MEBOTS_ASSERT(traits_of(at->op).kind == OpKind::simd_compare);
   const bool bytes = on_bytes(at->op);
@@ -341,7 +341,7 @@ void emit_compare_parts(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Dot products: the sum of the products of all pairs of parts. Some operations add it to rd.
+// Dot products: the sum of the products of all pairs of parts. Some operations add this sum to rd.
 
 template <Op kOp>
 constexpr Word execute_accumulate_dot_product(Word sum, Word a, Word b) {
@@ -461,14 +461,14 @@ constexpr Word execute_pv_insert(Word into, Word a, Word index) {
   const auto place = index % kParts<T>;
   return (into & ~at_part<T>(static_cast<T>(-1), place)) | at_part<T>(static_cast<T>(a), place);
 }
-/// Returns parts of `a`: each part of `selectors` selects the part for its position.
+/// Returns a word of parts of `a`. Each part of `selectors` is the number of the part of `a` for its position.
 template <Op kOp>
 constexpr Word execute_pv_shuffle(Word a, Word selectors) {
   return on_parts<Unsigned<kOp>>(selectors, 0, [a](auto selector, auto) {
     return part<decltype(selector)>(a, selector % kParts<decltype(selector)>);
   });
 }
-/// Selects from the parts of two words: `low`, then `high`.
+/// Returns a word of parts of two words. Selectors count the parts of `low` first, and then the parts of `high`.
 template <Op kOp>
 constexpr Word execute_pv_shuffle2(Word low, Word high, Word selectors) {
   return on_parts<Unsigned<kOp>>(selectors, 0, [low, high](auto selector, auto) {
@@ -476,15 +476,16 @@ constexpr Word execute_pv_shuffle2(Word low, Word high, Word selectors) {
     return part<T>((selector & kParts<T>) != 0 ? high : low, selector % kParts<T>);
   });
 }
-/// Returns the low halves of two words: that of `a` in the upper half, that of `b` in the lower half.
+/// Returns the low halves of two words: the half of `a` becomes the upper half, and the half of `b` the lower half.
 constexpr Word execute_pv_pack_h(Word a, Word b) {
   return a << 16 | (b & 0xffffU);
 }
-/// Returns the high halves of two words: that of `a` in the upper half, that of `b` in the lower half.
+/// Returns the high halves of two words: the half of `a` becomes the upper half, and the half of `b` the lower half.
 constexpr Word execute_pv_pack_h_h(Word a, Word b) {
   return (a & 0xffff0000U) | b >> 16;
 }
-/// Returns `into` with its upper (lower) half replaced by the low bytes of two words.
+/// The functions return `into` with one half replaced by the low bytes of two words: the upper half (packhi) or the
+/// lower half (packlo).
 constexpr Word execute_pv_packhi_b(Word into, Word a, Word b) {
   return (into & 0x0000ffffU) | (a & 0xffU) << 24 | (b & 0xffU) << 16;
 }

@@ -50,7 +50,7 @@ void emit_sh3add(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Zbb, without the operations that Xpulp also has; these are in xpulp.cpp.
+// Operations of Zbb. The operations that Xpulp also has are in xpulp.cpp.
 
 constexpr Word execute_andn(Word a, Word b) {
   return a & ~b;
@@ -142,7 +142,7 @@ constexpr Word execute_clmulr(Word a, Word b) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// Writes a carry-less multiplication. Returns false if the host's processor has none.
+/// Writes a carry-less multiplication. Returns false if the host's processor has no such instruction.
 bool emit_carryless(Assembler& c, const Instruction* at, int shift) {
   if (!translate::host_processor().has(Xbyak::util::Cpu::tPCLMULQDQ)) return false;
   for (const auto& [vector, reg] : {std::pair{xmm0, at->rs1}, std::pair{xmm1, at->rs2}}) {
@@ -166,7 +166,7 @@ bool emit_clmulr(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Zbs: operations on one bit. The low five bits of the second operand are its number.
+// Zbs: operations on one bit. The low five bits of the second operand are the number of the bit.
 
 constexpr Word bit(Word number) {
   return Word{1} << (number & 31U);
@@ -185,7 +185,8 @@ constexpr Word execute_bset(Word a, Word b) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// `apply(to, number)` writes the host instruction. Like the guest instruction, it uses the number modulo 32.
+/// Writes code for an operation on one bit. `apply(to, number)` writes the host instruction, which uses the number
+/// modulo 32 like the guest instruction.
 template <typename Apply>
 void emit_bit(Assembler& c, const Instruction* at, Apply apply) {
   c.registers.copy(eax, at->rs1);

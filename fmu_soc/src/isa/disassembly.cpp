@@ -18,7 +18,8 @@ constexpr std::array<std::string_view, kRegisters> kNames{
 /// The text of each rounding mode, as binutils writes it. The mode that selects the rounding mode in frm has no text.
 constexpr std::array<std::string_view, 8> kRoundings{", rne", ", rtz", ", rdn", ", rup", ", rmm", "", "", ""};
 
-/// Returns the text of a format with its names replaced (formats.decode).
+/// Returns the text of an instruction's operands: the text of its format (formats.decode), with the names in braces
+/// replaced.
 std::string operands(const Decoded& d, std::uint32_t pc) {
   const auto imm = static_cast<std::uint32_t>(d.imm);
   return fmt::format(fmt::runtime(row_of(d.encoding->format).text),           //

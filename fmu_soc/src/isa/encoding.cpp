@@ -12,7 +12,8 @@ constexpr auto kEncodings = std::to_array<Encoding>({
 #include "fmu_soc_isa/encodings.inc"
 });
 
-/// An accumulation reads the register that it writes. A store may have the register with its offset in the field of rd.
+/// Returns the third register that an instruction reads. An accumulation also reads the register that it writes. For a
+/// store, the field of rd may contain the number of the register with the offset.
 std::uint8_t third_register(const Encoding& encoding, std::uint32_t w) {
   const auto& format = row_of(encoding.format);
   return (reads_rd(encoding.op) ? format.rd : format.rs3).of(w);
@@ -100,7 +101,7 @@ Decoded decode(std::uint32_t word, Extensions has) {
 std::int32_t operand_value(const Decoded& decoded) {
   if (decoded.operand != Operand::immediate) return decoded.imm;
   const auto value = static_cast<std::uint32_t>(decoded.imm);
-  // The selectors of a shuffle. The selector of each part is in the lowest bits of this part.
+  // Selectors of a shuffle. The selector of each part is in the lowest bits of this part.
   switch (row_of(decoded.encoding->format).value) {
     case Value::as_it_is:
       return decoded.imm;

@@ -24,11 +24,16 @@ struct Encoding {
   Extension extension = Extension::standard;
 };
 
-/// A decoded instruction. Immediates of branches and jumps are relative to the instruction. CSR instructions: `imm` is
-/// the CSR's number, `rs1` of the immediate forms the 5-bit value. Xpulp: `rs2` of p.beqimm and p.bneimm is the 5-bit
-/// value, `rs2` of lp.* the number of the loop; `imm` of lp.setupi is the count, with the distance of the end in the
-/// upper half; `imm` of a bit field is width - 1 << 5 | position. Registers of F are those from kFirstFloat on; `imm`
-/// of an operation that rounds is its rounding mode.
+/// A decoded instruction. Some fields have special meanings:
+///
+/// - Branches and jumps: `imm` is relative to the instruction's address.
+/// - CSR instructions: `imm` is the number of the CSR. If the operand is an immediate, `rs1` is its 5-bit value.
+/// - p.beqimm and p.bneimm: `rs2` is the 5-bit value.
+/// - Hardware loops (lp.*): `rs2` is the number of the loop. For lp.setupi, the lower half of `imm` is the count, and
+///   the upper half is the distance to the end of the loop.
+/// - Bit fields: `imm` is `(width - 1) << 5 | position`.
+/// - Floating-point operations: registers of F have the numbers from kFirstFloat on. If the operation rounds, `imm` is
+///   its rounding mode.
 struct Decoded {
   Op op = Op::illegal;
   std::uint8_t rd = 0;
@@ -52,12 +57,12 @@ constexpr bool is_compressed(std::uint32_t word) {
 /// True if the operands make this encoding reserved (such as a zero shift of `c.addi4spn`).
 bool is_reserved(const Encoding& encoding, std::uint32_t word);
 
-/// Decodes a 32-bit word, or the 16-bit instruction in its low half. If it is unknown, reserved, or needs an extension
-/// that `has` lacks, returns `Op::illegal`.
+/// Decodes a 32-bit word, or the 16-bit instruction in its low half. If the word is unknown, reserved, or needs an
+/// extension that `has` lacks, returns `Op::illegal`.
 Decoded decode(std::uint32_t word, Extensions has = kMostExtensions);
 
-/// Returns the immediate in the form that the operation uses: copied to all parts for SIMD, as the bound of a clip, as
-/// the selectors of a shuffle. Other immediates are unchanged.
+/// Returns the immediate in the form that the operation uses. For SIMD, the immediate is copied to all parts. For a
+/// clip, it becomes the bound; for a shuffle, the selectors. Other immediates are unchanged.
 std::int32_t operand_value(const Decoded& decoded);
 
 /// Returns the assembly text of a word at an address, such as "addi sp, sp, -16"; ".word 0x..." if it is illegal.

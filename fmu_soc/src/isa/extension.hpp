@@ -56,8 +56,8 @@ inline constexpr auto kMostExtensions = [] {
   return most;
 }();
 
-/// Reads an ISA string such as "rv32imafc_zicsr_zba_zbb"; `u` is U mode. The result never contains Xpulp. Throws Error
-/// that names the first unsupported or missing extension, and what to write instead.
+/// Reads an ISA string such as "rv32imafc_zicsr_zba_zbb"; `u` is U mode. The result never contains Xpulp. If an
+/// extension is unsupported or missing, throws Error with its name and a valid alternative.
 Extensions read_isa(std::string_view text);
 
 /// Returns the ISA string of a set, without Xpulp: "rv32imac_zicsr_zifencei_zba".

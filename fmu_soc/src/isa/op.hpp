@@ -13,8 +13,8 @@ enum class Op : std::uint16_t {
 #include "fmu_soc_isa/op_enum.inc"
 };
 
-/// The kind of an operation, for timing, decoding and translation. `other` is plain arithmetic, and operations with
-/// handlers of their own.
+/// The kind of an operation, for timing, decoding and translation. `other` contains plain arithmetic, and operations
+/// with special handlers.
 enum class OpKind : std::uint8_t {
   other,
   branch,
@@ -59,9 +59,9 @@ enum class Relation : std::uint8_t { eq, ne, gt, ge, lt, le };
 inline constexpr unsigned kMultiplyHighCycles = 5;
 inline constexpr unsigned kDivideBaseCycles = 3;
 inline constexpr unsigned kFenceCycles = 4;
-/// The maximum in CV32E40P's user manual for FPU_ADDMUL_LAT = FPU_OTHERS_LAT = 0. With these values, all other
-/// floating-point operations take one cycle. The real core may continue earlier if the next instructions do not need
-/// the result.
+/// Maximum numbers of cycles in CV32E40P's user manual for FPU_ADDMUL_LAT = FPU_OTHERS_LAT = 0. With these values, all
+/// other floating-point operations take one cycle. The real core may continue earlier if the next instructions do not
+/// need the result.
 inline constexpr unsigned kFloatDivideCycles = 19;
 inline constexpr unsigned kFloatRootCycles = 19;
 /// Cycles of mret. Only the sum of a trap's entry and mret was measured: 9 cycles. The division of the sum is an
@@ -111,8 +111,8 @@ inline constexpr auto kNameInStates = name_in_states();
 
 }  // namespace op_rows
 
-/// Name of an operation in a state. A state stores this name and the number of an operation. A build with other rows
-/// has another name, so it refuses states of this build.
+/// Name of an operation in a state. A state stores this name and the number of an operation. A build with other
+/// operations has another name. Therefore such a build refuses states of this build.
 inline constexpr std::string_view kOpInStates(op_rows::kNameInStates.data(), op_rows::kNameInStates.size());
 
 inline constexpr int kOpCount = static_cast<int>(op_rows::kTraits.size());
@@ -143,7 +143,7 @@ constexpr bool is_multiply_high(Op op) {
 constexpr bool is_divide(Op op) {
   return traits_of(op).kind == OpKind::divide;
 }
-/// True if the operation takes several cycles, independent of the instructions before it.
+/// True if the operation itself takes several cycles, whichever instructions come before it.
 constexpr bool is_multi_cycle(Op op) {
   return is_multiply_high(op) || is_divide(op);
 }

@@ -5,7 +5,7 @@
 
 namespace mebots::soc::tool {
 
-/// The console, in the form in which a program's calls to the host use it.
+/// The console as a program's calls to the host use it: bytes in, bytes out.
 class Console {
  public:
   virtual ~Console() = default;

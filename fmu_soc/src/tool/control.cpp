@@ -93,8 +93,8 @@ Control::Json Control::obey(const Json& command) {
   throw Error(fmt::format("unknown command {}; there are run, send, read, get, set and report", name));
 }
 
-/// {"run": seconds, "until": text}: ends early if the text has been printed since the last answer, or the program has
-/// ended.
+/// Handles the command {"run": seconds, "until": text}. The run ends early if the program prints the text or ends.
+/// Output that was already returned in an earlier answer does not count.
 Control::Json Control::run(const Json& command) {
   const auto duration = command.at("run").get<double>();
   if (!(duration >= 0 && duration <= kLongestS)) {
@@ -140,7 +140,7 @@ std::uint32_t Control::address_of(const Json& place) const {
   return *address;
 }
 
-/// {"read": symbol or address, "size": bytes}. Without a size, reads the size of the symbol.
+/// Handles the command {"read": symbol or address, "size": bytes}. Without a size, reads the size of the symbol.
 Control::Json Control::read(const Json& command) const {
   const auto address = address_of(command.at("read"));
   const auto& symbols = soc_.program().symbols();

@@ -22,7 +22,7 @@ class ControlledConsole final : public Console {
  public:
   void write(std::span<const char> bytes) override { printed_.append(bytes.data(), bytes.size()); }
   void send(std::string_view bytes) { input_.insert(input_.end(), bytes.begin(), bytes.end()); }
-  /// Takes a byte as ConsolePort::read_console() does.
+  /// Removes and returns the next input byte, like ConsolePort::read_console().
   int read_byte();
   /// Returns -EAGAIN if no input has been sent. The program cannot wait for input, because a call takes no simulated
   /// time.
@@ -34,12 +34,13 @@ class ControlledConsole final : public Console {
   std::deque<char> input_;
 };
 
-/// Runs a program as commands on standard input say. Each line is a JSON object, and each has an answer of one line on
-/// standard output. docs/chip/testing.md lists the commands. Python's mebots.testing sends such commands.
+/// Controls a program by commands from standard input. Each command is a JSON object on one line. The answer to each
+/// command is one line on standard output. docs/chip/testing.md lists the commands. Python's mebots.testing sends such
+/// commands.
 class Control {
  public:
-  /// `report` returns the report of the run up to now, as JSON; `host_code` the exit code of a program that has ended
-  /// by tohost. All must outlive it.
+  /// `report` returns the report of the run up to now, as JSON. `host_code` returns the exit code of a program that has
+  /// ended by tohost. All arguments must outlive this object.
   Control(Soc& soc, observe::Session& session, ControlledConsole& console, std::function<std::string()> report,
           std::function<int()> host_code)
       : soc_(soc), session_(session), console_(console), report_(std::move(report)), host_code_(std::move(host_code)) {}

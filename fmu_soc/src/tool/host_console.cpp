@@ -22,7 +22,8 @@
 namespace mebots::soc::tool {
 namespace {
 
-/// The mode of standard input's terminal before this process changed it. Global, because signals restore it.
+/// The mode of standard input's terminal before this process changed it. The variable is global because signal handlers
+/// use it.
 termios saved_mode{};
 
 void restore_terminal() {
@@ -62,8 +63,7 @@ int open_terminal() {
     throw Error(fmt::format("--console pty: no pseudo terminal: {}", std::strerror(errno)));
   }
   const std::string name = ::ptsname(master);
-  // The other end is opened and closed once. Afterwards, the master can report whether a program has the other end
-  // open.
+  // The slave is opened and closed once. Afterwards, the master can report whether a program has the slave open.
   if (const int other = ::open(name.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC); other >= 0) {
     termios mode{};
     ::tcgetattr(other, &mode);

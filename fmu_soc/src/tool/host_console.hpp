@@ -34,14 +34,15 @@ class HostConsole final : public Console {
   bool has_input() const { return input_ >= 0; }
   /// Writes to standard output, or to the terminal. While no program has the pseudo terminal open, the bytes are lost.
   void write(std::span<const char> bytes) override;
-  /// Sets a function that returns true while the console must not write, since a debugger repeats a part of the run.
+  /// Sets a function that returns true while the console must not write because a debugger repeats a part of the run.
   void mute_while(std::function<bool()> repeats) { repeats_ = std::move(repeats); }
-  /// Ends an unfinished line on standard output, before other text.
+  /// Ends an unfinished line on standard output. Must be called before other text is printed.
   void end_line();
-  /// Takes a byte as ConsolePort::read_console() does. A file on standard input always has its next byte. Otherwise, if
-  /// `waits`, waits for a byte until the wall clock has advanced as far as `now`.
+  /// Removes and returns the next input byte, like ConsolePort::read_console(). A file on standard input returns its
+  /// next byte at once. For other input, if `waits` is true, the function waits for a byte until the wall clock has
+  /// advanced as far as `now`.
   int read_byte(Picoseconds now, bool waits);
-  /// Waits for input. Returns the number of bytes; 0 at its end.
+  /// Waits for input. Returns the number of bytes read; 0 at the end of the input.
   long read(std::span<char> into) override;
 
  private:

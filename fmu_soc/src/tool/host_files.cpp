@@ -17,8 +17,8 @@ namespace mebots::soc::tool {
 namespace {
 
 constexpr std::string_view kConsole = ":tt";
-/// The name of semihosting's file with the extensions that a host supports. This host supports two: exit with a code,
-/// and separate stdout and stderr.
+/// The name of the file in which semihosting lists the extensions of a host. This host has two extensions: exit with a
+/// code, and separate stdout and stderr.
 constexpr std::string_view kFeatures = ":semihosting-features";
 constexpr std::string_view kFeatureBytes = "SHFB\x03";
 /// Limits the number of open files, because a program may forget to close them.

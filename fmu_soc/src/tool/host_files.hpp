@@ -18,7 +18,7 @@ namespace mebots::soc::tool {
 /// Negative results are -errno.
 class HostFiles {
  public:
-  /// If there is no folder, a program can use the console only. The console must outlive this object.
+  /// If there is no folder, a program can use only the console. The console must outlive this object.
   HostFiles(const std::optional<std::string>& folder, Console& console);
 
   /// Opens a file with flags of POSIX's open(). ":tt" is the console.
@@ -27,7 +27,7 @@ class HostFiles {
   /// Returns the number of bytes read; 0 at the end.
   long read(int file, std::span<char> into);
   long write(int file, std::span<const char> bytes);
-  /// Returns the new position. `origin` as for fseek().
+  /// Returns the new position. `origin` has the values of fseek().
   long seek(int file, long offset, int origin);
   long length(int file);
   int remove(const std::string& name);

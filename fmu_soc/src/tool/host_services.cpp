@@ -45,8 +45,8 @@ constexpr std::uint32_t kApplicationExit = 0x20026;  // ADP_Stopped_ApplicationE
 constexpr std::uint64_t kCentiseconds = 100;
 constexpr std::uint64_t kTicks = 1'000'000;
 
-/// Flags of open() for SYS_OPEN's numbers. SYS_OPEN numbers the modes of fopen(), each as text and as binary. On this
-/// host, text and binary are equal.
+/// Flags of open() for each mode of SYS_OPEN. The modes are those of fopen(), each as text and as binary. On this host,
+/// text and binary are equal.
 constexpr std::array kModes{O_RDONLY,
                             O_RDWR,
                             O_WRONLY | O_CREAT | O_TRUNC,
@@ -177,7 +177,8 @@ HostReply HostServices::semihosting(std::uint32_t operation, std::uint32_t param
   return answer(-ENOSYS);
 }
 
-/// An openat through `tohost` has the length of the name before the flags. Source: riscv-isa-sim, fesvr/syscall.cc.
+/// If openat is called through `tohost`, the arguments contain the length of the name before the flags. Source:
+/// riscv-isa-sim, fesvr/syscall.cc.
 HostReply HostServices::system_call(std::uint32_t number, std::span<const std::uint32_t> arguments) {
   if (number == SystemCalls::kOpenAt) {
     return calls_.serve(number, std::array{arguments[0], arguments[1], arguments[3], arguments[4]});

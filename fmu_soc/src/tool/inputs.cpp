@@ -28,7 +28,7 @@ namespace {
 
 constexpr std::uint64_t kPage = 4096;
 constexpr std::uint64_t kMiB = 1U << 20;
-/// Ranges farther apart than this get separate memories, such as a chip's flash and RAM.
+/// Ranges that are farther apart than this get separate memories. An example are the flash and the RAM of a chip.
 constexpr std::uint64_t kFar = 64 * kMiB;
 constexpr std::uint64_t kMost = 2048 * kMiB;
 constexpr std::uint64_t kAddressSpace = std::uint64_t{1} << 32;

@@ -25,8 +25,8 @@ int main(int argc, char** argv) {
   add_options(*command, options);
   app.name("mebots-soc");
   if (const auto code = mebots::command_line::handle_hidden_options(app, MEBOTS_VERSION, argc, argv)) return *code;
-  // CLI11 does not pass arguments after -- to a subcommand whose positional options are complete. Therefore they are
-  // cut off first.
+  // CLI11 does not pass arguments after -- to a subcommand whose positional options are complete. Therefore these
+  // arguments are removed before CLI11 parses the others.
   auto** const last = argv + argc;
   auto** const mark = std::find_if(argv, last, [](const char* text) { return std::string_view(text) == "--"; });
   try {

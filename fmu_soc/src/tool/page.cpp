@@ -88,7 +88,7 @@ class Columns {
     if (!text.empty()) variables[name] = {{"type", "Real"}, {"causality", "output"}, {"unit", unit}, {"text", text}};
   }
 
-  /// The part with the greatest energy is at the bottom of the stack.
+  /// Adds the parts of the chip to the stacked chart. The part with the greatest energy is at the bottom.
   void add_parts(const ChipReport& report) {
     std::vector<std::size_t> order(report.parts.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -154,7 +154,7 @@ Json clock_json(const ClockRange& clock) {
   return {{"least_hz", clock.least_hz()}, {"most_hz", clock.most_hz()}, {"mean_hz", clock.mean_hz()}};
 }
 
-/// Returns the content of the page's tables: the report, clocks, and a sentence on each part.
+/// Returns the content of the page's tables: the report, clocks, and a sentence about each part.
 Json tables_of(const ChipReport& report, const PowerCourse& course) {
   auto chip = Json::parse(json_text(report));
   for (const auto* list : {&report.parts, &report.devices}) {
@@ -169,7 +169,7 @@ Json tables_of(const ChipReport& report, const PowerCourse& course) {
 }
 
 /// Returns the length of the header in 32 bits (little-endian), the header, and the columns. web/src/data/payload.ts
-/// reads them.
+/// reads this format.
 std::string payload_of(const Json& run) {
   const Json header = {{"format", 1}, {"runs", Json::array({run})}};
   const auto text = header.dump(-1, ' ', false, Json::error_handler_t::replace);

@@ -18,7 +18,7 @@ namespace mebots::soc::tool {
 /// A file in the folder for temporary files. The destructor removes it.
 class ScratchFile {
  public:
-  /// `ending` is the end of its name, such as .json. Throws Error if the file cannot be created.
+  /// `ending` is the end of the file's name, such as .json. Throws Error if the file cannot be created.
   explicit ScratchFile(std::string_view ending);
   ScratchFile(const ScratchFile&) = delete;
   ScratchFile& operator=(const ScratchFile&) = delete;

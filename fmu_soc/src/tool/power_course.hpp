@@ -33,8 +33,8 @@ class ClockRange {
 /// Records in memory, over the time of a run: the energy of each part and device, the time in each state, and the
 /// clocks.
 ///
-/// Adds a point at an event, but at most one point per interval. If there are too many points, drops every second
-/// point, and doubles the interval. Values are totals since the start, so their differences remain exact.
+/// At an event, a point is added, but at most one point per interval. If there are too many points, every second point
+/// is dropped, and the interval is doubled. Values are totals since the start, so their differences remain exact.
 class PowerCourse final : public StateListener {
  public:
   static constexpr std::size_t kMost = 2048;
@@ -46,7 +46,7 @@ class PowerCourse final : public StateListener {
     std::array<Picoseconds, StateTimes::kCounted> in_state{};
   };
 
-  /// The chip must outlive it.
+  /// The chip must outlive this object.
   explicit PowerCourse(const Soc& soc);
 
   void changed(Picoseconds time) override;
@@ -70,7 +70,7 @@ class PowerCourse final : public StateListener {
   Picoseconds spacing_ = 1'000'000;  // 1 us
   ClockRange controller_clock_;
   ClockRange cluster_clock_;
-  // The clocks since the last call; 0 without power.
+  // The clocks that were read at the last call of add_clocks(). The clock of a core without power is 0.
   Picoseconds clocks_since_ = 0;
   double controller_hz_ = 0;
   double cluster_hz_ = 0;

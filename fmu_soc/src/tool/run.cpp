@@ -35,9 +35,9 @@ namespace {
 
 /// A run without a limit checks after this many cycles whether anything can still happen.
 constexpr std::uint64_t kSlice = 1U << 26;
-/// Replaces kSlice if power over time is recorded, for at least one point per millisecond at 100 MHz.
+/// Replaces kSlice if power over time is recorded, so that there is at least one point per millisecond at 100 MHz.
 constexpr std::uint64_t kFineSlice = 100'000;
-/// The number of cycles between two states from which gdb goes back in time.
+/// The number of cycles between two saved states. gdb goes back in time from such a state.
 constexpr std::uint64_t kDebugSlice = 500'000;
 
 bool has_kind(const BoardDescription& board, std::string_view kind) {
@@ -137,7 +137,7 @@ class LimitedRun {
     return limits_.wall_time && wall_time() >= *limits_.wall_time ? Reached::wall_time : Reached::none;
   }
 
-  /// A core that sleeps advances in time, not in cycles.
+  /// Returns the end of the next piece in time. If a core sleeps, time advances, but its cycles do not.
   Picoseconds piece_end() const {
     const auto end = limits_.wall_time ? soc_.now() + kTimeSlice : Soc::kWithoutEnd;
     return limits_.time ? std::min(end, *limits_.time) : end;
@@ -177,7 +177,7 @@ bool has_reported_end(const Soc& soc) {
   return soc.end() == End::host || soc.end() == End::exited || soc.end() == End::faulted;
 }
 
-/// Returns the reason why a program stopped that did not end itself.
+/// Returns the reason why the run stopped. The program must not have ended itself.
 std::string reason_text(const Soc& soc, const Options& options, Reached reached) {
   switch (reached) {
     case Reached::instructions:
@@ -333,7 +333,7 @@ Listeners listeners_of(ControlledConsole& console) {
   return listeners;
 }
 
-/// Writes the reports that the user wants besides the printed one.
+/// Writes the reports that the user requested in addition to the printed report.
 void write_reports(const ChipReport& report, std::optional<observe::TextFile>& json,
                    std::optional<observe::TextFile>& long_report, const observe::Session& session) {
   if (json) {
@@ -354,7 +354,7 @@ Limits limits_of(const Options& options) {
   return limits;
 }
 
-/// Restores a saved state before the run. Throws Error if it lies beyond a limit of the run.
+/// Restores a saved state before the run. Throws Error if the state is beyond a limit of the run.
 void load_state(const std::string& path, const StateFile& file, Soc& soc, const Limits& limits) {
   file.load(path, soc);
   const auto instructions = soc.hart().counters().instructions;

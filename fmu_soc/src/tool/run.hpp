@@ -25,8 +25,8 @@ namespace mebots::soc::tool {
 /// than 2 GiB.
 BoardDescription board_around(const Elf& program, std::uint64_t heap);
 
-/// Adds RAM given as BASE:SIZE, such as 0x80000000:64M. A memory of the board with this base gets the size. Throws
-/// Error for another form, and for RAM that overlaps a device.
+/// Adds RAM given as BASE:SIZE, such as 0x80000000:64M. If the board has a memory with this base, its size is changed.
+/// Throws Error if the text has another form, or if the RAM overlaps a device.
 void add_ram(BoardDescription& board, const std::string& text);
 
 /// Returns a time given as 10s, 2.5ms or 3 (seconds). Throws Error that names the option.
@@ -98,7 +98,8 @@ struct Options {
   std::optional<std::string> timeout;
 };
 
-/// Adds the options and their help texts to the command. They are set when the command line is parsed.
+/// Adds the options and their help texts to the command. The values of `options` are set when the command line is
+/// parsed.
 void add_options(CLI::App& command, Options& options);
 
 /// Throws Error for invalid options: an empty name, one file for two purposes, an output that is also an input of the
@@ -106,7 +107,7 @@ void add_options(CLI::App& command, Options& options);
 void check(const Options& options);
 
 /// Returns advice about the fault that ended a run: an option that serves the program's system call, or a board that
-/// has a device at the address. Empty if there is none.
+/// has a device at the address. If there is no advice, returns an empty text.
 std::string advice_after_fault(const Soc& soc, const Options& options);
 
 inline constexpr int kFaultOrLimit = 101;

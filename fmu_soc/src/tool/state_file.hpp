@@ -20,11 +20,11 @@ namespace mebots::soc::tool {
 /// run. A checksum of the state and its bytes follow.
 class StateFile {
  public:
-  /// Reads the inputs of the run for their checksums. Throws Error if one cannot be read.
+  /// Reads the inputs of the run for their checksums. Throws Error if an input cannot be read.
   StateFile(const Options& options, const Soc& soc);
 
   /// Restores the chip's state. Throws Error if the file is not readable, is damaged, or has the state of another
-  /// program, board or build. The chip must not be used after an error.
+  /// program, board or build. If the function throws, the chip must not be used.
   void load(const std::string& path, Soc& soc) const;
   /// Writes the chip's state. If the program has ended or an observer has stopped it, removes the file and throws
   /// Error, because such a state cannot continue.

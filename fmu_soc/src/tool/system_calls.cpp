@@ -45,7 +45,7 @@ struct Name {
   std::string_view name;
 };
 
-/// Names for messages. The last ones are rv32emu's own (src/syscall.c).
+/// Names of system calls for messages. The last names are calls that only rv32emu has (src/syscall.c).
 constexpr auto kNames = std::to_array<Name>({
     {56, "openat"},
     {57, "close"},
@@ -128,13 +128,13 @@ constexpr std::uint64_t kMicroseconds = 1'000'000;
 constexpr std::uint64_t kNanoseconds = 1'000'000'000;
 constexpr std::uint32_t kAlignment = 16;  // of the stack
 constexpr unsigned kStackPointer = 2;
-/// Space that the heap leaves for the stack: a quarter of the RAM, at most Linux's default.
+/// Space that is left between heap and stack for the stack: a quarter of the RAM, but at most Linux's default.
 constexpr std::uint32_t kMostStack = 8U << 20;
 /// A shell adds the number of the signal that ended a program to this exit code.
 constexpr std::uint32_t kSignalled = 128;
 
-/// Flags of open() with the numbers of a program's C library. O_RDONLY, O_WRONLY and O_RDWR have the same numbers in
-/// both.
+/// The numbers that a program's C library uses for flags of open(). O_RDONLY, O_WRONLY and O_RDWR are not listed,
+/// because their numbers are the same as those of the host.
 struct OpenFlags {
   std::uint32_t append, create, truncate, exclusive;
 
@@ -234,7 +234,7 @@ long SystemCalls::open(std::uint32_t name, int flags) {
   return text ? files_.open(*text, flags) : -EFAULT;
 }
 
-/// Serves writev, which takes an address and a length for each part.
+/// Serves writev. Its argument is a list of parts, each with an address and a length.
 long SystemCalls::write_parts(int file, std::uint32_t parts, std::uint32_t count) {
   if (count > kMostParts) return -EINVAL;
   long total = 0;

@@ -41,7 +41,7 @@ class SystemCalls {
 
  private:
   bool poke(std::uint32_t address, std::span<const std::uint64_t> words);
-  /// `flags` as for open() of the host.
+  /// `flags` has the values of the host's open().
   long open(std::uint32_t name, int flags);
   long write_parts(int file, std::uint32_t parts, std::uint32_t count);
   long status(int file, std::uint32_t address);
