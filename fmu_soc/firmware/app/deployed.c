@@ -16,7 +16,7 @@
 #define SOURCE_BYTES (2 * MOST_COLUMNS)
 #define STRIPES ((NETWORK_ROWS + CORES - 1) / CORES)
 
-// There are two of each buffer: the DMA fetches and stores one stripe while the cores work on another.
+// There are two copies of each buffer: the DMA fetches and stores one stripe while the cores work on another stripe.
 typedef struct {
   uint8_t source[2][CORES][SOURCE_BYTES];  // two rows of the camera's picture for each row
   uint8_t rows[2][CORES][NETWORK_COLUMNS];
@@ -35,8 +35,8 @@ typedef struct {
 
 static job_t job;
 
-// Returns the first of the two source rows (or columns) for row (or column) `index` of `count`. These are spread evenly
-// from edge to edge.
+// Returns the first of the two source rows (or columns) for row (or column) `index` of `count`. The source rows (or
+// columns) are spread evenly from edge to edge.
 static int place_of(int index, int count, int length) {
   return count < 2 ? (length - 2) / 2 : index * (length - 2) / (count - 1);
 }
@@ -90,7 +90,7 @@ static void reduce(void* argument) {
       dma_wait(stored);
       stored = DMA_REFUSED;
     }
-    // The stripe has arrived, and all cores are done with the stripe before.
+    // The stripe has arrived, and all cores have finished the previous stripe.
     cluster_barrier();
     if (core == 0) {
       if (stripe > 0) {

@@ -9,8 +9,9 @@
 extern "C" {
 #endif
 
-// Reduces the camera's picture to the network's, and computes the `count` outputs of the network's contract in 127ths,
-// limited to [-127, 127]. Returns false if the picture is smaller than the network's, or if the chip has no cluster.
+// Reduces the camera's picture to the size of the network's input, and computes the network's `count` outputs. They are
+// in 127ths, limited to [-127, 127]. Returns false if the picture is smaller than the network's, or if the chip has no
+// cluster.
 bool deployed_look(const uint8_t* frame, int width, int height, int8_t* values, int count);
 
 #ifdef __cplusplus

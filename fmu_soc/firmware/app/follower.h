@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The paper's pilot: flies to the gate with the network's yaw, at the policy's speed, until the referee reports that
-// the gate is crossed. Then it flies a little farther, so that the drone does not land on the gate.
+// The pilot of the paper (examples/paper). It flies to the gate with the network's yaw and the policy's speed, until
+// the input flight.gate_crossed reports that the gate is crossed. Then it flies a little farther, so that the drone
+// does not land on the gate.
 #pragma once
 
 #include <stdbool.h>
@@ -21,11 +22,11 @@ typedef struct {
   int32_t yaw_rate_scale_urad_s;
 } follower_t;
 
-// Starts in PILOT_APPROACH with a copy of the policy. The scale is the yaw rate at network output 127.
+// Starts in PILOT_APPROACH with a copy of the policy. `yaw_rate_scale_urad_s` is the yaw rate at network output 127.
 void follower_init(follower_t* follower, const policy_t* policy, int32_t yaw_rate_scale_urad_s);
 
-// Processes one picture: the network's output, whether the gate is crossed, the present velocity along the heading, and
-// the time since the last call.
+// Processes one picture. The arguments are the network's output, whether the gate is crossed, the present velocity
+// along the heading, and the time since the last call.
 pilot_command_t follower_step(follower_t* follower, int8_t yaw, bool crossed, int32_t forward_velocity_um_s,
                               int32_t elapsed_us);
 

@@ -10,24 +10,27 @@
 
 // Minimum score of a frame, in sixteenths of a grey level.
 #define LEAST_SCORE_Q4 (8 * 16)
-// Minimum contrast while scanning and while refining: a template half a step off its frame has half the contrast.
+// Minimum contrast while scanning and while refining. A template that is half a step away from its frame has half the
+// contrast.
 #define LEAST_WHILE_SCANNING_Q4 (LEAST_SCORE_Q4 / 2)
 #define LEAST_WHILE_REFINING_Q4 (LEAST_SCORE_Q4 / 4)
-// After a frame was found, other places only count if they have at least 1 / PART_OF_BEST of its score.
+// After a frame was found, other positions only count if their score is at least 1 / PART_OF_BEST of the frame's score.
 #define PART_OF_BEST 4
 
 // The camera is about level and near the height of the gate's middle. So the frame's middle is near the picture's
-// middle row: within BAND work pixels (9 degrees) plus half the frame's edge (0.3 m at the gate).
+// middle row. Their distance is at most BAND work pixels (9 degrees) plus half the frame's edge (0.3 m at the gate).
 #define BAND 14
 
-// A template is tested at distances of a twelfth of its edge, which is half its border.
+// A template is tested at positions that are a twelfth of its edge apart. This is half the width of its border.
 #define PLACES_PER_EDGE 12
 
-// From this edge on, templates of three quarters of the width are tested, too: frames seen from the side.
+// For edges from this value on, templates with three quarters of the width are also tested. They match frames that are
+// seen from the side.
 #define LEAST_NARROW_EDGE 20
 
-// Outer edges that are tested, in work pixels, in steps of about a fifth. A template half a step off still covers two
-// thirds of its frame's border. For borders of one or two pixels this does not hold, so every edge is tested for them.
+// Outer edges of the tested templates in work pixels, in steps of about a fifth. If a template is half a step larger or
+// smaller than a frame, it still covers two thirds of the frame's border. This does not hold for borders of one or two
+// pixels, so every edge is tested for such borders.
 static const uint8_t kEdges[] = {7, 8, 9, 10, 11, 12, 13, 15, 18, 21, 25, 30, 36, 43, 52, 62, 74, 89, 104};
 #define EDGE_COUNT ((int)(sizeof(kEdges) / sizeof(kEdges[0])))
 
@@ -60,7 +63,8 @@ static inline int score_q4(const fit_t* fit) {
   return fit->weakest_q4 - fit->spread_q4 / 2;
 }
 
-// Too large for a stack. It is filled for each picture, so it need not be cleared.
+// The work picture is static because it is too large for a stack. It need not be cleared, because each picture fills
+// it.
 static work_picture_t work __attribute__((section(".noinit.work")));
 
 static inline int min_int(int a, int b) {
@@ -82,14 +86,14 @@ static sizes_t sizes_of(int width, int height) {
   return sizes;
 }
 
-// A beam and the strips on both sides of it, all of the same area: sums of grey levels.
+// Sums of grey levels: of a beam, and of the strips on both sides of the beam. All three have the same area.
 typedef struct {
   int beam;
   int before;  // beam - strip before it
   int after;   // beam - strip after it
 } strips_t;
 
-// Returns three strips side by side, each `step` columns wide, between the rows of `top` and `bottom`.
+// Returns the sums of three strips side by side, each `step` columns wide, between the rows of `top` and `bottom`.
 static inline strips_t upright_strips(const uint32_t* top, const uint32_t* bottom, ptrdiff_t step) {
   const int c0 = (int)(bottom[0] - top[0]);
   const int c1 = (int)(bottom[step] - top[step]);
@@ -99,7 +103,8 @@ static inline strips_t upright_strips(const uint32_t* top, const uint32_t* botto
   return strips;
 }
 
-// Returns three strips one below the other, `width` columns wide; `step` is the pitch times their height.
+// Returns the sums of three strips one below the other, each `width` columns wide. `step` is the pitch times the height
+// of a strip.
 static inline strips_t level_strips(const uint32_t* left, int width, ptrdiff_t step) {
   const int c0 = (int)(left[width] - left[0]);
   const int c1 = (int)(left[step + width] - left[step]);
@@ -125,8 +130,8 @@ typedef struct {
   int darkest;      // beam
 } beams_t;
 
-// Adds a beam. Returns false if it cannot belong to a frame. All values are in sixteenths of a grey level. One beam may
-// have no contrast with its surroundings, such as a white beam before a white sky.
+// Adds a beam. Returns false if the beam cannot belong to a frame. All values are in sixteenths of a grey level. One
+// beam may have no contrast with its surroundings, such as a white beam before a white sky.
 static inline bool add_beam(beams_t* beams, int beam_q4, int inner_q4, int outer_q4, int least_q4) {
   const int inner = beams->sign * inner_q4;
   const int outer = beams->sign * outer_q4;
@@ -146,8 +151,8 @@ static inline bool add_beam(beams_t* beams, int beam_q4, int inner_q4, int outer
   return beams->outer_next >= least_q4;
 }
 
-// Tests the template at a place. Stops as soon as a beam is below `least_q4`. The frame and its surroundings, a
-// border's width, must be inside the picture.
+// Tests the template at the position of `frame`. Stops as soon as the contrast of a beam is below `least_q4`. The
+// frame, and a margin of a border's width around it, must be inside the picture.
 static fit_t fit_at(const frame_t* frame, const sizes_t* sizes, int least_q4) {
   const fit_t none = {0, 0, 0};
   const ptrdiff_t pitch = work.width + 1;
@@ -193,8 +198,9 @@ static bool lies_inside(const frame_t* frame, const sizes_t* sizes) {
          frame->y + frame->height + sizes->border_y <= work.height;
 }
 
-// Computes the sums of all columns of the work picture between two rows of the integral image, from left to right. It
-// handles four columns at a time; up to three extra ones are from the start of the next row, and are not used.
+// Computes the sums of all columns of the work picture between two rows of the integral image, from left to right. The
+// function computes four columns at a time. The last up to three columns may be from the start of the next row, and are
+// not used.
 static void sum_columns(int32_t* columns, const uint32_t* top, const uint32_t* bottom) {
   for (const int32_t* end = columns + work.width; columns <= end; columns += 4, top += 4, bottom += 4) {
     columns[0] = (int32_t)(bottom[0] - top[0]);
@@ -204,7 +210,7 @@ static void sum_columns(int32_t* columns, const uint32_t* top, const uint32_t* b
   }
 }
 
-// The scan of a row: its places from `at` to `last` in steps of `step`. A place is a pointer to its first column.
+// Scan of a row: its positions from `at` to `last` in steps of `step`. A position is a pointer to its first column.
 typedef struct {
   const int32_t* last;
   ptrdiff_t step;
@@ -213,8 +219,9 @@ typedef struct {
   int32_t least_sum;   // minimum contrast of both upright beams with the opening
 } row_t;
 
-// Returns the first place from `at` on with two upright beams that are both brighter or both darker than the opening;
-// null if there is none. Most places are tested by this function only. It is not inlined, so that the loop stays short.
+// Returns the first position from `at` on with two upright beams that are both brighter or both darker than the
+// opening; null if there is none. Most positions are only tested by this function. The function is not inlined, so that
+// its loop stays short.
 static __attribute__((noinline)) const int32_t* next_place(const int32_t* at, const row_t* row) {
   const ptrdiff_t border = row->border;
   const ptrdiff_t step = row->step;
@@ -237,10 +244,11 @@ static __attribute__((noinline)) const int32_t* next_place(const int32_t* at, co
   return NULL;
 }
 
-// Finds the best place of a template of width x height pixels whose beams have a contrast of at least `least_q4`.
+// Finds the best position of a template of width x height pixels whose beams have a contrast of at least `least_q4`.
 //
-// Nearly all places fail at an upright beam. Therefore upright beams are tested first, with sums that all places of a
-// row share: the left beam with the opening to its right, then the right beam with the opening to its left.
+// At nearly all positions, an upright beam has too little contrast. Therefore upright beams are tested first, with sums
+// that all positions of a row share. First, the left beam is compared with the opening to its right. Then, the right
+// beam is compared with the opening to its left.
 static fit_t scan(int width, int height, int least_q4, frame_t* best) {
   const sizes_t sizes = sizes_of(width, height);
   const ptrdiff_t pitch = work.width + 1;

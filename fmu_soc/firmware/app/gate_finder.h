@@ -10,7 +10,7 @@
 extern "C" {
 #endif
 
-// A frame in the picture. Places and lengths are in sixteenths of the given picture's pixels.
+// A frame in the picture. Positions and lengths are in sixteenths of the picture's pixels.
 typedef struct {
   int32_t center_x_q4;  // from the left edge
   int32_t center_y_q4;  // from the upper edge
@@ -19,8 +19,8 @@ typedef struct {
   uint8_t contrast;     // of the frame's weakest side, minus half the difference between its sides [grey levels]
 } gate_view_t;
 
-// Searches for the frame in a picture of `width` x `height` pixels, row by row from the top left; both must be from 64
-// to 4 x 162. Returns true and sets *view if there is one.
+// Searches for a frame in a picture of `width` x `height` pixels, row by row from the top left. Width and height must
+// be from 64 to 4 x 162. If there is a frame, sets *view and returns true.
 bool find_gate(const uint8_t* frame, int width, int height, gate_view_t* view);
 
 #ifdef __cplusplus

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The paper's flight: take-off, then a loop of picture, position of the gate, speed policy, set-points, and sleep until
-// the next picture. Lands after the gate, or at a low charge.
+// Program for the flight of the paper (examples/paper). After take-off, it runs a loop: picture, position of the gate,
+// speed policy, set-points, and sleep until the next picture. It lands after the gate, or at a low charge.
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -18,7 +18,7 @@
 
 // Interval of checks of the flight phase while climbing and descending.
 #define PHASE_POLL_NS (20 * NS_PER_MS)
-// Pictures per line about the flight.
+// Number of pictures after which the program prints a line about the flight.
 #define PICTURES_PER_LINE 10
 
 typedef struct {
@@ -34,8 +34,8 @@ typedef struct {
 
 static statistics_t statistics;
 
-// The navigator and its pilot. The gate finder has a pilot that searches and uses distances; the network has one that
-// follows its yaw.
+// The navigator and its pilot. The pilot of the gate finder searches for gates and uses distances. The pilot of the
+// network follows the network's yaw.
 typedef struct {
   navigator_t* navigate;
   bool follows;
@@ -54,8 +54,7 @@ static void command(uint32_t mode, int32_t velocity_um_s, int32_t yaw_rate_urad_
   flight_command(&setpoint);
 }
 
-// Sleeps until the phase is `wanted`. Returns false if the drone has crashed before, or if the charge is below
-// `least_charge_ppm`.
+// Sleeps until the phase is `wanted`. Returns false if the drone crashes, or if the charge is below `least_charge_ppm`.
 static bool wait_for_phase(uint32_t wanted, uint32_t least_charge_ppm) {
   int64_t next_ns = timer_now_ns();
   for (;;) {
@@ -156,7 +155,7 @@ static int fly(crew_t* crew) {
       ++statistics.overruns;
     }
     if (result == PICTURE_TAKEN) {
-      // If the next picture is due before the end of this work, it is exposed and read out meanwhile.
+      // If the next picture is due before the end of this work, it is exposed and read out during the work.
       requested = here_ns + statistics.look_most_ns > frame_ns && camera_ask();
       statistics.overlapped += requested ? 1 : 0;
       seen = look(crew, &picture);

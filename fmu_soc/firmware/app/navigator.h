@@ -9,8 +9,9 @@ extern "C" {
 #endif
 
 typedef struct {
-  // Wanted yaw rate relative to the mission's scale: 127 = fully left, -127 = fully right. Proportional to the distance
-  // of the gate from the middle of the picture; +-127 is the picture's edge. 0 if confidence is 0.
+  // Wanted yaw rate relative to the mission's scale: 127 = fully left, -127 = fully right. The value is proportional to
+  // the distance of the gate from the middle of the picture; +-127 is the picture's edge. If confidence is 0, the value
+  // is 0.
   int8_t yaw;
   // 0 = no gate in the picture, 255 = full confidence.
   uint8_t confidence;
@@ -21,7 +22,7 @@ typedef struct {
 // Processes one picture of 8-bit grey pixels, row by row from the top left. Keeps no state between calls.
 typedef navigator_output_t navigator_t(const uint8_t* frame, int width, int height);
 
-// The classical gate finder: sets all three values.
+// The classical gate finder: sets yaw, confidence and distance.
 navigator_t finder_navigate;
 // The neural network. It only sets the yaw, with full confidence. For a picture below 168 x 168, confidence is 0.
 navigator_t network_navigate;

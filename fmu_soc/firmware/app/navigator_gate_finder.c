@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The gate finder: steers to the middle of the frame, and computes the distance from its height.
+// The gate finder: steers to the middle of the frame, and computes the distance from the frame's height.
 #include "app/calibration.h"
 #include "app/gate_finder.h"
 #include "app/navigator.h"

@@ -3,10 +3,11 @@
 
 // Minimum confidence of a sighting.
 #define LEAST_CONFIDENCE 64
-// Consecutive pictures that start or end an approach.
+// Numbers of consecutive pictures: with a gate to start an approach, and without a gate to end it.
 #define SIGHTINGS_TO_APPROACH 3
 #define MISSES_TO_SEARCH 20
-// If a gate nearer than this is lost, it is leaving the view. Then the approach continues by the state estimate.
+// If a gate that is nearer than this distance is no longer seen, it has left the view. In this case, the approach
+// continues with the state estimate.
 #define BLIND_APPROACH_UM 900000
 // An estimate is replaced after this many consecutive distances that contradict it.
 #define OUTLIERS_TO_BELIEVE 5
@@ -36,8 +37,8 @@ static int32_t flown_um(pilot_t* pilot, int32_t velocity_um_s, int32_t elapsed_u
   return (int32_t)(twice * elapsed_us / 2000000);
 }
 
-// Combines a measured distance with the estimate: a quarter of the difference is added, unless the two contradict each
-// other.
+// Combines a measured distance with the estimate: a quarter of the difference is added, unless distance and estimate
+// contradict each other.
 static void correct_remaining(pilot_t* pilot, uint16_t distance_mm) {
   if (distance_mm == 0) {
     return;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes set-points from the navigator's output: searches the gate, flies to it and through it, with vision and the
-// state estimate only. There is no signal that the gate is crossed; the pilot uses the estimated distance.
+// Computes set-points from the navigator's output. Searches for the gate, flies to it and flies through it. It uses
+// only vision and the state estimate. No signal reports that the gate is crossed; the pilot uses the estimated
+// distance.
 #pragma once
 
 #include <stdbool.h>
@@ -13,7 +14,8 @@
 extern "C" {
 #endif
 
-// Below this distance, the frame fills or leaves the view. The drone then flies straight, by the state estimate only.
+// Below this distance, the frame fills or leaves the view. The drone then flies straight, and the pilot uses only the
+// state estimate.
 #define PILOT_COMMIT_MM 450
 // Distance after the gate's plane at which the pilot is done.
 #define PILOT_BEHIND_MM 500
@@ -43,11 +45,11 @@ typedef struct {
   int8_t last_yaw;
 } pilot_t;
 
-// Starts in PILOT_SEARCH with a copy of the policy. The scale is the yaw rate at navigator output 127.
+// Starts in PILOT_SEARCH with a copy of the policy. `yaw_rate_scale_urad_s` is the yaw rate at navigator output 127.
 void pilot_init(pilot_t* pilot, const policy_t* policy, int32_t yaw_rate_scale_urad_s);
 
-// Processes one picture: the navigator's output, the present velocity along the heading, and the time since the last
-// call.
+// Processes one picture. The arguments are the navigator's output, the present velocity along the heading, and the time
+// since the last call.
 pilot_command_t pilot_step(pilot_t* pilot, const navigator_output_t* seen, int32_t forward_velocity_um_s,
                            int32_t elapsed_us);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The paper's two speed policies.
+// The two speed policies of the paper (examples/paper).
 #pragma once
 
 #include <stdbool.h>
@@ -22,9 +22,10 @@ typedef struct {
   int next;   // index of the next output
 } policy_t;
 
-// Constant policy: always the cruise speed. Adaptive policy: the cruise speed (1 km/h in the paper, the mission's
-// default) while the magnitude of the mean of the last ten outputs is at most 0.3. Otherwise 0.05 km/h less at each
-// output, not below 0, starting from `first_um_s`. Before there are ten outputs, the mean is that of all outputs.
+// The constant policy always returns the cruise speed. The adaptive policy returns the cruise speed while the magnitude
+// of the mean of the last ten outputs is at most 0.3. While the mean is larger, each output reduces the speed by 0.05
+// km/h, down to 0. The first speed is `first_um_s`. The cruise speed is 1 km/h in the paper, and the mission's default.
+// While there are fewer than ten outputs, the mean is that of all outputs.
 void policy_init(policy_t* policy, bool adaptive, int32_t cruise_um_s, int32_t first_um_s);
 
 // Adds the navigator's next yaw output (127 = 1), and returns the speed [um/s].

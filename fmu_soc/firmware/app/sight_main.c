@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A flight with the sight network: take-off, then a loop of picture, position of the gate, traverser, set-points, and
-// sleep until the next picture. Lands after the gate, or at a low charge.
+// Program for a flight with the sight network. After take-off, it runs a loop: picture, position of the gate,
+// traverser, set-points, and sleep until the next picture. It lands after the gate, or at a low charge.
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -17,7 +17,7 @@
 
 // Interval of checks of the flight phase while climbing and descending.
 #define PHASE_POLL_NS (20 * NS_PER_MS)
-// Pictures per line about the flight.
+// Number of pictures after which the program prints a line about the flight.
 #define PICTURES_PER_LINE 10
 
 typedef struct {
@@ -35,8 +35,7 @@ static void command(uint32_t mode, const traverser_command_t* order) {
   flight_command(&setpoint);
 }
 
-// Sleeps until the phase is `wanted`. Returns false if the drone has crashed before, or if the charge is below
-// `least_charge_ppm`.
+// Sleeps until the phase is `wanted`. Returns false if the drone crashes, or if the charge is below `least_charge_ppm`.
 static bool wait_for_phase(uint32_t wanted, uint32_t least_charge_ppm) {
   for (int64_t next_ns = timer_now_ns();;) {
     const uint32_t phase = flight_phase();
@@ -117,7 +116,7 @@ static int fly(traverser_command_t* order) {
     }
     requested = true;
     if (result == PICTURE_TAKEN) {
-      // If the next picture is due before the end of this work, it is exposed and read out meanwhile.
+      // If the next picture is due before the end of this work, it is exposed and read out during the work.
       requested = here_ns + statistics.look_most_ns > frame_ns && camera_ask();
       sight = look(&picture);
     } else {

@@ -13,25 +13,27 @@
 // A near gate with enough evidence counts as entered after it was invisible for this time.
 #define ENTERED_US 200000
 #define EVIDENCE_TO_ENTER 6500
-// If the drone flies slower than a quarter of its command for this time, it leans against an object: there was no gate.
+// If the drone flies slower than a quarter of its command for this time, it leans against an object. In this case,
+// there was no gate.
 #define STALLED_US 2000000
 // After an object has stopped the drone, the drone has this time to fly back.
 #define STUCK_US 6000000
-// Sizes in 127ths of SIGHT_MOST_SIZE: at the first, the frame has left the picture (1.2). At the second, a gate that is
-// no longer seen can only have left the picture (0.65).
+// Two sizes in 127ths of SIGHT_MOST_SIZE. At size 1.2, the frame has left the picture. If a gate of at least size 0.65
+// is no longer seen, it can only have left the picture.
 #define ENTERED_SIZE 76
 #define NEAR_SIZE 41
 // The distance to a real gate decreases by the flown distance. The distance computed from the size assumes a frame of
 // 0.6 m and the longest lens. This distance decreases faster with a shorter lens or a smaller frame, and slower with a
-// larger frame. If it decreases by less than four fifths of the flown distance, it is not a gate, or a frame of more
-// than 0.75 m with that lens, or 1.6 m with a lens of 87 degrees.
+// larger frame. If this distance decreases by less than four fifths of the flown distance, the object is not a gate, or
+// the frame is too large: more than 0.75 m with the longest lens, or more than 1.6 m with a lens of 87 degrees.
 #define LEAST_NEARER_PERCENT 80
-// Focal length over half the picture's width, in thousandths, of the longest lens that the network was trained with
-// (0.82 rad). With a shorter lens, a frame of the same size is nearer. So the longest lens gives the greatest distance
-// of a gate.
+// Focal length divided by half the picture's width, in thousandths. The value is that of the longest lens with which
+// the network was trained (0.82 rad). With a shorter lens, a frame of the same size is nearer. So the longest lens
+// gives the greatest distance of a gate.
 #define LONGEST_FOCAL_MILLI 2301
-// Time constant of the altitude towards a gate's, and its greatest distance from the mission's altitude. Sizes below
-// the minimum (0.13, a gate at 5 m with a lens of 50 degrees) are too small to divide by, and count as the minimum.
+// Time constant with which the drone's altitude approaches the altitude of a gate. Greatest difference between this
+// altitude and the mission's altitude. Sizes below the minimum (0.13, a gate at 5 m with a lens of 50 degrees) are too
+// small to divide by, and count as the minimum.
 #define ALTITUDE_US 400000
 #define MOST_CLIMB_UM 700000
 #define LEAST_ALTITUDE_UM 250000
@@ -102,8 +104,8 @@ static traverser_command_t command(const traverser_t* t, int32_t velocity_um_s, 
   return order;
 }
 
-// Moves the altitude towards that of the gate's middle. Half the frame divided by its size is the length of half the
-// picture at the gate, for any lens.
+// Moves the altitude towards that of the gate's middle. Half the frame's edge divided by its size in the picture is the
+// length of half the picture at the gate's distance. This holds for any lens.
 static void follow_altitude(traverser_t* t, const sight_t* sight, const traverser_state_t* state) {
   const int32_t size = sight->size < LEAST_SIZE ? LEAST_SIZE : sight->size;
   const int32_t half_frame_um = GATE_OUTER_MM * 1000 / 2;
@@ -121,8 +123,8 @@ static traverser_command_t straight_on(traverser_t* t) {
   return command(t, policy_speed_um_s(&t->policy, 0), 0);
 }
 
-// Returns the greatest distance of a gate with this size in the picture. Half the frame divided by its size is half the
-// picture's width at that distance.
+// Returns the greatest distance of a gate with this size in the picture. Half the frame's edge divided by its size in
+// the picture is half the picture's width at that distance.
 static int32_t farthest_um(int32_t size_q8) {
   const int64_t divisor_q8 = size_q8 < LEAST_SIZE * 256 ? LEAST_SIZE * 256 : size_q8;
   return (int32_t)((int64_t)GATE_OUTER_MM * LONGEST_FOCAL_MILLI * 127 * 256 / (2 * SIGHT_MOST_SIZE * divisor_q8));
@@ -215,8 +217,8 @@ static traverser_command_t leave(traverser_t* t) {
 }
 
 // Updates the mean size. A gate grows by some hundredths from picture to picture, so a size above 1.5 times the mean is
-// limited to that. Two such sizes raise the mean by 27 %. If the gate is then entered too early, it is still crossed
-// within the additional half metre.
+// limited to 1.5 times the mean. Two such sizes raise the mean by 27 %. If the gate is then entered too early, it is
+// still crossed within the additional half metre.
 //
 // The true size only grows, but the measured size decreases while the frame leaves the picture. Therefore the greatest
 // mean is kept.
@@ -232,7 +234,8 @@ static void follow_size(traverser_t* t, const sight_t* sight) {
 }
 
 // True if the drone has flown farther than the greatest distance of a gate, since the gate was largest in the picture.
-// Then there was no gate, or the drone has crossed it unnoticed. The next gate starts with a new greatest size.
+// In this case, there was no gate, or the drone has crossed it unnoticed. The next gate starts with a new greatest
+// size.
 static bool most_is_behind(const traverser_t* t) {
   return t->flown_um - t->most_at_um > farthest_um(t->most_q8);
 }

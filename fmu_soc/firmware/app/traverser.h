@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Steers through a gate with the outputs of the sight network. It turns and climbs towards the middle of the opening
-// until the frame leaves the picture, then keeps heading and altitude. Without a gate in view, it turns until it sees
-// one. No signal reports that the gate is crossed: the drone flies the gate's greatest distance plus half a metre.
+// Steers through a gate with the outputs of the sight network. The drone turns and climbs towards the middle of the
+// opening until the frame leaves the picture. Then it keeps heading and altitude. If no gate is in view, it turns until
+// a gate is seen. No signal reports that the gate is crossed, so the drone flies the gate's greatest distance plus half
+// a metre.
 #pragma once
 
 #include <stdbool.h>
@@ -29,7 +30,7 @@ typedef struct {
   int32_t yaw_urad;     // heading; not limited to one turn
 } traverser_state_t;
 
-// Number and spacing of stored sizes.
+// Number of stored sizes, and the distance in flight from one to the next [um].
 #define TRAVERSER_MARKS 3
 #define TRAVERSER_MARK_UM 250000
 

@@ -42,7 +42,7 @@ static void hand_first(nn_share_t share) {
   nn_hand_first(&arena, share);
 }
 
-// Fills the arena and its borders with noise. The weights stay.
+// Fills the arena and its borders with noise. Does not change the weights.
 static void prepare(nn_share_t share) {
   if (share.core == 0) {
     uint32_t noise = 1;

@@ -13,10 +13,10 @@
 #define BUFFER_BYTES (324 * 324)
 
 static uint8_t buffers[2][BUFFER_BYTES] __attribute__((aligned(4), section(".noinit.camera")));
-// The buffer of the picture that is requested, or of the last one.
+// Index of the buffer of the requested picture. If no picture is requested, the index of the last picture's buffer.
 static unsigned filling;
 static bool is_requested;
-// STATUS bits at the last interrupt.
+// Bits of STATUS at the last interrupt.
 static volatile uint32_t outcome;
 
 // Handles the interrupt: a picture has arrived, or a picture was dropped because it does not fit into the buffer.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Himax HM01B0 with the chip's camera device: requests a picture, and sleeps until it is in memory. There are two
-// buffers: one picture is exposed and read out while the program works on the picture before.
+// Himax HM01B0 with the chip's camera device: requests a picture, and sleeps until the picture is in memory. There are
+// two buffers: one picture is exposed and read out while the program works on the previous picture.
 #pragma once
 
 #include <stdbool.h>
@@ -23,14 +23,16 @@ typedef struct {
   uint32_t id;            // count of the picture
 } picture_t;
 
-// Attaches the interrupt. Call once, with interrupts off.
+// Attaches the interrupt. Must be called once, with interrupts off.
 void camera_init(void);
 
-// Requests a picture and returns at once. If a request is open already, has no effect. Returns false if refused.
+// Requests a picture and returns at once. If a request is already open, has no effect. If the device refuses the
+// request, returns false.
 bool camera_ask(void);
 
 // Sleeps until the requested picture has arrived, or until `deadline_ns`. At the deadline, the request stays open. Uses
-// the timer's alarm. The pixels stay valid until the picture after the next one is requested.
+// the timer's alarm. The pixels stay valid while the next picture is requested and taken, and become invalid at the
+// request after that.
 camera_result_t camera_wait(picture_t* picture, int64_t deadline_ns);
 
 // Requests a picture and waits for it.

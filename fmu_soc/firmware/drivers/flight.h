@@ -11,7 +11,7 @@
 #ifdef UART_DATA
 // Sends a frame with the set-points by UART (drivers/flight_uart.c).
 void flight_send(const setpoint_t* setpoint);
-// Sends the last set-points again, since a frame can get lost.
+// Sends the last set-points again, because a frame can get lost.
 void flight_repeat(void);
 #else
 static inline void flight_send(const setpoint_t* setpoint) {
@@ -44,7 +44,7 @@ static inline int32_t flight_yaw_urad(void) {
   return (int32_t)FLIGHT_YAW;
 }
 
-// True after the referee has seen the drone cross the gate's opening.
+// True after the world has reported that the drone has crossed the gate's opening.
 static inline bool flight_gate_crossed(void) {
   return FLIGHT_GATE_CROSSED != 0;
 }

@@ -7,7 +7,8 @@
 static setpoint_t last;
 static uint8_t number;
 
-// While the UART transmits nothing, its FIFO is empty. If a frame has no place even then, no frame is ever sent.
+// Reports a transmit FIFO that is too small. If a frame does not fit while the UART transmits nothing, it never fits,
+// because the FIFO is already empty.
 static void report_small_fifo(unsigned places) {
   static bool reported;
   if (reported || (UART_STATUS & UART_STATUS_TRANSMITS) != 0) {

@@ -13,7 +13,7 @@ typedef struct {
   flight_vector_t rate;          // [rad/s]
 } imu_sample_t;
 
-// Starts to measure each `period_us`. Call once, with interrupts off.
+// Starts measurements with a period of `period_us`. Must be called once, with interrupts off.
 void imu_init(uint32_t period_us);
 // Sleeps until the FIFO has a sample, and removes the oldest one. Returns the number of samples that remain.
 unsigned imu_wait(imu_sample_t* sample);

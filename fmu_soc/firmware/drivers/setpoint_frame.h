@@ -3,9 +3,9 @@
 //
 //   mark 0xA5, number, mode, forward velocity, yaw rate, altitude, checksum
 //
-// Number and mode have one byte each, velocity, yaw rate and altitude four, the checksum two; least significant byte
-// first. The number counts frames, modulo 256. The checksum is CRC-16/CCITT-FALSE (polynomial 0x1021, start value
-// 0xFFFF) of all bytes before it.
+// Number and mode have one byte each. Velocity, yaw rate and altitude have four bytes each. The checksum has two bytes.
+// The least significant byte comes first. The number counts frames, modulo 256. The checksum is CRC-16/CCITT-FALSE
+// (polynomial 0x1021, start value 0xFFFF) of all bytes before it.
 #pragma once
 
 #include <stdbool.h>
@@ -21,7 +21,7 @@ extern "C" {
 
 void setpoint_frame_write(const setpoint_t* setpoint, uint8_t number, uint8_t frame[SETPOINT_FRAME_BYTES]);
 
-// Finds frames among received bytes. All zeros at the start.
+// Finds frames among received bytes. All fields must be zero at the start.
 typedef struct {
   uint8_t bytes[SETPOINT_FRAME_BYTES];  // from a mark on
   unsigned count;
@@ -30,7 +30,7 @@ typedef struct {
   uint8_t next_number;  // of the frame after the last valid one
 } setpoint_reader_t;
 
-// Takes a received byte. If it completes a valid frame, sets `setpoint` and returns true.
+// Processes a received byte. If this byte completes a valid frame, sets `setpoint` and returns true.
 bool setpoint_reader_take(setpoint_reader_t* reader, uint8_t byte, setpoint_t* setpoint);
 
 // Returns the checksum of CRC-16/CCITT-FALSE.

@@ -12,7 +12,7 @@ extern "C" {
 #define NS_PER_US INT64_C(1000)
 #define NS_PER_MS INT64_C(1000000)
 
-// Attaches the timer's interrupt. Call once, with interrupts off.
+// Attaches the timer's interrupt. Must be called once, with interrupts off.
 void timer_init(void);
 
 // Returns the time since reset [ns].

@@ -7,9 +7,9 @@
 // Reads the bytes that have arrived, and stores the set-points to follow into the registers of the commander. Call it
 // in each loop, with the time since reset, modulo 2^32 us.
 //
-// Between frames, the last set-points hold. If a drone that takes off or flies receives no valid frame for
-// COMPANION_TIMEOUT_MS, it lands, until a valid frame comes.
+// Between frames, the last set-points remain valid. If a drone that takes off or flies receives no valid frame for
+// COMPANION_TIMEOUT_MS, it starts to land. It continues to land until a valid frame arrives.
 void companion_update(uint32_t time_us);
 
-// Ten pictures of a mission with ten pictures a second.
+// The time of ten pictures, in a mission with ten pictures a second.
 #define COMPANION_TIMEOUT_MS 1000

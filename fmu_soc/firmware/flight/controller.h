@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The interface of a flight controller. A controller of your own is a C file with the two functions at the end; the
-// rest of the firmware (main.c) reads the sensors, estimates the state, follows the set-points and sets the rotors.
+// The interface of a flight controller. To write your own controller, define the two functions at the end of this file
+// in a C file. The rest of the firmware (main.c) reads the sensors, estimates the state, follows the set-points and
+// sets the rotors.
 //
 // Frames: the world's x axis is the drone's heading at the start, y is to the left, z up; the origin is on the ground
 // where the drone started. The body has x forward, y left, z up. Angles are right-handed: roll about x (positive =
@@ -48,8 +49,9 @@ typedef struct {
 // Called once at the start.
 void controller_init(void);
 
-// Called in each loop while the motors are on. `first` is true in the first loop of a flight. Sets the share of each
-// motor's full command, 0 to 1: front right, rear right, rear left, front left. Values outside are limited.
+// Called in each loop while the motors are on. `first` is true in the first loop of a flight. Sets `command` to the
+// fraction of the full command for each motor, from 0 to 1. The order is front right, rear right, rear left, front
+// left. Values outside this range are limited.
 void controller_update(const flight_goal_t* goal, const flight_state_t* state, bool first, float command[ROTORS]);
 
 #ifdef __cplusplus

@@ -26,9 +26,9 @@ static const uint32_t kFlowPeriod_ms = 10;
 static const float kRangePeriod_s = 0.025F;
 static const uint32_t kRangePeriod_ms = 25;
 static const uint32_t kBarometerPeriod_ms = 40;
-// Beyond this distance the barometer measures the height.
+// Beyond this distance, the barometer measures the height.
 static const float kLongestRange_m = 3.5F;
-// A larger step of the height is an edge of the surface below.
+// If the height changes by a larger step, the surface below has an edge.
 static const float kEdge_m = 0.25F;
 // Slope of the standard atmosphere at the ground: 101325 Pa * 5.25588 * 0.0065 K/m / 288.15 K.
 static const float kPascalPerMetre = 12.013F;
@@ -63,7 +63,7 @@ static void correct_level(float forward_error, float left_error, float dt) {
   const float bias_gain = kTiltPole * kTiltPole * kTiltPole * dt / kGravity;
   forward_m_s += velocity_gain * forward_error;
   left_m_s += velocity_gain * left_error;
-  // Nose down accelerates forward, right side down to the right.
+  // With the nose down, the drone accelerates forward. With the right side down, it accelerates to the right.
   state.pitch += tilt_gain * forward_error;
   state.roll -= tilt_gain * left_error;
   bias_pitch += bias_gain * forward_error;
@@ -76,7 +76,8 @@ static void correct_height(float error, float dt) {
   bias_up += kHeightPole * kHeightPole * kHeightPole * dt * error;
 }
 
-// Flow is the motion of the picture below: v / d - the turn of the body, along both axes.
+// Uses a sample of the flow sensor. Flow is the motion of the picture below: velocity / distance, minus the rotation of
+// the body, along both axes.
 static void use_flow(bool flying) {
   if (DECK_FLOW_SEEN != 0) {
     const float forward = range_m * ((float)(int32_t)DECK_FLOW_X * kRadPerCount + pitch_turn) / kFlowPeriod_s;
@@ -98,7 +99,7 @@ static void use_range(void) {
   float error = surface_m + height - state.position.z;
   if (fabsf(error) > kEdge_m) {
     surface_m -= error;
-    // An edge back down to the ground ends the memory of the surface.
+    // After a step back down to the ground, the stored height of the surface is deleted.
     if (fabsf(surface_m) < kEdge_m) {
       surface_m = 0.0F;
     }
@@ -107,7 +108,8 @@ static void use_range(void) {
   correct_height(error, kRangePeriod_s);
 }
 
-// While the range sensor measures, the barometer learns the pressure at the ground.
+// Uses a sample of the barometer. While the range sensor measures the height, the sample updates the pressure at the
+// ground.
 static void use_barometer(void) {
   if ((BAROMETER_STATUS & 1U) == 0) {
     return;
@@ -125,7 +127,8 @@ static void use_barometer(void) {
   }
 }
 
-// Rates of roll, pitch and yaw from those of the body; forces to the heading frame.
+// Converts the body's rates to rates of roll, pitch and yaw, and forces to the heading frame. Then integrates them over
+// `dt`.
 static void predict(float dt) {
   const float sin_roll = sinf(state.roll);
   const float cos_roll = cosf(state.roll);

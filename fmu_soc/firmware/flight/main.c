@@ -10,8 +10,8 @@
 #include "runtime/console.h"
 #include "runtime/interrupt.h"
 
-// Four motors that start at full command pull the supply down, until the cell's protection opens. So the command grows
-// to its full size in this time.
+// Four motors that start at full command pull the supply down, until the cell's protection opens. Therefore the command
+// increases to its full size within this time.
 #define SOFT_START_LOOPS 200
 
 static void soften(float command[ROTORS], unsigned loops) {

@@ -3,7 +3,7 @@
 // loop.
 //
 // Gains of angle and rate are those that Bitcraze publishes for the Crazyflie 2.x (platform_defaults_cf2.h, commit
-// 2a18fc29), in radians and shares of the full command. Those of the velocity have a faster integral.
+// 2a18fc29), in radians and shares of the full command. The gains of the velocity have a faster integral.
 #include <math.h>
 
 #include "flight/controller.h"
@@ -71,14 +71,15 @@ static void control_position(const flight_goal_t* goal, const flight_state_t* st
   const float error_y = wanted_y - state->velocity.y;
   const float sin_yaw = sinf(state->yaw);
   const float cos_yaw = cosf(state->yaw);
-  // Nose down: forward; right side down: to the right.
+  // With the nose down, the drone accelerates forward. With the right side down, it accelerates to the right.
   wanted_pitch = limited(pid(&kVelocity, &forward, cos_yaw * error_x + sin_yaw * error_y, 0.0F, dt), kMostTilt);
   wanted_roll = limited(-pid(&kVelocity, &left, cos_yaw * error_y - sin_yaw * error_x, 0.0F, dt), kMostTilt);
   thrust = kHoverThrust + pid(&kClimb, &climb, wanted_z - state->velocity.z, 0.0F, dt);
   thrust = thrust < kLeastThrust ? kLeastThrust : thrust > 1.0F ? 1.0F : thrust;
 }
 
-// If a rotor exceeds its full command, all give up the excess, so that the torques remain.
+// If the command of a rotor exceeds the full command, the excess is subtracted from the commands of all rotors. So the
+// torques do not change.
 static void mix(float u_roll, float u_pitch, float u_yaw, float command[ROTORS]) {
   const float r = 0.5F * u_roll;
   const float p = 0.5F * u_pitch;

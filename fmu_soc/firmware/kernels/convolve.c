@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Convolutions with any kernel, stride, dilation and groups, and dense layers, which are convolutions of one place.
+// Convolutions with any kernel, stride, dilation and groups, and dense layers, which are convolutions with one output
+// position.
 #include "kernels/products.h"
 #include "kernels/requantise.h"
 #include "kernels/work.h"
@@ -31,7 +32,8 @@ static inline __attribute__((always_inline)) void all_groups(const layer_step_t*
   }
 }
 
-// Convolves with gathered patches, for short runs of bytes: gathers the patches of two places, for all channels.
+// Computes a convolution whose patches consist of short runs of bytes. First copies the patches of two output positions
+// to contiguous bytes, and then uses these bytes for all channels.
 static inline __attribute__((always_inline)) void convolve_gathered(const layer_step_t* step, layer_share_t share,
                                                                     int scaling) {
   const layer_t* layer = step->layer;
@@ -63,7 +65,7 @@ static inline __attribute__((always_inline)) void convolve_in_place(const layer_
   const int32_t channels = step->channels * layer->element;
   uint8_t* out = layer->then != 0 ? step->unpooled : step->out;
   const int32_t to_next = layer->stride_columns * step->in_channels;
-  // A unit of work is four output channels of one row of places.
+  // A unit of work is four output channels of one row of output positions.
   for (int32_t unit = share.core; unit < step->groups * rows; unit += share.cores) {
     const int32_t y = unit / step->groups;
     const int32_t number = unit - y * step->groups;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Convolutions followed by the maximum of 2 x 2 places. All multipliers are positive, so the greatest sum gives the
-// greatest byte. Therefore the maximum is computed first, and only one of four sums is requantised.
+// Convolutions followed by the maximum of 2 x 2 output positions. All multipliers are positive, so the greatest sum
+// gives the greatest byte. Therefore the maximum is computed first, and only one of four sums is requantised.
 #include "kernels/products.h"
 #include "kernels/requantise.h"
 #include "kernels/work.h"
@@ -13,7 +13,8 @@ static inline __attribute__((always_inline)) int32_t larger(int32_t a, int32_t b
 #endif
 }
 
-// Computes one pooled place for four channels. The lower two patches are `to_lower` bytes after the upper two.
+// Computes one pooled output position for four channels. The lower two patches are `to_lower` bytes after the upper
+// two.
 static inline __attribute__((always_inline)) void pooled_place(const layer_t* layer, const layer_group_t* group,
                                                                const uint8_t* patch, int32_t to_next, int32_t to_lower,
                                                                uint8_t* to, int is_one_run, int scaling) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes depthwise convolutions, four channels at a time. The places of the kernel are processed in groups of
-// four: a word is loaded from each, and transposed so that a word contains the four values of a channel.
+// Computes depthwise convolutions, four channels at a time. The kernel's positions are processed in groups of four. One
+// word is loaded for each position. The four words are transposed, so that each word contains the four values of one
+// channel.
 #include "kernels/requantise.h"
 #include "kernels/work.h"
 
@@ -17,7 +18,7 @@ static inline __attribute__((always_inline)) turned_t turn(const uint8_t* patch,
   const uint32_t b = *(const xpulp_word*)(const void*)(patch + offsets[1]);
   const uint32_t c = *(const xpulp_word*)(const void*)(patch + offsets[2]);
   const uint32_t d = *(const xpulp_word*)(const void*)(patch + offsets[3]);
-  // The selectors: bytes of the first word are 0 to 3, bytes of the second 4 to 7.
+  // In a selector, 0 to 3 are the bytes of the first word, and 4 to 7 are the bytes of the second word.
   const uint32_t lower_ab = xpulp_shuffle2_b(a, b, 0x05010400);
   const uint32_t upper_ab = xpulp_shuffle2_b(a, b, 0x07030602);
   const uint32_t lower_cd = xpulp_shuffle2_b(c, d, 0x05010400);
@@ -49,7 +50,8 @@ static void add_four(int32_t sums[4], const uint8_t* patch, const int32_t* offse
 
 #endif
 
-// Fills the offsets of the kernel's places in a patch; the last one is repeated, with zeros as weights.
+// Computes the offsets of the kernel's positions in a patch. The last offset is repeated to complete a group; its
+// additional weights are zeros.
 static void fill_offsets(const layer_step_t* step, int32_t* offsets) {
   const layer_t* layer = step->layer;
   int32_t count = 0;
@@ -89,7 +91,7 @@ static inline __attribute__((always_inline)) void convolve(const layer_step_t* s
   const int32_t columns = layer->out_columns;
   int32_t* offsets = (int32_t*)(void*)step->gathered;
   fill_offsets(step, offsets);
-  // A unit of work is four channels of one row of places.
+  // A unit of work is four channels of one row of output positions.
   for (int32_t unit = share.core; unit < step->groups * step->rows; unit += share.cores) {
     const int32_t y = unit / step->groups;
     const int32_t number = unit - y * step->groups;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Operators that compute each byte from the bytes at the same place. Each core has a contiguous part of the tile.
+// Operators that compute each output byte from the input bytes at the same position. Each core has a contiguous part of
+// the tile.
 #include "kernels/requantise.h"
 #include "kernels/work.h"
 

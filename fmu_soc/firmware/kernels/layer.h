@@ -29,12 +29,12 @@ enum {
   LAYER_SOFTMAX  // over the channels of each place
 };
 
-// Stands for the picture in place of an offset into the network's memory.
+// Value that means the input picture. It is used instead of an offset in the network's memory.
 #define LAYER_PICTURE UINT32_C(0xffffffff)
 
 #define LAYER_MOVE_DIMENSIONS 6
 
-// The part of the work of one core.
+// The number of a core, and the number of cores that share the work.
 typedef struct {
   int32_t core;
   int32_t cores;
@@ -92,16 +92,16 @@ typedef struct {
   uint32_t in, other, out;  // offsets in the network's memory
   uint32_t blocks;          // offset of layer_block_t in the weights
   uint32_t l1_in[2], l1_other[2], l1_data[2], l1_out[2], l1_unpooled;
-  // Convolution: a run is a range of contiguous bytes in a patch; run_words is its length in words. The last word may
-  // exceed the run; its weights are then zero. Steps are bytes from the end of a run to the start of the next one.
-  // Depthwise: runs are places of the kernel; run_words is their number divided by four. Steps are in rows and columns
-  // of the input.
+  // Convolution: a run is a range of contiguous bytes in a patch; `run_words` is its length in words. The last word may
+  // exceed the run; the weights of the additional bytes are zero. Steps are bytes from the end of a run to the start of
+  // the next one. Depthwise: runs are positions of the kernel; `run_words` is the number of positions divided by four.
+  // Steps are in rows and columns of the input.
   int32_t runs_y, runs_x, run_words;
   int32_t step_x, step_y;
   int32_t group_bytes;
-  // Convolution: if gather_runs > 0, a core first copies the patches of two places to its part of l1_gathered. A patch
-  // has gather_rows rows. A row has gather_runs runs of gather_bytes bytes. gather_step is the distance in bytes from
-  // one run to the next, gather_row_step the distance from one row to the next.
+  // Convolution: if gather_runs > 0, a core first copies the patches of two output positions to its part of
+  // l1_gathered. A patch has gather_rows rows. A row has gather_runs runs of gather_bytes bytes. gather_step is the
+  // distance in bytes from one run to the next, gather_row_step the distance from one row to the next.
   int32_t gather_rows, gather_runs, gather_bytes;
   int32_t gather_step, gather_row_step;
   int32_t gathered_bytes;   // of a patch, whole words
@@ -112,7 +112,7 @@ typedef struct {
   int32_t zeros[2];
   int32_t addend;
   int32_t shift;
-  // Move: the data of each block are a layer_move_t. Softmax and table: their tables.
+  // For LAYER_MOVE, the data of each block are a layer_move_t. For softmax and for tables, the data are the table.
 } layer_t;
 
 // Four output channels of a convolution, followed by the lower words of the addends if scaling is SCALING_EXACT, and by
@@ -127,7 +127,8 @@ typedef struct {
   int32_t addend[4];
 } layer_group_t;
 
-// The table has an entry for each number of a pool's places that are inside the input, from 1 on.
+// One entry of the table of a mean pool. The table has one entry for each possible number of a window's positions
+// inside the input, starting with 1.
 typedef struct {
   int32_t multiplier;
   int32_t addend;
@@ -146,7 +147,7 @@ typedef struct {
   int32_t out_step[LAYER_MOVE_DIMENSIONS];
 } layer_move_t;
 
-// The weights of a layer in L3, by their place.
+// The weights of a layer in L3, given by their address.
 typedef struct {
   uint32_t from;
   uint32_t bytes;
@@ -170,8 +171,8 @@ typedef struct {
   uint8_t* fetched[2];              // buffers in L2 for the weights of layers with even and odd numbers
 } layer_network_t;
 
-// Computes `count` layers from `first` on. Every core of the cluster calls it with its own number; on another machine,
-// one call computes everything. L1 starts with a copy of the present layer (LAYER_L1_RESERVED bytes).
+// Computes `count` layers from `first` on. Every core of the cluster must call this function with its own number. On
+// another machine, one call computes everything. L1 starts with a copy of the present layer (LAYER_L1_RESERVED bytes).
 void layers_run(const layer_network_t* network, const uint8_t* picture, int32_t first, int32_t count,
                 layer_share_t share);
 

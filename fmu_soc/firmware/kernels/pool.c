@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Maximum and mean over the places of a window, for each channel.
+// Maximum and mean over the positions of a window, for each channel.
 #include "kernels/requantise.h"
 #include "kernels/work.h"
 
@@ -22,7 +22,7 @@ static uint8_t largest(const window_t* w, int32_t channel) {
 
 #ifdef __riscv
 
-// Computes four channels at a time. Returns how many are computed.
+// Computes four channels at a time. Returns the number of channels that it has computed.
 static inline __attribute__((always_inline)) int32_t largest_of_fours(const window_t* w, uint8_t* to) {
   const int32_t channels = w->channels, pitch = w->pitch, rows = w->rows, columns = w->columns;
   const uint8_t* in = w->in;
@@ -75,7 +75,7 @@ void layer_max_pool(const layer_step_t* step, layer_share_t share) {
   window.channels = is_fused ? step->channels : step->in_channels;
   window.pitch = is_fused ? columns * layer->pool * step->channels : step->in_pitch;
   const uint8_t* in = is_fused ? step->unpooled : step->in;
-  // A unit of work is a part of a row, so that all cores have some work.
+  // A unit of work is a part of a row, so that every core has some work.
   const int32_t length = (columns + 3) / 4;
   for (int32_t unit = share.core; unit < step->rows * 4; unit += share.cores) {
     const int32_t y = unit / 4;
@@ -102,7 +102,7 @@ void layer_average_pool(const layer_step_t* step, layer_share_t share) {
   const int32_t columns = layer->out_columns;
   const layer_mean_t* means = (const layer_mean_t*)(const void*)step->data;
   const int32_t base = layer->kernel_rows * layer->kernel_columns * layer->outside;
-  // A unit of work is a channel of a place.
+  // A unit of work is one channel of one output position.
   for (int32_t unit = share.core; unit < step->rows * columns * step->channels; unit += share.cores) {
     const int32_t place = unit / step->channels;
     const int32_t channel = unit - place * step->channels;

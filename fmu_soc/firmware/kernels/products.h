@@ -6,7 +6,7 @@
 
 #ifdef __riscv
 
-// Adds the products of a patch for one or two places and four channels.
+// Adds the products of a patch, for one or two output positions and four channels.
 static inline __attribute__((always_inline)) void add_products(const layer_t* layer, const layer_group_t* group,
                                                                const uint8_t* p0, int32_t to_next, int32_t sums[8],
                                                                int is_pair, int is_one_run, int scaling) {

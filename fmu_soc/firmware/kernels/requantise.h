@@ -19,7 +19,7 @@ static inline __attribute__((always_inline)) int32_t upper_product(int32_t a, in
 #endif
 }
 
-// Converts a sum into the value of a byte, before its limits. `wide` should be a constant.
+// Converts a sum into the value of a byte, before the value is limited. `wide` should be a constant.
 static inline __attribute__((always_inline)) int32_t scaled(int32_t sum, int32_t multiplier, int32_t addend,
                                                             int32_t shift, int wide) {
   return ((wide ? upper_product(sum, multiplier) : sum * multiplier) + addend) >> shift;
@@ -57,7 +57,8 @@ static inline __attribute__((always_inline)) int32_t byte_of(const layer_group_t
   return scaled(sum, group->multiplier[i], group->addend[i], group->shift[i], scaling == SCALING_WIDE);
 }
 
-// Stores the bytes of four channels for one place, or for two places that are `to_next` bytes apart.
+// Stores the bytes of four channels for one output position, or for two output positions that are `to_next` bytes
+// apart.
 static inline __attribute__((always_inline)) void store_places(const layer_t* layer, const layer_group_t* group,
                                                                const int32_t sums[8], uint8_t* to, int32_t to_next,
                                                                int is_pair, int scaling) {

@@ -34,7 +34,7 @@ static void make_place(copies_t* copies) {
   }
 }
 
-// Position of a step in its layer, and which of each two buffers it uses.
+// Position of a step in its layer, and the index of the buffers that the step uses. There are two buffers of each kind.
 typedef struct {
   int32_t block, tile;
   int in, data, out;
@@ -252,7 +252,7 @@ static const uint8_t* input_of(const layer_network_t* n, const uint8_t* picture,
   return at == LAYER_PICTURE ? picture : n->memory + at;
 }
 
-// Copies the layer's description to L1, where the cores read it in a cycle.
+// Copies the layer's description to L1, because the cores read L1 in one cycle.
 static const layer_t* fetch_layer(const layer_network_t* n, int32_t number, layer_share_t share) {
   if (share.core == 0) {
     machine_wait(machine_copy_in(n->l1, &n->layers[number], sizeof(layer_t)));
@@ -265,8 +265,8 @@ static void fetch_weights(const layer_network_t* n, int32_t number) {
   n->l3->fetch(n->fetched[number % 2], n->segments[number].from, n->segments[number].bytes);
 }
 
-// Waits for the weights of a layer, and fetches those of the next one. The buffer of the next one was last used by the
-// layer before, which all cores have finished.
+// Waits for the weights of a layer, and fetches those of the next one. The buffer for the next layer's weights was last
+// used by the previous layer, which all cores have finished.
 static void change_weights(layer_network_t* n, int32_t number, int32_t end, layer_share_t share) {
   if (share.core == 0) {
     n->l3->wait();

@@ -21,6 +21,6 @@ struct layer_step {
   int32_t first_row;    // of the output
 };
 
-// These two access the network's memory directly.
+// These two functions access the network's memory directly.
 void layer_move(const layer_move_t* move, const uint8_t* in, uint8_t* out, layer_share_t share);
 void layer_softmax(const layer_t* layer, const uint32_t* powers, const uint8_t* in, uint8_t* out, layer_share_t share);

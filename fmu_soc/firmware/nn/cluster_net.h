@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The network on the cluster, for the fabric controller. The DMA copies the picture to L1 in stripes while the cores
-// reduce the stripe before. It copies the large weights during the layers before they are needed.
+// reduce the previous stripe. It copies the large weights while the cores compute earlier layers.
 #pragma once
 
 #include <stdbool.h>

@@ -28,8 +28,8 @@ static uint8_t* output_of(nn_arena_t* a, int layer) {
   }
 }
 
-// Returns the edge of a layer's output. That of the last convolution has no border, because the dense layer uses it
-// directly.
+// Returns the edge of a layer's output. The output of the last convolution has no border, because the dense layer uses
+// this output directly.
 static int edge_of(int layer) {
   return layer == 0 ? NN_POOLED_EDGE : nn_shapes[layer].out_edge;
 }
@@ -37,7 +37,7 @@ static int border_of(int layer) {
   return layer == NN_CONVOLUTIONS - 1 ? 0 : 1;
 }
 
-// Start of the weights of layers 1 to 3 among the small ones, and of layers 4 to 7 among the large ones [words].
+// Start of the weights of layers 1 to 3 in the small weights, and of layers 4 to 7 in the large weights [words].
 static const uint16_t kSmall[] = {0, 0, NN_BYTES_1 / 4, (NN_BYTES_1 + NN_BYTES_2) / 4};
 static const uint16_t kLarge[] = {0, NN_BYTES_4 / 4, (NN_BYTES_4 + NN_BYTES_5) / 4,
                                   (NN_BYTES_4 + NN_BYTES_5 + NN_BYTES_6) / 4};
@@ -144,7 +144,7 @@ void nn_fast_shrink(nn_arena_t* arena, const uint8_t* source, int width, int hei
     const uint16_t* column = columns;
     int8_t* to = &arena->picture[(y + 2) * NN_PICTURE_PITCH + 2];
     const uint32_t ones = 0x01010101;
-    // The sum of four pixels, plus 2 for rounding, minus 4 x 128.
+    // Computes the sum of four pixels, plus 2 for rounding, minus 4 x 128.
 #pragma GCC unroll 8
     for (int x = 0; x < SHRUNK_EDGE; ++x) {
       const ptrdiff_t at = *column++;
@@ -155,12 +155,11 @@ void nn_fast_shrink(nn_arena_t* arena, const uint8_t* source, int width, int hei
   }
 }
 
-// --- First layer: 5 x 5 with stride 2, then the maximum of 2 x 2
-// --------------------------------------------------------
+// --- First layer: 5 x 5 with stride 2, then the maximum of 2 x 2 -----------------------------------------------------
 //
-// Four places that are pooled to one need a patch of 7 x 7 pixels: two words of each of seven rows, with one unused
-// byte. A place uses four pixels of each of its five rows as a word. The fifth pixels of its rows are gathered: four in
-// one word and the last one alone. So 25 products need seven dot products.
+// The four output positions of a pool need a patch of 7 x 7 pixels: two words of each of seven rows, with one unused
+// byte. One position uses five rows of five pixels. The first four pixels of each row are one word. The fifth pixels of
+// the rows are gathered: four in one word, and the last one alone. So 25 products need seven dot products.
 
 typedef struct {
   uint32_t rows[7];   // four pixels of each row
@@ -168,7 +167,7 @@ typedef struct {
   uint32_t last[2];   // fifth pixel of row 4, of row 6, as the lowest byte; the others are multiplied by zeros
 } patch_t;
 
-// Returns the greater of the sums of two places, one above the other.
+// Returns the greater of the sums of two positions, one of which is above the other.
 static inline __attribute__((always_inline)) int32_t upright_pair(const patch_t* p, const word_t* weights,
                                                                   int32_t bias) {
   int32_t upper = bias;
@@ -211,7 +210,8 @@ static void first_four(nn_arena_t* arena, nn_share_t share, int from) {
   const int32_t b0 = layer.biases[0], b1 = layer.biases[1], b2 = layer.biases[2], b3 = layer.biases[3];
   const int32_t s0 = layer.shifts[0], s1 = layer.shifts[1], s2 = layer.shifts[2], s3 = layer.shifts[3];
   const word_t* const weights = arena->small.first + FIRST_FROM * NN_FIRST_WORDS;
-  // Units are half rows. So if eight cores share the last rows, more than two cores have work.
+  // A unit of work is half a row. With whole rows, only two of eight cores would have work at the end, because there
+  // are 42 rows.
   const int parts = 2 * NN_POOLED_EDGE;
   for (int part = (int)share.core; part < parts; part += (int)share.cores) {
     const int y = part / 2;
@@ -232,7 +232,7 @@ static void first_four(nn_arena_t* arena, nn_share_t share, int from) {
       int32_t m1 = upright_pair(&p, weights + NN_FIRST_WORDS, b1);
       int32_t m2 = upright_pair(&p, weights + 2 * NN_FIRST_WORDS, b2);
       int32_t m3 = upright_pair(&p, weights + 3 * NN_FIRST_WORDS, b3);
-      // The patches of the places to the right start two pixels farther.
+      // The patches of the right positions start two pixels farther to the right.
 #pragma GCC unroll 7
       for (int row = 0; row < 7; ++row) {
         right[row] = at[row * NN_PICTURE_PITCH / 4 + 1];
@@ -259,8 +259,8 @@ void nn_fast_first(nn_arena_t* arena, nn_share_t share) {
 
 // --- Layers 1 to 6: 3 x 3 -------------------------------------------------------------------------------------------
 //
-// Two adjacent places by four output channels at a time: six loads provide the operands of eight dot products of four
-// products each. A row of a place's patch is contiguous, as are its weights.
+// Computes two adjacent output positions for four output channels at a time: six loads provide the operands of eight
+// dot products of four products each. A row of a patch is contiguous in memory, and so are the row's weights.
 
 typedef struct {
   int words;          // of a patch's row
@@ -311,7 +311,7 @@ void nn_fast_convolution(nn_arena_t* arena, int index, nn_share_t share) {
   uint8_t* out = output_of(arena, index) + border * (out_pitch + out_channels);
   const geometry_t g = {3 * channels / 4, in_pitch - 3 * channels, shape->stride * channels, 9 * channels,
                         out_channels};
-  // A unit of work is four output channels of one row of places.
+  // A unit of work is four output channels of one row of output positions.
   const int groups = out_channels / 4;
   for (int unit = (int)share.core; unit < groups * edge; unit += (int)share.cores) {
     const int group = unit % groups;

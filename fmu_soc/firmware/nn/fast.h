@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The network with Xpulp instructions, split over any number of cores that share a memory. Every core calls the same
-// function with its own number, and all wait for each other before the next function. The results are those of
+// function with its own number. Before the next function, all cores wait for each other. The results are those of
 // nn_plain_infer().
 #pragma once
 
@@ -13,7 +13,8 @@ extern "C" {
 // The picture with a border of zeros: 2 above and to the left, 1 below, 2 to the right.
 #define NN_PICTURE_PITCH (SHRUNK_EDGE + 4)
 #define NN_PICTURE_ROWS (SHRUNK_EDGE + 3)
-// Tensors with a border of one place, and one more place at the end, because a pair of places may exceed the border.
+// Tensors with a border of one position. There is one more position at the end, because a pair of positions may exceed
+// the border.
 #define NN_BORDERED(edge, channels) (((edge) + 2) * ((edge) + 2) * (channels) + 2 * (channels))
 
 // Weights of the first layer in the order of its kernel: for each channel, four weights of each of the five rows, the
@@ -40,12 +41,14 @@ typedef struct {
 #define NN_STRIPE_BYTES (18 * 324)
 #define NN_STRIPES (SHRUNK_EDGE / NN_STRIPE_ROWS)
 
-// True if more tensors must share memory than for the navigator. Otherwise the tensors would not fit into L1.
+// True if more tensors share memory than for the navigator network. Without this sharing, the tensors would not fit
+// into L1.
 #define NN_SHARES_PLACES (NN_CHANNELS_FIRST > 4)
 
 // The data of an inference, in the cores' shared memory. Data that are not needed at the same time share memory: the
 // large weights replace the picture, the outputs of later layers replace the camera's rows. With NN_SHARES_PLACES, the
-// first layer's output replaces the camera's rows, and the next two are next to the large weights.
+// first layer's output replaces the camera's rows, and the outputs of the second and third layer are next to the large
+// weights.
 #if NN_SHARES_PLACES
 typedef struct {
   union {
@@ -90,7 +93,7 @@ typedef struct {
 } nn_arena_t;
 #endif
 
-// The part of the work of one core.
+// The number of a core, and the number of cores that share the work.
 typedef struct {
   unsigned core;
   unsigned cores;  // 1..8
@@ -118,7 +121,8 @@ void nn_fast_shrink(nn_arena_t* arena, const uint8_t* source, int width, int hei
 void nn_fast_first(nn_arena_t* arena, nn_share_t share);
 // Computes one of layers 1 to 6. From layer 4 on, the large weights must be in the arena: see nn_fast_large_weights().
 void nn_fast_convolution(nn_arena_t* arena, int layer, nn_share_t share);
-// Compute the dense layer in two steps: the part of every core; then, on one core, the output of the network.
+// Compute the dense layer in two steps. First, every core computes a part. Then one core computes the output of the
+// network.
 void nn_fast_dense(nn_arena_t* arena, nn_share_t share);
 nn_output_t nn_fast_output(const nn_arena_t* arena, unsigned cores);
 

@@ -26,7 +26,7 @@
 #define Q4 x24
 #define Q5 x25
 #define Q6 x26
-# Fifth pixels of four rows from row 0, from row 2: left, right
+# Fifth pixels of rows 0 to 3 and of rows 2 to 5: for the left positions (FL), for the right positions (FR)
 #define FL0 x27
 #define FL2 x28
 #define FR0 x29
@@ -34,7 +34,7 @@
 # Pixels 4 to 7
 #define R4 x31
 #define R6 x1
-# Sums: left and right, upper and lower
+# Sums of four positions: left (L) or right (R), upper (U) or lower (L)
 #define LU x13
 #define LL x14
 #define RU x15
@@ -76,7 +76,7 @@
     \product RU, \right_upper, \w
     \product RL, \right_lower, \w
 .endm
-# Loads from the table overlap with the products of the word before.
+# Loads from the table overlap with the products of the previous word.
 .macro channel number
     p.lw W0
     p.lw W1

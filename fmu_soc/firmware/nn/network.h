@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// The navigator network, Stargate's with the camera alone, or the sight network, twice as wide at first (shape.h): its
-// shape, its weights, and what all kernels compute.
+// Shape and weights of a network, and the arithmetic of all kernels. shape.h selects one of two networks. The navigator
+// network is Stargate's network with only the camera as input. The sight network has twice as many channels in its
+// first layers.
 //
 //   picture 168x168x1 (int8) -> 5x5/2, 4 or 8 channels -> largest of 2x2 -> [3x3/2, 3x3] 4 or 8 -> [3x3/2, 3x3] 16
 //                            -> [3x3/2, 3x3] 32 -> dense 1152 -> 1 or 4
 //
-// A convolution's output is clip((sum of weight x input + bias) >> shift, 0, 255) with zeros around the picture and
-// one bias and shift for each output channel. Half of 1 << shift is in the bias already, so the shift rounds half up.
-// The dense layer's is clip((sum + bias) >> shift, -127, 127). A tensor has row after row, in it place after
-// place with its channels. examples/paper/training produces the weights and defines the same arithmetic in Python.
+// A convolution's output is clip((sum of weight x input + bias) >> shift, 0, 255) with zeros around the picture and one
+// bias and shift for each output channel. The bias already contains half of 1 << shift, so the shift rounds half up.
+// The output of the dense layer is clip((sum + bias) >> shift, -127, 127). A tensor is stored row by row. A row is
+// stored position by position, and a position is stored channel by channel. examples/paper/training produces the
+// weights and defines the same arithmetic in Python.
 #pragma once
 
 #include <stdint.h>

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The network as in its definition, without packed words or stored borders. The other kernels are tested against it.
+// Computes the network exactly as network.h defines it, without packed words or stored borders. Tests compare the other
+// kernels with this code.
 #include "nn/network.h"
 
 static int clip(int value, int low, int high) {
   return value < low ? low : value > high ? high : value;
 }
 
-// Returns the sum of one output channel at one place, with bias. Only the first layer has signed input.
+// Returns the sum of one output channel at one output position, with bias. Only the first layer has signed input.
 static int32_t sum_at(const nn_shape_t* shape, const nn_layer_t* layer, const uint8_t* input, int is_signed, int y,
                       int x, int channel) {
   const int edge = shape->in_edge;

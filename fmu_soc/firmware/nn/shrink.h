@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reduces the camera's picture to the network's: 168 x 168 pixels, each the rounded mean of 2 x 2 pixels, minus 128.
-// Places are spread evenly from edge to edge; at 320 pixels their distance is 40/21.
+// Reduces the camera's picture to the size of the network's input: 168 x 168 pixels, each the rounded mean of 2 x 2
+// pixels, minus 128. The source pixels are spread evenly from edge to edge. In a picture of 320 pixels, they are 40/21
+// pixels apart.
 #pragma once
 
 #include <stdint.h>
@@ -12,13 +13,13 @@ extern "C" {
 // Edge of the network's picture [px].
 #define SHRUNK_EDGE 168
 
-// Returns the first of the two source rows (or columns) for network row (or column) `index`. The source has `length` of
-// them, at least SHRUNK_EDGE.
+// Returns the first of the two source rows (or columns) for network row (or column) `index`. `length` is the number of
+// source rows (or columns), and must be at least SHRUNK_EDGE.
 static inline int shrink_place(int index, int length) {
   return index * (length - 2) / (SHRUNK_EDGE - 1);
 }
 
-// Computes the places of all columns of a source that is `width` pixels wide.
+// Computes the source column of each column of the network's picture. The source is `width` pixels wide.
 void shrink_columns(int width, uint16_t columns[SHRUNK_EDGE]);
 
 // Computes one row of the network's picture from source rows `upper` and `upper + width`.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Address at which a core of the cluster waits for the others. This file is for boards with MEbots' event unit.
+// Defines the address that a core of the cluster loads to wait at a barrier. This file is for boards with MEbots' event
+// unit.
 #pragma once
 
 #include "board.h"

@@ -51,15 +51,17 @@ static inline void cluster_barrier(void) {
   event_load(BARRIER_ADDRESS);
 }
 
-// The DMA, for both. A copy runs in parallel, after all earlier copies. dma_wait() takes its number; the core that
-// started the copy must call it exactly once. While 16 copies run, a start waits for the end of one. With GAP8's own
-// DMA, at most 16 copies of all cores may be unfinished, otherwise the program may stop; a copy has at most 65535
-// bytes. Returns DMA_REFUSED for invalid addresses or sizes; dma_wait() then returns at once.
+// DMA functions for the fabric controller and for the cluster's cores. A copy runs in parallel to the cores, after all
+// earlier copies. The result is the number of the copy, which is the argument of dma_wait(). The core that started the
+// copy must call dma_wait() exactly once. If 16 copies run, the next start waits for the end of one copy. With GAP8's
+// own DMA, at most 16 copies of all cores may be unfinished. If there are more, the program may stop. A copy there has
+// at most 65535 bytes. For invalid addresses or sizes, the result is DMA_REFUSED, and dma_wait() returns at once.
 #define DMA_REFUSED 0xffffffffu
 
 uint32_t dma_copy_in(void* l1, const void* l2, uint32_t bytes);
 uint32_t dma_copy_out(void* l2, const void* l1, uint32_t bytes);
-// Rows of `row` bytes are `stride` bytes apart in L2, and consecutive in L1; `bytes` is the size of all rows.
+// Copy rows of `row` bytes. The rows are `stride` bytes apart in L2, and contiguous in L1. `bytes` is the size of all
+// rows.
 uint32_t dma_copy_in_2d(void* l1, const void* l2, uint32_t bytes, uint32_t row, uint32_t stride);
 uint32_t dma_copy_out_2d(void* l2, const void* l1, uint32_t bytes, uint32_t row, uint32_t stride);
 // Sleeps until the copy has ended.

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Interrupts and sleep of the fabric controller.
 //
-// An interrupt handler only stores a note of the event. The code that sleeps does the work after it wakes up. To lose
-// no wake-up: switch interrupts off, check the note, sleep (a pending interrupt ends the sleep even with interrupts
-// off), switch interrupts on briefly so that the handler runs, and check again.
+// An interrupt handler only stores a note of the event. The main program does the work after its sleep. To lose no
+// wake-up, the main program switches interrupts off, checks the note, and sleeps. A pending interrupt ends the sleep
+// even with interrupts off. Then the program switches interrupts on briefly, so that the handler runs, and checks the
+// note again.
 #pragma once
 
 #include <stdint.h>

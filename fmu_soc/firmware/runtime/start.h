@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What crt0.S does for a chip. Here: boards with our devices. All traps go to one address (mtvec in direct mode: a
-   multiple of four), and no device needs a start. */
+/* Chip-specific part of crt0.S, for boards with MEbots' own devices. All traps go to one address (mtvec in direct
+   mode: a multiple of four). No device must be initialised. */
 #pragma once
 
 #define TRAP_VECTORS trap_entry

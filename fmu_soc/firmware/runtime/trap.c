@@ -9,7 +9,7 @@
 
 #define INTERRUPT_COUNT 32
 
-// CV32E40P, our core with floats, clears the low eight bits of mtvec.
+// CV32E40P with floating-point instructions clears the low eight bits of mtvec.
 #ifdef __riscv_flen
 #define ENTRY_ALIGNMENT 256
 #else

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The Xpulp v2 instructions of RI5CY (GAP8's cores) that kernels need, for a compiler that does not know them.
-// Each function is one instruction of one cycle; on a core without Xpulp it is an illegal instruction.
+// The Xpulp v2 instructions of RI5CY (GAP8's cores) that kernels need, for a compiler that does not support them. Each
+// function is one instruction of one cycle. On a core without Xpulp, the instruction is illegal.
 //
-// Words hold two halves or four bytes, part 0 lowest. Names are the manual's: xpulp_sdotsp_b is pv.sdotsp.b.
-// Arguments named `shift`, `bits`, `position`, `width`, `part`, `step` must be constants.
+// A word contains two halves or four bytes; part 0 is the lowest. The names are those of the manual: xpulp_sdotsp_b is
+// pv.sdotsp.b. Arguments named `shift`, `bits`, `position`, `width`, `part`, `step` must be constants.
 //
 //   int32_t sum = 0;
 //   for (int i = 0; i < n; i += 4) {
@@ -13,7 +13,7 @@
 //     sum = xpulp_sdotsp_b(sum, w, x);
 //   }
 //
-// A hardware loop is an asm block of the kernel's own (gcc does not know that it jumps back):
+// A hardware loop must be a complete asm block, because gcc does not know that the loop jumps back:
 //
 //   __asm__ volatile(XPULP_LOOP("x0", "%[n]", "3")     // three instructions, n times
 //                    XPULP_LW_POST("t0", "4", "%[w]")
@@ -102,7 +102,7 @@ typedef uint8_t __attribute__((may_alias)) xpulp_byte;
     __asm__(".insn r " #opcode ", " #funct3 ", " #funct7 ", %0, %1, %2" : "=r"(d) : "r"(a), "r"(b)); \
     return d;                                                                                        \
   }
-/// The first argument is also an operand: its old value is used.
+/// The argument `into` is also an operand: its old value is used.
 #define XPULP_INTO_(name, type, opcode, funct3, funct7)                                                 \
   static inline type xpulp_##name(type into, uint32_t a, uint32_t b) {                                  \
     __asm__(".insn r " #opcode ", " #funct3 ", " #funct7 ", %0, %1, %2" : "+r"(into) : "r"(a), "r"(b)); \
@@ -125,11 +125,12 @@ XPULP_BINARY_(ror, 0x33, 5, 0x04)
 XPULP_INTO_(mac, int32_t, 0x33, 0, 0x21)  // into + a * b
 XPULP_INTO_(msu, int32_t, 0x33, 1, 0x21)  // into - a * b
 
-// (a + b or a - b, rounded) >> b; the form with a register is into = (into + a) >> b.
+// These functions return (into + a) >> b. addRNr rounds the result.
 XPULP_INTO_(addNr, int32_t, 0x5b, 2, 0x20)
 XPULP_INTO_(addRNr, int32_t, 0x5b, 6, 0x20)
 
-// Dot products of bytes (b) and halves (h); u unsigned, s signed, us a unsigned and b signed; sdot adds to `into`
+// Dot products of bytes (b) and halves (h). Operands are unsigned (u), signed (s), or `a` unsigned and `b` signed (us).
+// sdot adds the result to `into`.
 XPULP_BINARY_(dotup_b, 0x57, 1, 0x40)
 XPULP_BINARY_(dotup_h, 0x57, 0, 0x40)
 XPULP_BINARY_(dotusp_b, 0x57, 1, 0x44)
@@ -143,7 +144,7 @@ XPULP_INTO_(sdotusp_h, int32_t, 0x57, 0, 0x54)
 XPULP_INTO_(sdotsp_b, int32_t, 0x57, 1, 0x5c)
 XPULP_INTO_(sdotsp_h, int32_t, 0x57, 0, 0x5c)
 
-// Part by part; _sc: with the low part of b for all parts
+// Operations on each pair of parts. With _sc, the second operand is the low part of `b` for all parts.
 XPULP_BINARY_(add_b, 0x57, 1, 0x00)
 XPULP_BINARY_(add_h, 0x57, 0, 0x00)
 XPULP_BINARY_(sub_b, 0x57, 1, 0x04)
@@ -187,16 +188,16 @@ XPULP_INTO_(packlo_b, uint32_t, 0x57, 1, 0x70)    // the same in the lower half
     result_;                                                   \
   }))
 
-/// Limits to [-2^(bits-1), 2^(bits-1) - 1], or to [0, 2^(bits-1) - 1]; bits from 1 to 31.
+/// Limits `a` to [-2^(bits-1), 2^(bits-1) - 1] or, for clipu, to [0, 2^(bits-1) - 1]. `bits` is from 1 to 31.
 #define xpulp_clip(a, bits) XPULP_CONSTANT_(int32_t, 0x33, 1, 0x0a, (int32_t)(a), bits)
 #define xpulp_clipu(a, bits) XPULP_CONSTANT_(int32_t, 0x33, 2, 0x0a, (int32_t)(a), bits)
 /// Extracts `width` bits from `position`, with sign or zero extension.
 #define xpulp_extract(a, width, position) XPULP_CONSTANT_(int32_t, 0x33, 0, 0x60 + (width)-1, (uint32_t)(a), position)
 #define xpulp_extractu(a, width, position) XPULP_CONSTANT_(uint32_t, 0x33, 1, 0x60 + (width)-1, (uint32_t)(a), position)
-/// Sum or difference, shifted right arithmetically. RN adds 2^(shift-1) before the shift to round to the nearest.
+/// Sum or difference, shifted right arithmetically. RN adds 2^(shift-1) before the shift, which rounds to the nearest.
 #define xpulp_addN(a, b, shift) XPULP_SHIFTED_(int32_t, 0x5b, 2, 0x00, (int32_t)(a), (int32_t)(b), shift)
 #define xpulp_addRN(a, b, shift) XPULP_SHIFTED_(int32_t, 0x5b, 6, 0x00, (int32_t)(a), (int32_t)(b), shift)
 #define xpulp_subRN(a, b, shift) XPULP_SHIFTED_(int32_t, 0x5b, 7, 0x00, (int32_t)(a), (int32_t)(b), shift)
-/// Product of the low (hh: high) signed halves >> shift, rounded.
+/// Product of the low signed halves (hh: of the high ones), rounded and shifted right by `shift`.
 #define xpulp_mulsRN(a, b, shift) XPULP_SHIFTED_(int32_t, 0x5b, 4, 0x40, (int32_t)(a), (int32_t)(b), shift)
 #define xpulp_mulhhsRN(a, b, shift) XPULP_SHIFTED_(int32_t, 0x5b, 4, 0x60, (int32_t)(a), (int32_t)(b), shift)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the cluster's runtime on the chip: fork, barrier, DMA, several jobs, and switching off and on. Exit code 0 =
-// success, otherwise the number of the failed check.
+// Tests the cluster's runtime on the chip: fork, barrier, DMA, several jobs, and switching off and on. The exit code is
+// 0 after success, or the number of the failed check.
 #include "runtime/cluster.h"
 #include "runtime/console.h"
 
@@ -78,7 +78,7 @@ int main(void) {
   }
   if (cluster_fork(meet, CORES + 1, 0) != -1) return 8;
 
-  // Copies every fourth word of a picture of ROWS rows into L1, and out to another place.
+  // Copies every fourth word of a picture of ROWS rows into L1, and then to another address in L2.
   dma_wait(dma_copy_in_2d(tile, source, ROWS * 4, 4, 16));
   dma_wait(dma_copy_out_2d(result, tile, ROWS * 4, 4, 8));
   for (int32_t row = 0; row < ROWS; ++row) {

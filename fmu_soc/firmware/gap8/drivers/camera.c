@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// An HM01B0 at I2C master 1 and the camera interface of GAP8's uDMA. The sensor has 324 x 324 pixels; the interface
-// passes the middle. A request lets the sensor take one frame, after which the sensor enters standby. So each picture
-// is new, and no frame remains unused. A real sensor also needs values of integration, black level and gain from its
-// maker.
+// An HM01B0 at I2C master 1 and the camera interface of GAP8's uDMA. The sensor has 324 x 324 pixels, and the interface
+// passes only the pixels in the middle. A request lets the sensor take one frame, after which the sensor enters
+// standby. So each picture is new, and no frame remains unused. A real sensor also needs values of integration, black
+// level and gain from its maker.
 #include "drivers/camera.h"
 
 #include "drivers/timer.h"
@@ -39,7 +39,7 @@ _Static_assert(MARGIN >= 0 && MARGIN % 2 == 0 && CAMERA_EDGE % 2 == 0, "the inte
 #define I2C_HZ 400000
 
 static uint8_t buffers[2][CAMERA_EDGE * CAMERA_EDGE] __attribute__((aligned(4), section(".noinit.camera")));
-// The buffer of the picture that is requested, or of the last one.
+// Index of the buffer of the requested picture. If no picture is requested, the index of the last picture's buffer.
 static unsigned filling;
 static bool is_requested;
 static uint32_t count;

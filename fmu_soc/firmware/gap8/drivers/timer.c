@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// With GAP8's timer: both counters form one, which counts the reference clock. The time has steps of 30.5 us.
+// Driver for GAP8's timer. The two 32-bit counters form one counter, which counts the reference clock. The time has
+// steps of 30.5 us.
 #include "drivers/timer.h"
 
 #include "runtime/interrupt.h"

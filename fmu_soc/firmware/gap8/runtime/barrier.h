@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines the address at which a core of the cluster waits for the others. This file is for GAP8's event unit.
+// Defines the address that a core of the cluster loads to wait at a barrier. This file is for GAP8's event unit.
 #pragma once
 
 #include "runtime/registers.h"

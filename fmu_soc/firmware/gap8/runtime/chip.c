@@ -31,7 +31,7 @@ static uint32_t voltage_mv(void) {
 }
 
 #ifdef MISSION_BASE
-// Sets the mission's voltage, one of the possible values.
+// Sets the mission's voltage, which must be one of the chip's possible voltages.
 static void voltage_start(void) {
   const uint32_t others = SOC_CONTROL_SAFE_PMU_RAR & ~VOLTAGE_MASK;
   SOC_CONTROL_SAFE_PMU_RAR = others | (MISSION_SUPPLY_VOLTAGE - VOLTAGE_LOWEST_MV) / VOLTAGE_STEP_MV;
@@ -52,8 +52,9 @@ uint32_t loop_hz(unsigned loop) {
   return (uint32_t)(divider > 1 ? undivided >> (divider - 1) : undivided);
 }
 
-// Returns the highest clock at a voltage: 150 and 250 MHz at 1.0 and 1.2 V, for the cluster 87 and 175 MHz, linear
-// between. Source: FLL_SOC_MIN_FREQUENCY and similar constants in GreenWaves' gap_sdk.
+// Returns the highest clock at a voltage. For the SoC, this is 150 MHz at 1.0 V and 250 MHz at 1.2 V. For the cluster,
+// it is 87 MHz and 175 MHz. Between these voltages, the clock is interpolated linearly. Source: FLL_SOC_MIN_FREQUENCY
+// and similar constants in GreenWaves' gap_sdk.
 static uint32_t highest_hz(unsigned loop, uint32_t millivolts) {
   const uint32_t above = millivolts > 1000 ? millivolts - 1000 : 0;
   return loop == LOOP_SOC ? 150000000 + above * 500000 : 87000000 + above * 440000;

@@ -24,5 +24,5 @@ void chip_start(void);
 // Returns the frequency of a loop [Hz].
 uint32_t loop_hz(unsigned loop);
 // Sets a loop to the nearest possible frequency not above `hz`. Returns 0, or -1 if the chip's voltage does not allow
-// it.
+// this frequency.
 int loop_set(unsigned loop, uint32_t hz);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The cluster with GAP8's own registers. A fork is a software event for the cores of the team, which find their job in
-// L1. Core 0 waits for all of them at a second barrier, and raises an event of the fabric controller.
+// The cluster with GAP8's own registers. A fork is a software event for the cores of the team, which read their job
+// from L1. At the end, core 0 waits for all cores of the team at a second barrier. Then it raises an event of the
+// fabric controller.
 #include "runtime/cluster.h"
 
 #include <stdbool.h>
@@ -13,7 +14,7 @@
 #define JOB_DONE (UINT32_C(1) << FABRIC_EVENT_JOB_DONE)
 #define BARRIER_OF(number) (EU_OF_CLUSTER_BASE + EU_LONG_BARRIER_OFFSET + (number)*BARRIER_BYTES)
 
-// Start address of the cores, after their vectors.
+// The interrupt vectors of the cores. The cores start at the address after these vectors.
 extern const char cluster_vectors[];
 
 struct {

@@ -15,8 +15,8 @@ extern "C" {
 // Returns the present clock [Hz].
 uint32_t core_clock_hz(void);
 // Sets the loop to the nearest possible frequency. While a peripheral sends at a bit rate that comes from this clock, a
-// lower frequency is ignored; the interrupt at the end of the transfer wakes the core. The end of the last byte raises
-// no interrupt, so the clock then stays until the next sleep.
+// lower frequency is ignored. The interrupt at the end of the transfer wakes the core. The end of the last byte raises
+// no interrupt, so the clock stays unchanged until the next sleep.
 void core_clock_set(uint32_t hz);
 
 // Enables interrupt `number`. An enabled interrupt ends a sleep, and is taken if interrupts are on.
@@ -31,7 +31,7 @@ static inline void core_sleep(void) {
   event_load(EU_BASE + EU_WAIT_OFFSET);
 }
 
-// Sleeps until an event of the fabric controller, and clears it. Other events stay pending.
+// Sleeps until event `event` of the fabric controller is pending, and clears this event. Other events stay pending.
 static inline void core_sleep_until(unsigned event) {
   const uint32_t mask = load(EU_BASE + EU_MASK_OFFSET);
   store(EU_BASE + EU_MASK_OFFSET, UINT32_C(1) << event);

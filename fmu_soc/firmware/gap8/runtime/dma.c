@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The cluster's DMA with MCHAN's registers. The number of a copy is that of its counter.
+// The cluster's DMA with MCHAN's registers. The number of a copy is the number of its counter.
 #include <stdbool.h>
 
 #include "runtime/cluster.h"

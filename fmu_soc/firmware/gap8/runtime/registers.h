@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* GAP8's registers that the runtime uses and board.h does not have: the board file gives the devices' addresses, their
-   kinds have the registers. Sources: archi/eu/eu_v3.h, archi/cluster_ctrl/cluster_ctrl_v2.h, archi/dma/mchan_v6.h,
-   archi/timer/timer_v2.h, archi/fll/fll_v1.h, archi/soc_eu/soc_eu_v1.h, archi/udma/udma_v2.h, archi/chips/gap/ and
-   hal/maestro/ of pulp-platform's and GreenWaves' headers. */
+/* GAP8's registers that the runtime uses, but that board.h does not define. The board file defines the devices'
+   addresses, but not these registers. Sources: archi/eu/eu_v3.h, archi/cluster_ctrl/cluster_ctrl_v2.h,
+   archi/dma/mchan_v6.h, archi/timer/timer_v2.h, archi/fll/fll_v1.h, archi/soc_eu/soc_eu_v1.h, archi/udma/udma_v2.h,
+   archi/chips/gap/ and hal/maestro/ of pulp-platform's and GreenWaves' headers. */
 #pragma once
 
 #include "board.h"
 
-/* Event unit: of the core that asks, by the short way. That of the fabric controller and those of the cluster's cores
-   have one address. */
+/* Event unit of the core that makes the access, in the demultiplexed range. The fabric controller and the cluster's
+   cores use the same address for their own event units. */
 #define EU_BASE EVENT_UNIT_DEMUX_BASE
 #define EU_MASK_OFFSET 0x00
 #define EU_MASK_OR_OFFSET 0x08
@@ -19,7 +19,7 @@
 #define EU_WAIT_CLEAR_OFFSET 0x3C
 #define EU_BARRIER_OFFSET 0x200
 
-/* The same of the fabric controller for others, and of the cluster. */
+/* Event unit of the fabric controller and event unit of the cluster, at their addresses on the bus. */
 #define EU_OF_FABRIC_CONTROLLER_BASE 0x1B200800
 #define EU_OF_CLUSTER_BASE (CLUSTER_BASE + 0x800)
 #define EU_SOFTWARE_EVENT_OFFSET 0x600
@@ -51,7 +51,7 @@
 #define SOC_EVENTS 64
 #define SOC_EVENT_MASKS_OFFSET 0x04 /* of the fabric controller: events 32 to 63, then 0 to 31; 1 = not let through */
 
-/* Frequency-locked loops: that of the SoC, then that of the cluster. */
+/* Frequency-locked loops: the first belongs to the SoC, and the second to the cluster. */
 #define FLL_BYTES 0x10
 #define FLL_CONFIG1_OFFSET 0x4
 #define REFERENCE_CLOCK_HZ 32768
@@ -68,13 +68,13 @@
 #define CLUSTER_BOOT_OFFSET 0x40
 #define CLUSTER_CACHE_ENABLE_OFFSET 0x1400
 
-/* Its DMA: for the fabric controller, and for a core by its short way. */
+/* DMA of the cluster: its address for the fabric controller, and its address in a core's demultiplexed range. */
 #define DMA_LONG_BASE (CLUSTER_BASE + 0x1800)
 #define DMA_BASE 0x00204400
 #define DMA_QUEUE_OFFSET 0x0
 #define DMA_STATUS_OFFSET 0x4
 
-/* Timer: both counters as one. */
+/* Registers of the timer. Its two counters are used as one counter. */
 #define TIMER_CONFIG_LO_OFFSET 0x00
 #define TIMER_CONFIG_HI_OFFSET 0x04
 #define TIMER_COUNT_LO_OFFSET 0x08

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What crt0.S does for a chip. Here GAP8's: a vector for each interrupt and no mie, whose place the event unit's masks
-   take. */
+/* Chip-specific part of crt0.S, for GAP8. There is a vector for each interrupt. The chip has no mie; the masks of
+   the event unit enable interrupts. */
 #pragma once
 
 #define TRAP_VECTORS trap_vectors

@@ -5,7 +5,7 @@
 #include <stdbool.h>
 
 void uart_start(void);
-// Adds a character. If the line before is still being sent, waits.
+// Adds a character. If the previous line is still being sent, waits.
 void uart_put(char c);
 // Sends the collected characters, and waits until they are sent.
 void uart_flush(void);
