@@ -11,16 +11,17 @@ struct BoardDescription;
 
 namespace mebots::boardgen {
 
-// Generate headers with addresses, register offsets, interrupts and named values of a board: a C header for firmware,
-// which assembler code can include, too, and a C++ header for device models.
+// Generate headers with addresses, register offsets, interrupts and named values of a board: a C header for firmware
+// and assembler code, and a C++ header for device models.
 std::string c_header(const soc::BoardDescription& board);
 std::string cpp_header(const soc::BoardDescription& board);
 
-/// TIME_LO of flight or FlightMode -> TIME_LO, FLIGHT_MODE.
+/// Converts a name to upper case with underscores: TIME_LO stays TIME_LO, and FlightMode becomes FLIGHT_MODE.
 std::string macro_case(const std::string& name);
 /// TIME_LO -> TimeLo.
 std::string camel_case(const std::string& name);
-/// TIME_LO, range_finder.distance -> time_lo, range_finder_distance.
+/// Converts a name to lower case with underscores: TIME_LO becomes time_lo, and range_finder.distance becomes
+/// range_finder_distance.
 std::string snake_case(const std::string& name);
 
 /// Generates the source of a library with one kind of device: registers, states with energy and delays, opcodes,

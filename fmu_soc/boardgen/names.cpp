@@ -7,7 +7,7 @@
 namespace mebots::boardgen {
 namespace {
 
-/// FlightMode, take_off or TIME_LO -> {"flight", "mode"}, {"take", "off"}, {"time", "lo"}.
+/// Splits a name into words in lower case: FlightMode becomes {"flight", "mode"}, and TIME_LO becomes {"time", "lo"}.
 std::vector<std::string> words_of(const std::string& name) {
   std::vector<std::string> words(1);
   char previous = '_';

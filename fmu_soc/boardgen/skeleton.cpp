@@ -19,7 +19,7 @@ std::string constant(const std::string& name) {
   return "k" + camel_case(name);
 }
 
-/// Returns the member that keeps a register's word or a variable.
+/// Returns the name of the member that stores a register's word or a variable.
 std::string member(const std::string& name) {
   return snake_case(name) + "_";
 }
@@ -62,7 +62,8 @@ std::string constants(const BoardDevice& device) {
   return out;
 }
 
-/// Generates a function that returns the storage of some variables by name; empty if there are none.
+/// Generates a function that returns the storage of some variables by name. If there are no such variables, returns an
+/// empty text.
 std::string finder(const BoardDevice& device, std::string_view head, std::string_view tail, auto belongs) {
   std::string rows;
   for (const auto& variable : kept(device)) {
@@ -159,8 +160,8 @@ std::vector<std::string> members_of(const BoardDevice& device) {
   return names;
 }
 
-/// Throws Error if two registers or variables would become members of the same name, or of the name of a member of
-/// every skeleton.
+/// Throws Error if two registers or variables would become members of the same name. Also throws if a name would be
+/// that of a member which every skeleton has.
 void require_different_members(const BoardDevice& device) {
   std::set<std::string> names{"entry_", "host_"};
   for (const auto& name : members_of(device)) {

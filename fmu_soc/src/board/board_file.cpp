@@ -144,8 +144,8 @@ void check_overlaps(const Node& root, const BoardDescription& board) {
   for (std::size_t i = 0; i < board.memories.size(); ++i) {
     const auto& memory = board.memories[i];
     take(memories[i], {memory.name, memory.base, memory.size});
-    // Only the cores at the memory's own place have the alias in their map. So the other cores may have an alias at the
-    // same address.
+    // The alias of a memory is only in the address map of the cores at the memory's location. So the address map of the
+    // other cores may have an alias at the same address.
     if (memory.alias && memory.place == Place::fabric_controller) {
       take(memories[i], {memory.name, *memory.alias, memory.size});
     }
@@ -182,8 +182,8 @@ void check_interrupts(const Node& root, const BoardDescription& board) {
   }
 }
 
-/// Checks attachments of parts to devices. The kind of each device checks the names of the places for parts. The loads
-/// of a regulator must come before it, so that no regulator supplies itself.
+/// Checks attachments of parts to devices. The kind of each device checks the names of its connection points. The loads
+/// of a regulator must come before the regulator in the file, so that no regulator supplies itself.
 void check_parts(const Node& root, const BoardDescription& board) {
   const auto entries = root.at("devices").elements();
   std::vector<std::string> on_bus;

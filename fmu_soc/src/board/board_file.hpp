@@ -76,7 +76,7 @@ struct BoardDescription {
   std::vector<BoardAbsence> absent;
   BoardSupply supply;
   /// The device, or peripheral of a uDMA (spim0, spim1), that sends set-points. Sending them ends a decision about a
-  /// picture. Empty if there is none.
+  /// picture. If there is none, the text is empty.
   std::string decisions_end_with;
   /// Shared libraries with kinds of devices, by file name. They are in `folder`, next to the board file, or in folders
   /// of the program.
@@ -94,16 +94,16 @@ BoardDescription read_board(const std::filesystem::path& path);
 /// Reads the text of a board file. `name` is its name in messages.
 BoardDescription parse_board(std::string_view text, const std::string& name);
 
-/// Sets the core by its name; the name of a generic core is its ISA string. Throws Error for a name that no core has.
+/// Sets the core by its name. The name of a generic core is an ISA string. Throws Error for a name that no core has.
 void set_core(BoardDescription& board, const std::string& name);
 
-/// Returns the chip for which a program of GreenWaves' SDKs was built. The result is empty if the chip is GAP8 or
-/// unknown. The function finds the chip in paths of the SDK's headers in the debug information. No other part of the
-/// file states it: the file's note "Pulp_Info" reads chip=none, and the memory maps of the chips overlap.
+/// Returns the chip for which a program of GreenWaves' SDKs was built. If the chip is GAP8 or unknown, the result is
+/// empty. The function finds the chip in paths of the SDK's headers in the debug information. No other part of the file
+/// states the chip: the file's note "Pulp_Info" reads chip=none, and the memory maps of the chips overlap.
 std::string_view other_chip_of(std::string_view elf_bytes);
 
 /// Throws Error if the board has GAP8's memory map and the program was built for another chip. Ignores a file that
-/// cannot be read, because its loader reports that.
+/// cannot be read, because the loader of the program reports such a file.
 void require_own_chip(const std::filesystem::path& program, const BoardDescription& board);
 
 }  // namespace mebots::soc

@@ -138,7 +138,7 @@ Chip read_chip(const data::Node& node) {
   return chip;
 }
 
-/// Returns `base` with other energies; all else is equal.
+/// Returns a copy of `base` with other energies.
 Chip read_energy_model(const data::Node& node, const Chip& base) {
   data::Object object(node);
   Chip chip = base;

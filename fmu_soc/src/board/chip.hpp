@@ -65,8 +65,8 @@ const Chip& gap8_silicon();
 /// GAPuino.
 const Chip& chip_of(const BoardDescription& board);
 /// Returns the chip with a set of energies, all multiplied by one factor. `position` selects the factor in the range of
-/// EnergyChecks, from -1 (least) over 0 (1) to 1 (greatest). Throws Error that names the FMU's parameter if the name is
-/// unknown or the position is out of range.
+/// EnergyChecks: -1 selects the least factor, 0 selects 1, and 1 selects the greatest factor. Throws Error that names
+/// the FMU's parameter if the name is unknown or the position is out of range.
 Chip calibrated_chip(const std::string& energies, double position);
 
 }  // namespace mebots::soc

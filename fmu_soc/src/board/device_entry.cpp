@@ -143,7 +143,7 @@ BoardEnumeration read_enumeration(const std::string& name, const Node& node) {
       enumeration.items.push_back({checked_name(member, item), read_signed_word(member)});
     });
   }
-  // Sorted by value, then by name.
+  // Sorts the items by value, and items of equal value by name.
   std::ranges::sort(enumeration.items, {}, [](const BoardValue& item) { return std::tie(item.value, item.name); });
   return enumeration;
 }
@@ -152,7 +152,7 @@ BoardEnumeration read_enumeration(const std::string& name, const Node& node) {
 /// these states.
 constexpr double kLeastDelayS = 1e-6;
 
-/// Returns the node behind the longest existing prefix of these keys, for messages.
+/// Returns the node at the longest existing prefix of these keys, for messages.
 Node nearest(const Node& node, std::initializer_list<std::string_view> keys) {
   Node found = node;
   for (const auto key : keys) {
@@ -163,7 +163,7 @@ Node nearest(const Node& node, std::initializer_list<std::string_view> keys) {
   return found;
 }
 
-/// Returns the place of a register in the board file, for messages.
+/// Returns the node of a register in the board file, for messages.
 Node entry_of(const Node& device, const BoardRegister& reg) {
   const auto entries = device.at("registers").elements();
   const auto found =
@@ -275,7 +275,7 @@ void check_names(const Node& node, const BoardDevice& device) {
   }
 }
 
-/// Checks the required keys of a device without C++ code.
+/// Checks that a device without C++ code has the required keys.
 void check_description(const Node& node, const BoardDevice& device) {
   if (device.initial_state.empty()) {
     if (!device.states.empty()) {

@@ -30,7 +30,7 @@ std::vector<std::string> texts(const data::Node& list) {
   return result;
 }
 
-/// Returns the name of a file in the folder; a path is refused, because it could name a file that is not among the
+/// Returns the name of a file in the folder. Refuses a path, because a path could name a file that is not among the
 /// mission's inputs.
 std::string file_name(const data::Node& node) {
   auto name = node.readable_text();

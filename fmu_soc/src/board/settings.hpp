@@ -18,13 +18,13 @@ struct Settings {
   unsigned cluster_cores = kMostClusterCores;  // must not exceed that of the board
   double temperature_c = 25;
   double voltage_v = 1.2;
-  /// Folders with libraries of the board, searched after the folder of its file.
+  /// Folders with libraries of the board. The folder of the board's file is searched first.
   std::vector<std::filesystem::path> library_folders = {};
   std::vector<std::uint8_t> flash = {};  // initial content of the board's flash
   /// Pictures of the board's camera in this order. If empty, pictures come from the world.
   std::vector<std::vector<std::uint8_t>> pictures = {};
   bool translate = true;  // translate hot code; the counts are the same without
-  /// HartSettings::keeps_written_mtvec of the fabric controller.
+  /// Value of HartSettings::keeps_written_mtvec for the fabric controller.
   bool keeps_written_mtvec = false;
 };
 

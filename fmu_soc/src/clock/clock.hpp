@@ -14,7 +14,7 @@
 namespace mebots::soc {
 
 /// Converts active cycles to time. Time is computed from the ticks since the last change of frequency, multiplied by
-/// the period as a fraction. So rounding errors do not accumulate. A change of frequency rounds once, down to a
+/// the period as a fraction. So rounding errors do not accumulate. Only a change of frequency rounds the time down to a
 /// picosecond.
 class Clock {
  public:
@@ -35,7 +35,7 @@ class Clock {
     set(hz);
   }
 
-  /// Returns the first cycle of this frequency, if the core has not slept since.
+  /// Returns the first cycle with this frequency. The core must not have slept since that cycle.
   std::uint64_t begin() const { return std::uint64_t{0} - skipped_; }
   /// Returns the start time of a cycle, which must not be before the last change of frequency.
   Picoseconds time_of(std::uint64_t cycle) const {
@@ -77,8 +77,8 @@ class Clock {
     period_ = kPsPerSecond / common;
     ticks_ = hz_ / common;
   }
-  /// Returns (value * factor + rest) / divisor. With a clock of whole MHz, the product fits into 64 bits for hours of
-  /// simulated time; with a clock of GAP8's clock loops, for minutes.
+  /// Returns (value * factor + rest) / divisor. For a clock of whole MHz, the product fits into 64 bits for hours of
+  /// simulated time. For a clock of GAP8's clock loops, it fits for minutes.
   static std::uint64_t scaled(std::uint64_t value, std::uint64_t factor, std::uint64_t rest, std::uint64_t divisor) {
     __extension__ using Wide = unsigned __int128;
     std::uint64_t product = 0;
@@ -89,15 +89,16 @@ class Clock {
   }
 
   std::uint64_t hz_ = 1;
-  // A fraction in lowest terms: `ticks_` ticks take `period_` picoseconds. Both follow from hz.
+  // A fraction in lowest terms: `ticks_` ticks take `period_` picoseconds. The frequency in hertz determines both
+  // numbers.
   std::uint64_t ticks_ = 1;
   std::uint64_t period_ = kPsPerSecond;
   Picoseconds epoch_ps_ = 0;
   std::uint64_t skipped_ = 0;  // ticks slept since the epoch minus the active cycles before it (modulo 2^64)
 };
 
-/// Total duration of a state. `now` may be earlier than the last begin or end, because the parts of a chip have
-/// different times.
+/// Total duration of a state. `now` may be earlier than the last begin or end of the state, because the parts of a chip
+/// have different times.
 class Stopwatch {
  public:
   bool runs() const { return runs_; }
@@ -110,7 +111,7 @@ class Stopwatch {
     runs_ = false;
     changed_at_ = time;
   }
-  /// Returns the time of its last begin or end.
+  /// Returns the time at which the state last began or ended.
   Picoseconds changed_at() const { return changed_at_; }
   Picoseconds up_to(Picoseconds now) const {
     return runs_ ? total_ + std::max<Picoseconds>(now - changed_at_, 0) : total_;

@@ -107,7 +107,7 @@ std::optional<char> Connection::next_byte() {
   return unread_[read_++];
 }
 
-/// Reads more data. Returns false if nothing has arrived, or if the debugger has disconnected.
+/// Reads more data. If no data has arrived, or if the debugger has disconnected, returns false.
 bool Connection::read_more(int flags) {
   char buffer[4096];
   ssize_t count = 0;
@@ -207,7 +207,7 @@ bool Connection::write_all(std::string_view bytes) {
 
 bool Connection::interrupted() {
   if (!client_.open()) return false;
-  // The interrupt may have arrived together with the last packet, and be in the buffer already.
+  // The interrupt may have arrived together with the last packet, and may already be in the buffer.
   if (read_ == unread_.size() && !read_more(MSG_DONTWAIT)) return !client_.open();
   const char byte = unread_[read_];
   if (byte == kInterrupt || byte == '+') ++read_;

@@ -34,7 +34,8 @@ class Connection {
 
   int port() const { return port_; }
   bool connected() const { return client_.open(); }
-  /// Accepts a debugger. If `wait` is set, waits for one. Returns true if a new debugger is connected.
+  /// Accepts a debugger. If `wait` is true, waits until a debugger connects. Returns true if a new debugger is
+  /// connected.
   bool accept(bool wait);
   void disconnect() { client_ = Socket(); }
 
@@ -44,7 +45,7 @@ class Connection {
   /// Sends a packet, and waits for its acknowledgement unless acknowledgements are off. Has no effect without a
   /// debugger.
   void send(std::string_view content);
-  /// Sends a message to other debuggers that connect meanwhile, and closes their connections. Does not wait for such a
+  /// If other debuggers try to connect, sends a message to them and closes their connections. Does not wait for such a
   /// connection.
   void refuse_others();
   /// Returns true if an interrupt (Ctrl-C) has arrived or the debugger has disconnected. Does not wait.

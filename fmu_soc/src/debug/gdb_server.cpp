@@ -118,8 +118,8 @@ GdbServer::Resume GdbServer::obey(const std::string& packet) {
 }
 
 /// Resumes threads. "s:2;c": one thread steps, all others continue. "r1c000042,1c00004c:2" steps the thread until it
-/// leaves this range. After "s:2" or "c:2", the other threads should stay stopped. This is impossible if the thread
-/// waits for them, so they run without reports.
+/// leaves this range. After "s:2" or "c:2", the other threads should stay stopped. This is impossible if the resumed
+/// thread waits for them. Therefore the other threads also run, but their events are not reported.
 GdbServer::Resume GdbServer::resume(std::string_view actions) {
   const auto step = actions.find_first_of("sSr");
   const auto begin = step == std::string_view::npos ? 0 : step;

@@ -28,19 +28,20 @@ class GdbServer {
   enum class Kill : std::uint8_t { ends_run, detaches };
 
   /// Listens on 127.0.0.1 and passes the address to `announce`. The chip waits for a debugger before its first
-  /// instruction. Throws Error if the port cannot be opened. If `history` is not null, gdb can go back in time. Then
-  /// the caller must divide the run into pieces, and call checkpoint() before each piece. If rewind() returns true
-  /// after the end of the run, the caller must continue the run.
+  /// instruction. Throws Error if the port cannot be opened. If `history` is not null, gdb can go back in time. In this
+  /// case, the caller must divide the run into pieces, and call checkpoint() before each piece. If rewind() returns
+  /// true after the end of the run, the caller must continue the run.
   GdbServer(int port, Soc& soc, Kill kill, std::function<void(std::string_view)> announce, History* history = nullptr);
 
   /// Returns the observer of a hart. `number` is the hart's number in the chip.
   Observer& hart(unsigned number) { return harts_[number]; }
 
-  /// Saves a state for steps into the past.
+  /// Saves a state to which gdb can later go back.
   void checkpoint() {
     if (history_ != nullptr) history_->record(soc_);
   }
-  /// Restores an earlier state if gdb wants to go back; at a fault, waits for gdb first.
+  /// If gdb wants to go back, restores an earlier state and returns true. If the run has ended with a fault, first
+  /// waits for gdb's commands.
   bool rewind();
 
   /// Reports the end of the program to gdb. If the end is a fault, gdb can inspect the chip before the run ends.
@@ -82,7 +83,7 @@ class GdbServer {
     void retired(const Hart& hart, const Retired& instruction) override;
     void trapped(const Hart& /*hart*/, const Trapped& /*trap*/) override { was_held_ = false; }
     void switched(const Hart& hart, bool on) override;
-    /// Called after an earlier state was restored.
+    /// Called after an earlier state was restored. Forgets the last stop.
     void forget() { was_held_ = false; }
 
    private:

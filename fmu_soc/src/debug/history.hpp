@@ -26,7 +26,8 @@ class History {
     std::vector<std::byte> state;
   };
 
-  /// @param most_bytes  limit of the sizes of all states, unless two exceed it
+  /// @param most_bytes  limit of the total size of all states. The first and the newest state are kept even if they
+  /// exceed it.
   explicit History(std::size_t most_bytes = kMostBytes) : most_bytes_(most_bytes) {}
 
   /// Saves the state at the start of a piece of the run, unless a replay is in progress. Keeps at most kMost states
@@ -34,13 +35,13 @@ class History {
   void record(const Soc& soc);
   /// Restores a state.
   void restore(Soc& soc, std::size_t snapshot);
-  /// Restores the start of the program and forgets all that followed. has_start() must be true.
+  /// Restores the start of the program, and forgets everything that happened later. has_start() must be true.
   void restart(Soc& soc);
   /// False if the start of the program was not recorded, or was forgotten.
   bool has_start() const { return !start_.state.empty(); }
-  /// Forgets the past: gdb has changed the chip, so a replay would not come here again.
+  /// Forgets the past, because gdb has changed the chip. A replay would not reach the present state.
   void cut();
-  /// Forgets the past and the start: the co-simulation has restored a state that may belong to another past.
+  /// Forgets the past and the start, because the co-simulation has restored a state that may belong to another run.
   void clear();
 
   /// Counts an instruction that a hart begins. Returns its position.
@@ -49,8 +50,8 @@ class History {
     frontier_ = std::max(frontier_, position_);
     return position_;
   }
-  /// Counts all instructions before a position as executed. gdb has stopped after an instruction, and the next one has
-  /// not begun.
+  /// Counts all instructions before a position as executed. Used if gdb has stopped after an instruction, and the next
+  /// instruction has not begun.
   void reach(std::uint64_t position) { frontier_ = std::max(frontier_, position); }
   std::uint64_t position() const { return position_; }
   const std::vector<Snapshot>& snapshots() const { return snapshots_; }
@@ -61,8 +62,8 @@ class History {
   void set_leaves(bool leaves) { leaves_ = leaves; }
   bool leaves() const { return leaves_; }
   /// Returns the next byte of input, or the reason why no byte is available (ConsolePort). In a replay, returns the
-  /// result that the same call returned before. Otherwise returns the result of `read`. After a change by gdb, the
-  /// program first gets the bytes that were read before the change.
+  /// result that the same call returned before. Outside a replay, returns the result of `read`. After a change by gdb,
+  /// the program first gets the bytes that were read before the change.
   int input(const std::function<int()>& read);
 
  private:

@@ -28,7 +28,7 @@ std::optional<std::size_t> GdbServer::state_before(std::uint64_t position) const
   return static_cast<std::size_t>(after - states.begin()) - 1;
 }
 
-/// "bs" goes back by one instruction of the chosen hart, "bc" to the last breakpoint or watchpoint.
+/// Goes back: "bs" by one instruction of the chosen hart, "bc" to the last breakpoint or watchpoint.
 GdbServer::Resume GdbServer::reverse(bool by_step) {
   const auto from = state_before(here_);
   if (!from) {
@@ -41,7 +41,7 @@ GdbServer::Resume GdbServer::reverse(bool by_step) {
   return Resume::rewind;
 }
 
-/// Commands of `monitor` that move in time. Returns nullopt for another command.
+/// Executes a command of `monitor` that moves in time. Returns nullopt for any other command.
 std::optional<GdbServer::Resume> GdbServer::travel(std::string_view command) {
   constexpr std::string_view kSave = "save ";
   constexpr std::string_view kRestore = "restore ";
@@ -95,7 +95,7 @@ bool GdbServer::rewind() {
   return true;
 }
 
-/// Chooses what follows a search.
+/// Chooses the replay that follows a search.
 void GdbServer::next_replay() {
   auto& replay = *replay_;
   if (replay.place.position != 0) {
@@ -109,8 +109,8 @@ void GdbServer::next_replay() {
   }
 }
 
-/// Handles an instruction that a hart begins during a replay. Returns false if the run must end here; nullopt if gdb
-/// stops here.
+/// Handles an instruction that a hart begins during a replay. Returns false if the run must end here, and nullopt if
+/// gdb must stop here.
 std::optional<bool> GdbServer::replay_before(unsigned number, std::uint32_t pc, std::uint64_t position) {
   auto& replay = *replay_;
   if (replay.phase == Replay::Phase::seeking) {
@@ -129,9 +129,9 @@ std::optional<bool> GdbServer::replay_before(unsigned number, std::uint32_t pc, 
   return true;
 }
 
-/// gdb assumes that a RISC-V core stops before the access. Therefore gdb takes one more step in the same direction
-/// before it compares the values. So this function stops after the store, and reports the hart that stored, because
-/// another hart may execute the next instruction.
+/// Stops after a store to a watched word, and reports the hart that stored. gdb assumes that a RISC-V core stops before
+/// the access. Therefore gdb takes one more step in the same direction before it compares the values. The hart is
+/// reported because another hart may execute the next instruction.
 void GdbServer::replay_retired(unsigned number, const Retired& instruction) {
   auto& replay = *replay_;
   if (replay.phase != Replay::Phase::searching || replay.by_step) return;

@@ -53,8 +53,8 @@ bool GdbServer::HartObserver::before(const Hart& hart) {
   return hold(hart, position);
 }
 
-/// Ends a step, and reports a watchpoint, before any other hart continues: gdb expects that only one thread runs during
-/// a step. gdb also steps over breakpoints with only one thread.
+/// Ends a step and reports a watchpoint before any other hart continues. The reason is that gdb expects only one thread
+/// to run during a step. gdb also uses only one thread to step over a breakpoint.
 void GdbServer::HartObserver::retired(const Hart& hart, const Retired& instruction) {
   if (server_.replay_) return server_.replay_retired(number_, instruction);
   if (server_.leaves() || !server_.connection_.connected() || !reports_to_gdb()) return;
@@ -87,7 +87,7 @@ bool GdbServer::HartObserver::hold(const Hart& hart, std::uint64_t position) {
   return !server_.killed_ && !server_.leaves();
 }
 
-/// Returns the watchpoint that the access touches, in gdb's format; empty = none.
+/// Returns the watchpoint that the access touches, in gdb's format. If there is none, returns an empty text.
 std::string GdbServer::watch_touched(const Access& access) const {
   if (access.size == 0) return {};
   for (const auto& watch : watches_) {

@@ -21,7 +21,7 @@ struct Range {
 std::optional<std::uint32_t> parse_hex(std::string_view text);
 /// Parses "1c000000,4".
 std::optional<Range> parse_range(std::string_view text);
-/// Parses four bytes in the order in which memory has them.
+/// Parses four bytes in the order in which they are in memory.
 std::optional<std::uint32_t> parse_little_endian(std::string_view text);
 std::string little_endian(std::uint32_t value);
 
@@ -34,13 +34,13 @@ class Threads {
  public:
   explicit Threads(Soc& soc) : soc_(soc) {}
 
-  /// Returns the hart that gdb inspects: the stopped one, unless gdb has chosen another.
+  /// Returns the hart that gdb inspects. This is the hart that stopped, unless gdb has chosen another hart.
   unsigned chosen() const { return chosen_; }
   Hart& hart() { return soc_.hart(chosen_); }
   const Hart& hart() const { return std::as_const(soc_).hart(chosen_); }
   void choose(unsigned number) { chosen_ = number; }
 
-  /// Returns the hart of a thread number in gdb's format; 0 (any) and -1 (all) are the chosen hart. Returns nullopt if
+  /// Returns the hart of a thread number in gdb's format; 0 (any) and -1 (all) mean the chosen hart. Returns nullopt if
   /// there is no such hart.
   std::optional<unsigned> parse(std::string_view text) const;
   /// Returns the list of threads, such as "m1,2,3".

@@ -206,8 +206,8 @@ std::vector<SectionHeader> read_sections(const ElfBytes& file, const FileHeader&
   return sections;
 }
 
-/// Reads the symbols of the first symbol table; a file has at most one. Sets `names` to the text that contains their
-/// names.
+/// Reads the symbols of the first symbol table; a file has at most one. Sets `names` to the text that contains the
+/// names of the symbols.
 std::vector<ElfSymbol> read_symbols(const ElfBytes& file, std::span<const SectionHeader> sections,
                                     std::shared_ptr<const std::string>& names) {
   std::vector<ElfSymbol> symbols;

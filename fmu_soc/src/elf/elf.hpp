@@ -15,9 +15,9 @@
 /// Programs as ELF32 files for RISC-V. Source: Tool Interface Standard, ELF 1.2; RISC-V ELF psABI 1.0.
 namespace mebots::soc {
 
-/// A loadable segment with its load address and its run address. They differ if the linker script uses `AT>`. The bytes
-/// are stored at the load address, as in Spike, QEMU and a flash programmer. The start-up code of the program copies
-/// them to the run address.
+/// A loadable segment with its load address and its run address. The two addresses differ if the linker script uses
+/// `AT>`. The bytes are stored at the load address, as in Spike, QEMU and a flash programmer. The start-up code of the
+/// program copies the bytes to the run address.
 struct ElfSegment {
   std::uint32_t load_address = 0;   // p_paddr: where `bytes` are stored
   std::uint32_t run_address = 0;    // p_vaddr: where the program expects them
@@ -47,8 +47,8 @@ class Elf {
   /// Returns the first instruction. If the entry point is a run address, this is the load address of the same
   /// instruction.
   std::uint32_t entry() const { return entry_; }
-  /// Returns the extensions in the file's attributes (Tag_RISCV_arch), such as "rv32i2p1_m2p0_c2p0"; empty without
-  /// them.
+  /// Returns the extensions in the file's attributes (Tag_RISCV_arch), such as "rv32i2p1_m2p0_c2p0". If the file has no
+  /// such attribute, returns an empty text.
   const std::string& architecture() const { return architecture_; }
   /// True if the program passes arguments in floating-point registers (-mabi=ilp32f). The core then needs F.
   bool uses_float_registers() const { return uses_float_registers_; }
@@ -57,14 +57,15 @@ class Elf {
   /// Returns all symbols that have an address, sorted by address. Excludes mapping symbols ($x, $d, $xrv32imc...) and
   /// the compiler's local labels (.L...).
   const std::vector<ElfSymbol>& symbols() const { return symbols_; }
-  /// Returns the function, or else the label, that contains an address; null if there is none.
+  /// Returns the function that contains an address. If there is no such function, returns the label that contains the
+  /// address, or null if there is none.
   const ElfSymbol* covering(std::uint32_t address) const;
-  /// Returns a text such as "camera_handler+0x12 (camera.c:41)", without the line if the program was compiled without
-  /// -g; "" if no symbol contains the address.
+  /// Returns a text such as "camera_handler+0x12 (camera.c:41)". If the program was compiled without -g, the text has
+  /// no line. If no symbol contains the address, the text is empty.
   std::string where(std::uint32_t address) const;
-  /// Returns such a text for a return address, with the line of the call.
+  /// Returns a text like that of where() for a return address, but with the source line of the call.
   std::string where_called(std::uint32_t return_address) const;
-  /// Returns the code of all source lines; empty if the program was compiled without -g.
+  /// Returns the code of all source lines. If the program was compiled without -g, returns an empty list.
   std::vector<LineRange> line_ranges() const;
 
  private:
@@ -80,8 +81,8 @@ class Elf {
   std::shared_ptr<const LineSections> lines_;
 };
 
-/// Returns Tag_RISCV_arch of a section .riscv.attributes, such as "rv32i2p1_m2p0_c2p0"; empty if the section is damaged
-/// or has no such tag. Source: RISC-V ELF psABI 1.0, chapter "Attributes".
+/// Returns Tag_RISCV_arch of a section .riscv.attributes, such as "rv32i2p1_m2p0_c2p0"; the text is empty if the
+/// section is damaged or has no such tag. Source: RISC-V ELF psABI 1.0, chapter "Attributes".
 std::string architecture_in(std::span<const std::uint8_t> attributes);
 
 }  // namespace mebots::soc

@@ -96,7 +96,7 @@ struct FormValue {
   std::uint32_t number = 0;
 };
 
-/// Reads a form; skips one that is neither text nor a short number. After an unknown form, the cursor is no longer
+/// Reads a form. Skips a form that is neither text nor a short number. After an unknown form, the cursor is no longer
 /// good.
 FormValue read_form(Cursor& cursor, std::uint32_t form, const LineSections& sections) {
   switch (static_cast<Form>(form)) {
@@ -161,7 +161,7 @@ std::vector<Entry> described_entries(Cursor& cursor, const LineSections& section
 }
 
 /// The folders and files of a unit. Folder 0 is the one in which the compiler ran. Before version 5, the table does not
-/// contain its name.
+/// contain the name of folder 0.
 struct FileTable {
   std::vector<Entry> folders;
   std::vector<Entry> files;
@@ -174,7 +174,7 @@ struct FileTable {
     const auto first = folders.empty() ? std::string_view() : folders.front().path;
     for (auto folder = file.folder; !path.starts_with('/') && folder < folders.size(); folder = 0) {
       const auto& name = folders[folder].path;
-      // With -ffile-prefix-map, folder 0 and the other folders may be relative to the same place.
+      // With -ffile-prefix-map, folder 0 and the other folders may be relative to the same folder.
       const bool is_inside = folder == 0 && !first.empty() && path.starts_with(first);
       if (!name.empty() && !is_inside) path.insert(0, "/").insert(0, name);
       if (folder == 0) break;
@@ -364,7 +364,8 @@ std::optional<SourceLine> find_line(const LineSections& sections, std::uint32_t 
 }
 
 /// In optimised code, the next row often has the same address and no statement. The range of the statement is then
-/// empty. The list contains it, because the instruction at its address runs each time the statement begins.
+/// empty. The list contains such an empty range, because the instruction at its address runs each time the statement
+/// begins.
 std::vector<LineRange> all_lines(const LineSections& sections) {
   std::vector<LineRange> ranges;
   for_each_unit(sections, [&](LineProgram& program) {

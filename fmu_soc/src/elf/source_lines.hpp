@@ -15,7 +15,7 @@ struct LineSections {
   std::vector<std::uint8_t> string;       // .debug_str
 };
 
-/// A line of a source file, such as "camera.c:41".
+/// A line of a source file, such as line 41 of camera.c.
 struct SourceLine {
   std::string file;  ///< without its folders
   std::uint32_t line = 0;
@@ -23,7 +23,7 @@ struct SourceLine {
   std::string text() const;
 };
 
-/// Code of one source line, without a gap.
+/// A contiguous range of code that belongs to one source line.
 struct LineRange {
   std::uint32_t begin = 0;
   std::uint32_t end = 0;

@@ -71,8 +71,8 @@ struct CoreActivity {
   }
 };
 
-/// The energy [J] that is added if one of a hart's counts increases by one, and settings and all other counts stay the
-/// same.
+/// The energy [J] by which the total increases if one of a hart's counts increases by one. The settings and all other
+/// counts stay the same.
 struct CountEnergy {
   double cycle_j = 0;
   double instruction_j = 0;  // per femtojoule at the reference point
@@ -160,17 +160,17 @@ struct Inventory {
 };
 
 /// Converts activity to energy. While the settings stay the same, energy is computed from the integers since the last
-/// change, and never accumulated. Therefore the result does not depend on how often it is read.
+/// change, and never accumulated. Therefore the result does not depend on how often the energy is read.
 class EnergyMeter {
  public:
   EnergyMeter(const EnergyTables& tables, const Inventory& inventory, const PowerState& state);
 
   EnergyLedger at(const Activity& now) const;
   /// Returns the energy of the instructions and accesses of core `number` of the cluster [J], without the energy of its
-  /// gated clock. It is a part of the ledger.
+  /// gated clock. This energy is a part of the ledger.
   double core_j(unsigned number, const CoreActivity& now) const;
-  /// Returns the energy of one more unit of each count. For the fabric controller, it is part of the ledger; for a core
-  /// of the cluster, it is part of core_j().
+  /// Returns the energy of one more unit of each count. The energy of the fabric controller's counts is part of the
+  /// ledger. The energy of a cluster core's counts is part of core_j().
   CountEnergy per_count_of_fabric_controller(bool cluster_on) const;
   CountEnergy per_count_of_core() const;
   /// Changes the settings from `now` on. Must be called before a clock changes the meaning of cycles.

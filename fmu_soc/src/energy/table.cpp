@@ -33,7 +33,8 @@ double number_of(const data::Member& member) {
   return value;
 }
 
-/// Returns the members of an axis by their points; at least one.
+/// Returns the points of an axis with their nodes, sorted by the values of the points. The axis must have at least one
+/// point.
 std::vector<Point> sorted_points(const data::Node& node) {
   std::vector<Point> points;
   for (const auto& member : node.members()) {

@@ -115,12 +115,12 @@ observe::Requests requests_of(const Parameters& parameters) {
   return requests;
 }
 
-/// Files of a recording would contain repeated instructions, so with them gdb cannot go back in time.
+/// If a recording is requested, gdb cannot go back in time, because the file would contain repeated instructions.
 bool is_reversible(const observe::Requests& requests) {
   return requests.gdb_port && !requests.writes();
 }
 
-/// Returns listeners that get nothing while a debugger repeats a part of the run.
+/// Returns listeners that receive nothing while a debugger repeats a part of the run.
 Listeners muted_in_replay(Listeners listeners, const std::optional<Past>& past) {
   if (!past) return listeners;
   for (auto* listener : {&listeners.console, &listeners.faults}) {
@@ -196,7 +196,7 @@ void Model::step(std::int64_t start_ns, std::int64_t duration_ns) {
   }
 }
 
-/// Reports an endless loop, once. It does not end the mission.
+/// Reports an endless loop, once. The loop does not end the mission.
 void Model::report_spinning() {
   if (spinning_reported_ || !soc_.spins()) return;
   spinning_reported_ = true;

@@ -13,9 +13,9 @@
 
 namespace mebots::soc {
 
-/// Data for a debugger that goes back over the steps of a mission: saved states of the chip, and the inputs of all
-/// steps. Only the chip goes back. A replay with the same inputs ends in the present state with the same bits. The
-/// other models wait and are not affected.
+/// Data with which a debugger can go back over the steps of a mission: saved states of the chip, and the inputs of all
+/// steps. Only the chip goes back. A replay with the same inputs ends in exactly the present state. The other models
+/// wait and are not affected.
 struct Past {
   struct Step {
     std::uint64_t position = 0;  // of the history at the start of the step
@@ -33,7 +33,7 @@ struct Past {
     steps.push_back({history.position(), now, end_ns, fields.inputs(before)});
   }
 
-  /// Records that a step begins again. After a change by gdb, it begins after another number of instructions.
+  /// Records that a step begins again. After a change by gdb, the step begins after another number of instructions.
   void repeat_step(std::size_t step, Picoseconds now) {
     steps[step].position = history.position();
     steps[step].began = now;

@@ -43,7 +43,7 @@ T* known(T* place, const BoardDevice& entry, const std::string& name) {
   return place;
 }
 
-/// Returns the value of the step before if it is equal to `values`, otherwise a copy of `values`.
+/// If the previous step's value is equal to `values`, returns that value. If not, returns a copy of `values`.
 template <typename T, typename Values>
 std::shared_ptr<const T> shared_copy(const std::shared_ptr<const T>* before, const Values& values) {
   if (before != nullptr && std::ranges::equal(**before, values)) return *before;

@@ -21,7 +21,8 @@ struct StepInputs {
   std::vector<std::shared_ptr<const std::vector<std::uint8_t>>> bytes;
 };
 
-/// Copies values between the FMU's variables and the devices that use them, as the entries in the board file say:
+/// Copies values between the FMU's variables and the devices that use them, as described by the entries in the board
+/// file:
 ///
 ///   parameters, inputs -> take() -> devices        at the start of a step
 ///   devices -> write() -> outputs                  at its end
@@ -35,9 +36,10 @@ class VariableFields {
 
   /// Throws Error if an input is not a number.
   void take();
-  /// Returns what take() has just passed to the devices. `before` are the inputs of the step before, or null.
+  /// Returns what take() has just passed to the devices. `before` are the inputs of the previous step, or null.
   StepInputs inputs(const StepInputs* before) const;
-  /// Passes the inputs of an earlier step to the devices. They must outlive the devices' begin_step().
+  /// Passes the inputs of an earlier step to the devices. `inputs` must stay valid until begin_step() of the devices
+  /// has returned.
   void set(const StepInputs& inputs);
   void write(double step_s);
   /// Returns the supply voltage of the chip; null if the board has none.

@@ -22,14 +22,14 @@ namespace mebots::soc {
 class Banks {
  public:
   static constexpr unsigned kMost = 32;
-  /// The table should restart when the time reaches this row.
+  /// When the time reaches this row, the table should be started again.
   static constexpr std::uint64_t kTurn = 4096;
   /// The maximum number of ticks of one run of translated code, and the maximum number of ticks by which the run's last
   /// block can exceed this limit.
   static constexpr std::uint64_t kLongestRun = 1024;
   static constexpr std::uint64_t kLongestBlock = 5120;
-  /// Number of ticks that can be claimed, from the start of the table. In its last block, a core may reach these ticks
-  /// and wait.
+  /// Number of ticks that can be claimed, from the start of the table. In the last block of a run, a core may reach the
+  /// last of these ticks and wait.
   static constexpr std::uint64_t kReach = kLongestRun + kLongestBlock + 1024;
 
   /// `count` must be a power of two, at most kMost.
@@ -73,7 +73,7 @@ class Banks {
     return wait;
   }
 
-  /// Drops ticks before `tick`. Ticks do not decrease.
+  /// Drops ticks before `tick`. `tick` must not decrease from call to call.
   void move_to(std::uint64_t tick) {
     MEBOTS_ASSERT(tick >= start_, "ticks do not go back");
     clear(start_, tick);

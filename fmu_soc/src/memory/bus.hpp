@@ -22,7 +22,7 @@ struct BusReply {
   }
 };
 
-/// The bus to registers of devices. All accesses are of a word.
+/// The bus to registers of devices. Every access is an access of a word.
 class Bus {
  public:
   virtual ~Bus() = default;
@@ -39,10 +39,10 @@ class Bus {
   }
   /// Called when the core takes the interrupt of this line, for event units that then clear the event.
   virtual void interrupt_taken(unsigned /*line*/) {}
-  /// Called after a store into a watched word. If it returns true, the run ends with this store.
+  /// Called after a store into a watched word. If the function returns true, the run ends with this store.
   virtual bool watched(std::uint32_t address) = 0;
-  /// Called for an exception at the core's pc, such as an ebreak or ecall. Returns true if it was a call of the host,
-  /// which has been served. Then the program continues after the four bytes at the pc.
+  /// Called for an exception at the core's pc, such as an ebreak or ecall. Returns true if the exception was a call of
+  /// the host, and has been served. In this case, the program continues after the four bytes at the pc.
   virtual bool called_host(std::uint32_t /*cause*/) { return false; }
 };
 

@@ -13,9 +13,9 @@
 namespace mebots::soc {
 namespace {
 
-/// The smallest size of the presence bytes. With this size, the allocator maps their memory near the bytes of a large
-/// memory, so that translated code reaches them with a short address. At other addresses, an access takes one more
-/// instruction.
+/// The smallest size of the presence bytes. With this size, the allocator maps the presence bytes near the bytes of a
+/// large memory. So translated code can address them with a short displacement. At other addresses, an access takes one
+/// more instruction.
 constexpr std::size_t kLeastPresenceBytes = std::size_t{256} << 10;
 
 /// Shifts to the left; bit 0 becomes 1 if an even number of bits 7, 3, 2 and 1 is set.
@@ -121,8 +121,8 @@ void InstructionCache::set_alone(bool alone) {
 std::uint32_t InstructionCache::fetch(std::uint32_t line, std::uint64_t tick) {
   if (const auto* entry = find(line); entry != nullptr) {
     if (!is_shared()) return 0;
-    // Another core has started the refill of this line. The wait cannot be longer than a refill from this tick on: a
-    // core with an earlier tick than the other core would have started its own refill.
+    // Another core has started the refill of this line. The wait is at most the time of a refill from this tick on. If
+    // this core had an earlier tick than the other core, it would have started its own refill.
     const auto arrival = arrivals_[static_cast<std::size_t>(entry - entries_.data())];
     const auto wait = arrival > tick ? arrival - tick : 0;
     return static_cast<std::uint32_t>(std::min<std::uint64_t>(wait, refill_cycles_));

@@ -30,12 +30,12 @@ struct InstructionCacheSettings {
 /// A hit changes no state, as in the chip. The way for a refill comes from an 8-bit shift register that advances with
 /// every refill (source: GVSoC, models/cache, which assigns it to GAP's fabric controller). Therefore present lines
 /// need no check until one of them is evicted. A cluster's cache may prefer invalid ways, as in
-/// pulp-platform/icache_mp_128_pf (icache_bank_mp_128.sv). Then the shift register only advances if all ways of the set
-/// are valid.
+/// pulp-platform/icache_mp_128_pf (icache_bank_mp_128.sv). In this case, the shift register only advances if all ways
+/// of the set are valid.
 ///
-/// If a cache has only one user, the user has waited for each line that is present. If several cores share the cache, a
-/// core may need a line whose refill another core has started. Translated code must not treat such a line as present
-/// until settle() reports that all cores have passed the time of its arrival. Until then, cores call fetch().
+/// If a cache has only one user, this user has already waited for each line that is present. If several cores share the
+/// cache, a core may need a line whose refill another core has started. Translated code must not treat such a line as
+/// present until settle() reports that all cores have passed the time of its arrival. Until then, cores call fetch().
 class InstructionCache {
  public:
   enum class Users : std::uint8_t { one, several };
@@ -44,14 +44,15 @@ class InstructionCache {
   InstructionCache(const InstructionCache&) = delete;
   InstructionCache& operator=(const InstructionCache&) = delete;
 
-  /// Adds a memory that contains code. It must outlive the cache.
+  /// Adds a memory that contains code. The memory must outlive the cache.
   void cover(const Memory& memory);
 
   std::uint32_t line_of(std::uint32_t address) const { return address >> line_bits_; }
   std::uint32_t address_of(std::uint32_t line) const { return line << line_bits_; }
   std::uint32_t words_per_line() const { return 1U << (line_bits_ - 2); }
   std::uint32_t refill_cycles() const { return refill_cycles_; }
-  /// Sets the cycles of later refills. Only for a shared cache: otherwise translated code contains the cycles.
+  /// Sets the cycles of later refills. Only allowed for a shared cache. For other caches, translated code contains the
+  /// number of cycles as a constant.
   void set_refill_cycles(std::uint32_t cycles) {
     MEBOTS_ASSERT(is_shared());
     refill_cycles_ = cycles;
@@ -67,9 +68,9 @@ class InstructionCache {
     const auto* entry = find(line);
     return entry != nullptr && *entry->present != 0;
   }
-  /// Returns the presence byte of the line of this address. The bytes of the next lines of the same memory follow it. A
-  /// byte is 1 if its line has arrived, so that translated code needs one instruction to test it. Returns null if no
-  /// covered memory contains the address.
+  /// Returns the presence byte of the line of this address. The presence bytes of the next lines of the same memory
+  /// follow this byte. A byte is 1 if its line has arrived, so that translated code needs one instruction to test it.
+  /// Returns null if no covered memory contains the address.
   const std::uint8_t* presence(std::uint32_t address) const;
   /// Returns the wait cycles of a fetch from this line in cycle `tick`. Fetches the line if it is absent.
   std::uint32_t fetch(std::uint32_t line, std::uint64_t tick);
@@ -97,7 +98,7 @@ class InstructionCache {
   void set_alone(bool alone);
   /// Invalidates all lines.
   void flush();
-  /// Returns the lines fetched from memory since reset of the chip.
+  /// Returns the number of lines fetched from memory since reset of the chip.
   std::uint64_t refills() const { return state_.refills; }
 
   void visit(state::Visitor& v);
@@ -118,7 +119,7 @@ class InstructionCache {
     std::uint8_t shift_register = 0;
     std::array<std::uint8_t, 256> next_shift{};  // successor of each value of the shift register
   };
-  /// Lowest bit of the way of a refill in the advanced shift register.
+  /// Number of the bit in the advanced shift register that is the lowest bit of the way for a refill.
   static constexpr unsigned kWayBit = 1;
   const State& state() const { return state_; }
   /// Returns the first entry of a line's set, as an offset in bytes.
@@ -180,7 +181,8 @@ class InstructionCache {
   std::uint32_t covered_first_ = 0;
   std::uint32_t covered_count_ = 0;
   std::uint8_t nowhere_ = 0;
-  // Not part of a state. For a shared cache: lines that may not have arrived for all cores, possibly too many.
+  // Not part of a state. For a shared cache: the lines that may not have arrived for all cores. The list may also
+  // contain lines that have arrived.
   std::vector<std::size_t> pending_refills_;  // indices of entries
   bool is_alone_;                             // set_alone()
 };

@@ -15,8 +15,8 @@
 namespace mebots::soc {
 namespace {
 
-/// Regions of at least this size, and their marks, are searched, saved and restored page by page. So pages that no
-/// program has accessed cost no time.
+/// Regions of at least this size, and their marks, are searched, saved and restored page by page. Pages that no program
+/// has accessed then cost no time.
 constexpr std::size_t kLargeSize = std::size_t{8} << 20;
 /// Calls `visit` with the begin and the size of pieces that hold all bytes which are not 0. A large array has a piece
 /// for each page.

@@ -40,7 +40,7 @@ struct Region {
   }
 };
 
-/// The RAM of the chip. Regions do not overlap and stay where they are.
+/// The RAM of the chip. Regions do not overlap and do not move.
 class Memory {
  public:
   /// Throws Error if the region overlaps another one, is empty, is not a multiple of 4 bytes, or exceeds the address
@@ -58,7 +58,7 @@ class Memory {
   bool read(std::uint32_t address, std::span<std::uint8_t> bytes) const;
   bool write(std::uint32_t address, std::span<const std::uint8_t> bytes);
 
-  /// True if each of the `count` bytes is in some region; they may continue from one region into the next.
+  /// True if each of the `count` bytes is in a region. The bytes may continue from one region into the next.
   bool covers(std::uint32_t address, std::uint32_t count) const;
 
   /// Sets marks on every word that the bytes touch.
@@ -71,7 +71,7 @@ class Memory {
   /// Reserves a mark for a further decode cache, and returns it. Each cache has its own mark, which it can clear
   /// without effect on the other caches. Throws Error if there are no more marks.
   std::uint8_t add_code_mark();
-  /// Must be called after bytes in RAM were changed other than by loading a program. Then cores invalidate the code
+  /// Must be called after bytes in RAM were changed other than by loading a program. The cores then invalidate the code
   /// that was decoded from these bytes. Returns true if there was such code.
   bool changed(std::uint32_t address, std::uint32_t count);
   /// Reports a change of these bytes like the function above, even if no code was decoded from them. Used if an

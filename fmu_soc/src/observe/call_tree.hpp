@@ -9,7 +9,7 @@
 
 namespace mebots::soc::observe {
 
-/// The counts of a profile. All are integers, so the parts add up exactly.
+/// The counts of a profile. All counts are integers, so that sums of parts are exact.
 struct Cost {
   std::int64_t cycles = 0;
   std::int64_t instructions = 0;
@@ -29,7 +29,7 @@ struct Cost {
   friend bool operator==(const Cost&, const Cost&) = default;
 };
 
-/// Costs by call stack. A node is a place together with the chain of its callers.
+/// Costs by call stack. A node is a function, or a state of the core, together with the chain of its callers.
 class CallTree {
  public:
   struct Node {
@@ -39,7 +39,7 @@ class CallTree {
     Cost self;
   };
 
-  /// The root stands for the whole run; it is not a place.
+  /// The root represents the whole run. It is neither a function nor a state.
   CallTree() : nodes_(1) {}
   static constexpr std::uint32_t kRoot = 0;
 

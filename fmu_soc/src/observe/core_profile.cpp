@@ -16,7 +16,7 @@ bool is_link(unsigned reg) {
   return reg == 1 || reg == 5;
 }
 
-/// Rounds like std::llround, without a call.
+/// Rounds like std::llround, but without the call of a library function.
 std::int64_t rounded(double value) {
   return static_cast<std::int64_t>(value < 0 ? value - 0.5 : value + 0.5);
 }
@@ -33,7 +33,8 @@ CoreProfile::CoreProfile(const Soc& soc, unsigned number, Functions& functions)
   start();
 }
 
-/// Starts to count. The time of a core that does not run ends at its stop.
+/// Starts to count. If a core does not run, the time of the chip is used, because the core's own time stopped with the
+/// core.
 void CoreProfile::start() {
   charged_ = runs() ? now() : now_of_chip();
   start_stack();
@@ -54,7 +55,7 @@ Cost CoreProfile::now_of_chip() const {
   return cost;
 }
 
-/// Returns this hart's part of the chip's energy.
+/// Returns the energy of the chip that is assigned to this hart.
 std::int64_t CoreProfile::energy_fj(double chip_j) const {
   const auto of_core = [this](unsigned number) {
     return std::llround(soc_.power().cluster_core_energy_j(core_of_hart(number)) / kFemtojoule);
@@ -103,7 +104,7 @@ void CoreProfile::flowed(const Hart& hart, std::span<const Flow> steps) {
   const auto per_fetch_cycle_j =
       number_ == 0 ? soc_.power().refill_words_per_fetch_cycle() * per_count.refill_word_j : 0.0;
   const auto& end = steps.back();
-  // The energy already contains lines that arrived after the last step.
+  // The energy already contains the refills of cache lines that arrived after the last step.
   const auto fetch_cycles = hart.counters().fetch_cycles;
   for (const auto& flow : steps) {
     const auto cycles = static_cast<double>(end.cycles - flow.cycles);
@@ -139,7 +140,7 @@ void CoreProfile::step(const Step& step, Now now) {
   }
 }
 
-/// While the top function continues, its cost need not be updated.
+/// While the function at the top of the stack continues, its cost need not be updated.
 QuietCode CoreProfile::quiet() const {
   return stack_.back().kind == Kind::function ? functions_.code(stack_.back().place) : QuietCode{};
 }

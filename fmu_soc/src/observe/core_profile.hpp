@@ -15,8 +15,8 @@ namespace mebots::soc::observe {
 ///
 /// Stacks follow the calling convention: jal and jalr that write a link register (ra, t0) are calls. A jump through a
 /// link register to a return address on the stack is a return. Any other step into another function replaces the
-/// present function (tail call). A trap or interrupt has a frame until its mret; sleep and time without supply have
-/// frames, too.
+/// present function (tail call). A trap or interrupt has a frame until its mret. Sleep and time without supply also
+/// have frames.
 ///
 /// Energy: a core of the cluster gets the energy of its instructions and accesses beyond that of its gated clock. The
 /// fabric controller gets all other energy of the chip (other parts, leakage, clock trees, DMA, refills of the
@@ -35,12 +35,12 @@ class CoreProfile final : public Observer {
   void woke(const Hart& hart) override;
   void switched(const Hart& hart, bool on) override;
 
-  /// Called after the chip was restored to an earlier state: counts are kept, stacks start again.
+  /// Called after the chip was restored to an earlier state. The counts are kept, and the call stack starts again.
   void restored() { start(); }
   /// Counts up to now, between two steps of a run.
   void settle();
-  /// Called at the end of a run. Adds all costs since the last step: time and energy of the whole chip, or for a core
-  /// of the cluster at least the end of its last block.
+  /// Called at the end of a run. Adds all costs since the last step, up to the chip's present time and energy. If the
+  /// last block of a cluster core ended later, the end of that block is used.
   void finish();
 
   unsigned number() const { return number_; }

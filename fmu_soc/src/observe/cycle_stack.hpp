@@ -30,12 +30,12 @@ struct BankUse {
   std::uint64_t conflict_cycles = 0;  // their waits
 };
 
-/// The cycles of one hart by cause, for each function. An instruction counts for the function in which it lies. Calls
-/// are not followed, and inlined code belongs to the function around it.
+/// The cycles of one hart by cause, for each function. An instruction counts for the function in which it lies. A
+/// function's cycles exclude the functions that it calls. Inlined code belongs to the function that contains it.
 class CoreStack final : public Observer {
  public:
-  /// `number` is the hart's number in the chip. `functions` are shared by all harts; `banks` counts accesses by bank if
-  /// the hart's first memory has shared ones, and is empty otherwise.
+  /// `number` is the hart's number in the chip. All harts share `functions`. If the hart's first memory has shared
+  /// banks, `banks` has an element for each bank, which counts the accesses. If not, `banks` is empty.
   CoreStack(const Soc& soc, unsigned number, Functions& functions, std::vector<BankUse>& banks);
 
   void retired(const Hart& hart, const Retired& instruction) override;

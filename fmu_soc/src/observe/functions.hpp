@@ -18,10 +18,10 @@ class Functions final : public FlowMap {
  public:
   explicit Functions(const Elf& program);
 
-  /// True if a step that is neither a call nor a return enters another function.
+  /// True if a step from `pc` to `next`, which is neither a call nor a return, may enter another function.
   bool may_leave_function(std::uint32_t pc, std::uint32_t next) const override;
 
-  /// Returns the function that a call of `address` enters. Without a symbol, it is named by the address.
+  /// Returns the function that a call of `address` enters. If there is no symbol, the address is the function's name.
   std::uint32_t entered(std::uint32_t address);
   /// Returns the function of the code at `address`, which the function `current` has reached without a call. Code
   /// without a symbol belongs to the function from which it was reached.

@@ -40,8 +40,8 @@ class PipelineTrace final : public Observer {
   std::uint64_t next_id_ = 0;
   bool began_ = false;
   std::int64_t written_cycle_ = 0;
-  // The cycles in which the stages of the last instruction began, and the earliest cycles for the stages of the next
-  // one.
+  // The cycles in which the stages of the last instruction began, and the earliest possible cycles for the stages of
+  // the next instruction.
   std::int64_t fetch_ = 0;
   std::int64_t decode_ = 0;
   std::int64_t execute_ = 0;

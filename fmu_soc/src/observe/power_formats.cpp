@@ -112,7 +112,7 @@ class VcdWriter final : public PowerWriter {
  private:
   static std::string code(std::size_t index) { return fmt::format("v{}", index); }
 
-  /// In names and string values, a space would be a separator.
+  /// Replaces spaces in names and string values, because a space separates fields in this format.
   static std::string identifier(std::string text) {
     std::replace_if(
         text.begin(), text.end(), [](char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; }, '_');

@@ -47,9 +47,9 @@ struct HartTree {
 /// Writes three profiles per hart (time [ns], energy [nJ], cycles) over the same call tree; children are in the order
 /// of their creation. Format: speedscope's file-format-schema.json, profiles of type "evented".
 ///
-/// The additional key "mebots" is for our page. `harts` have `name` and `nodes`: parent and frame of each node in one
-/// list; node 0 is the root and its own parent. `windows` have `from` and `to` [ns] and `parts`: hart, node, cycles, ps
-/// and fJ of the node alone, in one list.
+/// The additional key "mebots" is for the page of `mebots report`. `harts` have `name` and `nodes`: parent and frame of
+/// each node in one list; node 0 is the root and its own parent. `windows` have `from` and `to` [ns] and `parts`: hart,
+/// node, cycles, ps and fJ of the node alone, in one list.
 void write_speedscope(std::span<const HartTree> harts, const Functions& functions,
                       std::span<const ProfileWindows::Window> windows, const std::string& program, TextFile& file);
 

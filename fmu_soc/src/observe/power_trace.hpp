@@ -12,10 +12,7 @@
 
 namespace mebots::soc::observe {
 
-/// States of core and devices, clock, voltage, and power by component, over time.
-///
-/// Power is the mean between two readings of the ledger. The ledger is read at each event, but at most once per
-/// kShortest. The integral of power is therefore the energy, and the file stays small.
+/// Records the states of core and devices, the clock, the voltage, and the power of each component, over time.
 class PowerTrace final : public StateListener {
  public:
   static constexpr Picoseconds kShortest = 10'000'000;  // 10 us
@@ -25,8 +22,8 @@ class PowerTrace final : public StateListener {
   PowerTrace(const std::string& option, const std::string& path, const Soc& soc);
 
   void changed(Picoseconds time) override;
-  /// Called after the chip was restored to an earlier state. Power is counted from there. Time in the file does not
-  /// decrease: nothing is written until the chip reaches the file's last time again.
+  /// Called after the chip was restored to an earlier state. Power is computed from that state on. Time in the file
+  /// does not decrease: nothing is written until the chip reaches the file's last time again.
   void restored();
   /// Writes up to now. Throws Error if that fails.
   void finish();

@@ -15,7 +15,8 @@
 
 namespace mebots::soc::observe {
 
-/// The counts of a profile by consecutive windows of time. The sum over all windows is that of the trees.
+/// The counts of a profile by consecutive windows of time. The sum over all windows is equal to the sum over the call
+/// trees.
 ///
 /// A window is a whole number of the caller's steps. If there are too many windows, pairs of neighbours are joined, and
 /// later windows are twice as long. Therefore the memory does not grow with the length of the run.
@@ -38,7 +39,7 @@ class ProfileWindows {
 
   /// Ends a step at `time`. The harts have counted up to that time.
   void stepped(Picoseconds time, const std::deque<CoreProfile>& harts);
-  /// Starts again at `time`, which may be earlier. Also called at the end.
+  /// Starts a new window at `time`, which may be earlier than the present window. Also called at the end of the run.
   void restart(Picoseconds time, const std::deque<CoreProfile>& harts);
 
   const std::vector<Window>& windows() const { return windows_; }
@@ -67,7 +68,7 @@ class Profile {
   CoreProfile& hart(unsigned number) { return harts_[number]; }
   const Functions& functions() const { return functions_; }
 
-  /// Called after the chip was restored to an earlier state: counts are kept, stacks start again.
+  /// Called after the chip was restored to an earlier state. The counts are kept, and the call stacks start again.
   void restored();
   /// Ends a step of the caller.
   void stepped();

@@ -20,7 +20,7 @@
 
 namespace mebots::soc::observe {
 
-/// Combines several observers; they are called in the order in which they were added.
+/// Combines several observers. They are called in the order in which they were added.
 class Observers final : public Observer {
  public:
   void add(Observer& observer) { list_.push_back(&observer); }
@@ -37,7 +37,8 @@ class Observers final : public Observer {
     for (auto* observer : list_) observer->retired(hart, instruction);
   }
   QuietCode quiet() const override { return list_.size() == 1 ? list_.front()->quiet() : QuietCode{}; }
-  /// Translated code supports only one observer that needs the steps into other functions.
+  /// Steps between functions are only supported for a single observer. If there are several observers, translated code
+  /// cannot be used.
   const FlowMap* flow() const override { return list_.size() == 1 ? list_.front()->flow() : nullptr; }
   void flowed(const Hart& hart, std::span<const Flow> steps) override {
     for (auto* observer : list_) observer->flowed(hart, steps);
@@ -95,12 +96,12 @@ struct Requests {
   debug::History* history = nullptr;               // for steps of gdb into the past; must outlive the session
   std::function<void(std::string_view)> announce;  // prints the port for gdb
 
-  /// True if anything besides gdb was requested.
+  /// True if a recording other than the connection for gdb was requested.
   bool writes() const { return trace || profile || power_trace || cycle_stack || coverage || pipeline; }
   bool any() const { return writes() || gdb_port; }
 };
 
-/// The observers of a run. The chip must outlive it.
+/// The observers of a run. The chip must outlive the session.
 class Session {
  public:
   /// Throws Error if a file cannot be written or a port cannot be opened.

@@ -21,7 +21,7 @@ void put_cost(TextFile& file, const Cost& cost) {
   file.print("{} {} {} {}\n", cost.cycles, cost.instructions, cost.time_ps, cost.energy_fj);
 }
 
-/// Names are written in full each time, because viewers forget them after each part.
+/// Names are written in full in each part of the file, because viewers forget the names after each part.
 void write_part(const HartTree& hart, std::size_t part, const Functions& functions, const std::string& program,
                 TextFile& file) {
   const auto& nodes = hart.tree->nodes();

@@ -15,7 +15,7 @@ struct Series {
   int decimals;  // number of decimal places
 };
 
-/// Writes an integer with a decimal point. A double would round.
+/// Writes an integer with a decimal point. The function does not use double, because double would round the value.
 void put_value(TextFile& file, std::int64_t value, int decimals) {
   std::int64_t scale = 1;
   for (int i = 0; i < decimals; ++i) scale *= 10;
@@ -41,7 +41,8 @@ class Writer {
     file_.put(",\"events\":[");
     first_ = true;
     std::int64_t at = 0;
-    // Depth first with an explicit stack: unlimited recursion in the program must not overflow the writer's stack.
+    // Visits the tree depth first with an explicit stack, because deep recursion in the program must not overflow the
+    // writer's stack.
     struct Step {
       std::uint32_t node;
       std::size_t next_child;

@@ -12,7 +12,7 @@
 
 namespace mebots::soc {
 
-/// Decoded code of harts with the same settings and memories, which run in one thread.
+/// Decoded code that several harts share. These harts have the same settings and memories, and run in one thread.
 struct DecodedCode {
   /// The memory must outlive this object, and must already have all its regions.
   DecodedCode(Memory& memory, const CodeSettings& settings)
@@ -35,9 +35,10 @@ struct DecodedCode {
   const FlowMap* flow = nullptr;                      // null = steps between functions are not recorded
   std::uint64_t times_dropped = 0;                    // number of discarded translations
 
-  /// True if any of its harts has translated code.
+  /// True if translated code exists for this decoded code.
   bool is_translated() const { return translator != nullptr; }
-  /// Returns the instructions translated since construction; repeated translation counts.
+  /// Returns the number of instructions translated since construction. If an instruction is translated again, it is
+  /// counted again.
   std::uint64_t instructions_translated() const { return is_translated() ? translator->translated() : 0; }
 
   void drop_translations() {

@@ -9,8 +9,8 @@
 namespace mebots::soc {
 namespace {
 
-/// The steps that a run can record: an instruction takes at least a cycle and records at most one step. With a loose
-/// limit, the last block may end after the run's limit.
+/// Maximum number of steps that a run can record. An instruction takes at least one cycle and records at most one step.
+/// If the limit is loose, the last block may end after the run's limit.
 constexpr std::size_t kMostSteps = FlowLog::kLongestRun + BlockCache::kMaxBlockLength;
 static_assert(FlowLog::kLongestRun >= 2 * Banks::kLongestRun,
               "a run of a round is at most a quantum and the ticks that the core is late");
@@ -57,8 +57,8 @@ void FlowLog::make_absolute(std::span<Flow> steps) const {
   const auto* banks = decoded_.banks;
   for (auto& step : steps) {
     // Computes the cycles from the step to the end of the run. The recorded count decreases by one per cycle. If banks
-    // are shared, it is an address instead, and increases by one row per cycle. If execution left a block before its
-    // end, the difference is negative, because the block's cycles are not counted yet.
+    // are shared, the recorded value is an address, which increases by one row per cycle. If execution left a block
+    // before its end, the difference is negative, because the block's cycles are not counted yet.
     auto left = static_cast<std::int64_t>(step.cycles - host.position);
     if (banks != nullptr) left = -left / static_cast<std::int64_t>(banks->count());
     step.cycles = counters.cycles - static_cast<std::uint64_t>(left);

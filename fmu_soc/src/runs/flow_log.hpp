@@ -13,10 +13,10 @@ namespace mebots::soc {
 
 class ObservedRun;
 
-/// Steps between functions that translated code records in a run. The observer gets them after the run.
+/// Steps between functions that translated code records in a run. The observer gets these steps after the run.
 class FlowLog {
  public:
-  /// Most cycles of a run that records steps: more than any block takes.
+  /// Maximum number of cycles of a run that records steps. No block takes more cycles.
   static constexpr std::uint64_t kLongestRun = std::uint64_t{1} << 14;
 
   FlowLog(Execution& execution, const DecodedCode& decoded) : execution_(execution), decoded_(decoded) {}

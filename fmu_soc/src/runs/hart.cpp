@@ -118,7 +118,7 @@ Stop Hart::continue_run(std::uint64_t limit, bool left_translated) {
   }
 }
 
-/// Decides at the start of a run whether the hart wakes. Returns false if it stays asleep.
+/// Determines at the start of a run whether the hart is awake or wakes now. Returns false if the hart stays asleep.
 bool Hart::stays_awake() {
   if (sleeping_) {
     if (!wakes()) return false;
@@ -128,11 +128,11 @@ bool Hart::stays_awake() {
   return true;
 }
 
-/// Returns the block at the pc; uses the link of the last instruction if possible. Returns 0 if the pc cannot be
+/// Returns the block at the pc. If possible, uses the link of the last instruction. Returns 0 if the pc cannot be
 /// fetched. Also returns 0 if no block begins at this pc and the hart is there because of a limit or a return from a
-/// trap. A limit may be at any instruction, and blocks from all these addresses would fill the cache. With a loose
-/// limit, a block is always decoded, because blocks determine where a core stops, and this must not depend on earlier
-/// decoding.
+/// trap. A limit may be at any instruction, and blocks from all these addresses would fill the cache. If the limit is
+/// loose, a block is always decoded. The reason is that blocks determine where a core stops, and this place must not
+/// depend on earlier decoding.
 inline std::uint32_t Hart::following() {
   const auto* link = execution_.link;
   if (link == nullptr) {
@@ -144,7 +144,7 @@ inline std::uint32_t Hart::following() {
   return following_block(execution_.link);
 }
 
-/// Returns the block at the target of a jump or taken branch. Spends a cycle if the target is unaligned.
+/// Returns the block at the target of a jump or taken branch. If the target is unaligned, counts one more cycle.
 inline std::uint32_t Hart::land() {
   execution_.jumped = false;
   const auto* link = execution_.link;
@@ -160,7 +160,8 @@ inline bool Hart::run_block(std::uint32_t number, bool left_translated) {
   const auto& before = execution_.pipeline.before;
   const auto& block = blocks_.block(number);
   MEBOTS_ASSERT(block.valid() && block.pc == execution_.pc);
-  // A load before the block may delay its first instruction; the last two instructions may delay an early jump.
+  // A load before the block may delay the block's first instruction. The last two instructions before the block may
+  // delay an early jump.
   const bool delays_jump = blocks_.delays_jump(block, execution_.pipeline.two_before, before);
   const auto stall = block.stall_after(before);
   const bool at_access = std::exchange(at_access_, false);
@@ -206,7 +207,7 @@ void Hart::step_guarded() {
   e.leave = Leave::trap;
 }
 
-/// Handles the reason for which a block was left. Returns Stop::limit if the core continues.
+/// Handles the reason for which execution left a block. If the core continues, returns Stop::limit.
 Stop Hart::leave() {
   auto& e = execution_;
   const auto why = std::exchange(e.leave, Leave::normal);
@@ -273,7 +274,7 @@ void Hart::set_pc(std::uint32_t pc) {
   drop_resume_point();
 }
 
-/// Completes Traps::enter_handler(): the pc is at the handler.
+/// Completes Traps::enter_handler(). The pc must be at the handler.
 void Hart::entered_handler() {
   observed_.trapped(csrs_.last_trap());
   execution_.counters.cycles += kTrapEntryCycles;

@@ -36,13 +36,13 @@ enum class Stop : std::uint8_t {
 };
 
 /// A RISC-V hardware thread (hart): RV32IMC_Zicsr_Zifencei in machine mode, with the extensions in Timing. The cycles
-/// are those of RI5CY, which also has Xpulp v2, or of CV32E40P. Straight code is decoded once into blocks. A block runs
-/// only if all its instructions start before the limit. Otherwise the hart runs one instruction at a time, with the
-/// same counts.
+/// are those of RI5CY, which also has Xpulp v2, or of CV32E40P. Code is decoded once into blocks. A block runs only if
+/// all its instructions start before the limit. If some would start later, the hart runs one instruction at a time,
+/// with the same counts.
 class Hart {
  public:
-  /// Accesses all regions of the memory without waiting; the first two are the fast ones. Other harts in the same
-  /// thread may share the decoded code. Memory, bus and code must outlive it.
+  /// At first, the hart accesses all regions of the memory without waiting, and the first two regions are on the fast
+  /// path. Other harts in the same thread may share the decoded code. Memory, bus and code must outlive the hart.
   Hart(Memory& memory, Bus& bus, DecodedCode& decoded, const HartSettings& settings = {});
   Hart(const Hart&) = delete;
   Hart& operator=(const Hart&) = delete;
@@ -53,12 +53,12 @@ class Hart {
   /// Resets the hart as reset() does, but keeps the decoded code and the counters that no program can write.
   void restart(std::uint32_t pc);
 
-  /// Sets the memories that the core can access. The first two are the fast ones.
+  /// Sets the memories that the core can access. The first two memories are on the fast path.
   void connect(std::span<const MemoryPort> ports);
-  /// Sets the other user of the first memory's banks; null if there is none.
+  /// Sets the banks through which the hart shares the first memory with other users; null if there is no other user.
   void share_first(BankSchedule* banks) { data_path_.share_first(banks); }
-  /// Sets the relation to the time of the shared cache and banks: active cycle c of this core is their tick c + offset
-  /// (modulo 2^64).
+  /// Sets the relation between this core's cycles and the ticks of the shared cache and banks: active cycle c is tick c
+  /// + offset (modulo 2^64).
   void set_tick_offset(std::uint64_t offset) { execution_.host.tick_offset = offset; }
 
   /// Executes every instruction that starts before active cycle `limit`.
@@ -70,10 +70,11 @@ class Hart {
     bool ran = false;           // that hart continued in the interpreter
     Stop stop = Stop::limit;    // its reason to stop
   };
-  /// Runs a round: runs this hart and the harts after it in translated code, each up to the same tick (active cycle +
-  /// offset). The round ends when a hart leaves translated code. The harts must share banks and decoded code.
+  /// Runs a round: runs `first` and the next harts of the round in translated code. Each hart runs up to the same tick
+  /// (active cycle + offset). The round ends when a hart leaves translated code. The harts must share banks and decoded
+  /// code.
   static RoundEnd run_round_robin(Hart& first, std::uint64_t limit_tick);
-  /// Sets the next hart of a round; null if there is none. run() resets it.
+  /// Sets the next hart of a round; null if there is none. run() resets the next hart to null.
   void set_next(Hart* next) { execution_.set_next(next == nullptr ? nullptr : &next->execution_); }
   /// True if the last run stopped at the limit in translated code and can resume there: a round may begin here.
   bool has_resume_point() const { return translated_.has_resume_point(); }
@@ -84,7 +85,7 @@ class Hart {
   /// Sets the observer called after every instruction; null removes it. Not part of a state.
   void observe(Observer* observer);
 
-  /// Sets the level of one interrupt line (bit of mip), or of all.
+  /// set_interrupt() sets the level of one interrupt line (bit of mip); set_interrupts() sets all lines.
   void set_interrupt(unsigned bit, bool level) { csrs_.set_interrupt(bit, level); }
   void set_interrupts(std::uint32_t lines) { csrs_.set_interrupts(lines); }
   bool sleeping() const { return sleeping_; }
@@ -94,23 +95,24 @@ class Hart {
     waits_for_event_ = false;
   }
   /// True if an enabled interrupt is pending, which ends a sleep. During an event load, mstatus must also allow the
-  /// interrupt, because otherwise the load would sleep again.
+  /// interrupt. If it did not, the load would sleep again.
   bool wakes() const { return waits_for_event_ ? csrs_.interrupt_ready() : csrs_.pending() != 0; }
   /// True if the hart is in an endless jump to itself that no interrupt can end.
   bool spins() const;
   const Fault& fault() const { return traps_.fault(); }
-  /// True if no handler has returned since the last exception. fault().first is the first exception of that time.
+  /// True if the core took an exception, and no handler has returned since that exception. fault().first is the first
+  /// exception after the last return of a handler.
   bool in_exception() const { return traps_.in_exception(); }
   const Counters& counters() const { return execution_.counters; }
 
   std::uint32_t pc() const { return execution_.pc; }
   /// Moves the pc. For debuggers, between instructions.
   void set_pc(std::uint32_t pc);
-  /// Reads or writes a CSR as an instruction does, without its cycles. Returns false if the CSR or this access does not
+  /// Reads or writes a CSR like an instruction, but adds no cycles. Returns false if the CSR or this access does not
   /// exist.
   bool csr(unsigned number, std::uint32_t& value) const { return csrs_.read(number, value); }
   bool set_csr(unsigned number, std::uint32_t value);
-  /// CSR accesses of the program that have another effect on most other cores. Not part of a state.
+  /// CSR accesses of the program that would have another effect on most other cores. Not part of a state.
   const CsrRemarks& csr_remarks() const { return csrs_.remarks(); }
   Mode mode() const { return csrs_.mode(); }
   /// Registers of F follow x31: see kFirstFloat.

@@ -23,7 +23,7 @@ Access access_of(const Decoded& decoded, const Hart& hart) {
           .writes = store || (is_atomic(decoded.op) && !only_reserves)};
 }
 
-/// Returns the cycles of the jump after a misaligned load that the load has subtracted.
+/// Returns the number of cycles of a jump after a misaligned load that were already subtracted at the load.
 std::uint32_t hidden_by(const Execution& e, const Instruction* at) {
   const auto& next = at[1];
   const bool hides = e.slow_load == at && overlaps_slow(executed(*at, true), {next.op, next.rd, next.rs1});
@@ -97,8 +97,8 @@ void ObservedRun::step() {
   if (e.counters.instructions != instructions) retire(retired, 0);
 }
 
-/// With a strict limit, the observer may end the run after any reported instruction. Therefore each reported
-/// instruction runs alone. before() has been called for the first instruction.
+/// If the limit is strict, the observer may end the run after any reported instruction. Therefore each reported
+/// instruction runs alone. before() has already been called for the first instruction.
 void ObservedRun::run_block(const Block& block, std::uint32_t stall, bool alone) {
   const auto* first = decoded_.blocks.instructions(block);
   alone = alone || (wants_all() && !limit_.is_loose() && is_reported(first, observer_->quiet()));

@@ -12,8 +12,9 @@
 
 namespace mebots::soc {
 
-/// Runs a core with an observer: as without an observer, but with a call after each instruction that the observer
-/// needs. Also runs a core whose program counts events, because this needs an account of each instruction.
+/// Runs a core with an observer. The run is the same as without an observer, but the observer is called after each
+/// instruction that it needs. Also runs a core whose program counts events, because each instruction must be accounted
+/// for.
 class ObservedRun final : private BlockWalk {
  public:
   ObservedRun(const Hart& hart, Execution& execution, DecodedCode& decoded, Interpreter& interpreter,
@@ -35,14 +36,14 @@ class ObservedRun final : private BlockWalk {
   Observer* observer() const { return observer_; }
   /// True if there is an observer that needs a call for each instruction.
   bool wants_all() const { return observer_ != nullptr && flow_ == nullptr; }
-  /// True if translated code reports enough for the observer, or if there is none. Translated code makes no calls
-  /// before instructions, and does not record all steps.
+  /// True if there is no observer, or if translated code reports enough for the observer. Translated code makes no
+  /// calls before instructions, and does not record all steps.
   bool allows_translation() const {
     if (counts_) return false;
     return observer_ == nullptr || (flow_ != nullptr && flow_ == decoded_.flow);
   }
 
-  /// True if the run continues with the instruction at the pc.
+  /// Calls the observer's before(). Returns true if the run continues with the instruction at the pc.
   bool continues() { return observer_->before(hart_); }
   /// Runs a block, or only its first instruction if the block may reach the limit. If `alone` is set, runs only the
   /// first instruction.

@@ -18,7 +18,8 @@ constexpr unsigned kEpochBits =
 /// Maximum cycles of a run in translated code, whose counts have 32 bits.
 constexpr std::uint64_t kLongestRun = std::uint64_t{1} << 30;
 
-/// Resets the counts that decided about the translation. Must be called after the translation, which uses `absences`.
+/// Resets the counts on which the decision to translate a block is based. Must be called after the translation, which
+/// uses `absences`.
 void cool(const Block& block) {
   block.heat = 0;
   block.absences = 0;
@@ -70,7 +71,8 @@ void TranslatedRun::set_budget() {
 bool TranslatedRun::finish(const translate::Exit& exit) {
   auto& e = execution_;
   auto& host = e.host;
-  // The state of the pipeline before the next instruction. Empty if a jump from another block led to this block.
+  // The state of the pipeline before the next instruction. This state is empty if a jump from another block led to this
+  // block.
   if ((host.instructions & 0xffffffffU) != 0) {
     e.pipeline = {};
   }

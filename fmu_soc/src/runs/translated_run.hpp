@@ -13,8 +13,8 @@
 
 namespace mebots::soc {
 
-/// Runs a core in translated code: chooses the blocks to translate, enters and leaves the code, and handles its exits.
-/// If translated code leaves a block before its end, the interpreter finishes the block.
+/// Runs a core in translated code: chooses the blocks to translate, enters and leaves translated code, and handles the
+/// exits. If translated code leaves a block before its end, the interpreter finishes the block.
 class TranslatedRun {
  public:
   TranslatedRun(Execution& execution, DecodedCode& decoded, Interpreter& interpreter, Fetch& fetch,
@@ -32,15 +32,16 @@ class TranslatedRun {
 
   /// Returns the code to start this block, or null if the interpreter must run it. Translates a hot block.
   const translate::Entry* entry(std::uint32_t number, const Block& block, std::uint32_t stall);
-  /// Runs from this entry on. Returns true if the next block can begin at once; false if the interpreter has finished a
-  /// block, whose result must be checked.
+  /// Runs from this entry on. Returns true if the next block can begin at once. Returns false if the interpreter has
+  /// finished a block, because the result must then be checked.
   bool run(const translate::Entry& entry, std::uint32_t stall);
-  /// Block chaining: patches the exit of the last run to jump to this block.
+  /// Chains blocks: patches the exit of the last run to jump to this block.
   void chain(const Block& block, const translate::Entry& entry, std::uint32_t stall) {
     decoded_.translator->chain_last_exit(block, entry, stall != 0);
   }
   /// Patches the exit of the last run to jump to the block at the pc, if that block is translated. This is needed for
-  /// exits at the limit: a block that is as long as the time between two limits would otherwise never be chained.
+  /// exits at the limit. If a block is as long as the time between two limits, it would never be chained in another
+  /// way.
   void chain_to_here();
   /// Returns the block at the pc after an exit from translated code; 0 = unknown.
   std::uint32_t next_block() const {
@@ -55,8 +56,8 @@ class TranslatedRun {
   void move_resume_point(std::uint64_t bytes) {
     if (has_resume_point()) execution_.host.begin -= bytes;
   }
-  /// Runs from the resume point up to this tick, then the next harts of the round. Records steps between functions
-  /// without reporting them.
+  /// Runs the hart from the resume point up to this tick, and then runs the next harts of the round. Records steps
+  /// between functions without reporting them.
   translate::RunEnd run_round(std::uint64_t limit_tick);
   /// Passes the steps between functions of the last run to the observer.
   void report_flow() { flow_log_.report(observed_); }
@@ -93,7 +94,7 @@ inline bool TranslatedRun::may_begin(const Block& block, std::uint32_t stall) co
   if (decoded_.flow != nullptr && bound >= FlowLog::kLongestRun) return false;
   if (block.line_count != 0 && (limit_.is_loose() || stall != 0) && !decoded_.blocks.begins_present(block))
     return false;
-  // With a loose limit, the stall may reach the limit. In this case, translated code would not begin.
+  // If the limit is loose, the stall may reach the limit. In this case, translated code would not begin.
   const auto cycles = execution_.counters.cycles;
   return limit_.admits(cycles, bound) && !limit_.reached_at(cycles + stall);
 }

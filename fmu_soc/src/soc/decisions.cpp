@@ -11,7 +11,7 @@
 namespace mebots::soc {
 
 void Decisions::picture_stored(const PictureTimes& times, const CoreWork& work) {
-  // Devices of any library supply the times, so they are checked.
+  // The times are checked, because they may come from a device of any library.
   if (times.asked > times.exposed || times.exposed > times.read_out || times.read_out > times.stored) {
     throw Error(fmt::format(
         "picture_stored(): a device of the board says that its picture was requested at {} ps, exposed from "

@@ -51,7 +51,7 @@ struct Decision {
   }
 };
 
-/// Measures the time that the program takes from a picture to the set-points that result from it.
+/// Measures decisions: the time that the program takes from a picture to the set-points that result from this picture.
 ///
 ///   picture_stored()   a picture is in memory. If no decision is in progress, one about this picture begins. Otherwise
 ///                      the picture waits, and replaces the picture that was waiting, if any. Throws Error if times are

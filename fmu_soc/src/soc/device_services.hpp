@@ -26,7 +26,8 @@ struct Listeners {
   std::function<void(std::string_view text)> observe = {};   // messages of debugger and profile
   std::function<void(std::uint8_t byte)> console_byte = {};  // output of serial ports; empty: `console` gets lines
   /// Reads input for serial ports. Returns a byte, or another result of ConsolePort::read_console(). `waits` is true if
-  /// the core sleeps. Then the function may wait for input until the wall clock has reached the time of the chip.
+  /// the core sleeps. In this case, the function may wait for input until the wall clock has reached the time of the
+  /// chip.
   std::function<int(Picoseconds now, bool waits)> console_input = {};
 };
 

@@ -52,7 +52,8 @@ class DeviceSet {
   /// Creates all devices. Throws Error if the devices of the board do not fit together.
   void make(ChipHost& host);
 
-  /// Iterates over the members: parts of the board first, each group in the order of the file.
+  /// Iterate over the members: first the parts of the board, and then the devices. Each group is in the order of the
+  /// file.
   auto begin() const { return members_.begin(); }
   auto end() const { return members_.end(); }
   /// Returns null if the board has no device of this name.
@@ -60,7 +61,7 @@ class DeviceSet {
   /// Returns the storage of a device's variable; null if there is none. See mebots/soc/device.hpp.
   double* input(std::string_view variable) const;
   const double* output(std::string_view variable) const;
-  /// Returns the states of devices that have more than one.
+  /// Returns the states of all devices that have more than one state.
   std::vector<State> states() const;
   /// True while a camera waits for its picture.
   bool wait_for_picture() const;
@@ -78,7 +79,8 @@ class DeviceSet {
   gap8_devices::Signals& signals() { return signals_; }
   const gap8_devices::Signals& signals() const { return signals_; }
 
-  /// Drops cached data about the devices. Must be called at every access, event and change from outside.
+  /// Drops cached data about the devices. Must be called at every access, at every event, and at every change by a
+  /// caller outside the chip.
   void touch() { cached_ = {}; }
   void begin_step(Picoseconds now) const;
   void end_program();
@@ -90,7 +92,8 @@ class DeviceSet {
   void update_lines(Hart& hart, const Cluster* cluster, int cluster_interrupt);
   void acknowledge(unsigned line, Hart& hart);
 
-  /// Clocks, voltage and power of the cluster that the firmware requests; null if no device sets them.
+  /// Returns the clocks, the voltage and the power of the cluster that the firmware requests. If no device sets them,
+  /// returns null.
   const PowerSettings* power_settings() const;
   bool power_is_applied() const { return cached_.power; }
   void set_power_applied() { cached_.power = true; }

@@ -63,7 +63,7 @@ std::string memory_text(const Region& region, std::uint32_t address, std::uint32
   return fmt::format("{}: physical memory protection (pmpcfg, pmpaddr) forbids this access", place);
 }
 
-/// Returns what the board has, or lacks, at the address of an access fault.
+/// Returns a text about the address of an access fault: what the board has at this address, or lacks.
 std::string address_text(const Exception& what, const Soc& soc, const BlockCache& blocks) {
   const auto address = what.value;
   const auto& board = soc.board();

@@ -23,7 +23,7 @@ Memory make_memory(const BoardDescription& board) {
   return memory;
 }
 
-/// Returns the timing of the board's core; if the board has none, of the chip's core.
+/// Returns the timing of the board's core. If the board names no core, returns the timing of the chip's core.
 Timing timing_of(const BoardDescription& board, const Chip& chip) {
   auto timing = chip.timing;
   timing.kind = core_kind(board.core).value_or(timing.kind);

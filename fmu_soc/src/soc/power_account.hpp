@@ -25,8 +25,8 @@ class PowerAccount {
   double energy_j(const Device& device) const { return device.energy_j(timeline_.supplied_until(timeline_.now())); }
   /// Returns the energy of a cluster core beyond that of a core with a gated clock [J].
   double cluster_core_energy_j(unsigned core) const { return meter_.core_j(core, core_activity(core)); }
-  /// Returns the energy that one further instruction, access or other count of a hart takes with the present power
-  /// settings.
+  /// Returns the energy by which the total increases if one count of a hart, such as instructions or accesses,
+  /// increases by one. The present power settings apply.
   CountEnergy energy_per_count(unsigned hart) const;
   /// Returns the number of words that a refill transfers per cycle in which the fabric controller waits for its
   /// instruction cache.

@@ -40,24 +40,24 @@ class HostCalls {
 };
 
 /// A program's calls to the machine that simulates it: semihosting, and commands through the word `tohost`, which also
-/// ends the program. They are served only in `mebots-soc run`, without FMI, and are not part of a state.
+/// ends the program. These calls are served only in `mebots-soc run`, without FMI. They are not part of a state.
 class ProgramHost {
  public:
   ProgramHost(Hardware& hardware, const Elf& program) : hardware_(hardware), program_(program) {}
 
-  /// Watches the word at this address. Throws Error if it is not in a memory.
+  /// Watches the word at this address. Throws Error if this word is not in a memory.
   void watch(std::uint32_t address);
-  /// Sets the server of the program's calls; null removes it. If `serves_ecall` is true, an ecall is a system call;
-  /// otherwise it is an exception.
+  /// Sets the server of the program's calls; null removes it. If `serves_ecall` is true, an ecall is a system call. If
+  /// it is false, an ecall is an exception.
   void serve(HostCalls* calls, bool serves_ecall = false) {
     calls_ = calls;
     serves_ecall_ = calls != nullptr && serves_ecall;
   }
 
-  /// The value of the watched word, with its upper half if it has one. 0 means no command.
+  /// Returns the value of the watched word, including the upper half if there is one. 0 means no command.
   std::uint64_t command() const;
-  /// True if a store of the other half of this command follows and changes the command. A 32-bit core may store the two
-  /// halves in either order.
+  /// True if the program is about to store the other half of this command, and this store changes the command. A 32-bit
+  /// core may store the two halves in either order.
   bool is_half_stored(std::uint64_t command) const;
   /// Serves a command. Returns true if the program ends.
   bool serve_command(std::uint64_t command);
@@ -69,7 +69,8 @@ class ProgramHost {
   /// Serves the ecall at the fabric controller's pc. Returns false if ecall is an exception.
   bool serve_environment_call();
 
-  /// Returns the exit code if the program ended itself by a semihosting call or an ecall; empty otherwise.
+  /// Returns the exit code if the program ended itself by a semihosting call or an ecall. If it did not, returns
+  /// nullopt.
   std::optional<std::uint32_t> exit_code() const { return exit_code_; }
   /// Returns the function that the fabric controller executes; empty if it is unknown.
   std::string function() const { return program_.where(hardware_.controller().pc()); }

@@ -26,7 +26,7 @@ std::uint32_t checked_clock(const Chip& chip, const Settings& settings) {
   return clock_hz;
 }
 
-/// Returns the board with the chip's parameters in the registers that show them.
+/// Returns the board. Registers that show parameters of the chip contain the values of these parameters.
 BoardDescription with_settings(BoardDescription board, const Settings& settings) {
   for (auto& device : board.devices) {
     for (auto& reg : device.registers) {
@@ -234,7 +234,8 @@ void Soc::report_fault() const {
   if (listeners_.faults) listeners_.faults(fault_text());
 }
 
-/// Reports that something may have changed at `time`, or later if it woke the fabric controller.
+/// Reports that the state of the chip may have changed at `time`. If the fabric controller is awake and ahead of
+/// `time`, its time counts instead.
 void Soc::notify(Picoseconds time) {
   work_.pass(time);
   if (listener_ != nullptr) listener_->changed(time);

@@ -38,8 +38,8 @@ namespace mebots::soc {
 /// ticks of the cluster; the cluster is never ahead. An access of the fabric controller to the cluster's devices, or to
 /// the power manager, waits until the cluster has reached the same time. While the fabric controller sleeps, the
 /// cluster runs up to the next event of a device; an event of the cluster wakes the controller at the time of that
-/// event. Each of them sees the events of the other in the order of time, with one exception: an interrupt from the
-/// cluster may reach an awake fabric controller up to kLead ticks late.
+/// event. Fabric controller and cluster see each other's events in the order of time, with one exception: an interrupt
+/// from the cluster may reach an awake fabric controller up to kLead ticks late.
 class Soc final {
  public:
   static constexpr Picoseconds kWithoutEnd = kNever - 1;
@@ -50,7 +50,7 @@ class Soc final {
   Soc(const Soc&) = delete;
   Soc& operator=(const Soc&) = delete;
 
-  /// Begins a step. The parameters and inputs of the devices must be set before.
+  /// Begins a step. The parameters and inputs of the devices must already be set.
   void begin_step();
   /// Advances to `time_ns`, which must not be in the past.
   void advance(std::int64_t time_ns);
@@ -63,20 +63,20 @@ class Soc final {
   End end() const { return timeline_.end(); }
   bool running() const { return timeline_.running(); }
   std::int32_t exit_code() const;
-  /// True if the fabric controller sleeps and no device or core will ever do anything.
+  /// True if the fabric controller sleeps, and no device and no core of the cluster can end this sleep.
   bool sleeps_for_good();
   /// True if the fabric controller is in an endless loop that no interrupt can end.
   bool spins() const { return running() && hart().spins(); }
-  /// Returns the first core that ended the program with an error code after an exception from whose handler it has not
-  /// returned. Other cores in handlers do not count.
+  /// Returns the first core that ended the program with an error code while it was in the handler of an exception.
+  /// Other cores in handlers do not count.
   std::optional<int> gave_up() const;
   /// True if a core cannot continue, or ended on an exception.
   bool faulted() const;
   /// Returns a text with the reason why a core cannot continue: function, line, instruction and callers. Returns an
   /// empty text if no core has faulted.
   std::string fault_text() const;
-  /// Returns a text about the first exception of the fabric controller since a handler returned, like fault_text().
-  /// Returns an empty text if there is no such exception.
+  /// Returns a text like fault_text() about the first exception of the fabric controller after the last return from a
+  /// handler. Returns an empty text if there is no such exception.
   std::string unfinished_exception_text() const;
 
   Picoseconds now() const { return timeline_.now(); }

@@ -12,7 +12,7 @@ namespace mebots::soc {
 
 /// The state of a chip, in the order of the FMU's outputs. The first of these conditions that holds gives the state.
 /// `cluster`: the cluster is on. `controller`: the fabric controller is awake. `waiting`: a requested picture has not
-/// arrived. `asleep`: none of these.
+/// arrived. `asleep`: none of these conditions holds.
 enum class ChipState : std::uint8_t { asleep, waiting, cluster, controller, off };
 
 /// Time in each state. Time without supply is not counted.

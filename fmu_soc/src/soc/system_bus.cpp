@@ -13,7 +13,7 @@
 namespace mebots::soc {
 namespace {
 
-/// Below this address, each core has registers of its own.
+/// Below this address, each core accesses its own registers.
 constexpr std::uint32_t kSharedDevices = 0x1000'0000;
 
 /// Addresses of the SoC's peripherals, and of the fabric controller's own peripherals at both of their addresses.
@@ -30,9 +30,9 @@ constexpr std::uint32_t kMtimeHigh = 0x7ffc;
 
 /// Executes the CSR instruction at the core's pc if it reads `time` or `timeh`, or accesses `satp`, on a board with a
 /// timer of the platform. `time` shows MTIME. `satp` reads 0 and ignores writes, as in a core whose only mode of
-/// address translation is Bare; programs clear it at their start. In U mode, both accesses are illegal instructions.
-/// Returns false for any other instruction. Source: RISC-V Privileged Specification 20211203, sections 3.2.1 and
-/// 4.1.11.
+/// address translation is Bare. The reason is that programs clear `satp` at their start. In U mode, both accesses are
+/// illegal instructions. Returns false for any other instruction. Source: RISC-V Privileged Specification 20211203,
+/// sections 3.2.1 and 4.1.11.
 bool serves_platform_register(Hardware& hardware, const DeviceSet& devices, Picoseconds now) {
   constexpr std::uint32_t kSystem = 0x73;
   constexpr std::uint32_t kTime = 0xc01;
@@ -80,8 +80,8 @@ std::string UnmodelledRegisters::text(std::uint32_t address, bool stores, std::s
                      function.empty() ? "" : " in ", function, stores ? "is lost" : "reads 0", what);
 }
 
-/// True if the fabric controller accesses a device that it shares with the cluster, and the cluster must first reach
-/// the same time.
+/// True if an access of the fabric controller must wait: it accesses a device that it shares with the cluster, and the
+/// cluster has not reached the same time.
 bool SystemBus::must_wait(std::uint32_t address, Picoseconds now) const {
   const auto* cluster = hardware_.cluster();
   if (timeline_.next_of(cluster) >= now) return false;
@@ -185,7 +185,7 @@ BusReply SystemBus::from_cluster(const ClusterAccess& access, Picoseconds time) 
                                                 : unmodelled(access.address, false, false);
 }
 
-/// Serves an access to registers that no device of the board has. It takes as long as an access to a device.
+/// Serves an access to registers that no device of the board has. This access takes as long as an access to a device.
 BusReply SystemBus::unmodelled(std::uint32_t address, bool stores, bool by_fabric_controller) {
   if (devices_.event_unit() == nullptr || !UnmodelledRegisters::are_at(address)) return {};
   if (unmodelled_.is_new(address) && report_) {

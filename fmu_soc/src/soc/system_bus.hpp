@@ -24,7 +24,8 @@ class UnmodelledRegisters {
   /// True if GAP8 has peripherals at this address. Elsewhere, an access is a fault.
   static bool are_at(std::uint32_t address);
 
-  /// `entry` is the device to whose address range the address belongs; null if there is none.
+  /// Returns the text of the report on an access. `entry` is the device whose address range contains the address; null
+  /// if there is none.
   std::string text(std::uint32_t address, bool stores, std::string_view function, const BoardDevice* entry) const;
   /// True for the first access to an address.
   bool is_new(std::uint32_t address);

@@ -29,7 +29,7 @@ class WorkAccount {
   void pass(Picoseconds time);
   void picture_stored(const PictureTimes& times) { decisions_.picture_stored(times, work_at(times.stored)); }
   void setpoints_sent(std::string_view sender, Picoseconds now);
-  /// Publishes set-points at the end of a step.
+  /// Publishes the set-points that were sent in this step. Must be called at the end of a step.
   void publish(Picoseconds now) { decisions_.published(now); }
   /// Must be set for a program without a world, whose set-points are published at once. Not part of a state.
   void set_alone(bool alone) { alone_ = alone; }

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-/// Entries under "devices" of a board description. The reader passes each to the device that it describes.
+/// Entries under "devices" of a board description. The reader passes each entry to the device that the entry describes.
 namespace mebots::soc {
 
 struct BoardRegister {

@@ -32,8 +32,8 @@ class Device {
   virtual bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) = 0;
   virtual bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) = 0;
   /// Serve an access of `size` bytes (1 or 2) at any offset. Return false if the device only serves words. For a store,
-  /// `value` is the core's whole register; for a load, the low bytes of `value` are used. Loads come from the fabric
-  /// controller only.
+  /// `value` is the core's whole register. For a load, the low bytes of `value` are used. Only the fabric controller
+  /// makes such loads.
   virtual bool load_narrow(std::uint32_t /*offset*/, Picoseconds /*now*/, std::uint32_t& /*value*/, unsigned /*size*/) {
     return false;
   }
@@ -44,15 +44,16 @@ class Device {
   /// Runs the device's events up to `now`, which is never after next_event().
   virtual void advance(Picoseconds /*now*/) {}
   /// Returns the time of the device's next event. The results of this function and of interrupt() may only change in
-  /// the functions listed above, or if the fabric controller's clock changes. Only then does the chip query them again.
+  /// the functions listed above, or if the fabric controller's clock changes. The chip queries them again only after
+  /// such a call or change.
   virtual Picoseconds next_event() const { return kNever; }
   /// Returns the level of the interrupt line.
   virtual bool interrupt() const { return false; }
 
   /// Return the storage of one of the entry's variables by its name in the board file; null if the device has no such
-  /// variable. input() and output() are for numbers of all types (Boolean: 0 and 1; enumeration: the item's value), the
-  /// others for texts and bytes. Called once, at construction of the chip. Texts and bytes are valid until
-  /// begin_step() returns.
+  /// variable. input() and output() are for numbers of all types (Boolean: 0 and 1; enumeration: the item's value). The
+  /// other functions are for texts and bytes. Each function is called once, at construction of the chip. Texts and
+  /// bytes are valid until begin_step() returns.
   virtual double* input(std::string_view /*variable*/) { return nullptr; }
   virtual std::string_view* text_input(std::string_view /*variable*/) { return nullptr; }
   virtual std::span<const std::uint8_t>* bytes_input(std::string_view /*variable*/) { return nullptr; }
@@ -65,7 +66,8 @@ class Device {
   virtual double energy_j(Picoseconds /*now*/) const { return 0; }
   /// True while a requested picture has not arrived. A sleeping chip waits for it.
   virtual bool takes_picture() const { return false; }
-  /// Returns the name of its present state, for traces; empty if the device has only one state.
+  /// Returns the name of the device's present state, for traces. If the device has only one state, returns an empty
+  /// text.
   virtual std::string_view state_name() const { return {}; }
   /// Called when the program has ended, or the chip has lost its supply.
   virtual void program_ended() {}

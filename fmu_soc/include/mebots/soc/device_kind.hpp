@@ -13,7 +13,7 @@
 
 /// Kinds of devices: an entry of a board file names a kind, which creates the device.
 ///
-/// Own kinds are C++ in a shared library that the board file names:
+/// You can write your own kinds in C++, in a shared library that the board file names:
 ///
 ///     class Wheels final : public mebots::soc::Device { ... };
 ///     std::unique_ptr<mebots::soc::Device> make(const mebots::soc::BoardDevice& entry, mebots::soc::DeviceHost& host);
@@ -49,7 +49,7 @@ class DeviceHost {
   DeviceHost& operator=(const DeviceHost&) = delete;
   virtual ~DeviceHost() = default;
 
-  /// Read or write the chip's memories for a device with memory access of its own. If the bytes are not all in one
+  /// Read or write the chip's memories, for a device that accesses memory itself. If the bytes are not all in one
   /// memory, return false without effect.
   virtual bool read_memory(std::uint32_t address, std::span<std::uint8_t> bytes) const = 0;
   virtual bool write_memory(std::uint32_t address, std::span<const std::uint8_t> bytes) = 0;
@@ -59,7 +59,8 @@ class DeviceHost {
   virtual void print(std::string_view line) = 0;
   /// Reports a wrong use of the device by the firmware. The text goes to the user.
   virtual void complain(std::string_view text) = 0;
-  /// Returns the function that the fabric controller executes, for such texts; empty = unknown.
+  /// Returns the name of the function that the fabric controller executes, for texts of complain(). If the function is
+  /// unknown, returns an empty text.
   virtual std::string function() const { return {}; }
 
   /// Reports that a picture is in memory, so that a decision may begin. Throws Error if the times are not in order.
@@ -87,7 +88,7 @@ struct DeviceLibrary {
 }  // namespace mebots::soc
 
 /// Defines the kinds of a shared library: MEBOTS_DEVICE_KINDS({"left_wheel", make_left}, {"right_wheel", make_right}).
-/// Use it once per library, outside any namespace.
+/// The macro must be used once per library, outside any namespace.
 #define MEBOTS_DEVICE_KINDS(...)                                                                                \
   extern "C" __attribute__((visibility("default"))) const mebots::soc::DeviceLibrary* mebots_device_library() { \
     static const mebots::soc::DeviceKind kinds[] = {__VA_ARGS__};                                               \
