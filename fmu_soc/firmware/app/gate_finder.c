@@ -58,7 +58,7 @@ typedef struct {
   int spread_q4;   // brightest beam less darkest
 } fit_t;
 
-// Returns the score of a frame. It is high if the beams have contrast and are alike.
+// Returns the score of a frame. The score is high if the beams have contrast and are alike.
 static inline int score_q4(const fit_t* fit) {
   return fit->weakest_q4 - fit->spread_q4 / 2;
 }

@@ -3,9 +3,9 @@
 // in a C file. The rest of the firmware (main.c) reads the sensors, estimates the state, follows the set-points and
 // sets the rotors.
 //
-// Frames: the world's x axis is the drone's heading at the start, y is to the left, z up; the origin is on the ground
-// where the drone started. The body has x forward, y left, z up. Angles are right-handed: roll about x (positive =
-// right side down), pitch about y (positive = nose down), yaw about z (positive = left).
+// Frames: the world's x axis is the drone's heading at the start. The y axis points left, and the z axis points up. The
+// origin is on the ground where the drone started. The body has x forward, y left, z up. Angles are right-handed: roll
+// about x (positive = right side down), pitch about y (positive = nose down), yaw about z (positive = left).
 #pragma once
 
 #include <stdbool.h>

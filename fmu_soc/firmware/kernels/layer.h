@@ -68,7 +68,8 @@ typedef struct {
 } layer_block_t;
 
 // The work of a layer is divided into steps. A step computes a block of channels of a tile of rows. Buffers in L1 are
-// given as offsets. There are two of each, because the DMA fills one while the cores work on the other.
+// given as offsets. There are two buffers of each kind, because the DMA fills one buffer while the cores work on the
+// other buffer.
 typedef struct {
   layer_kernel_t* kernel;
   layer_kernel_t* then;  // null, or the pool of a convolution's output in l1_unpooled
@@ -115,8 +116,8 @@ typedef struct {
   // For LAYER_MOVE, the data of each block are a layer_move_t. For softmax and for tables, the data are the table.
 } layer_t;
 
-// Four output channels of a convolution, followed by the lower words of the addends if scaling is SCALING_EXACT, and by
-// their weights: runs_y x runs_x x run_words words of each.
+// Four output channels of a convolution. If scaling is SCALING_EXACT, the lower words of the addends follow this
+// struct. Then the weights follow: runs_y x runs_x x run_words words for each channel.
 typedef struct {
   uint16_t in;   // offset of their input channels in a place
   uint16_t out;  // offset of the first one in a place of the block's output

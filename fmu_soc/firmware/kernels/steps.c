@@ -265,8 +265,8 @@ static void fetch_weights(const layer_network_t* n, int32_t number) {
   n->l3->fetch(n->fetched[number % 2], n->segments[number].from, n->segments[number].bytes);
 }
 
-// Waits for the weights of a layer, and fetches those of the next one. The buffer for the next layer's weights was last
-// used by the previous layer, which all cores have finished.
+// Waits for the weights of a layer, and fetches the weights of the next layer. The buffer for the next layer's weights
+// was last used by the previous layer, which all cores have finished.
 static void change_weights(layer_network_t* n, int32_t number, int32_t end, layer_share_t share) {
   if (share.core == 0) {
     n->l3->wait();

@@ -17,8 +17,8 @@ extern "C" {
 // the border.
 #define NN_BORDERED(edge, channels) (((edge) + 2) * ((edge) + 2) * (channels) + 2 * (channels))
 
-// Weights of the first layer in the order of its kernel: for each channel, four weights of each of the five rows, the
-// fifth weights of the first four rows, the fifth weight of the last row.
+// Weights of the first layer in the order of its kernel. For each channel, the order is: four weights of each of the
+// five rows; the fifth weights of the first four rows; the fifth weight of the last row.
 #define NN_FIRST_WORDS 7
 
 // Bytes of the weights of layers 1 to 7.

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-# First layer, 5 x 5 with stride 2, with 2 x 2 pooling: computes `count` pooled places of a row for four channels.
+# First layer, 5 x 5 with stride 2, with 2 x 2 pooling: computes `count` pooled positions of a row for four channels.
 #   void nn_hand_row(const uint8_t* at, uint8_t* to, const uint32_t* table, int count)
-# `at`: the patch of the first place, in rows of NN_HAND_PITCH bytes. `at` moves by 4 bytes per place, `to` by
-# NN_CHANNELS_FIRST. `table`: NN_HAND_WORDS words per channel, from make_table (hand.c).
+# `at` points to the patch of the first position, in rows of NN_HAND_PITCH bytes. From one position to the next, `at`
+# moves by 4 bytes, and `to` by NN_CHANNELS_FIRST bytes. `table` has NN_HAND_WORDS words per channel (see make_table).
 #
-# The four places of a pool share a patch of 7 x 7 pixels, which is in 20 registers. These are pixels 0 to 3 (left
-# places) and 2 to 5 (right places) of each row, the gathered fifth pixels of their rows, and rows 4 and 6 from pixel 4
-# on, whose bytes 0 and 2 are the last pixels. So each weight is loaded once for four dot products, and no register is
-# spilled.
+# The four positions of a pool share a patch of 7 x 7 pixels, which is in 20 registers. For each row, there are pixels 0
+# to 3 (for the left positions) and pixels 2 to 5 (for the right positions). The fifth pixels of the rows are gathered.
+# Two registers contain rows 4 and 6 from pixel 4 on; bytes 0 and 2 are the last pixels. So each weight is loaded once
+# for four dot products, and no register is spilled.
 #include "nn/hand.h"
 
 # Pixels 0 to 3 of rows 0 to 6

@@ -35,7 +35,7 @@ typedef struct {
   uint8_t stride;
 } nn_shape_t;
 
-// The convolutions. The output of the first one is pooled: maximum of each 2 x 2.
+// The convolutions. The output of the first convolution is pooled: maximum of each 2 x 2 positions.
 extern const nn_shape_t nn_shapes[NN_CONVOLUTIONS];
 #define NN_POOLED_EDGE 42
 #define NN_FEATURES (6 * 6 * NN_CHANNELS_FOURTH)

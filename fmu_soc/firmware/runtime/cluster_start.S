@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Start of the cluster's cores after the cluster is switched on. Each gets a stack at the end of L1, and then waits for
-# work, does it and reports it, in an endless loop.
+# Start of the cluster's cores after the cluster is switched on. Each core gets a stack at the end of L1. Then the core
+# waits for work, does the work and reports the end, in an endless loop.
 #include "board.h"
 #include "runtime/cluster_stack.inc"
 

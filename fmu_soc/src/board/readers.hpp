@@ -12,7 +12,7 @@
 #include <string>
 #include <string_view>
 
-/// Readers for values that occur in many places of a board file. Each reports an invalid value.
+/// Readers for values that occur often in a board file. Each reader reports an invalid value.
 namespace mebots::soc {
 
 /// Reads a 32-bit number as text, which may be hexadecimal. `what` is its description in messages.

@@ -73,7 +73,8 @@ class ClusterPeripherals : public TransferListener {
 
   /// Called when the cluster is switched on. `boot` is the start address from the power manager's registers.
   virtual void reset(std::uint32_t boot) = 0;
-  /// Returns the cores that have become due to start since the last call. Each starts at boot_address().
+  /// Returns the cores that have become due to start since the last call. Each of these cores starts at its
+  /// boot_address().
   virtual std::uint32_t take_started() = 0;
   virtual std::uint32_t boot_address(unsigned core) const = 0;
   /// Returns the requesters that wait in an event load, and whose answer became available after the last call.

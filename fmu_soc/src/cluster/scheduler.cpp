@@ -74,8 +74,8 @@ std::uint64_t ClusterScheduler::run_quantum(std::uint64_t start, std::uint64_t u
   return finish_quantum(end);
 }
 
-/// A faster form of run_quantum(). It requires that all awake cores ended the previous quantum in translated code, and
-/// that no other event is due. In this case, only the cores' ticks have changed since the previous quantum.
+/// A faster form of run_quantum(). The function requires that all awake cores ended the previous quantum in translated
+/// code, and that no other event is due. In this case, only the cores' ticks have changed since the previous quantum.
 std::uint64_t ClusterScheduler::run_quantum_in_step(std::uint64_t start, std::uint64_t until) {
   MEBOTS_ASSERT(sharing_banks_ && start > banks_.start());
   move_banks(start);
@@ -154,10 +154,11 @@ void ClusterScheduler::move_banks(std::uint64_t tick) {
   if (settings_.shares_soc_port) soc_port_.start_over(tick, last + ClusterLatencies::kMostAccessTicks);
 }
 
-/// Selects the first core of the next quantum, and whether the DMA claims banks before or after the cores. Both change
-/// in every quantum. With the arbitration tree and an even number of cores, there is one exception: when the count of
-/// quanta starts again, the DMA keeps its place before or after the cores. Therefore each core is first both in quanta
-/// in which the DMA precedes the cores, and in quanta in which the DMA follows them.
+/// Selects the first core of the next quantum, and whether the DMA claims banks before or after the cores. The first
+/// core and the order of DMA and cores change in every quantum. With the arbitration tree and an even number of cores,
+/// there is one exception: when the count of quanta starts again, the DMA keeps its place before or after the cores.
+/// Therefore each core is first both in quanta in which the DMA precedes the cores, and in quanta in which the DMA
+/// follows them.
 void ClusterScheduler::next_in_front() {
   if (++first_core_ == cores()) first_core_ = 0;
   const bool stays = settings_.arbitration_tree && first_core_ == 0 && cores() % 2 == 0;

@@ -3,8 +3,8 @@
 // Backward steps of gdb. A request ends the run. rewind() restores an earlier state, and the same instructions are
 // executed again:
 //
-// The mode `searching` runs up to the present position and records the last place at which gdb wants to stop. Without
-// such a place, the search continues from the preceding saved state. The mode `seeking` runs from the same state to
+// The mode `searching` runs up to the present position and records the last place at which gdb wants to stop. If there
+// is no such place, the search continues from the preceding saved state. The mode `seeking` runs from the same state to
 // that place, where gdb stops.
 #include "debug/gdb_server.hpp"
 

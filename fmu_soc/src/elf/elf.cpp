@@ -335,7 +335,7 @@ std::optional<std::uint32_t> Elf::symbol(std::string_view name) const {
 const ElfSymbol* Elf::covering(std::uint32_t address) const {
   const auto after = std::upper_bound(symbols_.begin(), symbols_.end(), address,
                                       [](std::uint32_t value, const auto& symbol) { return value < symbol.address; });
-  // Labels in assembly code have no size. They extend to the next symbol with a size, or to the next function.
+  // Labels in assembly code have no size. Such a label extends to the next symbol with a size, or to the next function.
   const ElfSymbol* label = nullptr;
   bool labels_end = false;
   for (auto at = after; at != symbols_.begin();) {

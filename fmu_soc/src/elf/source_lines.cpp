@@ -44,7 +44,7 @@ class Cursor {
   }
 
   Bytes rest() { return take(bytes_.size() - at_); }
-  /// Returns the next `size` bytes; empty if there are fewer.
+  /// Returns the next `size` bytes. If there are fewer bytes, returns none.
   Bytes take(std::size_t size) {
     if (size > bytes_.size() - at_) good_ = false;
     if (!good_) return {};

@@ -38,7 +38,7 @@ constexpr std::uint32_t kImmediate = 0x13;
 constexpr std::uint32_t kRegister = 0x33;
 constexpr std::uint32_t kSystem = 0x73;
 
-/// A word may match several rows. It is decoded as the first of these rows.
+/// A word that matches several rows is decoded as the first of these rows.
 constexpr auto kRows = std::to_array<Row>({
     // Atomic memory operations.
     {kFunct5, amo(0x00), {"amoadd.w", "A"}},

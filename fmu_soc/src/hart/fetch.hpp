@@ -25,7 +25,7 @@ class Fetch {
   void flush();
   /// Fetches the lines of an instruction that the core reaches in active cycle `cycle`. Returns the wait cycles.
   std::uint32_t fetch_lines(const Instruction* at, std::uint64_t cycle);
-  /// True if `at` lies in the line in which the instruction before it ends.
+  /// True if `at` lies in the cache line in which the previous instruction, `before`, ends.
   bool shares_line(const Instruction* before, const Instruction* at) const {
     MEBOTS_ASSERT(is_cached());
     return cache_->line_of(before[1].pc - 1) == cache_->line_of(at[1].pc - 1);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Xpulp v2 on whole words: execution and lowering of each operation of isa/xpulp.decode. The manual does not define
-// some results: sums that wrap, bit fields that exceed the word, negative bounds of a clip. These are as in the ALU and
-// multiplier of RI5CY's RTL (pulp-platform/riscv, February 2018).
+// some results: sums that wrap, bit fields that exceed the word, negative bounds of a clip. Such results are the same
+// as those of the ALU and multiplier in RI5CY's RTL (pulp-platform/riscv, February 2018).
 #include "hart/block_cache.hpp"
 
 #include "instructions/load_store.hpp"
@@ -400,8 +400,8 @@ struct Field {
   std::uint32_t low = 0;   // ones at the lower end of the word, one for each bit of the field
   std::uint32_t mask = 0;  // ones at the field's position
 };
-/// Returns the bit field of an immediate, without bits beyond the end of the word; nullopt if the field is in a
-/// register, which is rare.
+/// Returns the bit field of an immediate, without bits beyond the end of the word. If the field is in a register, which
+/// is rare, returns nullopt.
 std::optional<Field> field_of(const Instruction* at) {
   if (operand_of(*at) != Operand::immediate) return std::nullopt;
   const auto imm = static_cast<unsigned>(at->imm);

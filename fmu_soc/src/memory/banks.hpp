@@ -59,7 +59,7 @@ class Banks {
 
   /// Claims the banks of all words from `address` to before `end` in `tick`. If a bank is claimed already, claims its
   /// next tick instead, without a check. Therefore at most one other user may claim cycles. Returns 1 if any bank was
-  /// claimed, else 0.
+  /// already claimed, and 0 if none was.
   std::uint32_t claim_or_next(std::uint64_t tick, std::uint32_t address, std::uint32_t end) {
     if (tick < start_ || tick + 1 >= start_ + kReach) return 0;
     auto* row = &byte_of(tick, 0);
@@ -125,8 +125,8 @@ class Banks {
  private:
   static constexpr std::uint64_t kRows = kTurn + kReach + kLongestBlock;
 
-  /// Returns the claims from the start of the table on, up to the last claim. This is short, because nearly all of the
-  /// table is free.
+  /// Returns the claims from the start of the table on, up to the last claim. The result is short, because nearly all
+  /// of the table is free.
   std::vector<std::uint8_t> taken_from_start() const {
     const auto begin = std::min<std::uint64_t>((start_ - base_) * count_, taken_.size());
     MEBOTS_ASSERT(start_ >= base_, "the table begins before what it shows");

@@ -22,7 +22,7 @@ struct BusReply {
   }
 };
 
-/// The bus to registers of devices. Every access is an access of a word.
+/// The bus to registers of devices. load() and store() access whole words.
 class Bus {
  public:
   virtual ~Bus() = default;

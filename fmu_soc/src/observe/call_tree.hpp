@@ -43,7 +43,8 @@ class CallTree {
   CallTree() : nodes_(1) {}
   static constexpr std::uint32_t kRoot = 0;
 
-  /// Returns the node of `place` under `parent`; creates it if needed. A child's number is greater than its parent's.
+  /// Returns the node of `place` under `parent`. If there is no such node, creates it. A child's number is greater than
+  /// its parent's.
   std::uint32_t child(std::uint32_t parent, std::uint32_t place) {
     const auto& recent = recent_[index_of_recent(parent, place)];
     // The root is never a child.

@@ -37,7 +37,7 @@ class CoreProfile final : public Observer {
 
   /// Called after the chip was restored to an earlier state. The counts are kept, and the call stack starts again.
   void restored() { start(); }
-  /// Counts up to now, between two steps of a run.
+  /// Adds all costs up to now. Called between two steps of a run.
   void settle();
   /// Called at the end of a run. Adds all costs since the last step, up to the chip's present time and energy. If the
   /// last block of a cluster core ended later, the end of that block is used.

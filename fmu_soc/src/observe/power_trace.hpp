@@ -25,7 +25,7 @@ class PowerTrace final : public StateListener {
   /// Called after the chip was restored to an earlier state. Power is computed from that state on. Time in the file
   /// does not decrease: nothing is written until the chip reaches the file's last time again.
   void restored();
-  /// Writes up to now. Throws Error if that fails.
+  /// Writes all data up to now. Throws Error if that fails.
   void finish();
 
  private:

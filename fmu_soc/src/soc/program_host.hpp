@@ -35,7 +35,7 @@ class HostCalls {
   /// A system call by ecall, with the number in a7, six arguments from a0 on, and the result in a0. Source: RISC-V
   /// Linux; newlib, libgloss/riscv.
   virtual HostReply environment_call(std::uint32_t number, std::span<const std::uint32_t> arguments) = 0;
-  /// A command through `tohost` to a device other than that of system calls. It has no reply.
+  /// A command through `tohost` to a device other than that of system calls. The command has no reply.
   virtual void device_command(unsigned device, unsigned command, std::uint64_t payload) = 0;
 };
 

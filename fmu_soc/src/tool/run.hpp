@@ -35,7 +35,7 @@ Picoseconds time_of(std::string_view option, const std::string& text);
 /// Returns the board files that came with this program.
 std::vector<std::filesystem::path> own_boards();
 
-/// Returns the possible places of a folder of MEbots' data: in the share/ of an installation, or next to the bin/ of a
+/// Returns the possible paths of a folder with MEbots' data: in the share/ of an installation, or next to the bin/ of a
 /// build.
 std::vector<std::filesystem::path> own_folders(std::string_view name);
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Start of the cluster's cores. Each gets a stack at the end of L1, and then waits for work, does it and reports it, in
-# an endless loop. They take no interrupts; an exception ends the program.
+# Start of the cluster's cores. Each core gets a stack at the end of L1. Then the core waits for work, does the work and
+# reports the end, in an endless loop. The cores take no interrupts. An exception ends the program.
 #include "runtime/cluster_stack.inc"
 #include "runtime/registers.h"
 #include "runtime/vectors.inc"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fabric controller's clock, sleep and end, which differ between chips. This file is for GAP8's loops, event unit
-// and SoC control.
+// The fabric controller's clock, sleep and end, which differ between chips. This file is for GAP8's frequency-locked
+// loops, event unit and SoC control.
 #pragma once
 
 #include <stdint.h>

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-/// Services of the chip for its own kinds of devices, in addition to those of DeviceHost.
+/// Services of the chip for the kinds of devices that come with MEbots, in addition to those of DeviceHost.
 namespace mebots::soc {
 
 namespace gap8_devices {

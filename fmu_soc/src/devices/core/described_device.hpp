@@ -70,7 +70,7 @@ class DescribedDevice final : public Device {
   void enter(std::size_t state, Picoseconds now);
   void obey(std::size_t reg, std::uint32_t value, Picoseconds now);
   void measure();
-  /// Returns a text if the register's value cannot be sent; otherwise empty.
+  /// Returns the reason why the register's value cannot be sent. If the value can be sent, returns an empty text.
   std::string fault_of(std::size_t reg) const;
   bool pass_over(std::uint32_t offset, std::string_view access);
   void send(std::size_t first, std::size_t last, Picoseconds now);

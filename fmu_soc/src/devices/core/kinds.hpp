@@ -37,7 +37,7 @@ inline constexpr std::string_view kEventUnitKind = "event_unit";
 inline constexpr std::string_view kClusterDmaKind = "cluster_dma";
 inline constexpr std::string_view kGap8ClusterKind = "gap8_cluster";
 
-/// The kinds that a board can name: built-in kinds, and those of its libraries.
+/// The kinds that a board can name: built-in kinds, and kinds from the board's libraries.
 class Kinds {
  public:
   /// Opens the board's libraries, which are next to its file or in one of `folders`. Throws Error if a library is

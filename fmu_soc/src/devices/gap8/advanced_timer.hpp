@@ -64,7 +64,8 @@ class AdvancedTimer final : public Device {
       v("is_fresh", is_fresh);
     }
   };
-  /// The ticks at which a channel's output rises: the first one, and the period of the following ones.
+  /// The ticks at which a channel's output rises: the tick of the first rising edge, and the period of the following
+  /// edges.
   struct RisingEdges {
     std::uint64_t first;
     std::uint64_t step;  // 0: once

@@ -15,9 +15,9 @@ namespace mebots::soc::gap8_devices {
 /// a mask of events that interrupt. All cores share eight software events, eight barriers, mutexes, and the dispatcher,
 /// which passes words from one core to a group of cores.
 ///
-/// A wait is a p.elw. It ends when the buffer contains an event of the core's mask. Barrier, mutex and dispatcher raise
-/// events 16, 17 and 18 for waiting cores. Sources: archi/eu/eu_v3.h for registers; pulp-platform/event_unit_flex and
-/// GVSoC's eu_v3 for behaviour.
+/// A wait is a p.elw. The wait ends when the buffer contains an event of the core's mask. Barrier, mutex and dispatcher
+/// raise events 16, 17 and 18 for waiting cores. Sources: archi/eu/eu_v3.h for registers; pulp-platform/event_unit_flex
+/// and GVSoC's eu_v3 for behaviour.
 class ClusterEventUnit {
  public:
   static constexpr unsigned kDmaEvent = 8;

@@ -31,7 +31,7 @@ void UdmaHyperBus::end(const UdmaTransfer& transfer) {
   move(transfer);
 }
 
-/// Cancels a transfer. Its bytes are not counted.
+/// Cancels a transfer. The bytes of the transfer are not counted.
 void UdmaHyperBus::cancel(const UdmaTransfer& /*transfer*/, Picoseconds now) {
   release(now, 0, false);
 }

@@ -12,8 +12,8 @@
 namespace mebots::soc {
 namespace {
 
-/// A voltage regulator for the chip and parts of the board. Its energy is the energy at its input: the energy of its
-/// loads divided by its efficiency.
+/// A voltage regulator for the chip and parts of the board. The energy of the regulator is the energy at its input: the
+/// energy of its loads divided by its efficiency.
 class Regulator final : public Device {
  public:
   /// Returns the energy of a load up to a time [J].

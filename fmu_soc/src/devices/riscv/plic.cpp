@@ -8,10 +8,11 @@
 namespace mebots::soc {
 namespace {
 
-/// Platform-level interrupt controller with one context: machine mode of the fabric controller. Its sources are levels.
-/// If a source is active, its gateway forwards a request. It forwards no further request of this source until the
-/// handler has completed the first one. Registers of other contexts and sources read 0. Source: RISC-V Platform-Level
-/// Interrupt Controller Specification 1.0.0; number of sources and bits of a priority: QEMU 7.2, hw/riscv/virt.c.
+/// Platform-level interrupt controller with one context: machine mode of the fabric controller. Its sources are
+/// level-triggered. If a source is active, its gateway forwards a request. It forwards no further request of this
+/// source until the handler has completed the first one. Registers of other contexts and sources read 0. Source: RISC-V
+/// Platform-Level Interrupt Controller Specification 1.0.0; number of sources and bits of a priority: QEMU 7.2,
+/// hw/riscv/virt.c.
 class Plic final : public Device, public InterruptController {
  public:
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
