@@ -12,7 +12,7 @@ extern "C" {
 // The paper averages the last ten outputs of its network.
 #define POLICY_WINDOW 10
 
-// policy_init() sets all fields. All of them are private.
+// policy_init() sets all fields. All fields are private.
 typedef struct {
   bool adaptive;
   int32_t cruise_um_s;

@@ -181,7 +181,7 @@ static traverser_command_t search(traverser_t* t, const sight_t* sight, bool sig
   if (sighted && t->evidence >= EVIDENCE_TO_APPROACH) {
     t->phase = TRAVERSER_APPROACH;
     begin_way(t);
-    // A gate counts as near only after further pictures.
+    // After its first picture, a gate does not count as near yet.
     t->size_q8 = limited(sight->size, LEAST_SIZE, NEAR_SIZE - 1) * 256;
     return command(t, 0, sight->yaw);
   }

@@ -40,7 +40,7 @@ std::uint64_t ClusterScheduler::next_tick() const {
 /// Returns the tick at which the earliest core continues; kNoTick while all sleep.
 std::uint64_t ClusterScheduler::first_ready() const {
   auto first = kNoTick;
-  // Has no branch, because the host could not predict it.
+  // The loop has no branch, because the host could not predict the branch.
   for (const auto* core : cores_) first = std::min(first, core->ready());
   return first;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Traps, Zifencei, Zicsr and machine mode: execution of each operation of isa/system.decode. None has a lowering.
+// Traps, Zifencei, Zicsr and machine mode: execution of each operation of isa/system.decode. No operation has a
+// lowering.
 #include "hart/csr_numbers.hpp"
 #include "hart/csrs.hpp"
 #include "hart/execution.hpp"

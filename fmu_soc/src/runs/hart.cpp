@@ -71,7 +71,8 @@ Stop Hart::run(std::uint64_t limit) {
   return continue_run(limit, false);
 }
 
-/// Runs to the limit, or to another reason to stop. `left_translated` is true if the last block ran in translated code.
+/// Runs until the limit is reached, or until there is another reason to stop. `left_translated` is true if the last
+/// block ran in translated code.
 Stop Hart::continue_run(std::uint64_t limit, bool left_translated) {
   auto& e = execution_;
   limit_.set_end(limit);

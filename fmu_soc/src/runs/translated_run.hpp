@@ -40,8 +40,8 @@ class TranslatedRun {
     decoded_.translator->chain_last_exit(block, entry, stall != 0);
   }
   /// Patches the exit of the last run to jump to the block at the pc, if that block is translated. This is needed for
-  /// exits at the limit. If a block is as long as the time between two limits, it would never be chained in another
-  /// way.
+  /// exits at the limit. Without this function, a block that is as long as the time between two limits would never be
+  /// chained.
   void chain_to_here();
   /// Returns the block at the pc after an exit from translated code; 0 = unknown.
   std::uint32_t next_block() const {

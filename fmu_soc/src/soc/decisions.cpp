@@ -35,7 +35,8 @@ void Decisions::sent(std::string_view sender, Picoseconds now, const CoreWork& w
   decision.part(DecisionPart::request) = picture_->exposed - picture_->asked;
   decision.part(DecisionPart::exposure) = picture_->read_out - picture_->exposed;
   decision.part(DecisionPart::read_out) = picture_->stored - picture_->read_out;
-  // The fabric controller sends. Its time may be an instruction ahead of the time of a device or of the cluster.
+  // The fabric controller sends the set-points. Its time may be one instruction ahead of the time of a device or of the
+  // cluster.
   const auto span = std::max<Picoseconds>(now - begun_, 0);
   const auto inference = std::clamp<Picoseconds>(work.cluster - before_.cluster, 0, span);
   const auto deciding = std::clamp<Picoseconds>(work.controller - before_.controller, 0, span - inference);

@@ -49,7 +49,7 @@ class DeviceSet {
   DeviceSet(const DeviceSet&) = delete;
   DeviceSet& operator=(const DeviceSet&) = delete;
 
-  /// Creates all devices. Throws Error if the devices of the board do not fit together.
+  /// Creates all devices. Throws Error if the devices of the board are not compatible with each other.
   void make(ChipHost& host);
 
   /// Iterate over the members: first the parts of the board, and then the devices. Each group is in the order of the

@@ -200,7 +200,7 @@ std::filesystem::path board_file(const std::string& asked) {
 
 namespace {
 
-/// A limit that is above the pixels of any camera.
+/// Upper limit of the number of pixels of a picture. Every camera has fewer pixels.
 constexpr std::uint32_t kMostPixels = 1U << 24;
 
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& why) {

@@ -33,7 +33,7 @@ class EdgeWriter {
 
   // Writers of the edges of an instruction.
 
-  /// `jump_to(label)` jumps if the branch is taken.
+  /// Writes the edges of a branch. `jump_to(label)` writes a jump that is taken if the branch is taken.
   template <typename Jump>
   void branch(const Instruction* at, Jump jump_to);
   void jump(const Instruction* at, std::uint32_t pc, bool jumped);
