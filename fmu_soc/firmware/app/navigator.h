@@ -13,7 +13,7 @@ typedef struct {
   // the distance of the gate from the middle of the picture; +-127 is the picture's edge. If confidence is 0, the value
   // is 0.
   int8_t yaw;
-  // 0 = no gate in the picture, 255 = full confidence.
+  // Confidence: 0 = no gate in the picture, 255 = full confidence.
   uint8_t confidence;
   // Distance from the camera to the gate's plane [mm]; 0 if unknown.
   uint16_t distance_mm;

@@ -11,7 +11,7 @@
 #define BLIND_APPROACH_UM 900000
 // An estimate is replaced after this many consecutive distances that contradict it.
 #define OUTLIERS_TO_BELIEVE 5
-// Yaw rate of a search, relative to the scale.
+// Yaw rate of a search, in 127ths of the mission's yaw rate scale.
 #define SEARCH_YAW 38  // 0.3 of 127
 
 static int32_t abs_i32(int32_t a) {

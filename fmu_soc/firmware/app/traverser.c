@@ -38,7 +38,7 @@
 #define MOST_CLIMB_UM 700000
 #define LEAST_ALTITUDE_UM 250000
 #define LEAST_SIZE 8
-// Yaw rate of a search, relative to the scale.
+// Yaw rate of a search, in 127ths of the mission's yaw rate scale.
 #define SEARCH_YAW 64
 // A direction that led to an object is not followed again: sightings within this angle of that heading are ignored. The
 // heading of a sighting is computed with half the view of the longest lens.

@@ -58,7 +58,7 @@ layer_kernel_t layer_add;       // clip((a x factors[0] + b x factors[1] + adden
 layer_kernel_t layer_multiply;  // (a - zeros[0]) x (b - zeros[1]), requantised
 layer_kernel_t layer_table;     // table[a]
 
-// A part of the output's channels, and its part of the weights.
+// A block of output channels, and the weights of this block.
 typedef struct {
   uint32_t data;   // offset in the weights
   uint32_t bytes;  // of the data; 0: none

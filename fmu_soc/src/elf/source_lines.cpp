@@ -129,7 +129,7 @@ FormValue read_form(Cursor& cursor, std::uint32_t form, const LineSections& sect
   return {};
 }
 
-/// A file or a folder of a unit.
+/// A file or a folder of a compilation unit.
 struct Entry {
   std::string_view path;
   std::uint32_t folder = 0;

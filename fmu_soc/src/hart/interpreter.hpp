@@ -76,7 +76,7 @@ class Interpreter {
   void resume(const Instruction* at, std::uint32_t wait_cycles, std::uint32_t stall, const Instruction* slow_load,
               bool fetches);
 
-  /// Runs a block from `at` up to, but not including, `stop`. Returns `stop`, or null if the block was left.
+  /// Runs a block from `at` up to, but not including, `stop`. Returns `stop`, or null if execution has left the block.
   const Instruction* run_until(const Instruction* at, const Instruction* stop);
 
  private:

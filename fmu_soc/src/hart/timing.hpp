@@ -53,8 +53,8 @@ struct Timing {
 inline constexpr unsigned kTakenBranchExtra = 2;
 inline constexpr unsigned kUnalignedTargetExtra = 1;
 inline constexpr unsigned kMisalignedExtra = 1;
-/// Cycles of a trap's entry. Only the sum of entry and mret was measured: 9 cycles. The division of the sum is an
-/// assumption.
+/// Cycles of a trap's entry. Only the sum of entry and mret was measured: 9 cycles. The division into 4 and 5 cycles is
+/// an assumption.
 inline constexpr unsigned kTrapEntryCycles = 4;
 
 /// The part of a previous instruction's state that affects the cycles of later instructions.

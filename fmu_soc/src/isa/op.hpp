@@ -64,8 +64,8 @@ inline constexpr unsigned kFenceCycles = 4;
 /// need the result.
 inline constexpr unsigned kFloatDivideCycles = 19;
 inline constexpr unsigned kFloatRootCycles = 19;
-/// Cycles of mret. Only the sum of a trap's entry and mret was measured: 9 cycles. The division of the sum is an
-/// assumption.
+/// Cycles of mret. Only the sum of a trap's entry and mret was measured: 9 cycles. The division into 4 and 5 cycles is
+/// an assumption.
 inline constexpr unsigned kMretCycles = 5;
 
 /// Properties that all encodings of an operation share. Properties that a kind does not have keep their default values.

@@ -86,8 +86,8 @@ class Banks {
 
   /// True if the table must restart before it can move to `tick`.
   bool must_start_over(std::uint64_t tick) const { return tick >= base_ + kTurn; }
-  /// Moves the table so that it begins at `tick`. No cycle after `last` is reserved. Returns the shift of the rows to
-  /// the front in bytes.
+  /// Moves the table so that it begins at `tick`. No cycle after `last` is reserved. Returns the number of bytes by
+  /// which the rows have moved to the front.
   std::uint64_t start_over(std::uint64_t tick, std::uint64_t last) {
     move_to(tick);
     const auto first = std::min(tick - base_, kRows);

@@ -78,7 +78,7 @@ class Hart {
   void set_next(Hart* next) { execution_.set_next(next == nullptr ? nullptr : &next->execution_); }
   /// True if the last run stopped at the limit in translated code and can resume there: a round may begin here.
   bool has_resume_point() const { return translated_.has_resume_point(); }
-  /// Adjusts the resume point after the table of banks has moved by this many bytes to the front.
+  /// Adjusts the resume point after the table of banks has moved by `bytes` bytes to the front.
   void move_resume_point(std::uint64_t bytes) { translated_.move_resume_point(bytes); }
   /// Drops the resume point, so that the next run starts in the interpreter.
   void drop_resume_point() { execution_.drop_resume_point(); }

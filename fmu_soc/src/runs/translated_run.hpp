@@ -52,7 +52,7 @@ class TranslatedRun {
 
   /// True if the last run stopped at the limit in translated code and can resume there.
   bool has_resume_point() const { return execution_.host.resume_point != nullptr; }
-  /// Adjusts the resume point after the table of banks has moved by this many bytes to the front.
+  /// Adjusts the resume point after the table of banks has moved by `bytes` bytes to the front.
   void move_resume_point(std::uint64_t bytes) {
     if (has_resume_point()) execution_.host.begin -= bytes;
   }

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMostFrames = 8;
 constexpr std::uint32_t kMostWords = 2048;
-/// If a stack pointer is below a memory by at most this distance, it counts as an overflow of a stack in this memory.
+/// A stack pointer that is below a memory by at most this distance counts as an overflow of a stack in this memory.
 constexpr std::uint32_t kOverrun = 1U << 16;
 
 struct Frame {

@@ -34,7 +34,7 @@ class Hardware {
   void add_cluster(const Settings& settings, DeviceHost& host);
   /// Connects the fabric controller with the memories, including those of the cluster if it is on.
   void connect_memories();
-  /// Sets the latencies of the cluster's accesses, which depend on both clocks.
+  /// Sets the latencies of the cluster's accesses, which depend on the clocks of cluster and SoC.
   void set_latencies(std::uint32_t soc_hz);
   /// Copies each segment to its load address; start-up code copies it to its run address. Throws Error for a segment
   /// outside of the memories; a segment without bytes may also be in a device.

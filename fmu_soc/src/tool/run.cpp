@@ -214,7 +214,7 @@ std::string missing_end_text(const Soc& soc, const Options& options, Reached rea
   return text;
 }
 
-/// Returns a text about the end of the program, for its page.
+/// Returns a text about the end of the program, for the page of the run.
 std::string outcome_text(const Soc& soc, const Options& options, Reached reached, int code) {
   if (soc.end() == End::faulted) return "fault: " + soc.fault_text();
   return code == kFaultOrLimit && !has_reported_end(soc) ? missing_end_text(soc, options, reached)

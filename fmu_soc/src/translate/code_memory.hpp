@@ -11,7 +11,7 @@ namespace mebots::soc::translate {
 /// writable and executable.
 class CodeMemory {
  public:
-  /// Returns null if the host does not provide such memory.
+  /// Returns null if the host does not provide memory with two mappings.
   static std::unique_ptr<CodeMemory> create(std::size_t size);
   ~CodeMemory();
   CodeMemory(const CodeMemory&) = delete;

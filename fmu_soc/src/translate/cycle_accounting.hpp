@@ -20,9 +20,9 @@ class CycleAccounting {
 
   /// Spends cycles.
   void spend(std::uint32_t cycles);
-  /// Counts the number of cycles in register `cycles`. Changes this register.
+  /// Writes code that counts as many cycles as the register `cycles` contains. Changes this register.
   void spend(const Xbyak::Reg64& cycles);
-  /// Adds the sums of the block up to and including `at`.
+  /// Writes code that adds the counts of the block's instructions up to and including `at`.
   void count(const Instruction* at, std::uint32_t extra_cycles);
   /// Undoes count().
   void take_back(const Instruction* at);

@@ -109,7 +109,7 @@ struct BoardDevice {
   std::string power_variable() const { return name + ".power"; }
   std::string energy_variable() const { return name + ".energy"; }
 
-  /// Returns the size of its address range in bytes.
+  /// Returns the size of the device's address range in bytes.
   std::uint32_t size() const {
     const auto registers_end = registers.empty() ? 0 : registers.back().offset + 4;
     return std::max(span, registers_end);

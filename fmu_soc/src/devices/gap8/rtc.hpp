@@ -8,9 +8,10 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// GAP8's real-time clock, from Dolphin: calendar, alarm and countdown, driven by a tick of one second after reset. Its
-/// registers are accessed through a window: a store into CTRL copies a register from or to DATA. In this model, the
-/// copy takes no time. The copy, the alarm and the countdown each raise a SoC event. Calendar and alarm use BCD.
+/// GAP8's real-time clock, from Dolphin: calendar, alarm and countdown, driven by a tick, whose period is one second
+/// after reset. Its registers are accessed through a window: a store into CTRL copies a register from or to DATA. In
+/// this model, the copy takes no time. The copy, the alarm and the countdown each raise a SoC event. Calendar and alarm
+/// use BCD.
 ///
 /// Sources: archi/vendors/dolphin/rtc.h and rtc_periph.h of GreenWaves' gap_sdk; effect of a tick, and reset values:
 /// GVSoC's model there (rtc_impl.cpp). Our addition: leap years from 2000 to 2099, as in the driver's calculation.
