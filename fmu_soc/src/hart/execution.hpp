@@ -30,7 +30,8 @@ struct FastRegion {
   bool is_shared() const { return banks != nullptr; }
 };
 
-/// The reason for which execution left a block. `normal` means a branch or the end of the block.
+/// The reason for which execution left a block. `normal` means that the hart continues at the next instruction without
+/// further action.
 enum class Leave : std::uint8_t { normal, trap, device, stop, sleep, event, turn, counting };
 
 /// Registers of a hardware loop. If the count is above 1 after the last instruction of the body, the body runs again.

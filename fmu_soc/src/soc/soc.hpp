@@ -63,7 +63,7 @@ class Soc final {
   End end() const { return timeline_.end(); }
   bool running() const { return timeline_.running(); }
   std::int32_t exit_code() const;
-  /// True if the fabric controller sleeps, and no device and no core of the cluster can end this sleep.
+  /// True if the fabric controller sleeps, and no device and no core of the cluster will ever act again.
   bool sleeps_for_good();
   /// True if the fabric controller is in an endless loop that no interrupt can end.
   bool spins() const { return running() && hart().spins(); }
