@@ -82,9 +82,9 @@ struct TranslationContext {
 ///
 ///   rbx    Execution
 ///   r14    bytes of the first fast memory
-///   r15    number of cycles up to the limit, counted from the start of the block; costs that are only known at run time
-///          are subtracted at once. If banks are shared: the address of the present row of the table of banks, which
-///          advances by one row per cycle
+///   r15    number of cycles up to the limit, counted from the start of the block; costs that are only known at run
+///          time are subtracted at once. If banks are shared: the address of the present row of the table of banks,
+///          which advances by one row per cycle
 ///   xmm15  counts: instructions and accesses (32 bits each), energy of instructions [fJ]
 ///   xmm3 to xmm14  guest registers that dot products and floats use, in the low word; the upper bits have no meaning
 ///   rax, rcx, rdx, xmm0 to xmm2  scratch; the other registers hold guest registers, zero-extended
