@@ -7,8 +7,8 @@
 
 namespace mebots::master {
 
-/// A forwarding slave that treats values of all kinds alike: it reduces ten access functions to two. The kind
-/// distinguishes Booleans from Integers and Binaries from Strings.
+/// A forwarding slave that routes its ten access functions to two, get() and set(). `kind` distinguishes Booleans from
+/// Integers and Binaries from Strings, because these pairs share a C++ type.
 class AccessSlave : public ForwardingSlave {
  public:
   using ForwardingSlave::ForwardingSlave;
@@ -51,7 +51,7 @@ class AccessSlave : public ForwardingSlave {
   virtual void get(ValueKind kind, std::span<const ValueReference> references, Destination values) = 0;
   virtual void set(ValueKind kind, std::span<const ValueReference> references, Source values) = 0;
 
-  /// Functions of the wrapped slave.
+  /// Call the access function of the wrapped slave for this kind.
   void pass_get(ValueKind kind, std::span<const ValueReference> references, Destination values);
   void pass_set(ValueKind kind, std::span<const ValueReference> references, Source values);
 };

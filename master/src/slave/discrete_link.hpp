@@ -17,7 +17,7 @@ namespace mebots::master {
 using LinkValue = std::variant<double, std::int64_t, std::string>;
 
 /// A connection within a group that transfers values in event mode only. Numbers become factor * value + offset; whole
-/// numbers and Booleans are mapped first.
+/// numbers and Booleans are first replaced by their entry in `map`.
 struct DiscreteLink {
   std::size_t from = 0;  ///< index of the member in the group
   std::size_t to = 0;
@@ -33,11 +33,11 @@ struct DiscreteLink {
   LinkValue read(Slave& source) const;
 };
 
-/// Calls the function of `slave` for this kind.
+/// Calls the access function of `slave` for this kind of variable.
 LinkValue get_value(Slave& slave, ValueKind kind, ValueReference reference);
 void set_value(Slave& slave, ValueKind kind, ValueReference reference, const LinkValue& value);
 
-/// Compares values; doubles by their bits.
+/// Returns whether two values are equal. Doubles are compared by their bits.
 bool is_same(const LinkValue& a, const LinkValue& b);
 
 }  // namespace mebots::master

@@ -6,7 +6,8 @@
 
 namespace mebots::master {
 
-/// Returns a value after a time, by its derivatives of orders 1 and up: its Taylor polynomial.
+/// Returns a Taylor polynomial `since_s` seconds after its centre, where it has `value` and `derivatives` of orders 1
+/// and up.
 inline double extrapolated(double value, std::span<const double> derivatives, double since_s) {
   double sum = 0;
   for (auto order = derivatives.size(); order > 0; --order) {

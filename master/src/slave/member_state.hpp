@@ -10,8 +10,8 @@
 
 namespace mebots::master {
 
-/// The state of an instance in a group: the state of its FMU and of its slave. The first member's state also contains
-/// that of the group.
+/// The state of an instance in a group: the state of its FMU and of its slave. The state of the first member also
+/// contains the state of the group.
 struct MemberState final : SlaveState {
   std::unique_ptr<SlaveState> inner;
   std::vector<std::byte> own;

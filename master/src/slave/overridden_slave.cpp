@@ -130,8 +130,8 @@ OverriddenSlave::Value OverriddenSlave::apply(Target& target, const Value& value
       continue;
     }
     target.acted = true;
-    // Stores the first value at the override's first point. If several values are set at one point, as in
-    // initialisation, the last value counts.
+    // At the override's first communication point, stores the value without this override. If several values are set at
+    // this point, as in initialisation, keeps the last one.
     if (!layer.found_at_ns || layer.found_at_ns == time_ns_) {
       layer.found_at_ns = time_ns_;
       layer.found = result;
@@ -214,7 +214,7 @@ void OverriddenSlave::set_free_inputs() {
   pass_batch(ValueKind::binary, binaries_);
 }
 
-/// Sets the slopes of signals in an FMU that interpolates its inputs. A slope of 0 ends the previous one.
+/// Sets the slopes of signals in an FMU that interpolates its inputs. A slope of 0 ends the previous slope.
 void OverriddenSlave::set_slopes() {
   if (!inner().takes_input_derivatives()) return;
   std::vector<std::int32_t> orders;
@@ -238,7 +238,7 @@ StepResult OverriddenSlave::step(std::int64_t start_ns, std::int64_t duration_ns
   return result;
 }
 
-/// Applies one layer to a derivative of this order (from 1). Returns the result.
+/// Returns a time derivative of the variable after one override. `order` is the derivative's order, from 1 on.
 double OverriddenSlave::apply(Layer& layer, std::int32_t order, double derivative, std::int64_t since_ns) {
   const auto& override = schedule_->overrides()[layer.override];
   const auto& description = *override.description;

@@ -11,12 +11,12 @@
 
 namespace mebots::master {
 
-/// Applies a scenario's overrides to variables of the wrapped slave: an override of an input changes the value that
-/// this slave gets; an override of an output changes the value that all others read. Times are the slave's own
-/// communication points.
+/// Applies a scenario's overrides to variables of the wrapped slave. An override of an input changes the value that
+/// this slave gets. An override of an output changes the value that all other slaves read. Overrides act at the slave's
+/// own communication points.
 class OverriddenSlave final : public AccessSlave {
  public:
-  /// `schedule` must outlive the slave. `step_ns` is the length of its steps.
+  /// `schedule` must outlive the slave. `step_ns` is the length of the slave's steps.
   OverriddenSlave(std::unique_ptr<Slave> inner, const OverrideSchedule& schedule, std::size_t instance,
                   std::int64_t step_ns);
 

@@ -15,7 +15,7 @@
 namespace mebots::master {
 namespace {
 
-/// Archive names of the FMUs that run in this process.
+/// Returns the archive names of the FMUs that run in this process.
 std::set<std::string> fmus_here(const ResolvedSystem& system) {
   std::set<std::string> names;
   for (const auto& instance : system.instances) {
@@ -24,7 +24,8 @@ std::set<std::string> fmus_here(const ResolvedSystem& system) {
   return names;
 }
 
-/// Returns the names of their instances in quotes; if there are many, the first few.
+/// Returns the quoted names of the instances that run in this process. After eight names, returns only the number of
+/// further ones.
 std::string instances_here(const ResolvedSystem& system) {
   constexpr std::size_t kShown = 8;
   std::vector<std::string> names;
@@ -46,7 +47,8 @@ ProcessWatch::ProcessWatch(const ResolvedSystem& system, MessageSink& messages)
   begin();
 }
 
-/// Starts the watch. Only the standard descriptors are watched, because mebots itself opens and closes others.
+/// Starts the watch. Of the file descriptors, only standard input, output and error are watched, because mebots itself
+/// opens and closes others.
 void ProcessWatch::begin() {
   before_.reset();
   if (reach_ != ProcessReach::nothing) before_.emplace(standard_files(), reach_);

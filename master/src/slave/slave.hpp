@@ -62,16 +62,16 @@ class Slave {
   virtual void enter_initialization() = 0;
   virtual void exit_initialization() = 0;
   virtual StepResult step(std::int64_t start_ns, std::int64_t duration_ns) = 0;
-  /// Waits for a step that step() left pending. If `cancel` becomes true, cancels the step (fmi2CancelStep); then only
-  /// reading, terminate() and destruction are allowed.
+  /// Waits for a step that step() left pending. If `cancel` becomes true, cancels the step (fmi2CancelStep). After a
+  /// cancelled step, only reading, terminate() and destruction are allowed.
   virtual StepResult finish_step(const std::atomic<bool>& cancel);
   virtual void terminate() = 0;
-  /// Frees the instance, after its last call; otherwise the destructor does. Returns the error if freeing fails. The
-  /// error is also logged, and does not affect the results.
+  /// Frees the instance. No call may follow. If this function is never called, the destructor frees the instance. If
+  /// freeing fails, logs and returns the error, which does not affect the results.
   virtual std::optional<std::string> free_instance() = 0;
 
   virtual void get_reals(std::span<const ValueReference> references, std::span<double> values) = 0;
-  /// Also returns enumerations.
+  /// Reads Integers and enumerations.
   virtual void get_integers(std::span<const ValueReference> references, std::span<std::int64_t> values) = 0;
   /// Returns 0 or 1, even if the FMU uses another number for true.
   virtual void get_booleans(std::span<const ValueReference> references, std::span<std::int64_t> values) = 0;
@@ -106,7 +106,7 @@ class Slave {
                                      std::span<const double> values);
 
   /// Saves the state. Throws Error if the FMU cannot save it (canGetAndSetFMUstate is false). While a saved state
-  /// exists, every step passes noSetFMUStatePriorToCurrentPoint = false to the FMU, because it may be set back.
+  /// exists, every step passes noSetFMUStatePriorToCurrentPoint = false to the FMU, because the FMU may be set back.
   virtual std::unique_ptr<SlaveState> save_state() = 0;
   /// Restores a state. Throws Error if a step was taken since then while no saved state existed.
   virtual void restore_state(const SlaveState& state) = 0;

@@ -13,7 +13,7 @@
 namespace mebots::master {
 namespace {
 
-/// The state of a living slave, or time, reason and last values of a lost one.
+/// The state of a slave. For a lost slave: time and reason of the loss, and the last read values.
 class TolerantState final : public SlaveState {
  public:
   std::unique_ptr<SlaveState> inner;  // null = lost
@@ -115,7 +115,8 @@ void TolerantSlave::visit(state::Visitor& v) {
   v("strings", strings_);
   v("binaries", binaries_);
   if (!v.restores()) return;
-  // Pointers are not part of a state. They become null, because the lost slave cannot provide new ones.
+  // The state contains no OSMP pointers. After the state is restored, they are null, because the lost slave cannot
+  // provide new ones.
   for (const auto& triple : osmp_triples(description())) {
     for (auto& kept : integers_) {
       if (const auto places = places_of(triple, kept.references)) {

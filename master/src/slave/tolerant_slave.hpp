@@ -8,8 +8,8 @@
 
 namespace mebots::master {
 
-/// Lets the run continue if the wrapped slave fails in or after its first step. After the failure, its outputs keep
-/// their last values, and its inputs are ignored.
+/// Lets the run continue if the wrapped slave fails in or after its first step. After the failure, the slave's outputs
+/// keep their last values, and its inputs are ignored.
 class TolerantSlave final : public AccessSlave {
  public:
   /// Reports the loss to `messages` and records it in `loss`; both must outlive the slave.
@@ -39,7 +39,7 @@ class TolerantSlave final : public AccessSlave {
   void get(ValueKind kind, std::span<const ValueReference> references, Destination values) override;
   void set(ValueKind kind, std::span<const ValueReference> references, Source values) override;
 
-  /// The last read values, by reference.
+  /// The last read value of each value reference.
   template <typename T>
   struct Kept {
     std::vector<ValueReference> references;

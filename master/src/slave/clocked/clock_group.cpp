@@ -13,8 +13,8 @@
 namespace mebots::master {
 namespace {
 
-/// Limits the instants of one event, and the steps without progress. Beyond this number, the clocks are reported as
-/// never settling.
+/// Limits the instants of one event, and the number of consecutive steps without progress in time. If a group exceeds
+/// this number, an error reports that its clocks never settle.
 constexpr int kMostInstants = 1000;
 
 StepResult not_done(bool terminated, double time_s) {
@@ -117,7 +117,8 @@ void ClockGroup::fail_to_rest(double time_s) const {
                                members_.front().instance->name(), time_s));
 }
 
-/// Ends the instant. Returns true if a member requests another update of discrete states.
+/// Updates the discrete states of all members, which ends the instant. Returns true if a member requests another update
+/// of discrete states.
 bool ClockGroup::update_members(double time_s, bool& terminated) {
   bool needs_another = false;
   for (std::size_t m = 0; m < members_.size(); ++m) {

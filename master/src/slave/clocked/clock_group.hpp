@@ -16,12 +16,13 @@
 
 namespace mebots::master {
 
-/// The co-simulation slaves whose clocks are connected, or a single one with clocks. Steps them from tick to tick and
-/// handles their events (FMI 3.0.2, sections 2.2.8 and 4.2.1). When the first member steps, the whole group advances.
+/// The co-simulation slaves whose clocks are connected, or a single slave with clocks. Steps the slaves from tick to
+/// tick and handles their events (FMI 3.0.2, sections 2.2.8 and 4.2.1). When the first member steps, the whole group
+/// advances.
 ///
 /// Members step one after the other. If a member returns early to handle an event, later members step only to the time
-/// of this event. Earlier members are then ahead, and handle the event at their own time. If a member cannot step to
-/// any time (canHandleVariableCommunicationStepSize = false), clocks tick at communication points only.
+/// of this event. Members that have already stepped further handle the event at their own, later time. If a member
+/// cannot step to any time (canHandleVariableCommunicationStepSize = false), clocks tick at communication points only.
 class ClockGroup final : private EventModes {
  public:
   /// Both arguments must outlive the group.
@@ -44,7 +45,7 @@ class ClockGroup final : private EventModes {
   /// Returns the next tick of any clock [s]; TimedClock::kNever if none is scheduled.
   double next_tick_s() const { return network_.next_tick().time_s; }
 
-  /// Returns the times of members and clocks; the first member stores them.
+  /// Returns the times of members and clocks as bytes. They are stored in the state of the first member.
   std::vector<std::byte> save() const;
   void restore(std::span<const std::byte> bytes);
   void visit(state::Visitor& v);

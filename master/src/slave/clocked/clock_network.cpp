@@ -121,7 +121,8 @@ bool ClockNetwork::propagate_values() {
 
 bool ClockNetwork::propagate(double time_s) {
   bool changed = false;
-  // Only sweeps that change values count. Each clock ticks at most once, so sweeps that only tick come to an end.
+  // Only sweeps that change values count towards the limit. Each clock ticks at most once per instant, so the number of
+  // sweeps that only propagate ticks is finite.
   for (int sweeps = 0; sweeps < kMostClockSweeps;) {
     const bool ticked = propagate_ticks(time_s);
     const bool passed = propagate_values();

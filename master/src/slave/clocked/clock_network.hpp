@@ -39,14 +39,14 @@ class EventModes {
   virtual void note_late_tick(std::size_t member, double tick_s) = 0;
 };
 
-/// The clocks of connected instances: when they tick, and what passes along their connections at one instant (FMI
-/// 3.0.2, section 2.2.8). Members without clocks need not be added.
+/// The clocks of connected instances. Determines when the clocks tick, and transfers ticks and values along the
+/// connections at one instant (FMI 3.0.2, section 2.2.8). Members without clocks need not be added.
 class ClockNetwork final : public SystemClocks {
  public:
   /// `modes` must outlive the network.
   explicit ClockNetwork(EventModes& modes) : modes_(&modes) {}
 
-  /// Adds the member of this index in the group. All arguments must outlive the network's last call.
+  /// Adds the member that has the index `member` in the group. All arguments must outlive the network's last call.
   void add(std::size_t member, HoldingSlave& slave, ClockInstance& clocks);
   void connect(std::vector<ClockLink> clocks, std::vector<ClockedLink> values);
   bool empty() const { return members_.empty(); }

@@ -14,10 +14,10 @@ namespace mebots::master {
 
 class ClockGroup;
 
-/// A co-simulation instance with clocks as a slave. A step advances the whole group of its clocks.
+/// A slave for a co-simulation instance with clocks. Each of its steps advances all instances of the group.
 class ClockedSlave final : public ForwardingSlave {
  public:
-  /// `inner` is the slave that the group has as this member.
+  /// `inner` is the slave that was added to the group as member number `member`.
   ClockedSlave(std::unique_ptr<Slave> inner, std::size_t member, std::shared_ptr<ClockGroup> group);
 
   void setup_experiment(const Experiment& experiment) override;

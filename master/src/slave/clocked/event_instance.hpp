@@ -16,15 +16,15 @@ struct StepEnd {
   double time_s = 0;       ///< after an early return, less than the requested end
 };
 
-/// A co-simulation instance (FMI 3.0) whose caller handles events and clocks. After initialisation it is in event mode.
-/// All calls throw Error if the instance fails.
+/// A co-simulation instance (FMI 3.0) whose caller handles events and clocks. After initialisation, the instance is in
+/// event mode. All calls throw Error if the instance fails.
 class EventInstance {
  public:
   virtual ~EventInstance() = default;
 
   virtual const std::string& name() const = 0;
 
-  /// In step mode, takes a step. Returns empty if the instance discards it.
+  /// In step mode, takes a step. Returns empty if the instance discards the step.
   virtual std::optional<StepEnd> step_until(double start_s, double end_s) = 0;
   virtual void enter_event_mode() = 0;
   virtual void enter_step_mode() = 0;

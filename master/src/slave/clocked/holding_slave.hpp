@@ -14,8 +14,8 @@
 
 namespace mebots::master {
 
-/// An instance with clocks as a slave. Between ticks, reading a clocked variable returns its value at the last tick;
-/// set values wait for the next tick.
+/// A slave for an instance with clocks. Between ticks of its clock, a clocked output has its value of the last tick,
+/// and a value set for a clocked input waits for the next tick.
 class HoldingSlave final : public ForwardingSlave {
  public:
   explicit HoldingSlave(std::unique_ptr<Slave> inner);
@@ -40,7 +40,7 @@ class HoldingSlave final : public ForwardingSlave {
   Slave& alone() { return inner(); }
   /// At a tick of the clock, sets the waiting inputs in the FMU.
   void give_inputs(ValueReference clock);
-  /// At a tick of the clock, stores the values of its outputs.
+  /// At a tick of the clock, stores the values of the clock's outputs.
   void store_outputs(ValueReference clock);
 
   void visit(state::Visitor& v);

@@ -37,7 +37,7 @@ class TimedClock {
  private:
   bool is_periodic() const;
   double periodic_s(double count) const;
-  /// Returns the time. Throws Error if the time is negative, not a number, or zero where zero is not permitted.
+  /// Returns `time_s`. Throws Error if the time is negative or not finite, or if it is zero and `may_be_zero` is false.
   double checked(const ClockInstance& instance, std::string_view what, double time_s, bool may_be_zero) const;
 
   const modeldesc::Variable* variable_;

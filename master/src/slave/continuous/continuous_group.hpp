@@ -18,8 +18,8 @@
 
 namespace mebots::master {
 
-/// The slaves of one continuous system. When the first slave steps, the group advances the whole system. When the other
-/// slaves step, they return the same result.
+/// The slaves of one continuous system. When the first slave steps, the group advances the whole system. A step of any
+/// other slave only returns the same result.
 class ContinuousGroup final : private DiscreteLinks, private OuterInputs, private EventModes {
  public:
   struct Setup {
@@ -53,7 +53,7 @@ class ContinuousGroup final : private DiscreteLinks, private OuterInputs, privat
   void enter_event_mode() { system_->enter_event_mode(); }
   void input_changed() { system_->input_changed(); }
 
-  /// Returns the solver's state; the first member stores it.
+  /// Returns the solver's state as bytes. They are stored in the state of the first member.
   std::vector<std::byte> save() const;
   void restore(std::span<const std::byte> bytes);
   void visit(state::Visitor& v);

@@ -17,11 +17,12 @@ namespace mebots::master {
 
 class ContinuousGroup;
 
-/// A model exchange instance as a slave. A step advances its whole continuous system. Setting an input to the same
-/// value does not disturb the solver.
+/// A slave for a model exchange instance. Each of its steps advances the whole continuous system. Setting an input to
+/// the same value does not disturb the solver.
 class ContinuousSlave final : public ForwardingSlave {
  public:
-  /// `instance` is the second interface of `inner`, or of the slave in the HoldingSlave `inner`.
+  /// `instance` is the second interface of the object `inner`. If `inner` is a HoldingSlave, `instance` belongs to the
+  /// slave that it wraps.
   ContinuousSlave(std::unique_ptr<Slave> inner, ContinuousInstance& instance, std::shared_ptr<ContinuousGroup> group);
 
   void setup_experiment(const Experiment& experiment) override;
@@ -47,9 +48,9 @@ class ContinuousSlave final : public ForwardingSlave {
   ContinuousInstance& instance() { return *instance_; }
   /// Returns the index of the slave among the members of its group.
   std::size_t index() const { return member_; }
-  /// Returns the instance without the group.
+  /// Returns the wrapped slave, whose calls do not affect the group.
   Slave& alone() { return inner(); }
-  /// Sets inputs that are polynomials in the time since the last communication point.
+  /// Sets the inputs that have time derivatives, `since_s` seconds after the last communication point.
   Evaluation set_courses(double since_s);
   bool has_courses() const { return !courses_.empty(); }
 

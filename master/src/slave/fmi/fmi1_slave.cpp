@@ -21,7 +21,7 @@ static_assert(InstanceCalls::kOk == fmiOK && InstanceCalls::kWarning == fmiWarni
               InstanceCalls::kDiscard == fmiDiscard && InstanceCalls::kError == fmiError &&
               InstanceCalls::kFatal == fmiFatal && InstanceCalls::kPending == fmiPending);
 
-/// The MIME type that selects an FMU that runs in the master's process, not in its own tool.
+/// The MIME type for an FMU whose library runs in the master's process, not in the tool that exported it.
 constexpr const char* kMimeType = "application/x-fmu-sharedlibrary";
 constexpr double kNoTimeout_ms = 0;
 
@@ -79,8 +79,8 @@ void Fmi1Slave::exit_initialization() {
   start_ = {};
 }
 
-/// Has no effect if the FMU was initialised with all present values. Otherwise instantiates the FMU again instead of
-/// resetting it, because some FMUs lose their variables at fmiResetSlave (tutorial-fmus of
+/// Has no effect if the FMU was initialised with all values that were set so far. Otherwise instantiates the FMU again
+/// instead of resetting it, because some FMUs lose their variables at fmiResetSlave (tutorial-fmus of
 /// open-simulation-platform/demo-cases).
 void Fmi1Slave::initialize_anew() {
   if (!std::exchange(is_stale_, false)) return;
@@ -200,7 +200,7 @@ void Fmi1Slave::set_reals(std::span<const ValueReference> references, std::span<
   calls_.require("fmiSetReal", functions_->set_real, known.data(), known.size(), reals_.data());
 }
 
-/// The values fit in std::int32_t, because `resolve` and Ensemble check them.
+/// The values fit in std::int32_t, because `resolve` and Ensemble check their range.
 void Fmi1Slave::set_integers(std::span<const ValueReference> references, std::span<const std::int64_t> values) {
   numbers_.resize(values.size());
   std::ranges::transform(values, numbers_.begin(), [](std::int64_t value) { return static_cast<fmiInteger>(value); });

@@ -66,7 +66,8 @@ class Fmi1Slave final : public Slave {
 
  private:
   enum class Phase { instantiated, initializing, running };
-  /// All values set before the first step, with the FMU's value references and signs.
+  /// All values set before the first step, by the FMU's own value references. For negated aliases, they have the FMU's
+  /// sign.
   struct StartValues {
     std::map<ValueReference, double> reals;
     std::map<ValueReference, fmiInteger> integers;

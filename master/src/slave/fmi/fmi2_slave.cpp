@@ -142,7 +142,7 @@ void Fmi2Slave::set_reals(std::span<const ValueReference> references, std::span<
   calls_.require("fmi2SetReal", functions_->set_real, references.data(), references.size(), values.data());
 }
 
-/// The values fit in std::int32_t, because `resolve` and Ensemble check them.
+/// The values fit in std::int32_t, because `resolve` and Ensemble check their range.
 std::span<const std::int32_t> Fmi2Slave::narrowed(std::span<const std::int64_t> values) {
   numbers_.resize(values.size());
   std::ranges::transform(values, numbers_.begin(), [](std::int64_t value) { return static_cast<std::int32_t>(value); });

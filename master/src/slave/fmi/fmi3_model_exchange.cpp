@@ -112,7 +112,7 @@ bool Fmi3ModelExchange::has_directional_derivatives() const {
          functions().get_directional_derivative != nullptr;
 }
 
-/// fmi3GetDirectionalDerivative takes whole arrays; elements that are not among the knowns do not change.
+/// fmi3GetDirectionalDerivative takes whole arrays. Array elements that are not among the knowns have the seed 0.
 void Fmi3ModelExchange::directional_derivatives(std::span<const ValueReference> unknowns,
                                                 std::span<const ValueReference> knowns, std::span<const double> seed,
                                                 std::span<double> change) {

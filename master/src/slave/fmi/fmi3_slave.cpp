@@ -10,7 +10,8 @@
 namespace mebots::master {
 namespace {
 
-/// Limits the updates of the discrete states in one event; an event with more does not settle.
+/// Limits the updates of the discrete states in one event. If an event needs more, an error reports that it does not
+/// end.
 constexpr int kMostUpdates = 1000;
 /// Limits consecutive early returns without progress in time.
 constexpr int kMostReturns = 1000;

@@ -22,7 +22,7 @@ enum class EventHandler : std::uint8_t {
 /// A co-simulation instance of FMI 3.0 in this process. If the FMU has an event mode, it is used.
 class Fmi3Slave final : public Fmi3Instance, public EventInstance {
  public:
-  /// The constructor of Fmi3Instance explains the other arguments.
+  /// Events are handled by `handler`. The other arguments are those of Fmi3Instance.
   Fmi3Slave(std::string name, std::shared_ptr<Fmu> fmu, std::shared_ptr<const modeldesc::ModelDescription> model,
             const modeldesc::StructuralValues& structural, std::vector<std::string> log_categories,
             MessageSink& messages, const TimeGrid& grid = {}, EventHandler handler = EventHandler::slave);
@@ -31,7 +31,8 @@ class Fmi3Slave final : public Fmi3Instance, public EventInstance {
   void exit_initialization() override;
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
 
-  /// Only if the FMU calls back for inputs within a step. FMI 3.0 has no function for derivatives of inputs.
+  /// True if the FMU requests inputs within a step (intermediate update). In this case the derivatives become values of
+  /// inputs within the step, because FMI 3.0 has no function that sets derivatives.
   bool takes_input_derivatives() const override { return !intermediate_inputs_.empty(); }
   void set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
                              std::span<const double> values) override;

@@ -16,12 +16,13 @@ namespace {
 
 using modeldesc::Type;
 
-/// A longer binary is treated as an error of the FMU.
+/// The maximum size of a binary value [bytes]. A longer value is treated as an error of the FMU.
 constexpr std::size_t kLongestBinary = std::size_t{1} << 30;
-/// The number of lists of variables, per kind of access, whose order of calls is cached. An instance has fewer lists.
+/// The maximum number of lists of references, per kind of variable, whose FMU calls are cached. An instance is usually
+/// read and set with fewer lists.
 constexpr std::size_t kMostPlans = 32;
 
-/// The functions for one type of numbers.
+/// The get and set functions of FMI 3.0 for one numeric type.
 template <typename T, typename Get, typename Set>
 struct NumberFunctions {
   using Number = T;
@@ -116,7 +117,7 @@ T* Fmi3Values::buffer(std::size_t count) {
   return reinterpret_cast<T*>(buffer_.data());
 }
 
-/// Calls action(NumberFunctions) for the type.
+/// Calls `action` with the NumberFunctions of the type.
 template <typename Action>
 void Fmi3Values::with_functions(Type type, Action action) {
   const auto& f = *functions_;

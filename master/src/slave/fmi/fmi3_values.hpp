@@ -14,12 +14,12 @@
 
 namespace mebots::master {
 
-/// Reads and sets the variables of an FMI 3.0 instance. The master has one number per scalar and per array element; FMI
-/// 3.0 has a function per type that takes whole arrays. A list of references is sorted into calls once, because the
-/// same lists recur at every communication point.
+/// Reads and sets the variables of an FMI 3.0 instance. The master has one value reference per scalar and per array
+/// element. FMI 3.0 has a function per type that takes whole arrays. The calls for a list of references are cached,
+/// because the same lists recur at every communication point.
 class Fmi3Values {
  public:
-  /// `model` has elements in place of arrays (see modeldesc::with_elements()). All must outlive this object.
+  /// `model` has elements in place of arrays (see modeldesc::with_elements()). All arguments must outlive this object.
   Fmi3Values(InstanceCalls& calls, const Fmi3Functions& functions, const modeldesc::ModelDescription& model);
 
   void get(std::span<const ValueReference> references, std::span<double> values);
@@ -35,7 +35,8 @@ class Fmi3Values {
   void set(ValueKind kind, std::span<const ValueReference> references, std::span<const std::int64_t> values);
   void set(ValueKind kind, std::span<const ValueReference> references, std::span<const std::string> values);
 
-  /// FMU variables, and for each variable of the master its place in the values of the FMU variables.
+  /// Variables of the FMU with all their elements. For each requested variable of the master, `places` has its index
+  /// among the values of the FMU variables.
   struct Whole {
     std::vector<std::uint32_t> references = {};
     std::size_t value_count = 0;
@@ -44,7 +45,7 @@ class Fmi3Values {
   Whole whole(std::span<const ValueReference> references) const;
 
  private:
-  /// The place of one of the master's variables in the FMU.
+  /// The FMU variable that contains a variable of the master.
   struct Place {
     modeldesc::Type type = modeldesc::Type::real;
     std::uint32_t reference = 0;
@@ -52,7 +53,7 @@ class Fmi3Values {
     std::size_t count = 1;  // of the array
     const modeldesc::Variable* variable = nullptr;
   };
-  /// A value of a call, and its index in the caller's list.
+  /// The index of a value in an FMU call, and its index in the caller's list.
   struct Move {
     std::size_t value;
     std::size_t slot;
@@ -71,8 +72,8 @@ class Fmi3Values {
     std::vector<Call> calls;
   };
 
-  /// The result of several calls, which stop at the first status other than OK and Warning. Contains that status and
-  /// the last called function.
+  /// The result of consecutive calls. They stop at the first status other than OK and Warning. Contains this status and
+  /// the function that returned it.
   struct CallResult {
     int status = InstanceCalls::kOk;
     const char* function = "";

@@ -10,7 +10,7 @@
 
 namespace mebots::master {
 
-/// The handle of a state in the FMU, and the time for messages about it.
+/// A state: the FMU's handle of it, and its time for messages.
 template <typename Functions>
 class FmuStates<Functions>::State final : public SlaveState {
  public:

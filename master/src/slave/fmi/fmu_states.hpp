@@ -35,8 +35,8 @@ inline constexpr StateNames kFmi3StateNames = {
     "fmi3GetFMUState",       "fmi3SetFMUState",         "fmi3FreeFMUState",     "fmi3SerializedFMUStateSize",
     "fmi3SerializeFMUState", "fmi3DeserializeFMUState", "canGetAndSetFMUState", "canSerializeFMUState"};
 
-/// Saves, restores and serializes the states of an instance. `Functions` is the table of a version of FMI; functions
-/// that the FMU lacks or does not claim are null.
+/// Saves, restores and serializes the states of an instance. `Functions` is the table of functions of one FMI version.
+/// A function is null if the FMU lacks it or does not declare its capability.
 template <typename Functions>
 class FmuStates {
  public:
@@ -45,8 +45,8 @@ class FmuStates {
             bool can_serialize)
       : calls_(&calls), functions_(&functions), names_(&names), can_save_(can_save), can_serialize_(can_serialize) {}
 
-  /// Returns true if no saved state exists. Then, in a step from `start_ns`, the master may promise the FMU not to set
-  /// it back to an earlier time, and the FMU may discard the data for that.
+  /// Returns true if no saved state exists. In this case, the caller passes noSetFMUStatePriorToCurrentPoint = true to
+  /// the step from `start_ns`. The FMU may then discard the data for earlier times.
   bool promise_at(std::int64_t start_ns) {
     if (kept_ != 0) return false;
     promised_ns_ = start_ns;

@@ -121,8 +121,8 @@ std::vector<const char*> InstanceCalls::chosen_categories() const {
   static constexpr std::string_view kAlways[] = {"logStatusWarning", "logStatusDiscard", "logStatusError",
                                                  "logStatusFatal"};
   if (std::ranges::find(log_categories_, "*") != log_categories_.end()) return {};
-  // If the FMU has none of these categories, an empty list is passed, so the FMU logs all messages. Then is_shown()
-  // selects the messages to show.
+  // If the FMU declares none of `log_categories_`, an empty list is passed, so the FMU logs all messages. In this case,
+  // is_shown() selects the messages to show.
   std::vector<const char*> chosen;
   for (const auto& category : description().log_categories) {
     if (std::ranges::find(log_categories_, category.name) != log_categories_.end() ||
@@ -221,7 +221,7 @@ void InstanceCalls::deliver_held() {
   deliver_all_but(0);
 }
 
-/// Delivers the held messages except the `last` ones, and drops those. The caller must hold the mutex.
+/// Drops the last `last` held messages and delivers the others. The caller must hold the mutex.
 void InstanceCalls::deliver_all_but(std::size_t last) {
   held_.resize(held_.size() - std::min(held_.size(), last));
   for (const auto& held : held_) sink_->message({name_, held.severity, held.category, held.text, time_ns_});

@@ -25,7 +25,8 @@ namespace mebots::master {
 
 /// Calls an instance of an FMU, of any version of FMI. This class finds the instance of a callback, converts C++
 /// exceptions to SlaveErrors, and adds names and times to messages. It keeps the floating-point environments of master
-/// and FMU apart. It reverts and reports changes of the process. Not for use by two threads at once.
+/// and FMU apart. It reverts and reports changes that the FMU makes to process-wide state. Not for use by two threads
+/// at once.
 class InstanceCalls final : public CallbackListener {
  public:
   /// Returns the standard's name of a status.
@@ -40,8 +41,8 @@ class InstanceCalls final : public CallbackListener {
   static constexpr int kPending = 5;
 
   /// Ordinary messages (status OK) of `log_categories` go to `messages`; "*" means all categories. Warnings and errors
-  /// always go there. `messages` must outlive this object. Points of `grid` are passed to the FMU as the nearest
-  /// doubles.
+  /// always go to `messages`. `messages` must outlive this object. Points of `grid` are passed to the FMU as the
+  /// nearest doubles.
   InstanceCalls(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::string> log_categories,
                 MessageSink& messages, const TimeGrid& grid, StatusName status_name);
   ~InstanceCalls() override;
@@ -61,12 +62,12 @@ class InstanceCalls final : public CallbackListener {
   /// Returns the standard's name of a status.
   std::string_view name_of_status(int status) const { return status_name_(status); }
 
-  /// Returns the time of messages and errors.
+  /// Returns the simulation time that messages and errors contain [ns].
   std::int64_t time_ns() const { return time_ns_; }
   void set_time_ns(std::int64_t time_ns) { time_ns_ = time_ns; }
 
-  /// Reports what loading the FMU's library changed, and calls `make` to create the instance; it returns null on
-  /// failure. Throws SlaveError.
+  /// Reports the process-wide changes that loading the FMU's library caused. Then calls `make`, which creates the
+  /// instance and returns null on failure. Throws SlaveError.
   void instantiate(const char* function, const std::function<void*()>& make);
   /// Replaces an instance that the caller has freed.
   void instantiate_again(const char* function, const std::function<void*()>& make);
@@ -81,7 +82,7 @@ class InstanceCalls final : public CallbackListener {
   std::vector<const char*> chosen_categories() const;
 
   /// Calls a function of the FMU with the instance as its first argument and returns the result. Throws SlaveError if
-  /// it throws a C++ exception.
+  /// the function throws a C++ exception.
   template <typename Function, typename... Arguments>
   [[gnu::always_inline]] auto call(const char* name, Function* function, Arguments... arguments) {
     return in_scope(name, [&] { return function(instance_, arguments...); });

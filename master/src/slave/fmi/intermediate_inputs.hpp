@@ -13,16 +13,17 @@
 namespace mebots::master {
 
 /// The inputs that an FMU of FMI 3.0 for co-simulation accepts within a step: continuous Float64 with
-/// intermediateUpdate. Their values within a step are polynomials in time, by the derivatives of their sources. An
-/// array is set only if all of its elements are set at the step's start.
+/// intermediateUpdate. Within a step, the value of an input is a polynomial in time. Its coefficients come from the
+/// derivatives of the output that is connected to the input. An array is set only if all of its elements are set at the
+/// step's start.
 class IntermediateInputs {
  public:
   /// Contains no inputs.
   IntermediateInputs() = default;
-  /// `model` has elements in place of arrays. Contains no inputs if the FMU does not call back.
+  /// `model` has elements in place of arrays. Contains no inputs if the FMU does not call the master within steps.
   explicit IntermediateInputs(const modeldesc::ModelDescription& model);
 
-  /// Returns the value references. For arrays, returns one reference of the whole array.
+  /// Returns the value references for FMU calls. An array has one reference.
   std::vector<std::uint32_t> references() const;
   bool empty() const { return wholes_.empty(); }
   /// Stores the values at the start of the next step. Other variables are ignored.
@@ -30,9 +31,9 @@ class IntermediateInputs {
   /// Stores derivatives at the start of the next step, after the values.
   void set_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
                        std::span<const double> values);
-  /// Starts a step. If no value was set since the last one, the polynomials continue.
+  /// Starts a step. If no value was set since the last step, the polynomials continue.
   void start_step(double start_s);
-  /// Returns the inputs with derivatives, and their values.
+  /// Returns the FMU's value references of the inputs with derivatives, and the values at `time_s`.
   std::pair<std::vector<std::uint32_t>, std::vector<double>> values_at(double time_s) const;
 
  private:

@@ -23,11 +23,11 @@ struct InstanceRequest {
   TimeGrid grid;                            ///< its points are passed to the FMU as the nearest doubles
 };
 
-/// Creates an instance in this process with the adapter of the FMU's version. `messages` must outlive it. Throws
-/// SlaveError if instantiation fails.
+/// Creates an instance in this process with the slave class for the FMU's version of FMI. `messages` must outlive the
+/// instance. Throws SlaveError if instantiation fails.
 std::unique_ptr<Slave> make_slave_here(InstanceRequest request, MessageSink& messages);
 
-/// A co-simulation instance whose caller handles its events, as Slave and as EventInstance.
+/// Both interfaces of a co-simulation instance whose caller handles its events.
 struct EventParts {
   std::unique_ptr<Slave> slave;
   EventInstance* instance;  ///< the same object
@@ -36,7 +36,7 @@ struct EventParts {
 /// Works as make_slave_here(), for an FMI 3.0 FMU with an event mode.
 EventParts make_event_slave_here(InstanceRequest request, MessageSink& messages);
 
-/// A model exchange instance, with both of its interfaces.
+/// Both interfaces of a model exchange instance.
 struct ContinuousParts {
   std::unique_ptr<Slave> slave;
   ContinuousInstance* instance;  ///< the same object

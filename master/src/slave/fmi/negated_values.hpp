@@ -11,12 +11,14 @@
 
 namespace mebots::master {
 
-/// The negated aliases of an FMI 1.0 FMU: their references, and the sign of their values. Most FMUs have none.
+/// Translates negated aliases of an FMI 1.0 FMU to the FMU's references, and changes the signs of their values. Most
+/// FMUs have no negated aliases.
 class NegatedValues {
  public:
   explicit NegatedValues(const modeldesc::ModelDescription& description);
 
-  /// Returns the references in the FMU. If no alias is negated, returns `references` itself. Valid until the next call.
+  /// Returns the FMU's references. If no alias is negated, returns `references` itself. The result is valid until the
+  /// next call.
   std::span<const ValueReference> in_fmu(std::span<const ValueReference> references);
   /// Calls negate(i) for each i whose reference is a negated alias.
   template <typename Negate>

@@ -17,20 +17,21 @@ class PendingStep {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Resets the state. Must be called before DoStep, because the callback may precede its return.
+  /// Resets the state. Must be called before DoStep, because the callback stepFinished may occur before DoStep returns.
   void begin();
   /// Called when DoStep has returned fmiPending.
   void continues();
-  /// The callback stepFinished. It may be called from any thread.
+  /// Handles the callback stepFinished. May be called from any thread.
   void finished(int status);
-  /// Waits for the end of the step and returns its status; fmiPending if `cancel` becomes true, or `until` is reached.
-  /// Queries the FMU by `status_of_fmu`, every 20 us at first and every 2 ms later. The result of the query determines
-  /// whether the step has ended, because a late callback may belong to an earlier step. Callbacks determine it in two
-  /// cases only. In the first case, the query returns nothing. In the second case, there were as many callbacks as
-  /// pending steps, and after kLongestDenial the query still reports fmiPending.
+  /// Waits for the end of the step and returns the step's status. Returns fmiPending if `cancel` becomes true, or
+  /// `until` is reached. Queries the FMU by `status_of_fmu`, first after 20 us and later every 2 ms. The result of the
+  /// query determines whether the step has ended, because a late callback may belong to an earlier step. A callback
+  /// ends the step only in two cases. In the first case, the query returns nothing. In the second case, as many
+  /// callbacks as pending steps have occurred, and the query still reports fmiPending after kLongestDenial.
   int wait(const std::atomic<bool>& cancel, const std::function<std::optional<int>()>& status_of_fmu,
            Clock::time_point until = Clock::time_point::max());
-  /// True if GetStatus has denied the end of a step. GetStatus is then not called again.
+  /// True if GetStatus has reported fmiPending although callbacks had reported the end of the step. GetStatus is then
+  /// not called again.
   bool is_status_ignored() const { return is_status_ignored_; }
 
  private:

@@ -50,11 +50,11 @@ class StepCalls {
 
   /// Steps as Slave::step() specifies. `last_argument` is the last argument of DoStep.
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns, typename Types::Boolean last_argument);
-  /// Finishes a step in progress as Slave::finish_step() specifies. If the step must be cancelled, but the FMU cannot
-  /// cancel it and the step does not end within a second, abandons the instance and throws InterruptedError.
+  /// Finishes a step in progress as Slave::finish_step() specifies. If the FMU cannot cancel the step, waits at most a
+  /// second for its end. If the step does not end, abandons the instance and throws InterruptedError.
   StepResult finish(const std::atomic<bool>& cancel);
-  /// Ends a step under way, so that the instance can be freed; abandons the instance if that is impossible. Throws
-  /// SlaveError if the FMU fails; the instance is then abandoned.
+  /// Ends a step in progress, so that the instance can be freed. If the step cannot be ended, abandons the instance. If
+  /// the FMU fails, abandons the instance and throws SlaveError.
   void end();
   bool is_under_way() const { return is_under_way_; }
 

@@ -27,16 +27,16 @@ struct ProcessEnd {
 class ChildProcess {
  public:
   /// Starts the program with empty standard input, `descriptors` as descriptors 3, 4, ... and no other open files.
-  /// Throws Error if it cannot be started.
+  /// Throws Error if the program cannot be started.
   ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                const std::array<int, 4>& descriptors);
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// Returns the end of the process, if it has ended.
+  /// If the process has ended, returns how it ended.
   std::optional<ProcessEnd> ended();
-  /// Waits at most `seconds` for the end.
+  /// Waits at most `seconds` for the process to end. Returns how it ended; empty if it still runs.
   std::optional<ProcessEnd> ended_within(double seconds);
   /// Ends the process and all its descendants, and waits for them.
   void kill();
@@ -46,33 +46,36 @@ class ChildProcess {
   std::optional<ProcessEnd> end_;
 };
 
-/// Raises the limit of open files (RLIMIT_NOFILE) if `count` isolated instances need it, each of which takes `each`
-/// descriptors of this process. If the hard limit is lower than the needed number, throws Error with this number.
+/// Raises the limit of open files (RLIMIT_NOFILE) if `count` isolated instances need a higher limit. Each instance
+/// takes `each` descriptors of this process. If the hard limit is lower than the needed number, throws Error with this
+/// number.
 void reserve_descriptors(std::size_t count, std::size_t each);
 
-/// Returns "signal 11 (SIGSEGV, invalid memory access)".
+/// Returns a text such as "signal 11 (SIGSEGV, invalid memory access)".
 std::string signal_text(int signal);
 
 /// Finds the program `mebots-fmu-host`: in $MEBOTS_FMU_HOST, in the folder of the running program or of this library,
-/// or in the library's ../bin. Throws Error with the searched places.
+/// or in the library's ../bin. If the program is not found, throws Error with the searched paths.
 std::filesystem::path find_fmu_host();
 
 /// Forks and returns in the child, which leads a new session. The calling process becomes its keeper. When the child
 /// ends, when `parent` ends (by any signal), or at end_kept(), the keeper ends all descendants of the child, in any
-/// process group or session. Then it ends in the same way as the child. If the keeper ends, the child ends, too.
-/// Neither the child nor the keeper writes a core dump. The process must have one thread only. Throws Error if no
+/// process group or session. The keeper then ends in the same way as the child. If the keeper ends, the child ends,
+/// too. Neither the child nor the keeper writes a core dump. The process must have one thread only. Throws Error if no
 /// process can be created.
 void fork_kept(pid_t parent);
 
-/// Makes a keeper end its processes and itself, and waits for the keeper's end. Does not reap the keeper.
+/// Requests a keeper (see fork_kept()) to end its descendants and itself, and waits for the keeper's end. Does not reap
+/// the keeper.
 void end_kept(pid_t keeper);
 
 }  // namespace mebots::master::isolation
 
 namespace mebots::master {
 
-/// Reads the FMU's ELF files. Chooses the Python of MEBOTS_PYTHON, else `python3` on PATH, else any in the system's
-/// folders. If there is none, `library` is empty.
+/// Returns whether the FMU needs a Python interpreter, according to its ELF files, and which one. Chooses the Python of
+/// MEBOTS_PYTHON, else `python3` on PATH. If neither has a shared library, chooses the newest one in the system's
+/// folders. If no library is needed or found, `library` is empty.
 Interpreter interpreter_of(const Fmu& fmu);
 
 /// The main function of `mebots-fmu-host`: runs one FMU for the master that started the program, until the master

@@ -78,7 +78,7 @@ void limit_memory(std::uint64_t memory_bytes, LimitedMemory limited) {
     setrlimit(RLIMIT_DATA, &data);
     return;
   }
-  // Counts from what the process already uses.
+  // The limit applies to memory beyond the process's present use.
   mallopt(M_ARENA_MAX, 2);  // otherwise every thread reserves 64 MiB of address space
   std::uint64_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
@@ -114,11 +114,12 @@ void forbid_harm(Signals signals) {
                            SCMP_SYS(pidfd_open)}) {
       forbid(call, {is_not(0, self)});
     }
-    // The arguments do not show to which process the thread or descriptor (also of a folder of /proc) belongs.
+    // These calls are always forbidden, because their arguments do not show the process that the thread or descriptor
+    // belongs to.
     for (const int call : {SCMP_SYS(tkill), SCMP_SYS(pidfd_send_signal)}) forbid(call);
   }
-  // Forbids access to memory and limits of other processes; the host reads texts of callbacks from its own process in
-  // another way.
+  // Forbids access to memory and limits of other processes. The host may still read its own memory, which contains the
+  // texts of callbacks.
   for (const int call : {SCMP_SYS(process_vm_readv), SCMP_SYS(process_vm_writev)}) {
     forbid(call, {is_not(0, self)});
   }
@@ -132,7 +133,7 @@ void forbid_harm(Signals signals) {
     forbid(SCMP_SYS(ioctl), {is(1, request)});
   }
   // Forbids calls that expose more of the kernel than a simulation needs. clone3 is refused, too: it passes its flags
-  // in memory, where a filter cannot read them. Then the C library uses clone.
+  // in memory, where a filter cannot read them. The C library then uses clone.
   for (const int call : {SCMP_SYS(unshare), SCMP_SYS(setns), SCMP_SYS(bpf), SCMP_SYS(perf_event_open),
                          SCMP_SYS(userfaultfd), SCMP_SYS(io_uring_setup), SCMP_SYS(add_key), SCMP_SYS(keyctl)}) {
     forbid(call);

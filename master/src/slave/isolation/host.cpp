@@ -270,8 +270,8 @@ class Host {
     return true;
   }
 
-  /// Frees the instance and returns how the FMU's libraries differ from their state directly after loading; empty if
-  /// they do not. Throws SlaveError if freeing fails; the host ends in both cases.
+  /// Frees the instance. Returns the differences between the memory of the FMU's libraries and its content after
+  /// loading; empty if there are none. Throws SlaveError if freeing fails. Afterwards the host ends in any case.
   std::string close() {
     closed_ = true;
     states_.clear();
@@ -369,7 +369,7 @@ class Host {
                                  dlerror()));
   }
 
-  /// Returns false, which ends the batch, if the step is not complete.
+  /// Writes the result of a step. If the step is not complete, returns false, which ends the batch.
   bool answer_step(const StepResult& result) {
     put_done();
     answers_.put(result.done);
@@ -390,7 +390,7 @@ class Host {
     answers_.put(std::span<const T>(values));
   }
 
-  /// Writes Integers, followed by the bytes of every binary variable among them.
+  /// Writes Integers. After them, writes the bytes of each binary (OSMP) whose three Integers are among `references`.
   void get_integers(SharedReader& commands) {
     const auto references = commands.get_vector<ValueReference>();
     std::vector<std::int64_t> values(references.size());

@@ -20,8 +20,8 @@ void put_evaluation(SharedWriter& answers, Evaluation evaluation) {
   answers.put(evaluation != Evaluation::ok);
 }
 
-/// Answers with numbers that `evaluate` computes. If the evaluation fails recoverably, sends the numbers, too; they
-/// have no meaning then.
+/// Writes an answer with the numbers that `evaluate` computes. If the FMU discards the evaluation, the answer contains
+/// numbers without meaning.
 template <typename Evaluate>
 void put_values(SharedWriter& answers, std::size_t count, Evaluate evaluate) {
   std::vector<double> values(count);

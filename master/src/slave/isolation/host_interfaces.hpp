@@ -17,8 +17,8 @@ bool dispatch(ContinuousInstance& instance, Call call, SharedReader& commands, S
 /// does not belong to this interface.
 bool dispatch(EventInstance& instance, Call call, SharedReader& commands, SharedWriter& answers);
 
-/// Executes a call about the clocks of such an instance, and writes the answer. Returns false if the call does not
-/// belong to this interface.
+/// Executes a call about the clocks of an instance, and writes the answer. Returns false if the call does not belong to
+/// this interface.
 bool dispatch(ClockInstance& instance, Call call, SharedReader& commands, SharedWriter& answers);
 
 }  // namespace mebots::master::isolation

@@ -29,7 +29,8 @@ struct Python {
   std::string packages;
 };
 
-/// Prints the library, then the packages of the virtual environment or an empty line.
+/// Python code that prints the path of the interpreter's library. The second line is the package folder of the virtual
+/// environment, or empty.
 constexpr const char* kQuestion =
     "import os, sys, sysconfig\n"
     "print(os.path.join(sysconfig.get_config_var('LIBDIR') or '', sysconfig.get_config_var('INSTSONAME') or ''))\n"

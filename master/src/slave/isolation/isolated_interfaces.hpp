@@ -26,7 +26,7 @@ class IsolatedClocks : public IsolatedSlave, public ClockInstance {
   double shift(ValueReference clock) override;
 };
 
-/// A model exchange instance in a separate process. Each evaluation takes one hand-over.
+/// A model exchange instance in a separate process. Each evaluation takes one exchange with this process.
 class IsolatedModelExchange final : public IsolatedClocks, public ContinuousInstance {
  public:
   /// The arguments are those of IsolatedSlave.

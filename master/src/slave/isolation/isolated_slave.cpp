@@ -37,7 +37,7 @@ class IsolatedState final : public SlaveState {
 
 namespace {
 
-/// The interval at which a waiting master checks that the process lives.
+/// The interval at which a waiting master checks that the host process still runs [ns].
 constexpr std::int64_t kLookNs = 20'000'000;
 /// The time that a call may still take after an interrupt [s]. So a call that is about to return can finish.
 constexpr double kInterruptGraceS = 0.1;
@@ -136,8 +136,8 @@ std::optional<std::string> IsolatedSlave::report_end() {
   return fmt::format("instance '{}': {}", name_, problem);
 }
 
-/// Returns the error that the host reported when it freed the instance. The error is also logged. Stores the host's
-/// comparison of the FMU's memory.
+/// Returns the error that the host reported when it freed the instance. The error is also logged. If the host found the
+/// memory of the FMU's libraries changed, stores its description.
 std::optional<std::string> IsolatedSlave::failure_of_close() {
   try {
     auto reader = answers();
@@ -361,7 +361,7 @@ StepResult IsolatedSlave::finish_step(const std::atomic<bool>& cancel) {
   }
 }
 
-/// Sends a call that steps, followed by the reads made after the last step.
+/// Sends the call of a step, followed by the same reads that the master made after the previous step.
 StepResult IsolatedSlave::hand_over_step() {
   std::erase_if(reads_, [](const Read& read) { return !read.used; });
   for (const auto& read : reads_) put_read(read.call, read.references, read.orders);
@@ -384,7 +384,7 @@ StepResult IsolatedSlave::hand_over_step() {
   return result;
 }
 
-/// Takes the answers to the reads sent with this step.
+/// Stores the answers to the reads that were sent with this step.
 void IsolatedSlave::take_reads(SharedReader& answers) {
   for (auto read = reads_.begin(); read != reads_.end(); ++read) {
     read->used = false;

@@ -19,16 +19,18 @@
 
 namespace mebots::master::isolation {
 
-/// A slave in a separate process (mebots-fmu-host). Set values wait for the next call that computes. A step also
-/// requests the values that were read after the last step, and stores the answers. So a communication step needs one
-/// exchange with the process. If the process ends, or a call exceeds its deadline, every call throws SlaveError.
+/// A slave in a separate process (mebots-fmu-host). Values are not sent when they are set, but with the next call that
+/// needs an answer. A step also requests the values that were read after the last step, and stores the answers. So a
+/// communication step needs one exchange with the process. If the process ends, or a call exceeds its deadline, every
+/// call throws SlaveError.
 class IsolatedSlave : public Slave {
  public:
   /// Descriptors that the master needs per instance.
   static constexpr std::size_t kDescriptors = 2;
 
-  /// Starts the process and instantiates. `instance`, `messages` and `interrupted` must outlive the slave. When
-  /// `*interrupted` becomes true, the process of a call that does not return is ended; null disables this.
+  /// Starts the process and instantiates. `instance`, `messages` and `interrupted` must outlive the slave. If
+  /// `*interrupted` becomes true while a call does not return, the process is ended. If `interrupted` is null, calls
+  /// cannot be interrupted.
   IsolatedSlave(const ResolvedInstance& instance, MessageSink& messages, const std::atomic<bool>* interrupted,
                 const TimeGrid& grid = {});
   ~IsolatedSlave() override;

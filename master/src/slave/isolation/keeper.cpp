@@ -70,7 +70,7 @@ pid_t number_in(std::string_view text) {
   return number;
 }
 
-/// In the format of proc(5), state and parent follow the name in parentheses.
+/// In /proc/PID/stat, the state and the parent follow the name in parentheses.
 bool is_child_of(const std::filesystem::path& process, pid_t parent) {
   std::ifstream file(process / "stat");
   std::string text;

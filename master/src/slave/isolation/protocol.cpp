@@ -16,7 +16,7 @@
 namespace mebots::master::isolation {
 namespace {
 
-/// Spins for about 10 us, which is the cost of sleeping and waking.
+/// The number of spins before a wait sleeps. They take about 10 us, which is the cost of sleeping and waking.
 constexpr int kSpins = 300;
 
 void pause() {

@@ -9,8 +9,8 @@
 #include <string_view>
 
 /// The protocol between master and host process. The master writes a batch of calls into a shared buffer; the host
-/// executes them in order and writes the answers into another buffer. A batch holds all calls of a communication step
-/// and takes one hand-over. Two counters define which process works.
+/// executes them in order and writes the answers into another buffer. A batch contains all calls of a communication
+/// step. Two counters define whether the master or the host may access the buffers.
 namespace mebots::master::isolation {
 
 enum class Call : std::uint32_t {

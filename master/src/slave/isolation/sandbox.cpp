@@ -36,7 +36,7 @@ constexpr auto kSystemFiles = std::to_array<const char*>(
     {"/etc/ld.so.cache", "/etc/ld.so.conf", "/etc/ld.so.conf.d", "/etc/alternatives", "/etc/localtime"});
 constexpr auto kDevices =
     std::to_array<const char*>({"/dev/null", "/dev/zero", "/dev/full", "/dev/random", "/dev/urandom"});
-/// Folders listed in these variables of other programs are readable.
+/// Environment variables of other programs that contain lists of folders. The FMU may read these folders.
 constexpr auto kSearchPaths = std::to_array<const char*>({"LD_LIBRARY_PATH", "PYTHONPATH", "PYTHONHOME"});
 /// The environment variables of a sandboxed FMU. Any other variable may hold a secret.
 constexpr auto kPassedVariables = std::to_array<const char*>(
@@ -68,7 +68,7 @@ void set_home(const std::string& folder) {
   setenv("TMPDIR", folder.c_str(), 1);
 }
 
-/// Returns the absolute paths in LD_LIBRARY_PATH and similar variables.
+/// Returns the absolute paths in the environment variables of kSearchPaths.
 std::vector<std::string> searched_folders() {
   std::vector<std::string> folders;
   for (const auto* variable : kSearchPaths) {
@@ -90,7 +90,7 @@ std::vector<std::string> readable_places(const Sandbox& sandbox) {
   return places;
 }
 
-/// Returns the arguments of bubblewrap before the program to start.
+/// Returns the options of bubblewrap.
 std::vector<std::string> namespace_options(const Sandbox& sandbox, const std::string& program) {
   std::vector<std::string> words{"--unshare-user",
                                  "--disable-userns",
@@ -131,7 +131,8 @@ std::vector<char*> pointers_to(std::vector<std::string>& words) {
   return pointers;
 }
 
-/// Runs a program with its output in a pipe. If it exits with code 0, returns empty; else its last output.
+/// Runs a program with its output in a pipe. If the program exits with code 0, returns empty; otherwise returns the
+/// last part of its output.
 std::optional<std::string> failure_of(std::vector<std::string> words) {
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) return system_text();

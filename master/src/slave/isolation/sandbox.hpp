@@ -38,8 +38,8 @@ struct FileAccess {
   std::vector<std::string> writes_in_place;  ///< read and write, such as /dev/null
 };
 
-/// Restricts this process and its children to these files. They can only send signals and connect abstract sockets to
-/// each other. Returns the reason if the kernel refuses this; else empty.
+/// Restricts this process and its children to these files. Restricted processes can send signals and connect abstract
+/// sockets only to each other. Returns the reason if the kernel refuses this; else empty.
 std::optional<std::string> restrict_files(const FileAccess& access);
 
 /// Prevents this process and its children from accessing memory and open files of other processes (since Linux 5.19),

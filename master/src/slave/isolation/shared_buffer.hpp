@@ -26,8 +26,8 @@ class DamagedMemory : public Error {
 /// shrinks, so that neither process can make the other's accesses fault.
 class SharedBuffer {
  public:
-  /// Creates a buffer of at least `size` bytes; physical memory is used when they are written. Throws Error if the
-  /// system has no memory for it.
+  /// Creates a buffer of at least `size` bytes; physical memory is used only for bytes that were written. Throws Error
+  /// if the system has no memory for the buffer.
   explicit SharedBuffer(const char* name, std::size_t size = 0);
   /// Maps a buffer that another process created and passed as a descriptor.
   explicit SharedBuffer(int descriptor);
@@ -120,7 +120,7 @@ class SharedReader {
     const auto bytes = take(values.size_bytes());
     if (!bytes.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
   }
-  /// Any byte but 0 is true: the other process may write anything.
+  /// Any byte except 0 is true, because the other process may write any byte.
   bool get_flag() { return get<std::uint8_t>() != 0; }
   std::optional<double> get_optional() {
     const bool has_value = get_flag();

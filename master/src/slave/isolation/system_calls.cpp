@@ -194,8 +194,8 @@ constexpr auto kSendSignals =
     std::to_array<int>({SCMP_SYS(kill), SCMP_SYS(tkill), SCMP_SYS(tgkill), SCMP_SYS(rt_sigqueueinfo),
                         SCMP_SYS(rt_tgsigqueueinfo), SCMP_SYS(pidfd_open), SCMP_SYS(pidfd_send_signal)});
 
-/// These calls need namespaces. They access attributes of files, which Landlock does not control, network peers, or
-/// memory by number.
+/// These calls are permitted only inside namespaces. They access network peers, System V objects by their number, or
+/// attributes of files, which Landlock does not control.
 constexpr auto kPrivate = std::to_array<int>({
     SCMP_SYS(chmod),     SCMP_SYS(fchmod),      SCMP_SYS(fchmodat),    SCMP_SYS(utime),      SCMP_SYS(utimes),
     SCMP_SYS(futimesat), SCMP_SYS(utimensat),   SCMP_SYS(chown),       SCMP_SYS(fchown),     SCMP_SYS(lchown),
@@ -257,7 +257,7 @@ class Filter {
   }
 
  private:
-  /// Adds a rule. A negative number stands for a call that this architecture lacks.
+  /// Adds a rule. If `call` is negative, this architecture lacks the call, and no rule is added.
   void add(std::uint32_t action, int call, std::initializer_list<scmp_arg_cmp> where) {
     if (context_ == nullptr || call < 0) return;
     keep(seccomp_rule_add_array(context_, action, call, static_cast<unsigned>(where.size()), where.begin()));
@@ -291,7 +291,7 @@ std::optional<std::string> allow_simulation_calls(bool has_namespaces) {
       CLONE_NEWCGROUP | CLONE_NEWIPC | CLONE_NEWNET | CLONE_NEWNS | CLONE_NEWPID | CLONE_NEWUSER | CLONE_NEWUTS;
   filter.allow(SCMP_SYS(clone), {{0, SCMP_CMP_MASKED_EQ, kNewNamespaces, 0}});
   filter.answer(SCMP_SYS(clone3), ENOSYS);  // passes its flags in memory, unreadable for a filter; the C library falls
-                                            // With this error, the C library calls clone() instead.
+                                            // If clone3() fails with ENOSYS, the C library calls clone() instead.
   if (has_namespaces) {
     filter.allow(kSendSignals);
     filter.allow(kPrivate);
