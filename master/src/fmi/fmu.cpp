@@ -46,7 +46,7 @@ std::string way_out(std::string_view why, const std::filesystem::path& folder) {
   return fmt::format("Install the missing library, or put it into binaries/{} of the FMU", folder.filename().string());
 }
 
-/// Suggests what to do about an FMU with binaries for Windows only. `library` is the one for 64-bit Windows.
+/// Suggests what to do about an FMU with binaries for Windows only. `library` is the library for 64-bit Windows.
 std::string windows_way_out(const std::filesystem::path& folder, const std::filesystem::path& library) {
   const auto* const other = is_folder(folder / "sources")
                                 ? "The FMU contains its sources: compile them (FMPy: `fmpy compile`)"
@@ -57,8 +57,8 @@ std::string windows_way_out(const std::filesystem::path& folder, const std::file
   return fmt::format(". {}, or: {}", windows::find_wine().missing, other);
 }
 
-/// True if a library from the folder is still loaded, as it may be after dlclose(). The loader would use it for the
-/// next FMU with the same path.
+/// True if a library from the folder is still loaded. dlclose() does not unload every library. The loader would use the
+/// loaded library for the next FMU with the same path.
 bool has_loaded_from(const std::filesystem::path& folder) {
   const auto start = folder.string() + "/";
   return std::ranges::any_of(modeldesc::loaded_libraries(modeldesc::UniqueSymbols::skip),
@@ -106,7 +106,8 @@ void Fmu::unload() {
     return;
   }
   auto* const library = std::exchange(library_, nullptr);
-  // After fmi2Fatal no code of the FMU may be called; unloading would run its destructors.
+  // After fmi2Fatal, no code of the FMU may be called. Therefore the library stays loaded: unloading would run its
+  // destructors.
   if (library == nullptr || corrupted_ || kept_loaded_ || threads_left() != 0) return;
   const auto handlers = handlers_in_libraries();
   call_library(archive_, "unloaded", [&] { dlclose(library); });
@@ -141,8 +142,8 @@ std::shared_ptr<const modeldesc::ModelDescription> Fmu::model(const modeldesc::S
 
 void Fmu::require_library() {
   if (is_loaded()) return;
-  // If the process has had threads, the C++ library of an FMU records this in its own memory. The following code causes
-  // this when the library is loaded, and not in the middle of a later run.
+  // When the first thread of a process starts, the C++ library of an FMU records this in its own memory. The thread
+  // below ensures that this happens when the first library is loaded, not during a later run.
   static const bool has_had_threads = [] {
     std::thread([] {}).join();
     return true;

@@ -28,14 +28,14 @@ class WindowsLibrary;
 }
 
 /// An FMU archive, unpacked into a temporary folder. The constructor reads the description; the shared library is
-/// loaded on its first use. The destructor deletes the folder and unloads the library, unless a thread may still run in
-/// it.
+/// loaded on its first use. The destructor deletes the folder. It unloads the library unless a thread may still execute
+/// the library's code.
 class Fmu {
  public:
   /// `wish` is the requested kind of the FMU's instances. If `wish` is empty, the kind is co-simulation if the FMU
   /// offers it, else model exchange. Throws InputError if the file is not an FMU of version 1.0, 2.0 or 3.0.
   explicit Fmu(std::filesystem::path archive, std::optional<FmuKind> wish = {});
-  /// For an FMU that another process has unpacked into `folder` and will delete.
+  /// Opens an FMU that another process has unpacked into `folder`. The other process deletes the folder.
   Fmu(std::filesystem::path archive, std::filesystem::path folder, std::optional<FmuKind> wish = {});
   ~Fmu();
   Fmu(const Fmu&) = delete;
@@ -53,14 +53,14 @@ class Fmu {
   /// Loads the shared library. Has no effect the second time. Throws InputError with the name of a missing library or
   /// function.
   void require_library();
-  /// Returns the functions of the FMU's library. `Functions` is the table of its version. Throws the same errors as
-  /// require_library().
+  /// Returns the functions of the FMU's library. `Functions` is the function table of the FMU's FMI version. Throws the
+  /// same errors as require_library().
   template <typename Functions>
   const Functions& functions() {
     require_library();
     return std::get<Functions>(functions_);
   }
-  /// Returns the kind of its instances. Throws InputError if the FMU does not offer the requested one.
+  /// Returns the kind of the FMU's instances. Throws InputError if the FMU does not offer the requested kind.
   FmuKind kind() const;
   /// Returns the path of the shared library for this platform, even if it does not exist.
   std::filesystem::path library_file() const;
@@ -71,18 +71,19 @@ class Fmu {
   bool is_loaded() const { return library_ != nullptr || windows_library_ != nullptr; }
   /// Returns the loaded shared library, a `link_map`; null if it is not loaded.
   const void* library() const { return library_; }
-  /// Unloads the shared library for good; otherwise the destructor does. No instance may exist. Throws InputError if
-  /// the library throws an exception.
+  /// Unloads the shared library, which cannot be loaded again. If this function is not called, the destructor unloads
+  /// the library. No instance may exist. Throws InputError if the library throws an exception.
   void unload();
   /// Keeps the shared library loaded until the process ends.
   void keep_loaded() { kept_loaded_ = true; }
-  /// True after a fatal status: then no instance of this FMU may be called.
+  /// True after an instance returned a fatal status. In this case, no instance of this FMU may be called.
   bool corrupted() const { return corrupted_; }
   void set_corrupted() { corrupted_ = true; }
-  /// Returns the changes of this process by loading the library, as ProcessState describes them. Only the first call
-  /// returns them.
+  /// Returns the changes that loading the library caused in this process, as ProcessState describes them. Only the
+  /// first call returns the changes.
   std::vector<std::string> take_changes_at_load() { return std::exchange(changes_at_load_, {}); }
-  /// Returns the descriptors that were open before its library was loaded. The FMU may close all others.
+  /// Returns the descriptors that were open before the FMU's library was loaded. The FMU may close all other
+  /// descriptors.
   const OpenFiles& files_of_others() const { return files_of_others_; }
   /// Counts a new instance. Returns true for the first instances: their calls are checked for changes of the process.
   /// The calls of other instances are not checked individually, because a check takes as long as a thousand small
@@ -91,8 +92,8 @@ class Fmu {
     ++instances_;
     return watched_++ < kMostWatched;
   }
-  /// Counts a freed instance. After the last one, returns the number of threads that were started since the library was
-  /// loaded and still run; otherwise 0. May be called from any thread.
+  /// Counts a freed instance. After the last instance, returns the number of threads that were started since the
+  /// library was loaded and still run; otherwise 0. May be called from any thread.
   std::size_t leave() { return --instances_ == 0 ? threads_left() : 0; }
   /// Returns the imported functions that change the process, read from the libraries' files.
   const LibraryImports& imports();
@@ -101,8 +102,8 @@ class Fmu {
   std::optional<std::string> uncleanliness();
   /// True if an instance was ever created in this process.
   bool used() const { return watched_ != 0; }
-  /// Returns how the libraries differ from their state directly after loading; empty if they do not. No instance may
-  /// exist.
+  /// Returns how the memory of the libraries differs from its content directly after loading; empty if it does not
+  /// differ. No instance may exist.
   std::optional<std::string> difference() const;
   /// Returns why the FMU computes with data outside of its instances' states; empty if it does not.
   std::optional<std::string> state_elsewhere();
@@ -112,14 +113,15 @@ class Fmu {
   /// Returns the floating-point environment that the library set when it was loaded; empty if it changed nothing. The
   /// thread's environment was restored after the load.
   const std::optional<FloatEnvironment>& floats_at_load() const { return floats_at_load_; }
-  /// Returns true in the first call only: that caller reports this FMU's floating-point environment. From any thread.
+  /// Returns true in the first call only. The caller that gets true reports this FMU's floating-point environment. May
+  /// be called from any thread.
   bool claim_float_report() { return !floats_reported_.exchange(true); }
-  /// Returns the folder of the FMU's resources in the form of fmi2Instantiate: a `file:///` URI.
+  /// Returns the folder of the FMU's resources as a `file:///` URI, for fmi2Instantiate.
   std::string resource_uri() const;
-  /// Returns the folder with the unpacked FMU in the form of fmiInstantiateSlave (FMI 1.0): a `file:///` URI.
+  /// Returns the folder with the unpacked FMU as a `file:///` URI, for fmiInstantiateSlave (FMI 1.0).
   std::string location_uri() const;
-  /// Returns the folder of the FMU's resources in the form of fmi3Instantiate...: a path that ends with a separator;
-  /// empty if there is no such folder.
+  /// Returns the path of the folder of the FMU's resources with a separator at its end, for fmi3Instantiate...; empty
+  /// if there is no such folder.
   std::string resource_path() const;
 
  private:
@@ -160,10 +162,10 @@ class Fmu {
 class FmuLibrary {
  public:
   /// Returns the FMU in the state of the file when it was first opened, even if the file has changed. After a fatal
-  /// status, opens the archive again. The two kinds of an archive may have different libraries, so each kind is an FMU
-  /// of its own.
+  /// status, opens the archive again. Co-simulation and model exchange may have different libraries, so one archive is
+  /// a separate FMU for each kind.
   std::shared_ptr<Fmu> open(const std::filesystem::path& archive, std::optional<FmuKind> wish = {});
-  /// Drops the FMUs that were used and are not clean. So open() will unpack and load these FMUs again.
+  /// Drops the FMUs that were used and are not clean. The next open() of such an FMU unpacks and loads it again.
   void forget_changed();
 
  private:

@@ -21,7 +21,7 @@ std::string shown_text(const std::optional<std::string>& text, const char* addre
   return address == nullptr ? "nothing" : "an address where nothing can be read";
 }
 
-/// A text that a function of the library must return.
+/// A text that a function of the FMU's library must return.
 struct Expected {
   const char* function;
   const char* doing;  ///< for crash messages: "the library was ..."
@@ -45,7 +45,7 @@ constexpr const char* kVersionCall = "asked for its version";
 constexpr const char* kPlatformCall = "asked for its platform";
 constexpr const char* kOtherSizes = ": the FMU's number types differ in size from those of mebots";
 
-/// Throws InputError if a function is null for which `is_needed` is true. `for_each` is the version's
+/// Throws InputError if any function is null although `is_needed` returns true for it. `for_each` is the version's
 /// for_each_function.
 template <typename Functions, typename ForEach, typename IsNeeded>
 void require_functions(const LibraryOwner& owner, const Functions& functions, ForEach for_each, IsNeeded is_needed) {

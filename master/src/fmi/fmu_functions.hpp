@@ -19,16 +19,16 @@ using Fmi3Functions = fmi3::Functions;
 /// The functions of an FMU's shared library, in the table of its version of FMI.
 using FmuFunctions = std::variant<std::monostate, Fmi1Functions, Fmi2Functions, Fmi3Functions>;
 
-/// The FMU of a library.
+/// The FMU to which a library belongs.
 struct LibraryOwner {
   const std::filesystem::path& archive;
   const modeldesc::ModelDescription& description;
   FmuKind kind;  ///< of its instances
 };
 
-/// Throws InputError with a list of missing functions if a simulation of this kind needs them. (`mebots check` requires
-/// all functions of the standard.) Also throws if the library has another version of FMI, or if its number types have
-/// other sizes than those of mebots.
+/// Throws InputError with a list of the missing functions if the kind of simulation needs them. (`mebots check`
+/// requires all functions of the standard.) Also throws if the library is for another version of FMI. Also throws if
+/// the library's number types have other sizes than those of mebots.
 void check_functions(const FmuFunctions& functions, const LibraryOwner& owner);
 
 /// Looks up the functions in a library from dlopen(). Throws as check_functions() does.

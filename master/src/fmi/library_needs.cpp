@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 using modeldesc::ElfSymbol;
 using modeldesc::LoadedLibrary;
 
-/// The folders that ld.so(8) searches last. Folders in /etc/ld.so.conf.d are missing from this list. A library in such
-/// a folder is identified by its name only.
+/// The folders that ld.so(8) searches last. This list does not contain the folders in /etc/ld.so.conf.d. A library in
+/// such a folder is identified only by its name.
 constexpr const char* kSystemFolders[] = {"/lib/x86_64-linux-gnu",
                                           "/usr/lib/x86_64-linux-gnu",
                                           "/lib/aarch64-linux-gnu",
@@ -81,8 +81,8 @@ std::vector<std::string> environment_folders() {
   return folders;
 }
 
-/// Resolves needed libraries as ld.so(8) does, with one exception: the FMU's own libraries precede loaded ones. Callers
-/// look for the difference that this makes.
+/// Resolves needed libraries as ld.so(8) does, with one exception: the FMU's own libraries precede libraries that the
+/// process has loaded. Callers check whether this exception changes the result.
 class NeedsReader {
  public:
   NeedsReader(const fs::path& folder, const std::vector<LoadedLibrary>& loaded)
@@ -138,7 +138,7 @@ class NeedsReader {
     }
   }
 
-  /// Adds all libraries of the FMU, because it may load any of them later.
+  /// Adds all libraries of the FMU, because the FMU may load any of them later.
   void follow_all_files() {
     std::error_code ignored;
     for (const auto& entry : fs::recursive_directory_iterator(*folder_, ignored)) {

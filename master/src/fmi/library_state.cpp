@@ -27,7 +27,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// System libraries whose relevant functions are in the list.
+/// System libraries. Their functions that matter here are in the list of process functions, so the libraries are not
+/// examined.
 constexpr auto kKnownLibraries = std::to_array<std::string_view>(
     {"libc.so.6", "libm.so.6", "libdl.so.2", "libpthread.so.0", "librt.so.1", "libgcc_s.so.1", "libstdc++.so.6",
      "ld-linux-x86-64.so.2", "ld-linux-aarch64.so.1"});
@@ -115,8 +116,8 @@ bool is_in(std::uintptr_t address, const std::vector<Range>& ranges) {
                              [address](const Range& range) { return address >= range.begin && address < range.end; });
 }
 
-/// True for the memory that GCC's C++ library reserves for exceptions when it is loaded: one free block. The first word
-/// of the block is its size. In the library's data, the size also follows the pointer to the block.
+/// True for the memory that GCC's C++ library reserves for exceptions when the library is loaded. This memory is one
+/// free block whose first word is its size. In the library's data, the size also follows the pointer to the block.
 bool is_exception_pool(std::span<const std::uintptr_t> words, std::size_t at) {
   const auto size_at = [&](std::size_t place) { return place < words.size() ? words[place] : 0; };
   // NOLINTNEXTLINE(performance-no-int-to-ptr): addresses of loaded libraries come as numbers
@@ -126,7 +127,7 @@ bool is_exception_pool(std::span<const std::uintptr_t> words, std::size_t at) {
   return first || second;
 }
 
-/// Calls `visit` with copies of the blocks of a memory range until it returns false. The kernel copies the blocks,
+/// Calls `visit` with copies of the blocks of a memory range until `visit` returns false. The kernel copies the blocks,
 /// because a sanitizer may forbid reading between an FMU's variables. Returns the result of the last call.
 bool for_each_block(std::uintptr_t address, std::size_t size,
                     const std::function<bool(std::span<const std::byte>)>& visit) {
@@ -162,7 +163,7 @@ std::vector<std::uintptr_t> words_of(std::span<const std::byte> bytes, std::uint
   return words;
 }
 
-/// Returns the loader's record of the library at this address.
+/// Returns the loader's record (`link_map`) of the library at this address.
 const void* record_of(std::uintptr_t address) {
   Dl_info info{};
   void* record = nullptr;

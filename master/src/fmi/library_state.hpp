@@ -20,21 +20,21 @@
 
 namespace mebots::master {
 
-/// The functions imported by a list of libraries that change the process, from their ELF files.
+/// Those imported functions of a list of libraries that change the process, read from the libraries' ELF files.
 struct LibraryImports {
   std::vector<const ProcessFunction*> functions;
   std::vector<std::string> unknown;  ///< needed libraries that are neither in the FMU nor known to mebots
   bool opens_libraries = false;      ///< imports dlopen()
   ProcessReach reach = ProcessReach::nothing;
 
-  /// Returns text such as "it imports srand(), which changes random numbers"; empty if the libraries do not change the
-  /// process.
+  /// Returns a text such as "it imports srand(), which changes random numbers"; empty if the libraries do not change
+  /// the process.
   std::optional<std::string> reason() const;
 };
 
 /// A library that exports this symbol declares that no instance depends on static memory changed by another instance or
-/// by an earlier step. Its static memory contains only constants, data shared by living instances, and their reference
-/// count.
+/// by an earlier step. Its static memory contains only constants, data that existing instances share, and the reference
+/// count of these data.
 inline constexpr std::string_view kKeepsNoState = "mebots_keeps_no_state_outside_instances";
 
 /// Reads the ELF files. A file that cannot be read counts as an unknown needed library.
@@ -46,20 +46,20 @@ std::vector<std::filesystem::path> libraries_of(const std::filesystem::path& fol
 /// A copy of the memory of an FMU's libraries directly after loading: all writable segments of its objects, and the
 /// calling thread's copy of their thread-local variables.
 ///
-/// An FMU is clean under three conditions: its libraries import no function that changes the process, their static
-/// objects own no heap memory, and after all instances were freed, their memory is the same as directly after loading.
-/// Then the next run in the process starts as in a new process.
+/// An FMU is clean if three conditions are met. Its libraries import no function that changes the process. Their static
+/// objects own no heap memory. After all instances were freed, the libraries' memory is the same as directly after
+/// loading. After a run with clean FMUs, the next run in the process starts as in a new process.
 class LibraryState {
  public:
   /// Copies the memory of the loaded libraries of this folder.
   explicit LibraryState(const std::filesystem::path& folder);
 
   const LibraryImports& imports() const { return imports_; }
-  /// Returns text such as "static objects of libgain.so.1 own memory, which a run may change"; empty if they own none,
-  /// or if the library exports kKeepsNoState.
+  /// Returns a text such as "static objects of libgain.so.1 own memory, which a run may change". Empty if static
+  /// objects own no memory, or if the library exports kKeepsNoState.
   const std::optional<std::string>& owned_memory() const { return owned_memory_; }
-  /// Returns text such as "static variables of libgain.so.1 changed"; empty if all memory is unchanged. No instance may
-  /// exist.
+  /// Returns a text such as "static variables of libgain.so.1 changed"; empty if all memory is unchanged. No instance
+  /// may exist.
   std::optional<std::string> difference() const {
     return difference_in([](const Object&) { return true; });
   }
@@ -77,7 +77,7 @@ class LibraryState {
 
     bool is_unchanged() const;
   };
-  /// Thread-local variables. A thread that has not used them yet starts with `fresh`.
+  /// Thread-local variables. In a thread that has not used these variables yet, they start with the content of `fresh`.
   struct ThreadMemory {
     std::uintptr_t library = 0;  ///< load address
     std::vector<std::byte> fresh;
@@ -114,7 +114,7 @@ class OwnLoad {
   std::uint64_t before_;
 };
 
-/// A library that a process would map in addition if it loaded an FMU.
+/// A library that a process would load in addition if it loaded an FMU.
 struct NewLibrary {
   std::filesystem::path file;
   modeldesc::ElfLibrary elf;
@@ -129,12 +129,13 @@ struct LibraryNeeds {
   bool loads_libraries = false;                          ///< it imports dlopen, so all ELF files in the FMU count
   std::string interpreter;                               ///< "a Python interpreter", if it embeds one; else empty
 
-  /// Returns the texts that occur in files of the FMU. If an FMU loads a library by name, these texts include the name.
+  /// Returns those of `texts` that occur in files of the FMU. If an FMU loads a library by name, these texts include
+  /// the name.
   std::set<std::string_view> mentioned(const std::vector<std::string_view>& texts) const;
 };
 
 /// Reads the library in `file` and all libraries that it needs. `folder` is the folder of the unpacked FMU; `loaded`
-/// lists the libraries of the process. Throws Error if a file is not a library.
+/// contains the libraries that the process has loaded. Throws Error if a file is not a library.
 LibraryNeeds read_library_needs(const std::filesystem::path& file, const std::filesystem::path& folder,
                                 const std::vector<modeldesc::LoadedLibrary>& loaded);
 
@@ -156,10 +157,10 @@ struct Admission {
 
 enum class Risk { refuse, accept };
 
-/// Loads an FMU's library into this process, unless its ELF files show that it would share libraries or symbols with
-/// the program or with other FMUs. The result depends on the libraries that the process has loaded. With Risk::accept,
-/// a risk that may have no effect does not prevent loading. Throws InputError if the library cannot be loaded at all.
-/// May be called from any thread.
+/// Loads an FMU's library into this process, unless the FMU's ELF files show that it would share libraries or symbols
+/// with the program or with other FMUs. The result depends on the libraries that the process has loaded. With
+/// Risk::accept, only sharing that is certain prevents loading. Throws InputError if the library cannot be loaded at
+/// all. May be called from any thread.
 Admission load_into_this_process(const std::shared_ptr<Fmu>& fmu, Risk risk);
 
 }  // namespace mebots::master

@@ -56,7 +56,8 @@ std::string readable(const std::string& symbol) {
   return name ? std::string(name.get()) : symbol;
 }
 
-/// The loader keeps the first definition of a unique symbol. Constants with equal bytes do not collide.
+/// The loader keeps the first definition of a unique symbol. Two definitions collide unless they are constants with
+/// equal bytes.
 bool collide(const ElfSymbol& one, const ElfSymbol& other) {
   return one.name == other.name && (one.constant.empty() || one.constant != other.constant);
 }
@@ -69,8 +70,8 @@ std::vector<ElfSymbol> unique_symbols(const LibraryNeeds& needs) {
   return symbols;
 }
 
-/// Returns the names that the libraries both define and look up. The definition in another library may take precedence
-/// over their own. Unique symbols are compared separately.
+/// Returns the names that the libraries both define and look up. For such a name, the loader may prefer the definition
+/// in another library. Unique symbols are compared separately.
 std::set<std::string> preemptible_names(const LibraryNeeds& needs) {
   std::set<std::string> bound;
   for (const auto& library : needs.libraries) {
@@ -81,7 +82,7 @@ std::set<std::string> preemptible_names(const LibraryNeeds& needs) {
   std::set<std::string> names;
   for (const auto& library : needs.libraries) {
     for (const auto& symbol : library.elf.symbols) {
-      // Types are compared by name in any case.
+      // The C++ library compares types by their names, so a second definition of a type is harmless.
       const bool type = symbol.name.starts_with("_ZTI") || symbol.name.starts_with("_ZTS");
       if (symbol.preemptible && !symbol.unique && !type && bound.contains(symbol.name)) names.insert(symbol.name);
     }
@@ -131,7 +132,7 @@ class ProcessComparison {
     return std::nullopt;
   }
 
-  /// Includes libraries that a resident may load later.
+  /// Also compares the names of libraries that another FMU in this process may load later.
   Reason resident_names() const {
     for (const auto& resident : *residents_) {
       const auto mentioned_here = mentioned(*needs_, resident.needs.brought);
@@ -197,7 +198,8 @@ class ProcessComparison {
     return std::nullopt;
   }
 
-  /// The loader searches the program, its libraries, and libraries opened with RTLD_GLOBAL before the FMU's own.
+  /// The loader searches the program, its libraries, and libraries opened with RTLD_GLOBAL before the FMU's own
+  /// libraries.
   Reason global_symbols() const {
     void* const program = dlopen(nullptr, RTLD_LAZY);
     if (program == nullptr) return std::nullopt;
@@ -250,8 +252,8 @@ class ProcessComparison {
   const std::map<fs::path, std::string>* archives_;
 };
 
-/// The FMUs in this process, and the library folders of earlier FMUs. Some libraries of earlier FMUs may still be
-/// loaded.
+/// The FMUs in this process. Also contains the library folders of FMUs that were closed, because some of their
+/// libraries may still be loaded.
 struct Residents {
   std::mutex mutex;
   std::vector<Resident> all;

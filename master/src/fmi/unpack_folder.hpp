@@ -7,8 +7,8 @@
 
 namespace mebots::master {
 
-/// A temporary folder for an unpacked FMU; the destructor deletes it. A process that is killed leaves its folders
-/// behind. The next process that creates such a folder deletes all folders whose process has ended.
+/// A temporary folder for an unpacked FMU; the destructor deletes it. If a process is killed, its folders remain. The
+/// next process that creates such a folder deletes all folders whose process has ended.
 class UnpackFolder {
  public:
   /// Throws Error if there is no folder for temporary files.
@@ -16,8 +16,8 @@ class UnpackFolder {
   UnpackFolder(const UnpackFolder&) = delete;
   UnpackFolder& operator=(const UnpackFolder&) = delete;
 
-  /// Releases the path for a later folder of this process. No library may be loaded from it any more. Reusing paths
-  /// saves memory, because the loader keeps every path that it has searched.
+  /// Releases the path, so that a later folder of this process can use it. No library from this folder may still be
+  /// loaded. Reusing paths saves memory, because the loader keeps every path that it has searched.
   void release_path();
 
   /// Returns the folder to unpack into.
@@ -37,7 +37,7 @@ class UnpackFolder {
   modeldesc::TemporaryFolder folder_;
 };
 
-/// Deletes the folders that killed processes of this user left behind.
+/// Deletes the folders of those processes of this user that were killed.
 void remove_abandoned_unpack_folders();
 
 }  // namespace mebots::master

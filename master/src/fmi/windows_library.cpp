@@ -110,7 +110,7 @@ std::string windows_path(std::string path) {
   return "Z:" + path;
 }
 
-/// Converts the place of resources, a URI before FMI 3.0.
+/// Converts the location of the resources, which is a URI before FMI 3.0 and a path since then.
 std::string windows_place(const std::string& place) {
   constexpr std::string_view kScheme = "file://";
   return place.starts_with(kScheme) ? "file:///Z:" + place.substr(kScheme.size()) : windows_path(place);
@@ -118,7 +118,7 @@ std::string windows_place(const std::string& place) {
 
 }  // namespace
 
-/// mebots-windows-host.exe under wine, with a pipe in each direction.
+/// The process mebots-windows-host.exe under wine, with one pipe for requests and one for replies.
 class Process {
  public:
   explicit Process(const std::filesystem::path& settings) {
@@ -208,7 +208,7 @@ class Process {
     }
   }
 
-  /// Called after the process of the library has ended. Ends this process in the same way.
+  /// Called after the process of the library has ended. Ends this process with the same signal or exit code.
   [[noreturn]] void end_alike() {
     int status = 0;
     while (waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
@@ -262,7 +262,7 @@ struct SignatureOf;
 template <typename Result, typename... Arguments>
 struct SignatureOf<Result (*)(Arguments...)> : Signature<Arguments...> {};
 
-// Functions whose arrays do not have the length next to them.
+// Functions in which an array and its length are not adjacent arguments.
 static_assert(SignatureOf<decltype(&fmi2GetDirectionalDerivative)>::length_of(5) == 4);
 static_assert(SignatureOf<decltype(&fmi2GetDirectionalDerivative)>::length_of(6) == 2);
 static_assert(SignatureOf<decltype(&fmi2SerializedFMUstateSize)>::length_of(2) < 0);
@@ -273,7 +273,8 @@ static_assert(SignatureOf<decltype(&fmi3GetOutputDerivatives)>::length_of(3) == 
 static_assert(SignatureOf<decltype(&fmi3GetIntervalFraction)>::length_of(3) == 2);
 static_assert(SignatureOf<decltype(&fmi3DoStep)>::length_of(4) < 0);
 
-/// The argument that is a place of resources, by the type of the function: those that instantiate.
+/// The index of the argument that is the location of the resources. Only the functions that instantiate have this
+/// argument. They are recognised by their type.
 template <typename... Arguments>
 constexpr std::size_t kPlaceArgument = (std::is_same_v<Arguments, const fmi2CallbackFunctions*> || ...) ? 3
                                        : (std::is_same_v<Arguments, fmi3LogMessageCallback> || ...)     ? 2
@@ -292,7 +293,7 @@ class Sender {
   void put(Writer& writer, std::index_sequence<i...> /*all*/) const {
     (put_one<i>(writer), ...);
   }
-  /// Stores the outputs. `kept` owns texts and bytes until the next call of the function.
+  /// Stores the outputs. `kept` owns the returned texts and bytes until the next call of the function.
   template <std::size_t... i>
   void take(Reader& reader, std::array<Slot, sizeof...(Arguments)>& kept, std::index_sequence<i...> /*all*/) const {
     (take_one<i>(reader, kept), ...);
@@ -378,7 +379,8 @@ class Sender {
   const std::tuple<Arguments...>* arguments_;
 };
 
-/// A function of FMI in this process. `member` distinguishes functions of the same type.
+/// A function of FMI in this process that forwards its calls to the library. `member` distinguishes functions of the
+/// same type.
 template <auto member, typename Pointer>
 struct Stub;
 
@@ -410,7 +412,7 @@ struct Stub<member, Result (*Table::*)(Arguments...)> {
   }
 };
 
-/// `exported` has a 1 for each function that the library exports.
+/// `exported` has the digit 1 for each function that the library exports.
 template <typename Table, typename ForEach>
 Table make_table(ForEach for_each_function, std::string_view exported) {
   Table table;

@@ -30,10 +30,10 @@ bool copy_out(const char* from, char* to, std::size_t size) {
   return true;
 }
 
-/// The width of a conversion's argument.
+/// The length modifier of a conversion, which determines the type of its argument.
 enum class Length { usual, l, ll, z, j, t, L };
 
-/// Returns the arguments one after the other. A va_list may be an array, which cannot be passed by reference.
+/// The arguments of a format. A va_list may be an array, which cannot be passed by reference; this struct can.
 struct Arguments {
   std::va_list list;
 };
@@ -98,7 +98,7 @@ class Formatter {
  private:
   char peek(std::size_t at) const { return at < format_.size() ? format_[at] : '\0'; }
 
-  /// Reads a width or precision at `at` and moves past it. A negative number counts as absent.
+  /// Reads a width or precision at `at` and moves `at` past it. If the number is negative, returns empty.
   std::optional<int> number(std::size_t& at) {
     if (peek(at) == '*') {
       ++at;

@@ -37,7 +37,7 @@ class InCallback {
   CurrentCallback outer_;
 };
 
-/// All targets, for callbacks on threads outside of calls.
+/// All targets. Callbacks from threads that make no call to an FMU look up their target here.
 struct Registry {
   std::mutex mutex;
   std::unordered_set<CallbackTarget*> targets;
@@ -81,8 +81,8 @@ CallbackTarget* find(const std::unordered_set<CallbackTarget*>& targets, const v
   return targets.size() == 1 ? *targets.begin() : nullptr;
 }
 
-/// Calls `work` with the target of a callback. Returns false if the callback belongs to no instance. If it belongs to
-/// an instance that could not be freed, returns true without calling `work`.
+/// Calls `work` with the target of a callback. Returns false if the callback belongs to no instance. If the callback
+/// belongs to an instance that could not be freed, returns true without calling `work`.
 template <typename Work>
 bool with_target(const void* environment, const std::optional<std::string>& name, Work work) {
   if (current != nullptr) {
@@ -126,7 +126,7 @@ void pass_on(LoggerCall call, const void* environment) noexcept {
   }
 }
 
-/// Returns the text at an address, or a replacement to show.
+/// Returns the text of a message. If the text is missing or unreadable, returns a note that says so.
 std::string message_text(const std::optional<std::string>& text, const char* address) {
   if (text) return without_line_end(valid_utf8(*text));
   return address == nullptr ? "(a message without a text)" : "(a message whose text cannot be read)";
@@ -158,7 +158,7 @@ void log(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status s
   va_end(arguments);
 }
 
-/// FMI 1.0 has no environment. On a thread of the FMU, the name identifies the instance.
+/// FMI 1.0 passes no environment. For a callback on a thread of the FMU, the name identifies the instance.
 void log_fmi1(fmiComponent /*component*/, fmiString instance, fmiStatus status, fmiString category, fmiString message,
               ...) {
   if (callbacks_ignored.load(std::memory_order_relaxed)) return;
@@ -184,7 +184,7 @@ void log_message(fmi3InstanceEnvironment environment, fmi3Status status, fmi3Str
   }
 }
 
-/// Never requests an early return. A call from a thread of the FMU is ignored: the FMU then keeps its inputs.
+/// Never requests an early return. A call from a thread of the FMU is ignored, so the FMU's inputs stay unchanged.
 void intermediate_update(fmi3InstanceEnvironment /*environment*/, fmi3Float64 time_s, fmi3Boolean set_requested,
                          fmi3Boolean /*get_allowed*/, fmi3Boolean /*step_finished*/, fmi3Boolean /*can_return_early*/,
                          fmi3Boolean* early_return, fmi3Float64* early_return_s) {
@@ -200,8 +200,8 @@ const void* library_of(const void* code) {
   return dladdr1(code, &info, &library, RTLD_DL_LINKMAP) != 0 ? library : nullptr;
 }
 
-/// Counts a stepFinished without a known instance for the instances of the library that called. If no instance has that
-/// library, counts it for all.
+/// Counts a stepFinished that belongs to no known instance. Increments the counters of all instances of the library
+/// that called. If no instance has that library, increments the counters of all instances.
 void count_dropped_step_end(const void* caller) {
   const auto* library = library_of(caller);
   auto& all = registry();
@@ -213,7 +213,7 @@ void count_dropped_step_end(const void* caller) {
   }
 }
 
-/// `caller` is an address in the code that called.
+/// `caller` is an address in the code that called stepFinished.
 void end_step(const void* environment, int status, const void* caller) noexcept {
   const InCallback here({"stepFinished", false});
   try {
@@ -229,7 +229,7 @@ void step_finished(fmi2ComponentEnvironment environment, fmi2Status status) {
   end_step(environment, status, __builtin_return_address(0));
 }
 
-/// FMI 1.0 has no environment: the component identifies the instance.
+/// FMI 1.0 passes no environment. The component identifies the instance.
 void step_finished_fmi1(fmiComponent component, fmiStatus status) {
   end_step(component, status, __builtin_return_address(0));
 }

@@ -19,7 +19,7 @@
 /// be no text.
 namespace mebots::master {
 
-/// A call of the logger, with texts converted to valid UTF-8.
+/// The arguments of a call of the logger, with texts converted to valid UTF-8.
 struct LoggerCall {
   int status = fmi2OK;
   std::optional<std::string> instance;  ///< as named by the FMU; empty if null or unreadable
@@ -29,13 +29,13 @@ struct LoggerCall {
   bool in_call = true;          ///< false: logged by a thread of the FMU outside of our calls
 };
 
-/// Receives the messages of one instance. Several threads of the FMU may call it at the same time.
+/// Receives the messages of one instance. Several threads of the FMU may call a listener at the same time.
 class CallbackListener {
  public:
   virtual ~CallbackListener() = default;
   virtual void logged(LoggerCall call) = 0;
   virtual void step_finished(int status) = 0;
-  /// The FMU (FMI 3.0) requests its inputs at a time within the present step. Called inside the call that steps.
+  /// Called by an FMU (FMI 3.0) within a step. The FMU requests its inputs at `time_s`.
   virtual void intermediate_update(double /*time_s*/) noexcept {}
 };
 
@@ -46,17 +46,18 @@ struct Fmi3Callbacks {
   fmi3IntermediateUpdateCallback intermediate_update = nullptr;
 };
 
-/// Memory that an FMU gets for its callbacks. Its address is the environment, which identifies the instance.
+/// The memory that is passed to an FMU as the environment of its callbacks. Its address identifies the instance.
 struct CallbackEnvironment {
   fmi2CallbackFunctions functions{};
   const void* component = nullptr;  // of a kept one: FMI 1.0 passes it in place of the environment
   CallbackEnvironment* next_kept = nullptr;
 };
 
-/// Registers a listener for callbacks during its lifetime. A callback belongs to the instance that this thread is
-/// calling. On a thread of the FMU, it belongs to the instance with the passed environment (FMI 1.0: component), else
-/// to the instance with the passed name, else to the only instance, if there is just one. All other callbacks are
-/// dropped. Callbacks of instances that could not be freed are dropped, too.
+/// Registers a listener for callbacks during its lifetime. A callback within a call to an instance belongs to this
+/// instance. A callback on a thread of the FMU belongs to the instance with the passed environment (FMI 1.0:
+/// component). If there is none, the passed name identifies the instance. If the name is unknown and only one instance
+/// exists, the callback belongs to it. All other callbacks are dropped. Callbacks of instances that could not be freed
+/// are dropped, too.
 class CallbackTarget {
  public:
   /// `listener` must outlive this object.
@@ -68,21 +69,21 @@ class CallbackTarget {
 
   /// Returns the callbacks for fmiInstantiateSlave of FMI 1.0.
   static fmiCallbackFunctions fmi1_functions(bool asynchronous);
-  /// Returns the callbacks for fmi2Instantiate. They are valid as long as this object, or until the process ends after
-  /// keep_environment().
+  /// Returns the callbacks for fmi2Instantiate. The callbacks are valid as long as this object. After
+  /// keep_environment(), they are valid until the process ends.
   const fmi2CallbackFunctions& functions(bool asynchronous);
-  /// Returns the callbacks for fmi3Instantiate... They are valid as long as the result of functions().
+  /// Returns the callbacks for fmi3Instantiate... These callbacks are valid as long as the result of functions().
   Fmi3Callbacks fmi3_callbacks();
   /// Keeps the environment until the process ends, because threads of an instance that is not freed may use it.
   void keep_environment() { is_environment_kept_ = true; }
   /// Sets the FMU's loaded library, a `link_map`.
   void set_library(const void* library);
-  /// Returns how many calls of stepFinished belonged to no known instance. Counts calls from this target's library and
-  /// from unknown libraries.
+  /// Returns how many calls of stepFinished from this target's library, or from unknown libraries, belonged to no known
+  /// instance.
   std::uint64_t dropped_step_ends() const { return dropped_step_ends_; }
 
-  /// Sets what the FMU's instantiating function returned. Callbacks of FMI 1.0 pass it, because they have no
-  /// environment.
+  /// Sets the component that the FMU's instantiating function returned. Callbacks of FMI 1.0 pass the component,
+  /// because they have no environment.
   void set_component(const void* component);
 
   CallbackListener& listener() const { return *listener_; }
@@ -104,7 +105,7 @@ class CallbackTarget {
   std::atomic<std::uint64_t> dropped_step_ends_{0};
 };
 
-/// A call to an FMU that is under way. The texts are valid during the call.
+/// A call to an FMU that has not returned. The texts are valid during the call.
 struct CurrentCall {
   const char* instance = nullptr;
   const char* function = nullptr;
@@ -116,8 +117,8 @@ struct CurrentCall {
 /// and library are null. Safe in signal handlers.
 CurrentCall current_call() noexcept;
 
-/// Returns the sorted names of instances in this process; if there are many, the first few. Empty while another thread
-/// creates or frees an instance; does not wait for it.
+/// Returns the sorted names of instances in this process. If there are many, returns only the first few. If another
+/// thread is creating or freeing an instance, does not wait and returns an empty list.
 std::vector<std::string> instances_here();
 
 void visit_instances(void* context, void (*visit)(void* context, const char* name));
@@ -135,15 +136,15 @@ struct CurrentCallback {
   bool only_memory = false;    ///< it allocates or frees memory by the C library, with pointers from the FMU
 };
 
-/// Returns the running callback. An error in a callback is a fault of mebots, unless the FMU has damaged memory. Safe
-/// in signal handlers.
+/// Returns the callback that this thread is executing. An error in a callback is a fault of mebots, unless the FMU has
+/// damaged memory. Safe in signal handlers.
 CurrentCallback current_callback() noexcept;
 
 /// Makes all logger callbacks of the process ignore their messages. After a crash in a callback, `mebots check` repeats
 /// the experiment in this way, to find out whether the FMU or mebots caused the crash.
 void ignore_callbacks() noexcept;
 
-/// Encloses every call to an instance: callbacks on this thread belong to it.
+/// Encloses every call to an instance. Callbacks on this thread belong to the instance while the scope exists.
 class CallbackScope {
  public:
   /// `function` must outlive this object.
@@ -161,7 +162,7 @@ class CallbackScope {
   CallbackScope* outer_;
 };
 
-/// Encloses the loading and unloading of an FMU's library, which run its code outside of any instance.
+/// Encloses the loading and unloading of an FMU's library. Both run code of the library outside of any instance.
 class LibraryScope {
  public:
   /// `archive` and `function`, which describes the operation, must outlive this object.
@@ -184,13 +185,13 @@ inline constexpr std::size_t kLongestText = std::size_t{64} * 1024;
 /// kernel copies the bytes, so an invalid address causes an error code and no signal.
 std::optional<std::string> read_text(const char* address, std::size_t most = kLongestText);
 
-/// Returns false if some of the bytes cannot be read. If the system forbids the check, returns true.
+/// Returns false if any of the bytes cannot be read. If the system forbids the check, returns true.
 bool is_readable(std::span<const std::uint8_t> bytes);
 
 /// Formats like vsnprintf, but tolerates a format that does not fit its arguments. %n writes nothing, a %s with an
-/// invalid pointer becomes "(unreadable)", widths and precisions are bounded. Arguments that are missing or of other
-/// types give wrong numbers, which C cannot detect. After 100 conversions, or an unknown one, the rest is copied
-/// unchanged.
+/// invalid pointer becomes "(unreadable)", widths and precisions are bounded. If arguments are missing or have other
+/// types, the text contains wrong numbers, because C cannot detect this. After 100 conversions, or after an unknown
+/// conversion, the rest of the format is copied unchanged.
 std::string format_text(const std::string& format, std::va_list arguments);
 
 }  // namespace mebots::master

@@ -20,8 +20,8 @@ namespace mebots::master {
 namespace {
 
 constexpr std::array kCrashes = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS};
-/// Signals of timers and file descriptors, and signals that a process sends to itself. install_crash_notice() adds the
-/// real-time signals.
+/// Signals that timers, file descriptors, and the process itself may send. install_crash_notice() adds the real-time
+/// signals.
 constexpr std::array kEnds = {SIGALRM, SIGVTALRM, SIGPROF, SIGUSR1, SIGUSR2, SIGPOLL, SIGSTKFLT};
 
 std::string_view name_of(int signal) {

@@ -46,7 +46,7 @@ std::string reason(const char* what) {
                      call.function, kRemedy);
 }
 
-/// The process whose runs are guarded. Its forked processes are not guarded.
+/// The process whose runs are guarded. Processes forked from it are not guarded.
 std::atomic<pid_t> guarded_process = 0;
 /// The thread that ends the process because a run was busy.
 std::atomic<pid_t> ending_thread = 0;
@@ -57,8 +57,8 @@ std::atomic<int> kept_signal = 0;
   for (;;) syscall(SYS_exit_group, EXIT_FAILURE);
 }
 
-/// Waits without end if another thread ends the process. If the calling thread ends it, ends the process at once.
-/// Otherwise returns.
+/// Waits without end if another thread ends the process. If the calling thread is already ending the process, ends the
+/// process at once. If no thread is ending the process, returns.
 void leave_it_to_the_ending_thread() {
   const pid_t ending = ending_thread.load();
   if (ending == 0) return;
@@ -66,9 +66,9 @@ void leave_it_to_the_ending_thread() {
   for (;;) pause();
 }
 
-/// _exit() may be called where hardly any other function is allowed: in a signal handler, or while the interrupted code
-/// holds the heap's locks. Writing results could then wait for these locks without end. The alarm then ends the
-/// process, and the results are lost.
+/// Limits the time for writing results when the process ends. _exit() may be called in a signal handler, or while the
+/// interrupted code holds the heap's locks. Writing results could wait for these locks without end. In this case, an
+/// alarm ends the process, and the results are lost.
 void end_by_alarm() {
   constexpr unsigned kLongestEndS = 60;
   std::signal(SIGALRM, SIG_DFL);
@@ -129,7 +129,8 @@ bool end_by_signal(int signal) {
     return false;
   }
   const std::unique_lock lock(guards().mutex, std::try_to_lock);
-  // If another thread holds the mutex, that thread is creating or destroying a guard. Then a busy run is assumed.
+  // If another thread holds the mutex, that thread is creating or destroying a guard. In this case, a busy run is
+  // assumed.
   if (lock.owns_lock() && std::ranges::none_of(guards().all, &ExitGuard::busy)) return false;
   kept_signal = signal;
   return true;

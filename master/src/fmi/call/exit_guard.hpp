@@ -19,7 +19,7 @@ class ExitGuard {
  public:
   using Fail = std::function<void(const std::string& what)>;
 
-  /// `busy` is true while the run is in a step; it must outlive the guard.
+  /// `busy` is true while the run is in a step. The variable `busy` must outlive the guard.
   ExitGuard(const bool& busy, Fail fail);
   ~ExitGuard();
   ExitGuard(const ExitGuard&) = delete;
@@ -36,7 +36,7 @@ class ExitGuard {
 };
 
 /// Must be called on the thread that is about to end this process. If a run is busy, the run fails, and this function
-/// does not return. `what` is the FMU's action in the past tense, such as "called exit()".
+/// does not return. `what` describes the FMU's action in the past tense, such as "called exit()".
 void end_busy_runs(const char* what);
 
 /// Called by the handler of a signal that would end this process, if the signal comes from a timer or from the process
@@ -44,14 +44,14 @@ void end_busy_runs(const char* what);
 /// take_kept_signal(), so that the master's work is not interrupted. Returns false if no run is busy.
 bool end_by_signal(int signal);
 
-/// If end_by_signal() kept a signal since the last call, describes it. The thread that steps calls it between two calls
-/// to FMUs.
+/// If end_by_signal() kept a signal since the last call, describes it. The thread that steps calls this function
+/// between two calls to FMUs.
 std::optional<std::string> take_kept_signal();
 
 /// Installs handlers that report a crash inside an FMU on standard error, with instance, call and time, before the
 /// signal's default action: SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS. If the signal comes from a timer
-/// or from the process itself, the busy runs fail (see end_by_signal()). Signals that already have a handler keep it,
-/// and so does SIGALRM while the embedding program has a timer. Must be called once, from any thread.
+/// or from the process itself, the busy runs fail (see end_by_signal()). A signal that already has a handler keeps this
+/// handler. SIGALRM gets no handler while the embedding program has a timer. Must be called once, from any thread.
 void install_crash_notice();
 
 /// Returns true if the signal would end the process: its only handler is that of install_crash_notice().

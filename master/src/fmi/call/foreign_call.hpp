@@ -22,13 +22,14 @@ class ForeignException : public Error {
 /// interface".
 std::string escaped_exception_text();
 
-/// Called when foreign code is ending the thread that called it, which cannot be prevented. Fails the busy runs and
-/// ends the process.
+/// Called when foreign code is ending the thread that called this code, which cannot be prevented. Reports the busy
+/// runs as failed and ends the process.
 [[noreturn]] void end_with_thread();
 
-/// Calls foreign code and returns the result of `work`. The call can end only by a return: an exception becomes a
-/// ForeignException, a forked copy of the process is ended, and the end of the thread ends the process. The function is
-/// inlined, because passing arguments in memory costs as much as a small FMU's step.
+/// Calls foreign code and returns the result of `work`. The call can end only by a return. An exception becomes a
+/// ForeignException. If the call returns in a forked copy of the process, the copy is ended. If the foreign code ends
+/// the thread, the process ends. The function is inlined, because passing arguments in memory costs as much as a small
+/// FMU's step.
 template <typename Work>
 [[gnu::always_inline]] inline std::invoke_result_t<Work&> call_foreign(Work work) {
   try {
@@ -50,9 +51,9 @@ template <typename Work>
   }
 }
 
-/// The floating-point environment of a thread: rounding, trapped exceptions, flushing of denormals (MXCSR without its
-/// sticky flags, x87 control word). Any library can change it for later code on the thread. On machines other than
-/// x86-64 all objects are equal, and nothing is changed.
+/// The floating-point environment of a thread: rounding, trapped exceptions and flushing of denormals. It consists of
+/// the MXCSR register without the sticky flags, and the x87 control word. Any library can change it for later code on
+/// the thread. On machines other than x86-64 all objects are equal, and nothing is changed.
 struct FloatEnvironment {
   std::uint32_t mxcsr = 0x1f80;
   std::uint16_t x87 = 0x037f;  ///< default of both: IEEE 754 to nearest, no traps
@@ -78,7 +79,8 @@ struct FloatEnvironment {
   bool operator==(const FloatEnvironment&) const = default;
 };
 
-/// Describes how `found` differs from `wanted`, such as "rounding upward, denormals are flushed to zero".
+/// Returns a text that describes the differences between `found` and `wanted`, such as "rounding upward, denormals are
+/// flushed to zero".
 std::string difference_text(const FloatEnvironment& found, const FloatEnvironment& wanted);
 
 }  // namespace mebots::master

@@ -26,10 +26,11 @@ constinit std::atomic<char>* detail::original = &always_original;
 
 namespace {
 
-/// The time to wait for copies that still run. A copy returns in less time.
+/// The maximum time to wait for forked copies that still run. A copy that returns from the FMU's call needs less time.
 constexpr int kGraceMs = 100;
 
-/// A copy must not lock anything, because it consists of the forking thread only.
+/// The descriptors through which a forked copy reports. A copy must not lock a mutex, because it has only the thread
+/// that forked.
 std::array<std::atomic<int>, ForkedCopies::kMost>& write_ends() {
   static auto& all = *[] {
     auto* const made = new std::array<std::atomic<int>, ForkedCopies::kMost>;

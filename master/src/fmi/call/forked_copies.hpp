@@ -5,12 +5,13 @@
 #include <optional>
 #include <string>
 
-/// An FMU may fork helpers that exit or call exec(). If a forked copy returns from the FMU's call instead, it would
-/// execute the rest of the run a second time. Such a copy is ended, and the original process gets a report.
+/// An FMU may fork helpers that exit or call exec(). If a forked copy of the process returns from the FMU's call, it
+/// would execute the rest of the run a second time. Therefore mebots ends such a copy, which first sends a report to
+/// the original process.
 namespace mebots::master {
 
-/// Gets a report, during its lifetime, if an FMU of this process has forked and the forked copy returns from the call
-/// to the FMU.
+/// While this object exists, it receives a report if an FMU of this process has forked, and the forked copy returns
+/// from the call to the FMU.
 class ForkedCopies {
  public:
   /// The maximum number of receivers at a time.
@@ -21,8 +22,8 @@ class ForkedCopies {
   ForkedCopies(const ForkedCopies&) = delete;
   ForkedCopies& operator=(const ForkedCopies&) = delete;
 
-  /// Returns the report of the first copy that returned, or empty. Waits briefly if copies still run. Must be called
-  /// once, after the last call to an FMU that may fork.
+  /// Returns the report of the first copy that returned; empty if none did. Waits briefly if copies still run. Must be
+  /// called once, after the last call to an FMU that may fork.
   std::optional<std::string> returned();
 
  private:
@@ -47,7 +48,8 @@ inline bool is_forked_copy() noexcept {
   return detail::original->load(std::memory_order_relaxed) == 0;
 }
 
-/// Reports the copy and the call from which it returned to the original process and on standard error. Ends the copy.
+/// Reports that this forked copy returned from a call to an FMU, to the original process and on standard error. Ends
+/// the copy.
 [[noreturn]] void end_forked_copy() noexcept;
 
 }  // namespace mebots::master

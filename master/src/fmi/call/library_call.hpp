@@ -11,8 +11,8 @@
 
 namespace mebots::master {
 
-/// Calls code of the library that belongs to no instance. `doing` is the end of a sentence that begins with "while the
-/// library was".
+/// Calls code of an FMU's library outside of any instance. `doing` completes the sentence "while the library was ..."
+/// in messages.
 template <typename Work>
 auto call_library(const std::filesystem::path& archive, const char* doing, Work work) {
   const auto name = archive.filename().string();

@@ -55,8 +55,8 @@ std::optional<File> file_behind(int descriptor) {
   return File{status.st_dev, status.st_ino};
 }
 
-/// True for a connection to a network peer, such as a browser at the live page; the server closes it when the peer
-/// disconnects.
+/// True for a connection to a network peer, such as a browser that shows the live page. The live server closes such a
+/// connection when the peer disconnects.
 bool is_connection(int descriptor) {
   const auto option = [descriptor](int name) {
     int value = -1;

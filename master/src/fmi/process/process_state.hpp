@@ -30,7 +30,7 @@ OpenFiles open_files();
 /// Returns the descriptors of standard input, output and error.
 OpenFiles standard_files();
 
-/// Descriptors that must stay open. Keeps a copy of the standard three.
+/// Descriptors that must stay open. Keeps copies of standard input, output and error.
 class DescriptorState {
  public:
   /// Watches the descriptors in `files` that still refer to the same file; the others may have been closed by their
@@ -40,7 +40,8 @@ class DescriptorState {
   DescriptorState(const DescriptorState&) = delete;
   DescriptorState& operator=(const DescriptorState&) = delete;
 
-  /// Appends a text for each descriptor that is closed or refers to another file. Restores the standard three.
+  /// Appends a text for each descriptor that is closed or refers to another file. Restores the descriptors of standard
+  /// input, output and error.
   void put_right(std::vector<std::string>& texts) const;
 
  private:
@@ -61,7 +62,7 @@ class ThreadState {
   /// that cannot be undone is reported once in the life of the process. Has an effect only on the thread that called
   /// the constructor.
   void put_right(std::vector<std::string>& texts) const;
-  /// True if the signal mask differs. This check is cheap.
+  /// True if the thread's signal mask has changed since construction. This check is cheap.
   bool is_mask_changed() const;
 
  private:
@@ -80,16 +81,17 @@ class ThreadState {
   int death_signal_ = 0;
 };
 
-/// The timers of this process: the three of setitimer(), of which alarm() uses the first, and those of timer_create().
-/// The kernel lists the latter in /proc/self/timers; if it does not, these timers are not compared.
+/// The timers of this process: the three timers of setitimer(), of which alarm() uses the first, and the timers of
+/// timer_create(). The kernel lists the timers of timer_create() in /proc/self/timers. If this file is missing, they
+/// are not compared.
 class TimerState {
  public:
   /// Reads the active timers.
   TimerState();
 
   /// Appends a text for each timer that was started or stopped since construction. If the timer's signal would end the
-  /// process, stops the timer. If the signal has a handler, the FMU may need the timer. Then the timer continues, and
-  /// is reported once in the life of the process.
+  /// process, stops the timer. If the signal has a handler, the FMU may need the timer. In this case the timer
+  /// continues, and is reported once in the life of the process.
   void put_right(std::vector<std::string>& texts) const;
 
  private:
@@ -113,8 +115,8 @@ class EnvironmentVariables {
  public:
   static EnvironmentVariables now();
 
-  /// Sets the process's variables to those of this copy. Returns one text per difference that it undid: "environment
-  /// variable TZ became 'UTC' (put back)". If nothing differs, costs one comparison.
+  /// Sets the process's environment variables to those of this copy. Returns one text per difference that it undid,
+  /// such as "environment variable TZ became 'UTC' (put back)". If nothing differs, only compares the variables.
   std::vector<std::string> restore() const;
 
  private:
@@ -126,20 +128,21 @@ class EnvironmentVariables {
 };
 
 /// The process-wide state that an FMU in this process can change: descriptors, file mode mask, working directory,
-/// locale, environment variables, limits, signal handlers, timers, and the state of the calling thread (ThreadState).
-/// Such a change alters what the other FMUs and the master compute or write. Not for use by two threads at once.
+/// locale, environment variables, limits, signal handlers, timers, and the state of the calling thread (ThreadState). A
+/// change of this state can alter what the other FMUs and the master compute or write. Not for use by two threads at
+/// once.
 class ProcessState {
  public:
   /// Reads the parts of the state that an FMU with this `reach` can change. DescriptorState describes the open
   /// descriptors.
   explicit ProcessState(const OpenFiles& files = open_files(), ProcessReach reach = ProcessReach::everything);
 
-  /// Undoes changes where possible. Returns a text per difference: "the mask of file modes became 000 (put back to
-  /// 022)". Of the descriptors, restores only the standard three. Of the signal handlers, restores only those of
-  /// signals that end a run (SIGINT, SIGTERM, SIGHUP), because the FMU may need the others. A remaining change is
-  /// reported once in the life of the process.
+  /// Undoes changes where possible. Returns one text per difference, such as "the mask of file modes became 000 (put
+  /// back to 022)". Of the descriptors, restores only standard input, output and error. Of the signal handlers,
+  /// restores only those of signals that end a run (SIGINT, SIGTERM, SIGHUP), because the FMU may need its other
+  /// handlers. A remaining change is reported once in the life of the process.
   std::vector<std::string> put_right() const;
-  /// Returns true if the calling thread blocks other signals. Costs one system call.
+  /// Returns true if the calling thread's signal mask has changed. Costs one system call.
   bool is_mask_changed() const { return rest_ && rest_->thread.is_mask_changed(); }
 
  private:
@@ -170,8 +173,8 @@ class ProcessState {
 /// Returns the signal handlers that are code of a loaded library or of the program.
 Handlers handlers_in_libraries();
 
-/// If the code of a handler in `before` has been unloaded, restores its signal's default action and stops the timers
-/// that send it.
+/// If the code of a handler in `before` has been unloaded, restores the default action of its signal, and stops the
+/// timers that send this signal.
 void reset_unloaded_handlers(const Handlers& before);
 
 /// Returns true for the first call with this text in the life of the process, so that a change that cannot be undone is

@@ -24,7 +24,7 @@ bool repeats(const itimerval& timer) {
   return timer.it_interval.tv_sec != 0 || timer.it_interval.tv_usec != 0;
 }
 
-/// Appends `what` with the outcome. A timer that continues is reported once.
+/// Appends `what` with a note whether the timer was stopped. A timer that continues is reported once.
 void report(std::vector<std::string>& texts, const std::string& what, int signal, bool stopped) {
   if (stopped) texts.push_back(what + " (stopped)");
   if (!stopped && is_new_change(what))

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// mebots-windows-host.exe: loads an FMU's library for Windows and calls its functions for mebots-fmu-host, which runs
-// it under wine. Requests come from standard input, replies go to standard output. The FMU cannot access these two
-// streams.
+// The program mebots-windows-host.exe, which mebots-fmu-host runs under wine. It loads an FMU's library for Windows and
+// calls the library's functions. It reads requests from standard input, and writes replies to standard output. The FMU
+// cannot access these two streams.
 #include "fmi/windows/wire.hpp"
 #include "mebots/fmi1/library.hpp"
 #include "mebots/fmi2/library.hpp"
@@ -52,7 +52,8 @@ void reply(Reply kind, Writer& writer) {
   write_all(writer.frame(static_cast<std::uint32_t>(kind)));
 }
 
-/// Keeps the pipes for this program alone: prints of the FMU go to standard error, and its standard input is empty.
+/// Reserves the pipes for this program: afterwards, prints of the FMU go to standard error, and its standard input is
+/// empty.
 void move_pipes_aside() {
   const auto process = GetCurrentProcess();
   const auto copy = [&](DWORD which) {
@@ -64,7 +65,7 @@ void move_pipes_aside() {
   replies = copy(STD_OUTPUT_HANDLE);
   _dup2(_open("NUL", _O_RDONLY), 0);
   _dup2(2, 1);
-  // Libraries with a C library of their own take these handles.
+  // A library with its own C library uses these handles of Windows.
   SetStdHandle(STD_INPUT_HANDLE, reinterpret_cast<HANDLE>(_get_osfhandle(0)));
   SetStdHandle(STD_OUTPUT_HANDLE, GetStdHandle(STD_ERROR_HANDLE));
 }
@@ -86,7 +87,8 @@ LONG WINAPI report_exception(EXCEPTION_POINTERS* pointers) {
   return EXCEPTION_EXECUTE_HANDLER;
 }
 
-/// Sets the filter again after each load, because the library may have replaced it.
+/// Sets the handler of structured exceptions. Must be called again after each load, because the library may have
+/// replaced the handler.
 void catch_exceptions() {
   constexpr ULONG kStackForFilter = 1 << 16;
   ULONG stack = kStackForFilter;
@@ -137,7 +139,8 @@ void log_fmi3(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String
   send_log(environment, status, nullptr, category, message);
 }
 
-/// Receives the arguments of a call, and sends its outputs. Without stepFinished, an FMU steps synchronously.
+/// Receives the arguments of a call, and sends the call's outputs. The FMU gets no callback stepFinished, so it steps
+/// synchronously.
 template <typename... Arguments>
 class Receiver {
  public:
@@ -260,7 +263,8 @@ void serve(Result (*function)(Arguments...), Reader& reader, Writer& writer) {
 
 using Server = std::function<void(Reader&, Writer&)>;
 
-/// Returns a server for each function, in the order of for_each_function(). Empty if the library lacks it.
+/// Returns a server for each function, in the order of for_each_function(). A server is empty if the library lacks its
+/// function.
 template <typename Table, typename ForEach>
 std::vector<Server> make_servers(void* library, ForEach for_each_function, const std::string& prefix = {}) {
   const auto table = fmi::find_functions<Table>(library, for_each_function, prefix);

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Debian, Ubuntu, Fedora, Arch, and the packages of WineHQ.
+// Places where Debian, Ubuntu, Fedora, Arch and the packages of WineHQ install wine.
 constexpr auto kProgramPlaces = std::to_array<const char*>(
     {"/usr/lib/wine/wine64", "/usr/lib64/wine/wine64", "/opt/wine-stable/bin/wine64", "/opt/wine-stable/bin/wine"});
 constexpr auto kLibraryFolders = std::to_array<const char*>(
@@ -46,8 +46,8 @@ fs::path find_program() {
   return place == kProgramPlaces.end() ? "" : *place;
 }
 
-/// Returns the folder of wine's DLLs, those beside the program first: DLLs of another version do not fit. Empty if
-/// there is none.
+/// Returns the folder of wine's DLLs; empty if there is none. Searches first next to `program`, because DLLs of another
+/// version of wine do not work with it.
 fs::path find_libraries(const fs::path& program) {
   std::vector<fs::path> folders(kLibraryFolders.begin(), kLibraryFolders.end());
   std::error_code missing;

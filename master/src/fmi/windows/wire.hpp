@@ -16,10 +16,10 @@
 #include <vector>
 
 /// The messages between mebots-fmu-host and mebots-windows-host.exe, which runs an FMU's library for Windows under
-/// wine. The arguments of a function of FMI follow from its type alone. Both sides compile this header.
+/// wine. The type of an FMI function determines how its arguments are transferred. Both programs compile this header.
 namespace mebots::master::windows {
 
-/// The function in a request, instead of a number of for_each_function().
+/// The function numbers of requests that call no FMI function. Other requests use the numbers of for_each_function().
 inline constexpr std::uint32_t kLoad = 0xffff'0000;
 inline constexpr std::uint32_t kUnload = 0xffff'0001;
 
@@ -53,7 +53,7 @@ class Writer {
     if (bytes != nullptr) put(std::string_view(reinterpret_cast<const char*>(bytes), size));
   }
 
-  /// Returns the frame with all that was put since the last frame.
+  /// Returns a frame with all values that were put since the last frame.
   const std::string& frame(std::uint32_t kind) {
     const FrameHeader header{kind, static_cast<std::uint32_t>(bytes_.size() - sizeof(FrameHeader))};
     std::memcpy(bytes_.data(), &header, sizeof header);
@@ -97,7 +97,7 @@ class Reader {
 };
 
 /// The transfer of the arguments of a C function of FMI. A pointer is an array whose length is another argument, or a
-/// single value. Arrays of constants travel to the FMU; others travel in both directions.
+/// single value. Arrays of constants are sent to the FMU. Other arrays are sent in both directions.
 template <typename... Arguments>
 struct Signature {
   static constexpr std::size_t kCount = sizeof...(Arguments);
@@ -106,8 +106,9 @@ struct Signature {
   template <std::size_t i>
   using Argument = std::tuple_element_t<i, std::tuple<Arguments...>>;
 
-  /// Returns which argument has the number of elements of pointer `i`; kSingle if it points to one value. It is the
-  /// next argument or the nearest one before. An array of sizes is followed by the arrays that have these sizes.
+  /// Returns the index of the argument that is the number of elements of pointer `i`. Returns kSingle if the pointer
+  /// points to one value. The number of elements is the next argument, or the nearest suitable argument before the
+  /// pointer. The arguments after an array of sizes are the arrays that have these sizes.
   static consteval int length_of(std::size_t i) {
     constexpr std::array<bool, kCount> kLengths{std::is_same_v<Arguments, std::size_t>...};
     constexpr std::array<bool, kCount> kPointers{std::is_pointer_v<Arguments>...};
@@ -140,7 +141,7 @@ template <typename T>
 concept Function = std::is_pointer_v<T> && std::is_function_v<std::remove_pointer_t<T>>;
 template <typename T>
 concept Value = (std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_same_v<T, void*>);
-/// A text, and not an array of bytes, which a length precedes or follows.
+/// A text. A pointer to char with a length is an array of bytes, not a text.
 template <typename T, int length>
 concept Text = std::is_same_v<T, const char*> && length < 0;
 template <typename T>
@@ -169,8 +170,8 @@ struct Slot {
     const auto* const start = reinterpret_cast<const std::byte*>(bytes.data());
     elements.assign(start, start + bytes.size());
   }
-  /// Keeps the texts, and the pointers to them as elements. The pointer to a missing text is null: with the size of the
-  /// binary, a reader would read beyond an empty text.
+  /// Stores the texts and an array of pointers to them. The pointer to a missing text is null. An empty text would be
+  /// wrong, because a reader that uses the size of the binary would read beyond it.
   template <typename Pointer>
   void keep_texts(std::vector<std::optional<std::string>> kept) {
     texts = std::move(kept);
