@@ -22,8 +22,8 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kSuffix = ".fmu";
 
-// The search in all folders, and for the nearest of many names, is slow. So only this many problems, those that are
-// shown, get such an answer.
+// The maximum number of problems for which all folders, and the nearest of many names, are searched. These searches are
+// slow, and messages show no more problems.
 constexpr std::size_t kFullyAnswered = 20;
 
 void append_search_path(std::string_view search_path, std::vector<fs::path>& folders) {
@@ -92,7 +92,7 @@ FmuSearch::Answer FmuSearch::look_for(std::string_view text) {
                         path.lexically_normal().string(), error.message())};
   }
   if (!folders_) folders_ = fmu_folders(beside_);
-  // The available names are already listed, except in folders that cannot be listed.
+  // All available FMU names are already in `names_`, except those in folders that cannot be listed.
   if (problems_ >= kFullyAnswered && !listed_.empty() && !std::ranges::binary_search(names_, text))
     return {{}, problem_of_name(text)};
   for (const auto& folder : *folders_) {

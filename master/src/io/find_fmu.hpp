@@ -19,12 +19,12 @@ bool is_fmu_name(std::string_view text);
 /// Returns the folders in which FMUs are searched by name, in this order:
 ///
 /// 1. `beside`, the folder of the config,
-/// 2. those of MEBOTS_FMU_PATH, separated by colons; relative ones count from the working folder,
+/// 2. the folders in MEBOTS_FMU_PATH, separated by colons; relative paths start at the working folder,
 /// 3. `fmus` of the running program's build, installation or Python package.
 std::vector<std::filesystem::path> fmu_folders(const std::filesystem::path& beside);
 
-/// Finds the FMUs of one config. Caches every answer, negative ones too: a config may have 100,000 instances, usually
-/// of a few FMUs.
+/// Finds the FMUs of one config. Caches all answers, including "not found", because a config may have 100,000
+/// instances, usually of a few FMUs.
 class FmuSearch {
  public:
   explicit FmuSearch(std::filesystem::path beside) : beside_(std::move(beside)) {}
@@ -52,7 +52,7 @@ class FmuSearch {
                                                                // error
 };
 
-/// Finds a single FMU. Throws InputError with the problem.
+/// Finds a single FMU. Throws InputError if there is none.
 std::filesystem::path find_fmu(std::string_view text, const std::filesystem::path& beside);
 
 }  // namespace mebots::master

@@ -36,7 +36,7 @@ std::optional<modeldesc::ModelDescription> read_description(const std::filesyste
   }
 }
 
-/// Converts an error about the temporary copy of a file to one about the archive.
+/// Converts an error about an unpacked file to an error about the archive.
 [[noreturn]] void throw_as_input(const Error& error, const std::filesystem::path& archive,
                                  const std::filesystem::path& file) {
   std::string what = error.what();

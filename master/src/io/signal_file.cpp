@@ -61,7 +61,7 @@ WrittenValue as_written(std::string_view cell, Type type) {
   return static_cast<std::int64_t>(*number);
 }
 
-/// Reads Integers, enumeration items, Booleans and texts by the rules for values of a config.
+/// Reads a cell of a column of Integers, enumeration items, Booleans or texts, by the rules for values of a config.
 modeldesc::Value other_cell(const CsvReader& reader, const WantedSignal& wanted) {
   const auto cell = reader.cell(wanted.column);
   const auto type = wanted.variable->type;

@@ -15,7 +15,7 @@
 
 namespace mebots::master {
 
-/// A column to read as the values of a variable over time. A Real becomes factor * cell + offset.
+/// A column of a file with the values of a variable over time. The value of a Real variable is factor * cell + offset.
 struct WantedSignal {
   std::size_t column = 0;
   const modeldesc::ModelDescription* model = nullptr;
@@ -24,8 +24,8 @@ struct WantedSignal {
   double offset = 0;
 };
 
-/// A CSV file of signals: a column of times and further columns of values. A title may end in a unit, as in
-/// "speed [km/h]". Values of continuous Reals are interpolated between rows; all others are held until the next row.
+/// A CSV file of signals: a column of times and further columns of values. A title may end in a unit, as in "speed
+/// [km/h]". Values of continuous Reals are interpolated between rows; all other values are held until the next row.
 class SignalFile {
  public:
   /// Reads the header. `name` is the file's name in errors. If `time_column` is empty, the time column is the column
@@ -42,7 +42,7 @@ class SignalFile {
   std::optional<std::size_t> find(std::string_view title) const;
 
   /// Reads all rows. Must be called once. Throws InputError with line, column and value if a time is invalid or not
-  /// ascending, or if the variable cannot have the value.
+  /// ascending, or if a variable cannot have the value of a cell.
   std::vector<std::shared_ptr<const Signal>> read(std::span<const WantedSignal> wanted);
 
  private:

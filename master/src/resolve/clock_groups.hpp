@@ -6,11 +6,12 @@
 
 namespace mebots::master {
 
-/// True if the master handles the clocks of such an instance: FMI 3.0, an event mode, and an input or output of type
-/// Clock.
+/// True if the master handles the clocks of an instance. This requires FMI 3.0, an event mode, and an input or output
+/// of type Clock.
 bool has_ticking_clocks(const modeldesc::ModelDescription& model, FmuKind kind);
 
-/// True for a connection of clocks, or of clocked variables: it acts at instants at which both ends tick.
+/// True for a connection of clocks or of clocked variables. Such a connection acts at instants at which the clocks of
+/// both ends tick.
 bool is_carried_by_ticks(const ResolvedConnection& connection);
 
 /// Moves connections between clocked variables from the system to its clock groups and continuous systems. Throws

@@ -160,8 +160,8 @@ class ConnectionCheck {
     }
   }
 
-  /// True if the input's type includes all values of the output's type. Even then, a whole number may not be an item of
-  /// an enumeration; Ensemble checks this in every step.
+  /// True if the input's type includes all values of the output's type. If the input is an enumeration, a whole number
+  /// in its range may still not be one of its items. Ensemble checks this in every step.
   bool widens() const {
     const bool from_whole = fmi::is_whole(from_.type) || from_.type == Type::boolean;
     if (fmi::is_float(to_.type)) {
@@ -173,8 +173,8 @@ class ConnectionCheck {
     return is_within(range_of(model(connection_.from), from_), fmi::limits_of(to_.type));
   }
 
-  /// True for types between which `narrow` permits a connection. The values of a Clock, and values that a solver
-  /// transfers between model exchange instances, are not checked individually.
+  /// True if the key `narrow` can permit this connection. It requires a check of each value. Values of clocked
+  /// variables, and values that a solver transfers between model exchange instances, are not checked.
   bool can_narrow() const {
     if (connection_.pointer || is_clocked(from_) || is_clocked(to_)) return false;
     if (kind(connection_.from) == FmuKind::model_exchange && kind(connection_.to) == FmuKind::model_exchange) {
@@ -216,7 +216,7 @@ class ConnectionCheck {
     return result;
   }
 
-  /// Returns the variable's unit, with its definition if the FMU has one.
+  /// Returns the variable's unit. If the FMU defines the unit, the result includes the definition.
   modeldesc::Unit unit_of(const ResolvedVariable& variable) const {
     const auto& name = variable.variable->unit;
     if (const auto* defined = model(variable).unit(name)) return *defined;
@@ -322,7 +322,7 @@ ResolvedConnection plain_connection(const ResolvedVariable& from, const Resolved
   return connection;
 }
 
-/// Returns the elements of an array variable in row-major order; empty for another name.
+/// Returns the elements of an array variable in row-major order; empty if the name is not that of an array.
 std::vector<ResolvedVariable> elements_of(const ResolvedSystem& system, const VariableName& name) {
   const auto instance = system.description->index_of(name.instance);
   if (!instance) return {};
@@ -335,12 +335,12 @@ std::vector<ResolvedVariable> elements_of(const ResolvedSystem& system, const Va
   return elements;
 }
 
-/// Returns "[3]" for the element `y[3]` of the array `y`.
+/// Returns the indices of an array element as a text, such as "[3]" for the element `y[3]` of the array `y`.
 std::string_view indices_of(const ResolvedVariable& element) {
   return std::string_view(element.variable->name).substr(element.variable->fmi3->element->array.size());
 }
 
-/// Returns the connections between the elements of two arrays; empty if neither name is an array's.
+/// Returns the connections between the elements of two arrays; empty if neither name is that of an array.
 std::vector<ResolvedConnection> array_connections(const ResolvedSystem& system,
                                                   const ConnectionDescription& connection) {
   const auto from = elements_of(system, connection.from);
@@ -416,8 +416,8 @@ std::vector<ResolvedConnection> scalars_of(const ResolvedSystem& system, const C
 
 namespace {
 
-/// Returns the key for sorting. Connections are sorted by target. Connections of one sum are sorted by their sources
-/// and numbers. So the order in the config has no effect.
+/// Returns the key for sorting. Connections are sorted by target. Connections of one sum are sorted by their sources,
+/// factors and offsets. Therefore the order in the config has no effect.
 auto order_of(const ResolvedConnection& connection) {
   return std::tuple(connection.to.instance, connection.to.variable, connection.from.instance, connection.from.variable,
                     connection.factor, connection.offset);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Determines which model exchange instances one solver integrates, and which connections it evaluates.
+// Determines which model exchange instances one solver integrates together, and which connections the solver evaluates.
 #include "model/resolved_system.hpp"
 #include "resolve/clock_groups.hpp"
 #include "resolve/instance_groups.hpp"
@@ -17,7 +17,7 @@ namespace {
 using modeldesc::Type;
 using modeldesc::Variability;
 
-/// Returns the variables that a scenario or a signal file changes.
+/// Returns the variables whose values come from a scenario or a signal file.
 std::set<ResolvedVariable> overridden_variables(const ResolvedSystem& system) {
   std::set<ResolvedVariable> variables;
   for (const auto& [input, signal] : system.inputs) variables.insert(input);
@@ -50,8 +50,8 @@ class Grouping {
   }
 
  private:
-  /// A connection is inner if both ends belong to model exchange instances and no override changes them. An input with
-  /// an override is constant between communication points, so its connection is not inner. A sum is evaluated as a
+  /// A connection is inner if both ends belong to model exchange instances and no override changes either end. An input
+  /// with an override is constant between communication points, so its connection is not inner. A sum is evaluated as a
   /// whole, so either all or none of its connections are inner.
   void mark_inner_connections() {
     const auto overridden = overridden_variables(system_);
@@ -73,7 +73,8 @@ class Grouping {
     }
   }
 
-  /// Returns the one solver that the members name; if they name none, the solver of the whole system.
+  /// Returns the solver settings that the members have, which must be the same. If no member has settings, returns
+  /// those of the whole system.
   const SolverDescription* solver_of(const std::vector<std::size_t>& members) const {
     const InstanceDescription* namer = nullptr;
     for (const auto member : members) {

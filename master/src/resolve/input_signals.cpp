@@ -33,7 +33,7 @@ class ColumnUnit {
              std::string place)
       : model_(model), variable_(variable), unit_(std::move(unit)), place_(std::move(place)) {}
 
-  /// Returns the conversion: value in the variable's unit = factor * cell + offset.
+  /// Returns factor and offset of the conversion. The value in the variable's unit is factor * cell + offset.
   modeldesc::UnitConversion conversion() const {
     if (!fmi::is_float(variable_.type))
       refuse(fmt::format("a variable of type {} has no unit", to_string(variable_.type)));
@@ -98,7 +98,7 @@ class SignalReader {
     ResolvedVariable variable;
     std::optional<std::size_t> entry;  // in the scenario; else an input
   };
-  /// A file together with its time column.
+  /// A signal file that was opened with its description.
   struct Opened {
     Opened(const SignalFileDescription& asked) : description(asked), file(asked.path, asked.name, asked.time) {}
 

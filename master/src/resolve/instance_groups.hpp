@@ -31,13 +31,14 @@ class InstanceGroups {
 [[noreturn]] void refuse_key(const ResolvedSystem& system, std::size_t instance, std::string_view key,
                              const std::string& what);
 
-/// The words for members of a group in messages.
+/// The words with which messages describe a group and its members.
 struct GroupWords {
   std::string_view member;  ///< "is of model exchange"
   std::string_view group;   ///< "continuous system"
 };
 
-/// Throws InputError if members run in separate processes, have different steps, discard steps or may fail alone.
+/// Throws InputError if members run in separate processes, have different steps, discard steps or may fail without
+/// ending the run.
 void check_members(const ResolvedSystem& system, const std::vector<std::size_t>& members, const GroupWords& words);
 
 }  // namespace mebots::master

@@ -37,7 +37,7 @@ std::vector<StartValue> resolve_starts(const InstanceDescription& instance,
   return result;
 }
 
-/// The categories that the config shows, by instance.
+/// The log categories that the config requests, by instance name.
 using LogSections = std::unordered_map<std::string_view, const std::vector<std::string>*>;
 
 LogSections log_sections(const SystemDescription& system) {
@@ -52,8 +52,8 @@ std::vector<std::string> log_categories(const LogSections& sections, const Insta
   return {std::begin(kDefaultLogCategories), std::end(kDefaultLogCategories)};
 }
 
-/// Sends a notice for each category that the FMU does not declare. This is not an error, because some FMUs do not
-/// declare all of their categories.
+/// Adds a notice for each requested log category that the FMU does not declare. This is not an error, because some FMUs
+/// do not declare all of their categories.
 void note_unknown_categories(ResolvedSystem& system) {
   for (const auto& log : system.description->log) {
     const auto instance = system.description->index_of(log.instance);
@@ -72,8 +72,8 @@ void note_unknown_categories(ResolvedSystem& system) {
   }
 }
 
-/// Sets the tolerance of the config; if it has none, the FMU's default. A default that is not above 0 is not used, and
-/// causes a notice.
+/// Sets the instance's tolerance to that of the config. If the config has none, uses the FMU's default. If the default
+/// is not above 0, ignores it and adds a notice.
 void resolve_tolerance(ResolvedInstance& instance, std::vector<std::string>& notices) {
   const auto& description = *instance.description;
   if (!description.pass_tolerance) return;
@@ -87,8 +87,8 @@ void resolve_tolerance(ResolvedInstance& instance, std::vector<std::string>& not
   }
 }
 
-/// Sends a notice about parts of modelDescription.xml that the reader left out. The notice names only the first part,
-/// because a file may have any number of such parts.
+/// Adds a notice about parts of modelDescription.xml that the reader ignored because they are invalid. The notice names
+/// only the first part, because a file may have any number of such parts.
 void note_structure_faults(const ResolvedInstance& instance, std::vector<std::string>& notices) {
   const auto& faults = instance.model->structure_faults;
   if (faults.empty()) return;
@@ -97,7 +97,7 @@ void note_structure_faults(const ResolvedInstance& instance, std::vector<std::st
                                 faults.front(), others));
 }
 
-/// Forwards the notices about the FMUs' archives.
+/// Adds the notices about the FMUs' archives to the notices of the system.
 void note_archives(ResolvedSystem& system) {
   std::set<const Fmu*> seen;
   for (const auto& instance : system.instances) {
@@ -107,8 +107,8 @@ void note_archives(ResolvedSystem& system) {
   }
 }
 
-/// Checks an instance whose steps may be repeated in parts. Its FMU must be able to restore its state and to take steps
-/// of any length.
+/// Checks an instance whose discarded steps are to be repeated as several shorter steps. Its FMU must be able to
+/// restore its state and to take steps of any length.
 void check_division(const ResolvedInstance& instance) {
   if (!instance.description->divide_discarded || instance.kind == FmuKind::model_exchange) return;
   const auto& flags = *instance.model->co_simulation;
@@ -120,7 +120,8 @@ void check_division(const ResolvedInstance& instance) {
                   flags.can_get_and_set_fmu_state ? "canHandleVariableCommunicationStepSize" : "canGetAndSetFMUstate"));
 }
 
-/// Returns the name of the binary variable to which an Integer belongs; otherwise the variable's own name.
+/// If an Integer is a part of an OSMP binary, returns the name of the binary. Otherwise returns the variable's own
+/// name.
 std::string whole_name(const modeldesc::ModelDescription& description, const Variable& variable) {
   if (!is_osmp_part(description, variable)) return variable.name;
   for (const std::string_view ending : kOsmpEndings) {
@@ -129,8 +130,8 @@ std::string whole_name(const modeldesc::ModelDescription& description, const Var
   return variable.name;
 }
 
-/// True if a connection provides an input in another form: `x.base64` is an alternative to the binary `x`. If one of
-/// the two is connected, the other need not be connected.
+/// True if the alternative form of an input is connected. The text `x.base64` is an alternative to the binary `x`, so
+/// only one of them needs a connection.
 bool has_connected_alternative(const modeldesc::ModelDescription& description, const Variable& variable,
                                const std::set<const Variable*>& served) {
   constexpr std::string_view kEnding = ".base64";
@@ -140,7 +141,7 @@ bool has_connected_alternative(const modeldesc::ModelDescription& description, c
   return part != nullptr && is_osmp_part(description, *part) && served.count(part) != 0;
 }
 
-/// Rejects a value for an input that a connection overwrites, because it would have no effect.
+/// Throws an error if the config sets an input that a connection overwrites, because the value would have no effect.
 void refuse_values_of_connected_inputs(const ResolvedSystem& system) {
   using Target = std::pair<std::size_t, std::string_view>;
   std::map<Target, const Assignment*> given;

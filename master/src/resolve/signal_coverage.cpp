@@ -16,7 +16,8 @@ void SignalCoverage::check(const OverrideDescription& description, const Resolve
   first_ns_ = times.ns(0);
   last_ns_ = times.ns(times.size() - 1);
   const auto from_ns = std::max(system.start_time_ns, description.from_ns);
-  // An input is needed until the start of its FMU's last step; an output is needed until the end.
+  // A signal for an input is needed until the start of the FMU's last step. A signal that replaces an output is needed
+  // until the end of the run.
   const bool is_output = variable.variable->causality == modeldesc::Causality::output;
   const auto steps = system_.instances[variable.instance].description->steps;
   const auto grid = system.grid();

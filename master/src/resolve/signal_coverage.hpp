@@ -16,8 +16,8 @@ class SignalCoverage {
  public:
   SignalCoverage(ResolvedSystem& system, std::string file) : system_(system), file_(std::move(file)) {}
 
-  /// Throws InputError if the run needs values at times outside of the file, and the description does not permit to
-  /// hold the first or last value.
+  /// Throws InputError if the run needs values at times outside of the file, and `description` does not permit holding
+  /// the first or last value.
   void check(const OverrideDescription& description, const ResolvedVariable& variable, const Signal& signal);
   /// Adds the results of check() to the system's notices.
   void add_notices();
@@ -45,21 +45,21 @@ class SignalCoverage {
 /// in the order of the target instances. Throws InputError, and InterruptedError.
 void resolve_connections(ResolvedSystem& system, const std::atomic<bool>& interrupted);
 
-/// Reads the signal files that a system names under `inputs` and in its scenario, each once. Fills `inputs` and
+/// Reads the signal files of a system's `inputs` and scenario. Each file is read once. Fills `inputs` and
 /// `scenario_signals`. Notices list converted units, times at which values are held outside of a file's rows, and
 /// changes between communication points. Throws InputError for files, columns, units and values that do not fit, and
 /// for inputs that have another source. Must be called after resolve_connections().
 void resolve_signals(ResolvedSystem& system);
 
-/// Groups the model exchange instances into `system.continuous_systems`, and marks the connections within one. Throws
-/// InputError for settings that such instances, or members of one system, cannot have. Must be called after
-/// resolve_connections() and resolve_signals().
+/// Groups the model exchange instances into `system.continuous_systems`, and marks the connections within each such
+/// system. Throws InputError for settings that such instances, or members of one system, cannot have. Must be called
+/// after resolve_connections() and resolve_signals().
 void resolve_continuous_systems(ResolvedSystem& system);
 
-/// Loads the FMUs that share this process. If an FMU cannot share it, its instances get separate processes, and
-/// `system.notices` contains the reason. Throws InputError if the config demands `"process": "shared"` for such an
+/// Loads the FMUs that share this process. If an FMU cannot share this process, its instances get separate processes,
+/// and `system.notices` contains the reason. Throws InputError if the config demands `"process": "shared"` for such an
 /// instance, or if a library cannot be loaded. Checks `interrupted` before it loads a group of FMUs, and throws
-/// InterruptedError if it is set.
+/// InterruptedError if this flag is set.
 void choose_processes(ResolvedSystem& system, const std::atomic<bool>& interrupted);
 
 }  // namespace mebots::master

@@ -20,8 +20,8 @@ std::string instance_text(const ResolvedInstance& instance) {
   return fmt::format("'{}' ({})", instance.description->name, instance.model->model_name);
 }
 
-/// True if the control may change the step of the instance. This includes instances with a longer step of their own,
-/// and instances of model exchange, because the solver can stop at any time.
+/// True if the control may change the step of the instance. This includes instances whose own step is longer than the
+/// system's step. It also includes model exchange instances, because their solver can stop at any time.
 bool takes_variable_steps(const ResolvedInstance& instance) {
   return instance.description->steps > 1 || instance.kind == FmuKind::model_exchange ||
          instance.model->co_simulation->can_handle_variable_communication_step_size;
@@ -45,7 +45,7 @@ std::span<const BondDescription> bonds_of(const SystemDescription& system) {
   return system.coupling ? std::span(system.coupling->bonds) : std::span<const BondDescription>();
 }
 
-/// Selects bonds and inputs by the tolerances that the config names.
+/// Selects which bonds and inputs are measured, by the tolerances in the config.
 class MeasuredChoice {
  public:
   explicit MeasuredChoice(const StepControlDescription& control) : general_(control.tolerance) {
@@ -64,7 +64,7 @@ class MeasuredChoice {
     if (is_measured_by_default) measured_.push_back(std::move(item));
   }
   std::vector<MeasuredCoupling> take() { return std::move(measured_); }
-  /// Returns a tolerance that matches no bond or input; null if there is none.
+  /// Returns a tolerance of the config that applies to no bond or input; null if there is none.
   const NamedTolerance* unused() const { return named_.empty() ? nullptr : named_.begin()->second; }
 
  private:
@@ -106,7 +106,7 @@ void find_measured(ResolvedSystem& system) {
                                control.place));
 }
 
-/// Returns the instances that cannot return to an earlier point.
+/// Returns the names of the instances that cannot return to an earlier communication point.
 std::vector<std::string> without_rollback(const ResolvedSystem& system) {
   std::vector<std::string> names;
   for (const auto& instance : system.instances) {

@@ -11,16 +11,16 @@
 /// Parses command-line texts.
 namespace mebots::master {
 
-/// Parses `--set INSTANCE.VARIABLE=VALUE`. The type of the value is determined later from the FMU. Throws InputError
-/// for any other form.
+/// Parses `--set INSTANCE.VARIABLE=VALUE`. The type of the value is determined later from the FMU. Throws InputError if
+/// the text has another form.
 Setting read_set(const std::string& text);
 
 /// Splits the setting at the `=` after the longest known name, because names of variables may contain `=`. If no longer
 /// name is known, returns the setting unchanged.
 Setting with_longest_name(const Setting& setting, const std::function<bool(const std::string&)>& is_known);
 
-/// Inserts `--set` before each further assignment: `--set a.b=1 c.d=2` becomes `--set a.b=1 --set c.d=2`. Each token
-/// with `=` after an assignment counts as one, up to the next option.
+/// Inserts `--set` before each further assignment: `--set a.b=1 c.d=2` becomes `--set a.b=1 --set c.d=2`. After an
+/// assignment, each token with `=` counts as an assignment, up to the next option.
 std::vector<std::string> with_each_set(const std::vector<std::string>& arguments);
 
 /// Returns a time greater than 0, given in seconds or as a ratio such as 1/60, rounded to nanoseconds. Throws

@@ -11,7 +11,7 @@ namespace mebots::master::config {
 
 namespace {
 
-/// Reads `equals`, `above` or `below`.
+/// Reads the key `equals`, `above` or `below` of a condition.
 void read_comparison(Object& object, ConditionDescription& condition) {
   int comparisons = 0;
   const auto compare = [&](const char* key, Comparison comparison) {

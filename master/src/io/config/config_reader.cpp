@@ -68,8 +68,8 @@ void refuse_archive(std::string_view text, const std::filesystem::path& file) {
           file.string()));
 }
 
-/// Builds JSON as ordered_json::parse() does, but does not search for an earlier member of the same name at every
-/// member: with 100,000 members that would take 10 s. The data layer rejects duplicate names.
+/// Builds the same JSON as ordered_json::parse(), but does not search for an earlier member of the same name. This
+/// search would take 10 s for 100,000 members. The data layer rejects duplicate names.
 class OrderedBuilder : public nlohmann::json_sax<nlohmann::ordered_json> {
  public:
   using Json = nlohmann::ordered_json;
@@ -151,8 +151,8 @@ void read_sections(const data::Node& root, SystemDescription& system) {
   bool has_instances = true;
   for (const auto& section : kSections) {
     const auto read = [&](const data::Node& node) {
-      // Without instances, every name in the other sections would be reported as an error. So sections with such names
-      // are skipped.
+      // Without instances, every instance name in the other sections would be reported as an error. Therefore sections
+      // with such names are skipped.
       if (has_instances || !section.names_instances) section.read(node, system);
     };
     if (section.required) {
@@ -178,7 +178,7 @@ void require_utf8(const nlohmann::ordered_json& json, const std::string& file) {
   }
 }
 
-/// Reads generated JSON. `places` contains the origins of its parts.
+/// Reads generated JSON. `places` maps each part of the JSON to its place in the original file.
 void read_made_config(LoadedSystem& loaded, const std::string& file, std::map<std::string, std::string> places) {
   require_utf8(loaded.config, file);
   config::Repeats repeats{loaded.system.file.parent_path(), places, {}};
@@ -198,7 +198,7 @@ void read_made_config(LoadedSystem& loaded, const std::string& file, std::map<st
   });
 }
 
-/// On entry, `loaded.config` is the variant's; on return, the whole config.
+/// On entry, `loaded.config` is the JSON of the variant. On return, it is the merged config.
 void read_extended(LoadedSystem& loaded, const std::string& file, const std::string& base, const GivenTimes& times) {
   const auto base_file = std::filesystem::path(file).parent_path() / base;
   if (!is_there(base_file)) {
@@ -220,7 +220,7 @@ void read_extended(LoadedSystem& loaded, const std::string& file, const std::str
   read_made_config(loaded, file, std::move(places));
 }
 
-/// Selects whether the JSON of the config is returned too, which takes longer.
+/// Selects whether the JSON of the config is also returned, which takes longer.
 enum class WithJson : std::uint8_t { yes, no };
 
 void read_config_text(LoadedSystem& loaded, const std::string& file, const GivenTimes& times, WithJson with_json) {

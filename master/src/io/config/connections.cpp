@@ -61,7 +61,7 @@ SignalColumn read_target(const Node& node, const std::string& column, const Syst
   return target;
 }
 
-/// Reads columns, each of which feeds one input or several.
+/// Reads columns. Each column is the source of one input or of several inputs.
 std::vector<SignalColumn> read_columns(const Node& node, const SystemDescription& system) {
   std::vector<SignalColumn> columns;
   for (const auto& [column, value] : node.members()) {

@@ -15,7 +15,7 @@
 namespace mebots::master::config {
 namespace {
 
-/// The data that the reader of a key may use in addition to its instance.
+/// The data that the reader of a key may use in addition to the key's instance.
 struct Surroundings {
   const SystemDescription& system;  // contains the sections and instances before this one
   FmuSearch& fmus;
@@ -71,8 +71,8 @@ std::string mechanism_in(const Node& node) {
   return data::word_of<std::string>({{kNamespaces, kNamespaces}, {kLandlock, kLandlock}, {kSeccomp, kSeccomp}})(node);
 }
 
-/// Reports an error unless the instance has a separate process: the master cannot end a call of an FMU in its own
-/// process, nor limit the FMU's memory.
+/// Reports an error unless the instance has a separate process. In the master's process, the master can neither end a
+/// call of an FMU nor limit the FMU's memory.
 void need_own_process(const Node& node, const InstanceDescription& instance) {
   if (instance.isolation.process == ProcessKind::shared) {
     node.fail(ErrorCode::invalid_value, "this needs \"process\": \"own\" or \"sandboxed\"");

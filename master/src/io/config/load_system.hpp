@@ -19,13 +19,13 @@
 /// Reads a SystemDescription from files.
 namespace mebots::master {
 
-/// Times [s] that replace times of the file or supply missing ones.
+/// Times [s] that replace the times of the file or supply missing times.
 struct GivenTimes {
   std::optional<WrittenTime> step;
   std::optional<double> stop_time_s;
 };
 
-/// A system with the JSON that it was read from. For an SSP, the equivalent JSON.
+/// A system with the JSON that it was read from. For an SSP, `config` is the equivalent JSON.
 struct LoadedSystem {
   SystemDescription system;
   nlohmann::ordered_json config;
@@ -37,7 +37,7 @@ LoadedSystem load_system(const std::filesystem::path& path, const GivenTimes& ti
 /// Loads like load_system(), but does not return the JSON, which is faster.
 SystemDescription read_config(const std::filesystem::path& path, const GivenTimes& times = {});
 
-/// Loads like load_system() from a text in memory. `file` is its name in messages; paths of FMUs are relative to
+/// Loads like load_system() from a text in memory. `file` is the text's name in messages; paths of FMUs are relative to
 /// `file`.
 namespace config {
 
@@ -72,24 +72,24 @@ struct SystemFile {
 };
 
 /// Determines the form from the file's extension. In a folder, looks for SystemStructure.ssd and
-/// OspSystemStructure.xml. Throws InputError for a folder with neither.
+/// OspSystemStructure.xml. Throws InputError for a folder without either file.
 SystemFile find_system(const std::filesystem::path& path);
 
-/// True if the name alone shows a file or folder that find_system() accepts; false for an FMU.
+/// True if the path's name indicates a file or folder that find_system() accepts; false for an FMU.
 bool may_be_system(const std::filesystem::path& path);
 
 /// Returns the system's name: the name of its file without extension. If the file of an unpacked SSP or of an OSP
-/// system has its usual name, returns the name of the folder.
+/// system has the standard name, returns the name of the folder.
 std::string system_name(const std::filesystem::path& path);
 
 }  // namespace mebots::master
 
 namespace mebots::master::config {
 
-/// Returns the config of a run of a single FMU: one instance, named after the file. Times come from `times`, else from
-/// the FMU's DefaultExperiment, else 500 steps from 0 s to 1 s after the start. Rounds a stop time of the
-/// DefaultExperiment down to a whole number of steps. Records the outputs, or the local variables if there are none.
-/// Appends notices with the chosen values and their origins. Throws InputError.
+/// Returns the config of a run of a single FMU with one instance, named after the file. Times come from `times`, else
+/// from the FMU's DefaultExperiment. By default, a run starts at 0 s and has 500 steps in 1 s. Rounds a stop time of
+/// the DefaultExperiment down to a whole number of steps. The run records the FMU's outputs. If there are none, it
+/// records the local variables. Appends notices with the chosen values and their origins. Throws InputError.
 nlohmann::ordered_json single_fmu_config(const std::filesystem::path& fmu,
                                          const modeldesc::ModelDescription& description, const GivenTimes& times,
                                          std::vector<std::string>& notices);
@@ -104,20 +104,22 @@ std::string apply_scenario(SystemDescription& system, const std::filesystem::pat
 
 }  // namespace mebots::master
 
-/// A config that changes another one: `{"extends": "gate_hard.json", "changes": {...}}`. JSON merge patch (RFC 7396)
+/// A config that changes another config: `{"extends": "gate_hard.json", "changes": {...}}`. JSON merge patch (RFC 7396)
 /// applies: objects are merged member by member, null removes a member, everything else is replaced.
 namespace mebots::master::config {
 
 inline constexpr const char* kExtends = "extends";
 inline constexpr const char* kChanges = "changes";
 
-/// Returns the name of the extended file, which is in the same folder. Reports errors in the variant's own keys.
+/// Returns the name of the file that the variant extends, which must be in the same folder. Reports errors in the keys
+/// `extends` and `changes`.
 std::string read_variant(const data::Node& root);
 
-/// Returns the merged config. The variant's `text` replaces that of the base.
+/// Returns the merged config. The variant's `text` replaces the base's `text`.
 nlohmann::ordered_json merged(nlohmann::ordered_json base, const nlohmann::ordered_json& variant);
 
-/// Returns the file of each part of the merged config, for data::Document. `base` is the extended file's content.
+/// Returns the file from which each part of the merged config comes, for data::Document. `base` is the content of the
+/// extended file.
 std::map<std::string, std::string> places_of(const nlohmann::ordered_json& variant, const nlohmann::ordered_json& base);
 
 }  // namespace mebots::master::config

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the sections `record`, `pictures` and `log`; the section `view`: what a run's page shows first; and the section
-// `summary`: labels, possibly nested, for variables, variables with conditions, and groups of variables.
+// Reads the sections `record`, `pictures`, `log`, and `view` (the first content of a run's page). Also reads the
+// section `summary`, which has labels, possibly nested. A label refers to a variable, a variable with conditions, or a
+// group of variables.
 #include "sections.hpp"
 
 #include "model/resolved_system.hpp"
@@ -154,7 +155,7 @@ ConditionDescription read_final_condition(const Node& node, const SystemDescript
   return condition;
 }
 
-/// Reads a summary entry with conditions: its value is only valid if these conditions hold at the end.
+/// Reads a summary entry with conditions: its value is valid only if these conditions are true at the end of the run.
 SummaryEntry read_conditional(const Node& node, const std::vector<std::string>& path, const SystemDescription& system) {
   Object object(node);
   SummaryEntry entry{path, {}, {}, node.place()};
@@ -165,8 +166,8 @@ SummaryEntry read_conditional(const Node& node, const std::vector<std::string>& 
   return entry;
 }
 
-/// Reads a list of variables of similar things, such as drones. A member without a name gets its position, from 1, as
-/// its name.
+/// Reads a list of variables of similar things, such as drones. If a member has no name, its name is its position in
+/// the list, from 1.
 std::vector<GroupMember> read_group(const Node& node, const SystemDescription& system) {
   std::vector<GroupMember> group;
   std::set<std::string> names;

@@ -34,7 +34,7 @@ constexpr std::int64_t kMostCopies = 100'000;      // of an entry
 constexpr std::size_t kMostCopiesOfAll = 500'000;  // of all entries, those in copies of others included
 constexpr const char* kParameters = "parameters";
 
-/// The replacement of a name in braces: a value, or a part of a text.
+/// The replacement of a name in braces. `value` replaces a whole text; `text` replaces a part of a text.
 struct Filling {
   // NOLINTNEXTLINE(google-explicit-constructor): a value is written as it is
   Filling(Json v) : value(std::move(v)), text(value.is_string() ? value.get<std::string>() : value.dump()) {}
@@ -50,7 +50,7 @@ struct Filling {
   bool is_index = false;  // not a column or a list
 };
 
-/// The names in braces, for one copy.
+/// The replacements of the names in braces, for one copy.
 using Values = std::vector<std::pair<std::string, Filling>>;
 
 bool is_name(std::string_view text) {
@@ -84,13 +84,13 @@ Json json_of(const Node& node) {
   return node.text();
 }
 
-/// Returns true for 007, which is a name: JSON has no such number.
+/// Returns true for a text such as 007, because JSON has no such number. It is a name.
 bool has_leading_zero(std::string_view cell) {
   if (cell.starts_with('-')) cell.remove_prefix(1);
   return cell.size() > 1 && cell[0] == '0' && std::isdigit(static_cast<unsigned char>(cell[1])) != 0;
 }
 
-/// Returns numbers, true and false as JSON values, and everything else as text.
+/// Returns a JSON value: numbers and Booleans for cells that contain them, text for all others.
 Json json_of(std::string_view cell) {
   if (has_leading_zero(cell)) return std::string(cell);
   if (const auto whole = data::csv_number<std::int64_t>(cell)) return *whole;
@@ -113,7 +113,7 @@ std::vector<Values> numbers(const Node& node, const std::string& index) {
   return rows;
 }
 
-/// Reads lists such as {"mass": [0.03, 0.031], "x": [0, 1]}.
+/// Reads lists of values by name, such as {"mass": [0.03, 0.031], "x": [0, 1]}.
 std::vector<Values> lists(const Node& node, const std::string& index) {
   std::vector<Values> rows;
   bool is_first = true;
@@ -159,7 +159,7 @@ std::vector<Values> table(const Node& node, const std::string& index, Repeats& r
   return rows;
 }
 
-/// Returns all combinations; `second` changes fastest. The names must differ.
+/// Returns all combinations of values; those of `second` change fastest. The names in `first` and `second` must differ.
 std::vector<Values> product(const Node& node, const std::vector<Values>& first, const std::vector<Values>& second) {
   if (first.empty() || second.empty()) return {};
   for (const auto& [name, value] : second.front()) {
@@ -184,7 +184,7 @@ class Groups {
  public:
   explicit Groups(Repeats& repeats) : repeats_(repeats) {}
 
-  /// A group may use groups that are defined before it.
+  /// Reads the section `groups`. The definition of a group may use groups that are defined before it.
   void read(const Node& node) {
     for (const auto& [name, range] : node.members()) {
       check_name(range, name);
@@ -193,8 +193,8 @@ class Groups {
     }
   }
 
-  /// Returns the values of every copy: all combinations of the indexes, the last one fastest. Empty if a group has a
-  /// mistake, which is reported.
+  /// Returns the values of every copy: all combinations of the indexes, the last index fastest. If a group has a
+  /// mistake, reports the mistake and returns no copies.
   std::vector<Values> copies_of(const Node& node) const {
     if (node.is(data::Kind::text)) return group(node);
     std::vector<Values> copies = {{}};
@@ -227,14 +227,14 @@ class Groups {
   std::map<std::string, std::vector<Values>> groups_;
 };
 
-/// Adds a member whose key had names in braces. Throws InputError if the object has the key.
+/// Adds a member whose key had names in braces. Throws InputError if the object already has this key.
 void add_filled(Json& object, std::string key, Json value) {
   if (object.contains(key))
     throw InputError(ErrorCode::duplicate_name, fmt::format("two keys of one copy become '{}'", key));
   object[std::move(key)] = std::move(value);
 }
 
-/// Replaces names in braces. Throws InputError for an unknown one.
+/// Replaces names in braces. Throws InputError if a name is unknown.
 class Filler {
  public:
   explicit Filler(const Values& values) : values_(values) {}
@@ -313,7 +313,7 @@ class Filler {
   const Values& values_;
 };
 
-/// Returns "12:5: /connections/2", the place of a value without the file's name.
+/// Returns a text such as "12:5: /connections/2": the place of a value without the file's name.
 std::string place_in_file(const Node& node, std::string_view file) {
   auto place = node.place();
   if (!place.starts_with(file)) return place;
@@ -340,7 +340,7 @@ class Expansion {
   Expansion(const Groups& groups, Repeats& repeats, std::string file)
       : groups_(groups), repeats_(repeats), file_(std::move(file)) {}
 
-  /// Returns the value at `pointer` with its copies and with its braces filled.
+  /// Returns the value at `pointer`, with all copies of its elements, and with names in braces replaced.
   Json of(const Node& node, const Json& content, const Values& values, const std::string& pointer) {
     if (!repeats_inside(content)) return values.empty() ? content : Filler(values).filled(content);
     return content.is_array() ? list(node, content, values, pointer) : object(node, content, values, pointer);
@@ -423,7 +423,8 @@ class Expansion {
     });
   }
 
-  /// Parameters may be a list of objects, of which some are repeated: they become one object.
+  /// Parameters may be a list of objects, some of which have `repeat`. Merges these objects and their copies into one
+  /// object.
   void merge_parameters(const Node& node, Json& instance, const std::string& pointer) {
     if (!instance.is_object() || !instance.contains(kParameters) || !instance.at(kParameters).is_array()) return;
     if (instance.at(kParameters).empty()) node.fail(ErrorCode::invalid_value, "the list of parameters is empty");
@@ -441,8 +442,8 @@ class Expansion {
     instance[kParameters] = std::move(merged);
   }
 
-  /// The members of a group in the summary are named by their indexes, unless they have a name. They consist of a
-  /// variable alone; other lists below the summary have conditions.
+  /// The members of a group in the summary are named by their indexes, unless they have a name. A member of a group has
+  /// only the key `variable`. Other lists in the summary contain conditions.
   static void name_member(Json& entry, const Values& values, std::string_view pointer) {
     if (!pointer.starts_with("/summary/") || !entry.is_object()) return;
     if (entry.size() != 1 || !entry.contains("variable")) return;
@@ -453,7 +454,7 @@ class Expansion {
     if (!indexes.empty()) entry["name"] = fmt::format("{}", fmt::join(indexes, ","));
   }
 
-  /// `place` is the place of the entry in the file.
+  /// `place` is the line and column of the entry in the file.
   void note_place(const std::string& pointer, const std::string& place, const Values& values) {
     repeats_.places[pointer] = values.empty() ? place : fmt::format("{}, {}", place, shown(values));
   }
@@ -464,7 +465,7 @@ class Expansion {
   std::size_t copies_ = 0;
 };
 
-/// If `inside` is false, examines only the elements of a list, not what they contain: a list may be long.
+/// If `inside` is false, examines only the elements of a list, not the values inside them, because a list may be long.
 bool is_repeated(const Node& node, bool inside = true) {
   if (node.is(data::Kind::list)) {
     return std::ranges::any_of(node.elements(),
@@ -474,8 +475,7 @@ bool is_repeated(const Node& node, bool inside = true) {
   return std::ranges::any_of(node.members(), [](const data::Member& one) { return is_repeated(one.value); });
 }
 
-/// The entries of `instances` are members of an object; all others are elements of lists. Parameters in a list are
-/// merged.
+/// Returns true if an instance has `repeat`, or if its parameters are a list, which must be merged into one object.
 bool has_repeated_instances(const Node& root) {
   const auto instances = root.find(kInstances);
   return instances && instances->is(data::Kind::object) &&

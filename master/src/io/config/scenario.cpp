@@ -47,7 +47,7 @@ void read_action(Object& object, OverrideDescription& override) {
   }
 }
 
-/// Reads a key that one action requires and all others reject.
+/// Reads a key that only the action `action` requires. All other actions reject the key.
 template <typename T, typename Reader>
 void read_with(Object& object, std::string_view key, T& into, bool wanted, std::string_view action,
                const Reader& reader) {

@@ -18,7 +18,7 @@ namespace mebots::master::config {
 
 void read_text(const data::Node& node, SystemDescription& system);
 void read_step(const data::Node& node, SystemDescription& system);
-/// Does nothing: expand_repeats() reads the groups.
+/// Does nothing, because expand_repeats() has already read the groups.
 void read_groups(const data::Node& node, SystemDescription& system);
 void read_instances(const data::Node& node, SystemDescription& system);
 void read_start_time(const data::Node& node, SystemDescription& system);
@@ -44,8 +44,8 @@ void read_threads(const data::Node& node, SystemDescription& system);
 
 }  // namespace mebots::master::config
 
-/// Readers of values that several sections share. They throw data::Mistakes with the value's place. Unknown names are
-/// only reported, not thrown: with 100,000 of them, exceptions would take longer than reading the file.
+/// Readers of values that several sections share. They throw data::Mistakes with the value's place. An unknown name is
+/// reported without an exception, because 100,000 exceptions would take longer than reading the file.
 namespace mebots::master::config {
 
 using data::Node;
@@ -69,23 +69,23 @@ inline constexpr std::string_view kSignalFileKeys[] = {"file", "time", "before",
 
 /// Reads a time as a number of seconds or as a ratio such as "1/60".
 ExactTime written_time(const Node& node);
-/// Reads a step: greater than 0, and long enough for internal time.
+/// Reads a step. A step must be greater than 0, and a ratio must be at least kShortestRatioNs.
 ExactTime step_time(const Node& node);
-/// Reads a time in seconds, rounded to internal time.
+/// Reads a time in seconds, rounded to nanoseconds.
 std::int64_t time_ns(const Node& node);
 /// Reads a time that is not negative.
 std::int64_t duration_ns(const Node& node);
-/// Reads a time greater than 0 that is a multiple of the system's step. Returns the number of steps; 1 if the step is
-/// not known.
+/// Reads a time greater than 0 that is a multiple of the system's step. Returns the number of steps; 1 if the system's
+/// step is not known.
 std::int64_t steps_in(const Node& node, const SystemDescription& system);
 
 /// Reads the settings of the solver of continuous systems.
 SolverDescription solver_description(const Node& node);
 
-/// Reads a key that a condition may have in addition.
+/// Reads a further key that a condition may have.
 using ReadMore = void (*)(Object& object, ConditionDescription& condition);
 
-/// Reads a comparison of a variable, or a quantifier with conditions. `read_more` is called for all of these, too.
+/// Reads a comparison of a variable, or a quantifier with conditions. Calls `read_more` for each of these conditions.
 ConditionDescription read_condition(
     Object& object, const SystemDescription& system, ReadMore read_more = [](Object&, ConditionDescription&) {});
 
@@ -112,8 +112,8 @@ struct Repeats {
 /// Returns true if the config has groups, or an instance or an element of a list with `repeat`.
 bool has_repeats(const data::Node& root);
 
-/// Replaces such entries of `config`, the JSON of `root`, by their copies, and removes the groups. `file` begins the
-/// places of its nodes. Reports mistakes to the node's document.
+/// Replaces entries with `repeat` by their copies, and removes the groups. `config` is the JSON of `root`. `file` is
+/// the file's name, with which the places of its nodes begin. Reports mistakes to the node's document.
 void expand_repeats(const data::Node& root, nlohmann::ordered_json& config, const std::string& file, Repeats& repeats);
 
 }  // namespace mebots::master::config

@@ -14,8 +14,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kText = "text";
 
-/// Returns a file name without folders. Rejects paths, because paths in the other file would then be relative to the
-/// wrong folder.
+/// Returns a file name without folders. Rejects paths, because a config in another folder may contain paths relative to
+/// that folder.
 std::string name_beside(const data::Node& node) {
   auto name = node.readable_text();
   if (std::filesystem::path(name).has_parent_path()) {
@@ -24,8 +24,9 @@ std::string name_beside(const data::Node& node) {
   return name;
 }
 
-/// `base` is the other file's value at this place, or null. If the other file lacks an object, the whole object counts
-/// as a change. So the place of a missing key is in the changes.
+/// Stores the file's name for each changed part. `base` is the value that `change` changes, or null. If the base lacks
+/// an object, the whole object counts as a change. Therefore an error about a missing key in it names the changes, not
+/// the base.
 void mark(const Json& change, const Json* base, const Json::json_pointer& at,
           std::map<std::string, std::string>& places) {
   const bool goes_into = base != nullptr && base->is_object();

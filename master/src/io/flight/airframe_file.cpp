@@ -27,7 +27,7 @@ bool is_path(std::string_view name) {
   return name.ends_with(".json") || name.find('/') != std::string_view::npos;
 }
 
-/// Reads the name of a shipped file, or the path of an existing file.
+/// Reads the name of a shipped file, or the path of a file, which must exist.
 std::string read_part(const Node& node, const std::filesystem::path& folder) {
   auto name = node.readable_text();
   if (is_path(name) && !is_file(folder / name)) {

@@ -9,9 +9,9 @@
 
 namespace mebots::master::flight {
 
-/// Reads an airframe: the files of a drone, of its rotors and of its cell, with mass and decks. Returns its content
-/// with the paths of these files absolute; names of shipped files stay names. Throws data::Mistakes with all mistakes
-/// of the file.
+/// Reads an airframe: the files of a drone, of its rotors and of its cell, with mass and decks. Returns the content of
+/// `file` with absolute paths. Names of shipped files do not change. Throws data::Mistakes with all mistakes of the
+/// file.
 nlohmann::ordered_json read_airframe(const std::filesystem::path& file);
 
 /// A signal of a flight log that MEbots supports.
@@ -27,8 +27,8 @@ std::span<const LogSignal> log_signals();
 /// gravity) and "1/65535" (a motor value of the Crazyflie's firmware). Throws Error (wrong_unit).
 double log_unit_factor(std::string_view from, std::string_view to);
 
-/// Reads a mapping from columns of a log to signals. Returns its content. Throws data::Mistakes with all mistakes of
-/// the file.
+/// Reads a mapping from columns of a log to signals. Returns the content of the mapping. Throws data::Mistakes with all
+/// mistakes of the file.
 nlohmann::ordered_json read_log_mapping(const std::filesystem::path& file);
 
 }  // namespace mebots::master::flight

@@ -22,9 +22,9 @@ using data::Limits;
 using data::Node;
 using data::Object;
 
-// The signals and their units. Axes of the world: x east, y north, z up; of the body: x forward, y left, z up
-// (docs/architecture.md). battery.current is positive for a discharge. acceleration is the specific force. attitude
-// rotates body axes into world axes.
+// The signals and their units. World axes: x east, y north, z up. Body axes: x forward, y left, z up
+// (docs/architecture.md). `battery.current` is positive for a discharge. `acceleration` is the specific force.
+// `attitude` rotates body axes into world axes.
 constexpr LogSignal kSignals[] = {
     {"motor[1].command", "1"},   {"motor[2].command", "1"},   {"motor[3].command", "1"},   {"motor[4].command", "1"},
     {"rotor[1].speed", "rad/s"}, {"rotor[2].speed", "rad/s"}, {"rotor[3].speed", "rad/s"}, {"rotor[4].speed", "rad/s"},
@@ -56,7 +56,7 @@ const LogSignal& find_signal(const Node& node) {
   node.fail_unknown("the signal", name, known);
 }
 
-/// Reads a text that names a unit of the same dimension as `unit`.
+/// Reads the name of a unit that has the same dimension as `unit`.
 auto convertible_to(std::string_view unit) {
   return [unit](const Node& node) {
     auto name = node.text();

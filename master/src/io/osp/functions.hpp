@@ -17,8 +17,8 @@ struct OspVariable {
   std::string text() const { return simulator + "." + variable; }
 };
 
-/// The effect of a function's input on one variable. The variable is the sum of factor * from + offset over all links
-/// that end at the variable.
+/// The effect of a function's input on one variable. The variable's value is the sum of `factor * from + offset` over
+/// all links to this variable.
 struct FunctionLink {
   OspVariable from;
   OspVariable to;
@@ -27,7 +27,7 @@ struct FunctionLink {
   pugi::xml_node node;  ///< the XML connection that ends at `to`
 };
 
-/// The kind of the connection's end that is not a function.
+/// The other end of a function's connection: a variable or a group of variables.
 enum class Ends { variable, group };
 
 /// The <Functions> of an OspSystemStructure.xml: LinearTransformation, Sum and VectorSum. In libcosim, a function reads
@@ -37,7 +37,7 @@ class Functions {
  public:
   explicit Functions(const ssp::XmlFile& file) : file_(&file) {}
 
-  /// `functions` may be null if there are none.
+  /// `functions` is null if the file has none.
   void read(pugi::xml_node functions);
   /// Connects variables with a <Signal> or <SignalGroup>.
   void connect(pugi::xml_node signal, const std::vector<OspVariable>& variables, Ends ends);
@@ -46,7 +46,8 @@ class Functions {
   std::vector<FunctionLink> links() const;
 
  private:
-  /// In a VectorSum, `in[i]` and `out` are vectors; in LinearTransformation and Sum they have one element.
+  /// A function of the file. In a VectorSum, `in[i]` and `out` are vectors. In LinearTransformation and Sum, they have
+  /// one element.
   struct Function {
     pugi::xml_node node;
     bool indexed = false;    // its inputs are in[0], in[1] ..., not `in`

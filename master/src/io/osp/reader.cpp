@@ -51,7 +51,7 @@ class OspReader {
   }
 
  private:
-  /// Adds the bytes to those that identify the run's inputs.
+  /// Appends `bytes` to the bytes whose hash identifies the inputs of the run. Returns `bytes`.
   std::string remember(std::string bytes) {
     bytes_ += bytes;
     return bytes;
@@ -104,7 +104,7 @@ class OspReader {
     fmus_.emplace(name, OspFmu{description, path});
   }
 
-  /// Returns the path of the FMU. If the source is a proxy, gives the FMU its own process.
+  /// Returns the path of the FMU. If the attribute `source` names a proxy, assigns a separate process to the FMU.
   std::filesystem::path read_source(pugi::xml_node node, const std::string& name, Json& instance) {
     const auto source = file_.required(node, "source");
     const auto uri = parse_file_uri(source);
@@ -124,7 +124,7 @@ class OspReader {
     return path;
   }
 
-  /// Returns a simulator's step as a multiple of the base step. Rounds other values down, as libcosim does.
+  /// Returns a simulator's step as a multiple of the base step. Rounds down to a multiple, as libcosim does.
   double step_of(pugi::xml_node node, const std::string& name) {
     const auto step = file_.number(node, "stepSize", 0);
     if (!result_.config.contains("step")) return step;
@@ -138,7 +138,7 @@ class OspReader {
     return multiple * base;
   }
 
-  /// Throws the error of opening the FMU.
+  /// Opens the FMU again and throws the resulting error.
   [[noreturn]] void throw_reason(pugi::xml_node node, const std::filesystem::path& path) const {
     try {
       static_cast<void>(read_fmu_description(path));
@@ -243,7 +243,7 @@ class OspReader {
     ends_.push_back(to);
   }
 
-  /// Connects two variables through a function. A function uses numbers without conversion, whatever their units.
+  /// Connects two variables through a function. A function uses numbers without conversion of units.
   void connect_through(const osp::FunctionLink& link) {
     for (const auto& [variable, wanted] :
          {std::pair(&link.from, Causality::output), std::pair(&link.to, Causality::input)}) {

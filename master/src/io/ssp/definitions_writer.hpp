@@ -11,15 +11,15 @@
 
 namespace mebots::master::ssp {
 
-/// Collects the <Units> and <Enumerations> to which the variables of one file refer.
+/// Collects the <Units> and <Enumerations> that the variables of one written file use.
 class DefinitionsWriter {
  public:
-  /// Returns the name to write for a variable's unit. Empty if its FMU does not define the unit, or if another FMU
-  /// defines it differently. `model` must outlive this object.
+  /// Returns the unit name to write for a variable. Empty if the variable's FMU does not define the unit, or if another
+  /// FMU defines the same name differently. `model` must outlive this object.
   std::string unit_of(const modeldesc::ModelDescription& model, const modeldesc::Variable& variable);
   void add_enumeration(const modeldesc::ModelDescription& model, const modeldesc::Variable& variable);
 
-  /// Appends the sections that are not empty; `prefix` makes names such as "ssd:Units".
+  /// Appends the sections that are not empty. `prefix` is the XML prefix of their names, as in "ssd:Units".
   void write(pugi::xml_node root, const std::string& prefix) const;
 
  private:

@@ -18,7 +18,7 @@ namespace {
 constexpr std::string_view kFmu = "application/x-fmu-sharedlibrary";
 constexpr std::string_view kDefinition = "application/x-ssp-definition";
 
-/// The SSDs being read, each for a component of the previous one.
+/// The SSDs that are being read. Each is the source of a component in the previous one.
 struct Nesting {
   std::vector<std::filesystem::path> open;
   std::size_t read = 0;  // in total: a few files that refer to each other could otherwise multiply without limit
@@ -141,8 +141,8 @@ class SystemReader {
     return component;
   }
 
-  /// Reads the system of another SSD in place of a component. The values of the component come after the values of the
-  /// system, and so override them (5.3.3).
+  /// Reads the system of another SSD, which replaces a component. The component's parameter values follow those of the
+  /// system, and therefore override them (5.3.3).
   Element read_definition(pugi::xml_node node) const {
     const auto path = resolve_uri(source_, file_, node, node.attribute("source").value());
     if (std::ranges::find(nesting_.open, path) != nesting_.open.end()) {

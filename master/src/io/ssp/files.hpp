@@ -15,11 +15,12 @@ class Files {
   virtual ~Files() = default;
 
   virtual bool holds(const std::filesystem::path& path) const = 0;
-  /// Returns the file's bytes. Throws InputError if the file does not exist.
+  /// Returns the bytes of the file at `path`. Throws InputError if the file does not exist.
   virtual std::string read(const std::filesystem::path& path) const = 0;
-  /// Returns the path for the reader of FMUs.
+  /// Returns the path at which a reader of FMUs can open the file.
   virtual std::filesystem::path place(const std::filesystem::path& path) const = 0;
-  /// True if paths may lead out of the SSP. Paths of an archive may not, because archives are not trusted.
+  /// Returns true if paths may lead out of the SSP. Paths of an archive must stay inside, because archives are not
+  /// trusted.
   virtual bool is_open() const { return false; }
 };
 
@@ -51,8 +52,8 @@ struct FileUri {
   std::optional<std::string> by_proxy;  ///< the host on which the FMU was meant to run
 };
 
-/// Returns nullopt for a URI of another scheme. `proxyfmu://host?file=PATH` of the Open Simulation Platform refers to
-/// the file PATH.
+/// Accepts `proxyfmu://host?file=PATH` of the Open Simulation Platform, too, which refers to the file PATH. Returns
+/// nullopt for all other schemes.
 std::optional<FileUri> parse_file_uri(std::string_view uri);
 
 }  // namespace mebots::master::ssp

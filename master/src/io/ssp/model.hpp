@@ -20,19 +20,20 @@ namespace mebots::master::ssp {
 
 using Json = nlohmann::ordered_json;
 
-/// <Units> and <Enumerations> of one file, by name. They are valid in that file only (4.4.1).
+/// The <Units> and <Enumerations> of one file, by name. These definitions are valid in their file only (4.4.1).
 struct Definitions {
   std::map<std::string, modeldesc::Unit, std::less<>> units;
   std::map<std::string, std::vector<modeldesc::EnumerationItem>, std::less<>> enumerations;
 };
 
-/// LinearTransformation: factor * value + offset, after the conversion of units (4.5.2.1).
+/// An SSP LinearTransformation: factor * value + offset, applied after the conversion of units (4.5.2.1).
 struct Linear {
   double factor = 1;
   double offset = 0;
 };
 
-/// BooleanMappingTransformation and similar: values without an entry are unchanged (4.5.2.2).
+/// An SSP BooleanMappingTransformation, IntegerMappingTransformation or EnumerationMappingTransformation. A value
+/// without an entry does not change (4.5.2.2).
 struct ValueMap {
   enum class Kind { boolean, integer, enumeration };
 
@@ -82,7 +83,7 @@ struct Connection {
   std::string place;
 };
 
-/// A value from a parameter binding, renamed by prefix and parameter mapping.
+/// A value from a parameter binding. Its name includes the prefix and is already changed by the parameter mapping.
 struct Parameter {
   std::string name;  ///< relative to the element that has the binding
   Json value;
@@ -93,7 +94,7 @@ struct Parameter {
   std::string place;
 };
 
-/// A component (an FMU) or a system of elements.
+/// An element of a system: a component (an FMU) or a nested system.
 struct Element {
   enum class Kind { component, system };
 
@@ -112,7 +113,7 @@ struct Element {
   std::vector<Connection> connections;
 };
 
-/// The change of a value along a chain of connections: factor * value + offset, or a map.
+/// The change of a value along a chain of connections: either factor * value + offset, or a map of values.
 class Course {
  public:
   /// `unit` is the unit of the value before the conversion, or empty. If `difference` is true, the value is a
@@ -120,8 +121,8 @@ class Course {
   explicit Course(std::optional<modeldesc::Unit> unit, bool difference = false)
       : unit_(std::move(unit)), difference_(difference) {}
 
-  /// Appends a hop to a connector with this unit, or with none: first converts units, then transforms the value (SSP
-  /// 2.0, 4.5.2.1). Throws InputError with the transformation's place.
+  /// Appends a connection to a connector. If `unit` is not empty, first converts the value to this unit. Then
+  /// transforms the value (SSP 2.0, 4.5.2.1). Throws InputError with the transformation's place.
   void pass(const Transformation& transformation, const std::optional<modeldesc::Unit>& unit);
 
   double factor() const { return factor_; }
@@ -129,9 +130,10 @@ class Course {
   const std::optional<ValueMap>& map() const { return map_; }
   const std::optional<modeldesc::Unit>& unit() const { return unit_; }
   bool converts_units() const { return converts_units_; }
-  /// True if a conversion of units has an offset, such as Celsius to kelvin.
+  /// True if a conversion of units has an offset, as from Celsius to kelvin.
   bool shifts_units() const { return shifts_units_; }
-  /// Returns the changed value. Throws InputError that begins with `name` if this change is not possible.
+  /// Returns the changed value. Throws InputError with a message that begins with `name` if this change is not
+  /// possible.
   Json apply(const Json& value, const std::string& name) const;
 
  private:

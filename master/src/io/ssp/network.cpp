@@ -18,7 +18,7 @@ std::string join(const std::string& path, const std::string& name) {
   return path.empty() ? name : path + "." + name;
 }
 
-/// Returns the variable of a connector; for an OSMP binary, the first of its three.
+/// Returns the variable of a connector; for an OSMP binary, the first of its three variables.
 const modeldesc::Variable* variable_of(const modeldesc::ModelDescription& model, const std::string& connector) {
   const auto* variable = model.find(connector);
   return variable != nullptr ? variable : model.find(connector + kOsmpEndings[0]);
@@ -101,7 +101,7 @@ Port Network::port(const Endpoint& endpoint) const {
 }
 
 /// Returns the direction of values at an endpoint. An element's outputs are sources, and its inputs are targets. For
-/// the connectors of the enclosing system, seen from inside, it is the reverse (SSP 2.0, 5.4.2.1).
+/// connectors of the enclosing system (`is_own`), the direction is reversed (SSP 2.0, 5.4.2.1).
 Network::Flow Network::flow(const Endpoint& endpoint, bool is_own) const {
   const auto known = port(endpoint);
   if (known.variable != nullptr) {

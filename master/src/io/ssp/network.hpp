@@ -28,9 +28,9 @@ struct Port {
   const modeldesc::Variable* variable = nullptr;
   bool is_component = false;
 
-  /// Returns the unit of the FMU if it has a base; else the unit that the SSD declares.
+  /// Returns the unit of the FMU if it has a definition in base units; else the unit that the SSD declares.
   std::optional<modeldesc::Unit> unit() const;
-  /// True if unit() comes from the FMU, or neither FMU nor SSD declares one.
+  /// True if unit() comes from the FMU, or if neither FMU nor SSD declares a unit.
   bool has_own_unit() const;
 };
 
@@ -41,21 +41,21 @@ struct Hop {
   const Connection* connection = nullptr;
 };
 
-/// The chain of hops from a source to a component's variable, in the direction of the values. A chain that begins at a
-/// system's connector has no source.
+/// A chain of connections (hops) from a source to a component's variable, in the direction of the values. If the chain
+/// begins at a system's connector, it has no source.
 using Way = std::vector<const Hop*>;
 
-/// A component by its path.
+/// A component and its path.
 struct PlacedComponent {
   std::string path;
   const Element* element;
 };
 
-/// The elements of a document, flattened, with the directions of values between their connectors.
+/// All elements of a document in one list, with the directions of values between their connectors.
 class Network {
  public:
-  /// `place` returns the path of an FMU. Throws InputError if a connection fits no direction or a target has two
-  /// sources. `root` must outlive the network.
+  /// `place` returns the path of an FMU. Throws InputError if no direction of a connection is possible, or if a target
+  /// has two sources. `root` must outlive the network.
   Network(const Element& root, FmuDescriptions& descriptions,
           const std::function<std::filesystem::path(const std::filesystem::path&)>& place);
 
@@ -64,12 +64,13 @@ class Network {
   const std::vector<PlacedComponent>& elements() const { return elements_; }
   Port port(const Endpoint& endpoint) const;
   bool is_component(const std::string& path) const { return models_.contains(path); }
-  /// Returns the endpoints of a hierarchical name, resolved from the element at `path`: none, one, or several (SSP 2.0,
-  /// 5.3.3). If an FMU cannot be read, assumes that it has every variable.
+  /// Returns the endpoints of a hierarchical name, relative to the element at `path` (SSP 2.0, 5.3.3). A name may have
+  /// no endpoint, one or several. If an FMU cannot be read, assumes that it has every variable.
   std::vector<Endpoint> find(const std::string& path, const std::string& name) const;
   /// Returns the hop that ends at the endpoint; null if there is none.
   const Hop* into(const Endpoint& endpoint) const;
-  /// Returns the ways to all components, in the order of the connections. Throws InputError for a cycle.
+  /// Returns the chains of connections to all components' variables, in the order of the connections. Throws InputError
+  /// for a cycle.
   std::vector<Way> ways() const;
 
  private:

@@ -20,7 +20,7 @@ namespace {
 constexpr std::string_view kParameterSet = "application/x-ssp-parameter-set";
 constexpr std::string_view kParameterMapping = "application/x-ssp-parameter-mapping";
 
-/// An inline element, or the root of the file named by `source`. Owns the file while it is read.
+/// An inline XML element, or the root element of the file named by `source`. Owns this file while the element is read.
 struct Part {
   const XmlFile* file;
   pugi::xml_node node;
@@ -111,7 +111,7 @@ Json value_of(const XmlFile& file, pugi::xml_node parameter) {
       return file.flag(node, "value", false);
     }
     if (type == "String" || type == "Enumeration") {
-      // The text may be the number of an enumeration's item, because some tools do not support the names of items.
+      // The text may be the number of an enumeration item, because some tools do not support item names.
       auto word = text();
       if (type == "Enumeration" && parse_number(word)) return whole_number(file, node, word);
       return word;
@@ -121,7 +121,7 @@ Json value_of(const XmlFile& file, pugi::xml_node parameter) {
   file.fail(parameter, "it has no value: one of Real, Integer, Boolean, String and Enumeration is expected");
 }
 
-/// A pair of names in a parameter mapping, with the transformation of the value.
+/// An entry of a parameter mapping: the name before and after the mapping, and the transformation of the value.
 struct MappingEntry {
   std::string source;
   std::string target;
@@ -158,8 +158,8 @@ std::vector<Parameter> read_values(const BindingContext& context, const Part& va
   return result;
 }
 
-/// Applies a mapping: keeps only the parameters that the mapping's entries name, one parameter per entry, with their
-/// new names (chapter 7).
+/// Applies a parameter mapping (chapter 7). Each entry that names a parameter yields one parameter with the entry's new
+/// name. Other parameters are dropped.
 std::vector<Parameter> mapped(const std::vector<Parameter>& parameters, const std::vector<MappingEntry>& entries) {
   std::multimap<std::string_view, const MappingEntry*> by_source;
   for (const auto& entry : entries) by_source.emplace(entry.source, &entry);
@@ -195,7 +195,7 @@ std::vector<Parameter> read_binding(const BindingContext& context, pugi::xml_nod
 
 std::vector<Parameter> read_parameter_bindings(const BindingContext& context, pugi::xml_node element) {
   std::vector<Parameter> result;
-  // The schema allows one list only, but some tools write several.
+  // The schema allows only one <ParameterBindings> per element, but some tools write several.
   for (const auto list : children(element, "ParameterBindings")) {
     for (const auto binding : children(list, "ParameterBinding")) {
       auto parameters = read_binding(context, binding);

@@ -55,7 +55,7 @@ Json map_json(const ValueMap& map, const Port& from) {
   return json;
 }
 
-/// Describes how another tool stores the communication step: the type of the annotation, its element and its attribute.
+/// Describes the annotation in which another tool stores the communication step.
 struct StepAnnotation {
   std::string_view type;
   std::string_view element;
@@ -119,7 +119,7 @@ class ConfigMaker {
     }
   }
 
-  /// Returns the combined transformation of a value by all hops from `first` on.
+  /// Returns the combined transformation of a value by all connections of a chain, from number `first` on.
   Course course_of(const Way& way, std::size_t first, const std::optional<modeldesc::Unit>& unit) const {
     const auto from = network_.port(way[first]->from);
     const auto to = network_.port(way.back()->to);
@@ -140,7 +140,7 @@ class ConfigMaker {
     return course;
   }
 
-  /// Adds a connection between two components, with the changes of the value on the way.
+  /// Adds a connection between two components. It combines the transformations of all connections on the way.
   void connect(const Way& way, std::map<Endpoint, StartingValue>& values) {
     const auto& from = way.front()->from;
     const auto& to = way.back()->to;
@@ -179,15 +179,15 @@ class ConfigMaker {
     if (linear.offset != 0) json["offset"] = linear.offset;
   }
 
-  /// True for a single hop between variables whose FMUs declare their units. The master then converts the value, with a
-  /// notice.
+  /// True for a single connection between variables whose FMUs declare their units. The master converts such a value
+  /// itself, with a notice.
   bool converts_by_itself(const Way& way) const {
     return way.size() == 1 && network_.port(way.front()->from).has_own_unit() &&
            network_.port(way.front()->to).has_own_unit();
   }
 
-  /// For a variable connected to a system's connector without a source, sets the connector's value as the start value.
-  /// If several connectors on the way have a value, the outermost one counts.
+  /// For a variable whose chain of connections begins at a system's connector, sets the connector's value as the start
+  /// value. If several connectors of the chain have a value, uses that of the outermost connector.
   void feed(const Way& way, std::map<Endpoint, StartingValue>& values) {
     const auto& to = way.back()->to;
     std::size_t first = 0;
@@ -218,8 +218,8 @@ class ConfigMaker {
     values.erase(value);
   }
 
-  /// Writes the values of components' variables that no connection uses. Adds a notice for connectors that are
-  /// connected to nothing.
+  /// Writes the remaining start values to the components' parameters. Adds a notice for values of connectors without a
+  /// connection.
   void write_values(const std::map<Endpoint, StartingValue>& values) {
     for (const auto& [endpoint, value] : values) {
       if (network_.is_component(endpoint.element)) {

@@ -12,12 +12,12 @@
 #include <string_view>
 #include <vector>
 
-/// SSP 1.0 and 2.0 (System Structure and Parameterization) as another format for systems. SSP has no elements for some
+/// Reads and writes systems in SSP 1.0 and 2.0 (System Structure and Parameterization). SSP has no elements for some
 /// sections of a config, such as steps, stop conditions and recorded variables. These sections are stored as JSON in an
 /// annotation.
 namespace mebots::master {
 
-/// The type of MEbots' annotation at the root system.
+/// The type of MEbots' annotation in the root system of an SSP.
 inline constexpr std::string_view kSspAnnotation = "org.mebots.config";
 
 /// The content of an SSP as the JSON of a config. Nested systems are flattened: the instance `motor` of the system
@@ -29,11 +29,11 @@ struct SspConfig {
   std::string source;                         ///< the bytes of all files read, for the hash of the inputs
 };
 
-/// The files that URIs in an SSP may name. Archives are not trusted, so their URIs must stay inside.
+/// The files that URIs in an SSP may name. Archives are not trusted, so their URIs must stay inside the SSP.
 enum class SspReach { inside, anywhere };
 
-/// Reads the SSP that is unpacked in `folder`, from its file `ssd`. `archive` is its name in messages. FMU paths in the
-/// result are absolute. Throws InputError with archive, file, line and element.
+/// Reads the SSP that is unpacked in `folder`, from its file `ssd`. `archive` is the SSP's name in messages. FMU paths
+/// in the result are absolute. Throws InputError with archive, file, line and element.
 SspConfig read_ssp(const std::filesystem::path& folder, const std::filesystem::path& archive, SspReach reach,
                    const std::string& ssd = "SystemStructure.ssd");
 
@@ -50,8 +50,8 @@ void write_config(const SystemDescription& system, nlohmann::ordered_json config
 
 namespace mebots::master::ssp {
 
-/// Reads an SSP like read_ssp(), from files in any place. `archive` is the name of the SSP in messages. Throws
-/// InputError.
+/// Reads an SSP like read_ssp(), from `files`, which may be in an archive or a folder. `archive` is the name of the SSP
+/// in messages. Throws InputError.
 SspConfig read(const Files& files, const std::string& archive, const std::string& ssd = "SystemStructure.ssd");
 
 }  // namespace mebots::master::ssp

@@ -19,8 +19,8 @@ std::string_view without_brackets(std::string_view name) {
   return name.size() > 2 && name.front() == '[' && name.back() == ']' ? name.substr(1, name.size() - 2) : name;
 }
 
-/// Defines a unit by its usual name, if its file does not define it: "[mm]" and "mm" are millimetres. Returns empty for
-/// an unknown name.
+/// If a file names a unit without a definition, returns the definition that the name usually has: "[mm]" and "mm" are
+/// millimetres. Returns empty for an unknown name.
 std::optional<modeldesc::Unit> usual(const modeldesc::Unit& unit) {
   if (unit.has_base) return unit;
   try {
@@ -36,7 +36,8 @@ struct UnitPair {
   std::optional<modeldesc::Unit> to;
 };
 
-/// Finds definitions for units that the SSV or the FMU only names. If there is none, the number is not converted.
+/// Finds definitions for units that the SSV or the FMU names but does not define. If a definition is not found, the
+/// number is not converted.
 UnitPair defined_units(UnitPair units, const Parameter& parameter, const std::string& name, ValueNotices& notices) {
   if (!units.from || !units.to || (units.from->has_base && units.to->has_base)) return units;
   if (without_brackets(units.from->name) == without_brackets(units.to->name)) return {units.to, units.to};

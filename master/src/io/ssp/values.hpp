@@ -19,7 +19,7 @@ struct StartingValue {
   std::string place;
 };
 
-/// Collects notices about values: one per file and text, with the names of the variables.
+/// Collects notices about values. Notices with the same file and text are combined, with a list of the variables.
 class ValueNotices {
  public:
   void add(const std::string& file, const std::string& text, const std::string& name);
@@ -49,8 +49,8 @@ struct BindingContext {
   std::filesystem::path fmu;       ///< of a component: paths with sourceBase="component" are relative to it
 };
 
-/// Reads all values in an element's <ParameterBindings> (SSP 2.0, 5.3.3), from SSV and SSM inline or in files, in
-/// order.
+/// Reads all values in an element's <ParameterBindings> (SSP 2.0, 5.3.3), in the order of the file. The SSV and SSM may
+/// be inline or separate files.
 std::vector<Parameter> read_parameter_bindings(const BindingContext& context, pugi::xml_node element);
 
 }  // namespace mebots::master::ssp

@@ -169,7 +169,7 @@ class SspWriter {
     return name;
   }
 
-  /// Writes the connections of scalar variables for each connection of the config: three for an OSMP binary.
+  /// Writes each connection of the config as connections of scalar variables. An OSMP binary has three of them.
   void write_connections(pugi::xml_node system) {
     if (system_.description->connections.empty()) return;
     auto connections = system.append_child("ssd:Connections");
@@ -222,7 +222,7 @@ class SspWriter {
   }
 
   void write_annotations(pugi::xml_node annotations) {
-    // Sections of a config for which SSP has no elements.
+    // The sections of a config for which SSP has no elements are written to an annotation.
     Json rest = Json::object();
     for (const auto& [key, value] : config_.items()) {
       if (key != "$schema" && key != "instances" && key != "connections" && key != "start_time" && key != "stop_time") {
@@ -237,7 +237,8 @@ class SspWriter {
         if (key != "fmu" && key != "parameters" && key != "text") rest["instances"][name][key] = value;
       }
     }
-    // OMSimulator stores kind and step of a system in an annotation of its own, and reads only the first annotation.
+    // OMSimulator stores the kind and step of a system in its own annotation. It reads only the first annotation, so
+    // its annotation is written first.
     auto theirs = annotations.append_child("ssc:Annotation");
     theirs.append_attribute("type") = "org.openmodelica";
     theirs.append_child("oms:Annotations")

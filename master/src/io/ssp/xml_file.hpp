@@ -14,10 +14,10 @@
 
 namespace mebots::master::ssp {
 
-/// An XML file of an SSP. Elements are found by local name, with any prefix.
+/// An XML file of an SSP. Elements are found by their local name, whatever their namespace prefix.
 class XmlFile {
  public:
-  /// Messages name the file `name`. Throws InputError with the line if the text is not well-formed.
+  /// `name` is the file's name in messages. Throws InputError with the line if the text is not well-formed.
   XmlFile(std::string_view bytes, std::string name);
   XmlFile(const XmlFile&) = delete;
   XmlFile& operator=(const XmlFile&) = delete;
@@ -38,18 +38,18 @@ class XmlFile {
   pugi::xml_document document_;
 };
 
-/// Returns the name without prefix.
+/// Returns the element's name without its namespace prefix.
 std::string_view local_name(pugi::xml_node node);
-/// Returns the first child of this local name, or a null node.
+/// Returns the first child with this local name; a null node if there is none.
 pugi::xml_node child(pugi::xml_node node, std::string_view name);
 std::vector<pugi::xml_node> children(pugi::xml_node node, std::string_view name);
 
-/// Returns the whole text as a finite number, or empty.
+/// Returns the text as a number; empty if the text is not a finite number.
 std::optional<double> parse_number(std::string_view text);
 
 }  // namespace mebots::master::ssp
 
-/// Elements that SSD, SSV and SSM share (SSP 2.0, chapter 4).
+/// Elements that SSD, SSV and SSM files have in common (SSP 2.0, chapter 4).
 namespace mebots::master::ssp {
 
 /// The location of a file in an SSP.
@@ -61,15 +61,15 @@ struct Source {
 };
 
 /// Returns the path of a URI's file in `source.files`. Throws InputError if the URI does not name a file, leads out of
-/// a closed SSP, or names a missing file.
+/// an SSP whose files are not open, or names a missing file.
 std::filesystem::path resolve_uri(const Source& source, const XmlFile& file, pugi::xml_node node,
                                   const std::string& uri);
 
 /// Reads <Units> and <Enumerations> of a file's root element, or of an inline ParameterSet.
 Definitions read_definitions(const XmlFile& file, pugi::xml_node root);
 
-/// Returns the unit that the attribute `unit` of a type element names, as defined in the file; without base, if the
-/// file does not define it. Empty if there is no attribute.
+/// Returns the unit that the attribute `unit` of a type element names. If the file does not define this unit, it has
+/// only a name. Empty if there is no attribute.
 std::optional<modeldesc::Unit> read_unit(pugi::xml_node type, const Definitions& definitions);
 
 /// Reads the transformation and suppressUnitConversion of a <Connection> or <MappingEntry>.
@@ -81,8 +81,8 @@ struct Document {
   Element system;
 };
 
-/// Reads an SSD. Replaces each component that is another SSD by that one's system. Throws InputError with file, line
-/// and element.
+/// Reads an SSD. If the source of a component is another SSD, replaces the component by the system of that SSD. Throws
+/// InputError with file, line and element.
 Document read_document(const Source& source, const std::filesystem::path& ssd);
 
 }  // namespace mebots::master::ssp

@@ -12,8 +12,8 @@
 
 namespace mebots::master::study {
 
-/// The config from which a study derives its missions. It is complete, and includes the list of files on which it
-/// depends.
+/// The config from which a study derives its missions. It refers to no other config. The FMUs, and the texts of
+/// parameters, which may name files, are listed separately.
 struct BaseConfig {
   nlohmann::ordered_json config;  ///< also for an SSP; FMUs by absolute path
   nlohmann::ordered_json fmus;    ///< instance -> absolute path
@@ -24,8 +24,8 @@ struct BaseConfig {
       unpacked;  ///< the folder with an SSP's FMUs; deleted with this object
 };
 
-/// Reads a mission's config or SSP. If `text` is given, reads it in place of the content of `mission`. Throws
-/// InputError.
+/// Reads a mission's config or SSP. If `text` is given, uses `text` in place of the content of the file `mission`.
+/// Throws InputError.
 BaseConfig read_base_config(const std::filesystem::path& mission, const std::optional<std::string>& text);
 
 }  // namespace mebots::master::study

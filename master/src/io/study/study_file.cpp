@@ -41,7 +41,7 @@ auto count_from(std::int64_t least) {
   return data::whole_number(least, kMost);
 }
 
-/// Reads an optional flag that must be true if present.
+/// Reads an optional key whose only permitted value is true.
 bool read_mark(const Node& node) {
   if (!node.flag()) node.fail(ErrorCode::invalid_value, "this key must be true; remove it for the other case");
   return true;
@@ -92,7 +92,7 @@ void check_normal(const Node& node) {
   static_cast<void>(elements[1].number(Limits::positive()));
 }
 
-/// Returns the one key of `words` that an object has. Reports a mistake if it has none or several.
+/// Checks that an object has exactly one of the keys in `words`. Otherwise reports a mistake.
 template <std::size_t N>
 void require_one_of(const Object& object, const std::array<std::string_view, N>& words) {
   std::string list;
@@ -133,7 +133,7 @@ void check_options(const Node& node) {
   }
 }
 
-/// Checks a list of values, a span, or options that set several parameters together.
+/// Checks the values of a factor: a list, a span, or options that set several parameters together.
 void check_factor(const Node& node, const std::string& kind) {
   if (node.is(data::Kind::list)) return check_choice(node);
   Object object(node);
@@ -146,7 +146,7 @@ void check_factor(const Node& node, const std::string& kind) {
   }
 }
 
-/// Checks {factor: values} or {factor: {"min": a, "max": b}}.
+/// Checks a subset of the design, such as {factor: values} or {factor: {"min": a, "max": b}}.
 void check_subset(const Node& node, const std::vector<std::string>& factors) {
   if (node.members().empty()) node.fail(ErrorCode::invalid_value, "at least one factor is needed");
   for (const auto& [name, value] : node.members()) {
@@ -265,7 +265,7 @@ void check_draws(const Node& node, Names& names) {
   draws.finish();
 }
 
-/// Checks outcomes: one name, or a list of names of which any counts.
+/// Checks outcomes: one name, or a list of names any of which is accepted.
 void check_outcomes(const Node& node) {
   if (node.is(data::Kind::text)) {
     static_cast<void>(node.readable_text());
@@ -276,7 +276,7 @@ void check_outcomes(const Node& node) {
   for (const auto& element : elements) element.attempt([&] { static_cast<void>(element.readable_text()); });
 }
 
-/// Checks end reasons: one name, or a list of names of which any counts.
+/// Checks end reasons: one name, or a list of names any of which is accepted.
 void check_end_reasons(const Node& node) {
   const std::vector<std::string> known = {"stop_time", "stop_condition", "terminated", "failed"};
   const auto check = [&](const Node& reason) { static_cast<void>(read_known(reason, "the end reason", known)); };
@@ -352,14 +352,15 @@ void check_objectives(const Node& node, Names& names) {
   }
 }
 
-/// Checks {"above": x} or {"below": x}.
+/// Checks the bound {"above": x} or {"below": x}.
 void read_side(Object& object, const Limits& limits = {}) {
   double bound = 0;
   object.read_if("above", bound, data::number(limits));
   object.read_if("below", bound, data::number(limits));
 }
 
-/// Returns the limits of an objective's bound; an outcome objective is a share of missions.
+/// Returns the permitted range of an objective's bound. The bound of an outcome objective is a fraction of missions,
+/// from 0 to 1.
 Limits limits_of(const std::string& label, const Names& names) {
   const bool is_share = std::ranges::find(names.successes, label) != names.successes.end();
   return is_share ? Limits::between(0, 1) : Limits{};
@@ -419,7 +420,8 @@ void check_rounds(const Node& node, const Names& names) {
   }
 }
 
-/// Checks names of factors or draws, which must differ. The factors of a design of kind `list` are in its own file.
+/// Checks names of factors or draws. All names must differ. The factors of a design of kind `list` are not in the study
+/// but in a separate file.
 void check_names(const Node& node, std::string_view what, const std::vector<std::string>& known, bool known_all) {
   const auto elements = node.elements();
   if (elements.empty()) node.fail(ErrorCode::invalid_value, "at least one name is needed");
@@ -472,7 +474,7 @@ void check_splitting(const Node& node, const Names& names) {
   require_one_of(splitting, std::array<std::string_view, 3>{"levels", "above", "below"});
 }
 
-/// A study of a rare event must request only its probability.
+/// A study with `splitting` estimates only the probability of a rare event. Checks that it requests no other objective.
 void check_alone(const Object& study, const Names& names) {
   const auto& node = study.node();
   for (const std::string_view key : {"objectives", "constraints", "rounds", "fork", "results"}) {
