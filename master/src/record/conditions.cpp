@@ -23,7 +23,7 @@ const char* sign(Comparison comparison) {
   return "<";
 }
 
-/// Returns the value in the notation of the config: enumerations by item.
+/// Returns the value in the notation of the config. An enumeration value is the name of its item.
 std::string shown(const modeldesc::ModelDescription& model, const modeldesc::Variable& variable,
                   const modeldesc::Value& value) {
   if (const auto* number = std::get_if<double>(&value)) return fmt::format("{}", *number);

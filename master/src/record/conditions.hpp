@@ -11,17 +11,18 @@
 
 namespace mebots::master {
 
-/// A comparison of a variable with a value, or of the number of conditions that hold.
+/// A condition: a comparison of a variable with a value, or of the number of true sub-conditions with a number.
 class Condition {
  public:
-  /// Throws InputError if the variable is unknown or the value does not fit its type.
+  /// Throws InputError if the variable is unknown or the value does not fit the variable's type.
   Condition(const ResolvedSystem& system, Ensemble& ensemble, const ConditionDescription& description);
 
-  /// If the condition has `ever`, returns true if it held in any call of note_point().
+  /// Returns whether the condition is true. If the condition has `ever`, returns true if it was true in any call of
+  /// note_point().
   bool holds() const { return ever_ ? held_ : holds_now(); }
-  /// For `ever`: evaluates the condition at this communication point.
+  /// Evaluates a condition with `ever` at the present communication point.
   void note_point();
-  /// Returns text such as "world.drone.landed = true".
+  /// Returns a text such as "world.drone.landed = true".
   const std::string& text() const { return text_; }
   void visit(state::Visitor& v);
 
@@ -76,7 +77,7 @@ class Outcomes final : public Observer {
   void visit(state::Visitor& v) override;
   std::string_view state_name() const override { return "outcomes"; }
 
-  /// Returns the outcome at the last point.
+  /// Returns the outcome at the last communication point.
   std::string outcome() const;
 
  private:

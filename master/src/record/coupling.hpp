@@ -15,9 +15,9 @@
 /// Measures the errors that the coupling of a run causes.
 namespace mebots::master {
 
-/// Measures the deviation of one continuous Real input from its source, in the input's unit. The deviation is p - y at
-/// all points that the source reached in a step of the reader, and at the step's start. p is the input's course, and y
-/// is the source's value.
+/// Measures the deviation of one continuous Real input from its source, in the input's unit. The deviation is p - y,
+/// where p is the polynomial that the input follows within a step, and y is the source's value. It is computed at the
+/// start of the reader's step, and at all points that the source reached within this step.
 class InputDeviation {
  public:
   InputDeviation(const ResolvedSystem& system, Ensemble& ensemble, const ResolvedConnection& connection);
@@ -84,8 +84,8 @@ class Coupling final : public Observer {
   void visit(state::Visitor& v) override;
   std::string_view state_name() const override { return "coupling"; }
 
-  /// Returns a text for each exceeded limit, with a communication step that would meet it. Under step control, names
-  /// the key to change.
+  /// Returns a text for each exceeded limit. The text suggests a communication step with which the limit would be met.
+  /// If step control is active, the text names the key to change.
   std::vector<std::string> warnings() const;
   nlohmann::ordered_json json() const;
 
@@ -99,8 +99,8 @@ class Coupling final : public Observer {
   std::vector<BondEnergy> bonds_;
 };
 
-/// Returns the step (1, 2 or 5 times a power of ten [s]) at which the error is below the limit. The error decreases
-/// with the power `order` of the step; `relative` is the error at `step_s`.
+/// Returns the step (1, 2 or 5 times a power of ten [s]) at which the error is below the limit. The error is
+/// proportional to the step to the power of `order`. `relative` is the error with the step `step_s`.
 double step_for(double relative, double limit, int order, double step_s);
 
 }  // namespace mebots::master

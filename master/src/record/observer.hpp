@@ -26,9 +26,10 @@ class Observer {
   /// Called when the run ends at `point`. Not called if the run fails.
   virtual void ended(const Point& /*point*/) {}
 
-  /// Visits the state that the observer needs to continue from a saved state.
+  /// Visits the part of the observer's state that a resumed run needs.
   virtual void visit(state::Visitor& /*v*/) {}
-  /// Returns the name of its state. Empty if it has no state; such an observer may be absent in a resumed run.
+  /// Returns the name of the observer's state. Empty if the observer has no state. An observer without a state may be
+  /// absent in a resumed run.
   virtual std::string_view state_name() const { return {}; }
 };
 

@@ -15,11 +15,11 @@
 
 namespace mebots::master {
 
-/// Records rows: one per communication point (or recording interval). The first row is at t = 0, and the last row is at
-/// the end.. The simulation only copies numbers; another thread writes the files.
+/// Records one row per communication point, or per recording interval. The first row is at t = 0, and the last row is
+/// at the end of the run. The simulation only copies numbers; another thread writes the files.
 class Recorder final : public Observer {
  public:
-  /// Chooses the columns. Throws InputError if a pattern matches nothing.
+  /// Chooses the columns. Throws InputError if a pattern matches no variable.
   Recorder(const ResolvedSystem& system, Ensemble& ensemble);
 
   /// Adds a sink for the rows. Must be called before the first point.
@@ -36,7 +36,7 @@ class Recorder final : public Observer {
   std::int64_t rows() const { return rows_; }
 
  private:
-  /// The source of a column's values; one of the three members is used.
+  /// The source of a column's values. Exactly one member is not null.
   struct Source {
     const double* real = nullptr;
     const std::int64_t* integer = nullptr;
@@ -72,7 +72,7 @@ std::vector<ParameterValue> read_parameters(const ResolvedSystem& system, Ensemb
 /// column would repeat the value in every row.
 class ParameterRecorder final : public Observer {
  public:
-  /// Throws InputError if a pattern matches nothing.
+  /// Throws InputError if a pattern matches no parameter.
   ParameterRecorder(const ResolvedSystem& system, Ensemble& ensemble, std::filesystem::path file);
 
   std::optional<std::string> reached(const Point& point) override;
@@ -83,14 +83,16 @@ class ParameterRecorder final : public Observer {
   std::filesystem::path file_;
 };
 
-/// Writes the frames in an OSMP binary as PNG files named by their time: `0012.345000.png` is the frame at 12.345 s.
+/// Writes the frames in an OSMP binary as PNG files. The name of a file is the frame's time: `0012.345000.png` is the
+/// frame at 12.345 s.
 class PictureRecorder final : public Observer {
  public:
   /// Throws InputError if the frame or its id is not a variable of the required kind.
   PictureRecorder(const ResolvedSystem& system, Ensemble& ensemble, const PictureDescription& pictures,
                   std::filesystem::path folder);
 
-  /// Throws Error if the folder cannot be created, the frame does not consist of whole rows, or it cannot be written.
+  /// Throws Error if the folder cannot be created, the frame does not consist of whole rows, or the frame cannot be
+  /// written.
   std::optional<std::string> reached(const Point& point) override;
   void visit(state::Visitor& v) override;
   std::string_view state_name() const override { return "pictures"; }
@@ -112,7 +114,8 @@ class PictureRecorder final : public Observer {
   std::optional<std::int64_t> last_ns_;  // time of the last picture
 };
 
-/// Throws InputError if the variables do not exist or are of the wrong kind, or if the FMU declares another width.
+/// Throws InputError if the variables do not exist or are of the wrong kind, or if the FMU declares another width than
+/// the config.
 void check_pictures(const ResolvedSystem& system, const PictureDescription& pictures);
 
 }  // namespace mebots::master

@@ -17,8 +17,8 @@
 
 namespace mebots::master {
 
-/// Starts overrides when their conditions hold. A started override affects inputs from that communication point on, and
-/// outputs from the next one.
+/// Starts overrides when their conditions hold. A started override affects inputs from this communication point on, and
+/// outputs from the next communication point on.
 class Scenario final : public Observer {
  public:
   /// Throws the same errors as OverrideSchedule.
@@ -33,7 +33,8 @@ class Scenario final : public Observer {
   void visit(state::Visitor& v) override;
   std::string_view state_name() const override { return "scenario"; }
 
-  /// Returns the overrides with the times at which they were active, for summary.json. `end_ns` is the last point.
+  /// Returns the overrides with the times at which they were active, for summary.json. `end_ns` is the run's last
+  /// communication point.
   nlohmann::ordered_json report(const ResolvedSystem& system, std::int64_t end_ns) const;
 
  private:

@@ -52,23 +52,24 @@ RunOptions with_absolute_paths(RunOptions options);
 /// Replaces the checkpoint file atomically. Throws Error.
 void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& checkpoint);
 
-/// Reads the checkpoint in a folder. Throws InputError if there is no checkpoint, or if it is damaged or of another
-/// version.
+/// Reads the checkpoint in a folder. Throws InputError if there is no checkpoint, or if the checkpoint is damaged or
+/// has another version.
 Checkpoint read_checkpoint(const std::filesystem::path& folder);
 
-/// Throws InputError with the instances whose FMUs cannot serialize their state.
+/// Throws InputError with a list of the instances whose FMUs cannot serialize their state.
 void check_can_checkpoint(const ResolvedSystem& system);
 
-/// Throws InputError that lists the changes of the inputs since `what` ("the checkpoint") was written.
+/// If the inputs have changed since a file was written, throws InputError that lists the changes. `what` names the file
+/// in the message, for example "the checkpoint".
 void check_inputs(const std::string& inputs_then, const std::string& inputs_now, std::string_view what);
 
 /// Writes a checkpoint at t = 0 and then at the first communication point after each interval of simulated time, but
-/// not at the end of the run, because a run that resumes there would step beyond the end. Must be the last observer, so
-/// that all other observers have already written their data of the point.
+/// not at the end of the run, because a run that resumes from the end would step beyond it. Must be the last observer,
+/// so that all other observers have already written their data of this point.
 class Checkpointer final : public Observer {
  public:
-  /// `blank` contains everything that does not change during the run. All other arguments must outlive the
-  /// checkpointer.
+  /// `blank` contains all members of a checkpoint that do not change during the run. All other arguments must outlive
+  /// the checkpointer.
   Checkpointer(Simulation& simulation, std::filesystem::path folder, Checkpoint blank, OutputFile& results,
                OutputFile& log);
 
@@ -87,8 +88,8 @@ class Checkpointer final : public Observer {
   std::int64_t next_ns_ = std::numeric_limits<std::int64_t>::min();
 };
 
-/// The state of a run without files at a communication point. Other runs with the same inputs can start from it. A
-/// Checkpoint, by contrast, belongs to one run, whose files contain the earlier results.
+/// The state, at a communication point, of a run that writes no files. Other runs with the same inputs can start from
+/// this state. A Checkpoint, by contrast, belongs to one run, whose files contain the earlier results.
 struct SavedRun {
   std::string inputs;  ///< the lines of InputHash
   std::int64_t time_ns = 0;
@@ -104,7 +105,7 @@ struct SavedRun {
 };
 
 std::vector<std::byte> to_bytes(const SavedRun& run);
-/// Reads the result of to_bytes(). Throws InputError for bytes of another version.
+/// Reads the bytes that to_bytes() returned. Throws InputError if the bytes have another version.
 SavedRun saved_run(std::span<const std::byte> bytes);
 
 }  // namespace mebots::master

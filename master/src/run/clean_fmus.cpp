@@ -36,7 +36,8 @@ Uses& uses() {
   return all;
 }
 
-/// Returns the functions that FMUs of this process import. Each function has the name of the first FMU that imports it.
+/// Returns the functions that FMUs of this process import. Maps each function to the name of the first FMU that imports
+/// it.
 std::map<const ProcessFunction*, std::string> functions_of(const ResolvedSystem& system) {
   std::map<const ProcessFunction*, std::string> functions;
   for (const auto& instance : system.instances) {

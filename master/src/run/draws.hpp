@@ -16,39 +16,41 @@
 
 namespace mebots::master {
 
-/// Returns a draw from the open interval (0, 1): 53 bits of the SHA-256 of the arguments. A draw is the same on every
-/// machine and independent of other draws.
+/// Returns a random number from the open interval (0, 1), made from 53 bits of the SHA-256 of the arguments. The number
+/// is the same on every machine. It does not depend on other calls.
 double unit_draw(std::int64_t seed, std::string_view name, std::int64_t index);
 
-/// Returns the parameters that a draw sets, as "instance.variable". Their names are calibration.*; each value is a
-/// position from -1 to 1 in the interval that a data file gives for a quantity. Leaves out parameters that the system
-/// sets.
+/// Returns the parameters that a draw sets, as "instance.variable": those with names `calibration.*`. Each of them is a
+/// position from -1 to 1 within the interval that a data file states for a quantity. Leaves out parameters that the
+/// config sets.
 std::vector<std::string> calibration_parameters(const ResolvedSystem& system);
-/// Opens the FMUs of a config and returns these parameters. Throws InputError.
+/// Opens the FMUs of a config and returns the parameters that a draw sets. Throws InputError.
 std::vector<std::string> calibration_parameters(const std::filesystem::path& config);
 
-/// Runs of the same system with drawn parameters.
+/// Repeats a run with random values of its calibration parameters ("drawn runs").
 class DrawnFlights {
  public:
-  /// The rank of a further draw among 20 draws is uniform, for any distribution. So it lies between the least and the
-  /// greatest of the first 19 with a probability of 18/20.
+  /// The number of drawn runs. Of 20 independent draws, each is equally likely to be the least or the greatest.
+  /// Therefore the 20th lies between the least and the greatest of the other 19 with a probability of 18/20.
   static constexpr int kFlights = 19;
   static constexpr double kLevel = 0.9;
   static constexpr std::int64_t kSeed = 0;
 
-  /// Called before each run with the number of the run, from 1 on.
+  /// Called before each drawn run with the number of this run, from 1 on.
   using Progress = std::function<void(int flight)>;
 
-  /// Prepares the runs. `run` must have ended. Throws InputError if no FMU has calibration parameters.
+  /// Prepares the drawn runs. `run` is the run to repeat, which must have ended. Throws InputError if no FMU has
+  /// calibration parameters.
   explicit DrawnFlights(Run& run);
-  /// Performs all runs. A failed run counts as an outcome. Returns false if a signal, or the interrupt flag of the
-  /// original run, interrupted it.
+  /// Performs all drawn runs. A failed run counts as an outcome. Returns false if a signal, or the interrupt flag of
+  /// the original run, ended them.
   bool fly(const Progress& progress);
 
   /// Returns the FMUs' warnings about calibration parameters whose data file has no interval.
   const std::set<std::string>& without_effect() const { return without_effect_; }
 
-  /// Returns the parameters, outcomes, interval of each number in the summary, and warnings, for summary.json.
+  /// Returns the JSON for summary.json: the parameters, the outcomes, the interval of each number in the summary, and
+  /// warnings.
   nlohmann::ordered_json json() const;
 
  private:
@@ -65,9 +67,9 @@ class DrawnFlights {
 /// True if the options or the config request drawn runs and `run` has ended without an interrupt.
 bool wants_draws(const Run& run);
 
-/// If `run` has ended and uncertainty is requested, performs further runs with drawn parameters, and adds their
-/// intervals to the summary of `run`. These runs start at t = 0 and use only the settings. Therefore none are performed
-/// if a program wrote variables or used start_from().
+/// If `run` has ended and uncertainty is requested, repeats it with random calibration parameters, and adds the
+/// intervals of the results to the summary of `run`. These runs start at t = 0 and use only the settings of `run`.
+/// Therefore nothing is repeated if a program wrote variables or used start_from().
 void add_draws(Run& run);
 
 }  // namespace mebots::master

@@ -23,13 +23,14 @@ std::vector<std::filesystem::path> files_of(const std::filesystem::path& folder)
   return files;
 }
 
-/// Returns whether a text parameter names a folder of `mebots deploy`. For all other String parameters, only files are
-/// hashed: their value may be a name inside the FMU that is by chance also the name of a folder.
+/// Returns whether a text parameter names a folder of `mebots deploy`. Only the folder of such a parameter is hashed.
+/// The value of another String parameter may be a name inside the FMU that is by chance also the name of a folder.
 bool names_network(const std::string& variable, const std::string& text) {
   return variable == "network" && is_file(std::filesystem::path(text) / "network.json");
 }
 
-/// Returns the files named by text parameters; an FMU would open them relative to the working folder.
+/// Returns the files whose paths are values of String parameters. Paths are relative to the working folder, because an
+/// FMU would open them in this way.
 std::map<std::string, std::filesystem::path> named_files(const SystemDescription& system) {
   std::map<std::string, std::filesystem::path> files;
   for (const auto& instance : system.instances) {

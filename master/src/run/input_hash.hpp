@@ -10,9 +10,9 @@
 
 namespace mebots::master {
 
-/// A fingerprint of all inputs of a run: the bytes of the config, of every FMU, of the files named by text parameters
-/// (such as a chip's program; of a deployed network, all files of its folder) and of signal files, and the changes by
-/// the command line.
+/// A hash of all inputs of a run. The inputs are the config, every FMU, signal files, files named by String parameters,
+/// such as a chip's program, and changes by the command line. If a String parameter names a deployed network, all files
+/// of its folder are inputs.
 struct InputHash {
   std::string all;
   std::string lines;  ///< the hashed text: one line per input, ending in its own hash

@@ -12,7 +12,8 @@
 
 namespace mebots::master {
 
-/// Returns a variable's value as JSON; null if empty. A Binary is pairs of hexadecimal digits.
+/// Returns a variable's value as JSON; null if the value is empty. A Binary is written as hexadecimal digits, two per
+/// byte.
 inline nlohmann::ordered_json json_of(modeldesc::Type type, const modeldesc::Value& value) {
   if (type == modeldesc::Type::uint64 && std::holds_alternative<std::int64_t>(value))
     return static_cast<std::uint64_t>(std::get<std::int64_t>(value));
@@ -29,8 +30,8 @@ inline nlohmann::ordered_json json_of(modeldesc::Type type, const modeldesc::Val
       value);
 }
 
-/// Adds a member to an object, or to null. The key must be new, because an ordered object would compare it with all its
-/// members.
+/// Adds a member to an object, or to null. The key must be new. It is not compared with the object's members, because
+/// this would be slow in an ordered object.
 inline nlohmann::ordered_json& add_member(nlohmann::ordered_json& object, const std::string& key) {
   if (object.is_null()) object = nlohmann::ordered_json::object();
   auto& members = object.get_ref<nlohmann::ordered_json::object_t&>();

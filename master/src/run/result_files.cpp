@@ -14,7 +14,7 @@ namespace mebots::master {
 
 namespace {
 
-/// The files in the folder that a run replaces, or deletes if it does not write them.
+/// The files of an earlier run that a new run replaces. The new run deletes those that it does not write itself.
 constexpr std::array<std::string_view, 7> kOutdated = {kSystemFile,  kSceneFile,       "summary.json", "results.csv",
                                                        "results.h5", "parameters.csv", kCheckpointFile};
 
@@ -81,7 +81,8 @@ void ResultFiles::add_sinks(Recorder& recorder) {
   if (!system_->description->record.hdf5) return;
   auto sink = std::make_unique<Hdf5Sink>(columns, folder_.reserve("results.h5"));
   hdf5_ = sink.get();
-  // A file that was being written when its process was killed may be damaged; its rows are also in results.csv.
+  // If the process was killed while it wrote the HDF5 file, the file may be damaged. Therefore its rows are copied from
+  // results.csv.
   if (resumed_ != nullptr) copy_csv_rows(results_->path(), resumed_->results_bytes, columns, *sink);
   recorder.add(std::move(sink));
 }

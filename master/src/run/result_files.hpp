@@ -29,40 +29,40 @@ class ResultFiles {
   ResultFiles(const std::filesystem::path& folder, const ResolvedSystem& system, const Checkpoint* resumed);
 
   const std::filesystem::path& folder() const { return folder_.path(); }
-  /// True from t = 0: the results in the folder are this run's.
+  /// True from t = 0 on, when the results in the folder belong to this run.
   bool kept() const { return folder_.kept(); }
-  /// Returns the path of the rows, for messages.
+  /// Returns the path of the file with the recorded rows, for messages.
   std::filesystem::path rows_file() const;
 
-  /// Gives the recorder its sinks. Must be called before the first point.
+  /// Adds the files of results as sinks to the recorder. Must be called before the first point.
   void add_sinks(Recorder& recorder);
-  /// Creates the observers that each write one file, and returns them in order. Must be called before the first point.
-  /// The observers are valid as long as this object.
+  /// Creates the observers that each write one file, and returns them in the order in which they must be called. Must
+  /// be called before the first point. The observers are valid as long as this object.
   std::vector<Observer*> make_observers(Ensemble& ensemble);
-  /// Returns the observer that writes checkpoints; it must be the last.
+  /// Returns the observer that writes checkpoints. It must be added after all other observers.
   Observer& make_checkpointer(Simulation& simulation, const RunOptions& options, const std::string& inputs);
-  /// Writes the files of the start, after all instances are initialised. For a resumed run, truncates the log and
-  /// continues it.
+  /// Writes the files that describe the start. Must be called after all instances are initialised. In a resumed run,
+  /// truncates the log at the checkpoint and continues it.
   void started(Ensemble& ensemble);
 
   /// Writes a line to log.txt.
   void log(const Message& message);
 
-  /// Closes results and log after the recorder has written its rows. Returns the first error; empty if everything is on
-  /// the disk.
+  /// Closes the results and the log. The recorder must have written its rows before. Returns the first error; empty if
+  /// all data are on the disk.
   std::optional<std::string> close();
   /// Adds lines to log.txt after close(). Throws Error.
   void log_after_close(std::span<const std::string> lines);
   /// Replaces summary.json atomically. Throws Error.
   void write_summary(const std::string& text);
   bool has_checkpoint() const;
-  /// Removes the checkpoint, because there is nothing to resume.
+  /// Removes the checkpoint of a run that cannot be resumed because it has ended.
   void remove_checkpoint();
   /// Releases the folder for other runs, after everything is written.
   void release() { folder_.release(); }
 
  private:
-  /// When the run has reached t = 0, replaces an earlier run's files by its own.
+  /// At t = 0, replaces the files of an earlier run by those of this run.
   class KeepResults final : public Observer {
    public:
     explicit KeepResults(ResultFiles& files) : files_(&files) {}

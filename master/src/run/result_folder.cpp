@@ -83,8 +83,8 @@ void ResultFolder::keep(std::span<const std::string_view> outdated) {
 
 namespace {
 
-/// True if this path still names the opened file. The file may have been removed, because the last owner of a folder
-/// removes it.
+/// True if this path still names the opened file. The file may have been removed, because the last run that uses a
+/// folder removes the lock file.
 bool is_still(const std::filesystem::path& file, int descriptor) {
   struct stat named {};
   struct stat opened {};
@@ -134,7 +134,8 @@ FolderLock::FolderLock(const std::filesystem::path& folder) : file_(folder / ".m
     if (is_still(file_, descriptor_)) break;
     ::close(descriptor_);
   }
-  // The message of a second run contains the number. If writing the number fails, the lock is still valid.
+  // The message to a second run contains the process number of the first. If writing the number fails, the lock is
+  // still valid.
   const auto own = std::to_string(::getpid());
   static_cast<void>(::ftruncate(descriptor_, 0) == 0 && ::pwrite(descriptor_, own.data(), own.size(), 0) > 0);
 }

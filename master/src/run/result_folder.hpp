@@ -12,11 +12,11 @@
 
 namespace mebots::master {
 
-/// Locks a results folder for one run at a time, across processes. The kernel releases the lock when its process ends
-/// for any reason.
+/// Locks a results folder for one run at a time, across processes. If the process ends for any reason, the kernel
+/// releases its lock.
 class FolderLock {
  public:
-  /// Throws InputError with the number of the other process if another run writes into the folder.
+  /// Throws InputError if another run writes into the folder. The message contains the number of that run's process.
   explicit FolderLock(const std::filesystem::path& folder);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;
@@ -27,20 +27,20 @@ class FolderLock {
   int descriptor_ = -1;
 };
 
-/// The folder of a run's results. It keeps an earlier run's results until this run reaches t = 0: files are first
-/// written under other names, and renamed by keep().
+/// The folder of a run's results. The results of an earlier run remain until this run reaches t = 0. New files are
+/// first written under other names, and keep() renames them.
 class ResultFolder {
  public:
-  /// Creates the folder if it does not exist. Throws InputError if that fails, or if another run writes into it.
+  /// Creates the folder if it does not exist. Throws InputError if this fails, or if another run writes into it.
   explicit ResultFolder(std::filesystem::path path);
   /// If keep() was not called, removes the new files. Other files stay unchanged.
   ~ResultFolder();
   ResultFolder(const ResultFolder&) = delete;
   ResultFolder& operator=(const ResultFolder&) = delete;
 
-  /// Creates a file of this name. The result is valid as long as this object. Throws InputError.
+  /// Creates a file with this final name. The returned reference is valid as long as this object. Throws InputError.
   OutputFile& create(std::string_view name);
-  /// Returns the path of a new file that another component writes; keep() renames it too.
+  /// Returns a path at which another component writes a new file. keep() also renames this file.
   std::filesystem::path reserve(std::string_view name);
   /// Opens an earlier run's file to append to it. Throws InputError.
   OutputFile& reopen(std::string_view name);

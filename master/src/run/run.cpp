@@ -30,7 +30,7 @@
 namespace mebots::master {
 namespace {
 
-/// Adds the wall time until the end of the scope, also if an exception ends it.
+/// Adds the wall time from construction to destruction to `total_s`, even if an exception ends the scope.
 class Stopwatch {
  public:
   explicit Stopwatch(double& total_s) : total_s_(&total_s) {}
@@ -43,7 +43,7 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// Returns the times that the options give. A single FMU and an SSP may lack both times; a config has its own.
+/// Returns the times that the options give. Single FMUs and SSPs may lack step and stop time; a config has both.
 GivenTimes given_times(const std::filesystem::path& config, const RunOptions& options) {
   GivenTimes times;
   times.step = options.step_s;
@@ -52,7 +52,7 @@ GivenTimes given_times(const std::filesystem::path& config, const RunOptions& op
   return times;
 }
 
-/// Throws InputError for an invalid time.
+/// Throws InputError if the options contain an invalid time.
 void check_times(const RunOptions& options) {
   if (options.stop_time_s) static_cast<void>(nanoseconds_of(*options.stop_time_s, "stop time"));
   if (const auto* step_s = options.step_s ? std::get_if<double>(&*options.step_s) : nullptr) {
@@ -416,12 +416,13 @@ void Run::initialise() {
   } else {
     simulation_->initialize();
   }
-  // Logs this line before it continues the log. So the complete log equals the log of an uninterrupted run.
+  // This line is logged before the old log is continued. Therefore the complete log equals the log of an uninterrupted
+  // run.
   if (checkpoint_) say(Severity::info, "notice", fmt::format("resumed at {} s", to_seconds(time_ns())));
   if (files_) files_->started(ensemble);
 }
 
-/// Adds the slaves' notices to those of the run.
+/// Adds the slaves' notices to the notices of the run.
 void Run::note_slaves(Ensemble& ensemble) {
   for (std::size_t i = 0; i < ensemble.size(); ++i) {
     for (const auto& notice : ensemble.slave(i).notices()) {
@@ -431,10 +432,10 @@ void Run::note_slaves(Ensemble& ensemble) {
   }
 }
 
-/// Checks the state of the process after steps 1, 2, 4, 8 ... of this call and at its end. Checks the signal mask alone
-/// every 64 steps, because a changed mask would block interrupts.
+/// Checks the state of the process after steps 1, 2, 4, 8 ... of this call, and at the end of the call. Every 64 steps,
+/// checks only the signal mask, because a changed mask could block interrupts.
 void Run::step_until(std::int64_t until_ns) {
-  // The check has intervals, because checking the process costs more than a step.
+  // The process is checked only after some steps, because a check takes longer than a step.
   std::optional<ProcessWatch> watch;
   if (!has_foreign_ && until_ns > next_point_ns()) watch.emplace(resolved_, messages_);
   auto seen_ns = time_ns();
@@ -553,7 +554,7 @@ void Run::report_fault(const std::string& text) {
   say(Severity::error, "notice", report_.notices.back());
 }
 
-/// At this time, the results are on the disk, so a crash loses no data.
+/// The FMUs are freed when the results are on the disk, so a crash of an FMU loses no data.
 void Run::free_fmus(bool unloads) {
   if (freed_ || !simulation_) return;
   freed_ = true;
@@ -637,7 +638,7 @@ void Run::write_summary() {
   files_->write_summary(summary().dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 
-/// Another run may use the folder now.
+/// From now on, another run may use the folder.
 void Run::release_files() noexcept {
   if (files_ && files_->kept()) files_->release();
 }

@@ -35,14 +35,14 @@
 
 namespace mebots::master {
 
-/// A run, from its request to the report. The command line, C++ and Python all use it.
+/// A run of a system, from the options to the report. The command line, C++ and Python use this class.
 ///
-/// RunState is its state. An error in start(), step() and similar functions sets the state to `failed` and is thrown;
-/// the files contain the results so far. Afterwards no FMU is called: step() throws.
+/// RunState is the state of a run. If start(), step() or a similar function fails, it sets the state to `failed` and
+/// throws. The files contain the results so far. A failed run calls no FMU, and its step() throws.
 ///
 /// At each communication point, observers are called in this order: scenario, files of the start, pictures, recorder,
-/// values of the summary, outcomes, stop conditions, coupling, those of add(), checkpoint. Thus a checkpoint contains
-/// the data of all others for its point.
+/// values of the summary, outcomes, stop conditions, coupling, those of add(), checkpoint. Thus a checkpoint at a point
+/// contains the data of all other observers for this point.
 ///
 /// For one thread at a time; interrupt() may be called from any thread and from signal handlers.
 class Run {
@@ -73,46 +73,46 @@ class Run {
   void record(const std::vector<std::string>& patterns);
   /// Adds an observer, which must outlive the run's last step.
   void add(Observer& observer);
-  /// Adds an observer of the embedding program, which may change the process itself. Changes of the process by FMUs are
-  /// then checked less often.
+  /// Adds an observer of the embedding program, which may change the process itself. With such an observer,
+  /// process-wide changes by FMUs are checked less often.
   void add_foreign(Observer& observer);
-  /// Frees the FMUs at the end, so that errors of freeing appear in the report. Variables cannot be read after the end.
+  /// Requests that the FMUs are freed at the end of the run, so that errors of freeing appear in the report. Variables
+  /// cannot be read after the end.
   void free_at_end() { frees_at_end_ = true; }
-  /// Unpacks and loads the FMUs and creates no instance. A process forked after this call starts the run as a new one
-  /// would. Throws InputError.
+  /// Unpacks and loads the FMUs and creates no instance. A process that is forked after this call starts the run as a
+  /// new process would. Throws InputError.
   void load();
-  /// Starts from the state of save_state() of a run with the same inputs, in this process or another. Throws
-  /// InputError.
+  /// Starts the run from a state that save_state() returned for a run with the same inputs, in this process or another.
+  /// Throws InputError.
   void start_from(std::span<const std::byte> state);
 
   // Functions that run the simulation.
 
-  /// Opens the FMUs, makes all checks, and initialises to t = 0 or to the checkpoint. No effect if already done. Throws
-  /// InputError and Error.
+  /// Opens the FMUs, checks the system, and initialises the run at t = 0 or at the checkpoint. A second call has no
+  /// effect. Throws InputError and Error.
   void start();
-  /// Takes one communication step. Starts the run if necessary. Returns false if the end was reached before. Also
-  /// returns false if the run ends in this step without reaching a new point. The reason is an interrupt, or an FMU
-  /// that ended the run.
+  /// Takes one communication step. Starts the run if necessary. Returns false if the run had already ended. Also
+  /// returns false if the run ends in this step without reaching a new point, because of an interrupt or an FMU.
   bool step();
-  /// Steps until `time_ns` or the end, whichever is earlier.
+  /// Steps until `time_ns` or the end of the run, whichever is earlier.
   void run_until(std::int64_t time_ns);
   /// Runs to the end.
   void run();
-  /// Requests the end at the last point that all instances reached. Takes effect when the next call to an FMU returns;
-  /// a call to an isolated instance is ended. Safe in signal handlers.
+  /// Requests the end of the run at the last point that all instances reached. Takes effect when the present call to an
+  /// FMU returns. If a call to an isolated instance does not return, its process is ended. Safe in signal handlers.
   void interrupt() noexcept { interrupted_.store(true, std::memory_order_relaxed); }
   /// Returns the flag for a SignalGuard.
   std::atomic<bool>& interrupt_flag() { return interrupted_; }
-  /// Ends the run at the current point and writes its reports. No effect after the end. Never throws; the report
-  /// contains errors. Called from a listener, it acts as interrupt().
+  /// Ends the run at the present point and writes its reports. Has no effect if the run has ended. Never throws; the
+  /// report contains errors. A call from a listener acts as interrupt().
   void close() noexcept;
-  /// Closes the run and frees its instances. Returns the FMUs that are not clean: data that they left in this process
-  /// could change the next run. No variable can be read afterwards.
+  /// Closes the run and frees its instances. Returns the FMUs that are not clean (see LibraryState), because they left
+  /// data in this process that could change the next run. Variables cannot be read afterwards.
   std::vector<Leftover> free_instances();
   /// Returns the state between two steps, for start_from(). Throws InputError if the run has ended or writes files, and
   /// Error if an FMU cannot serialize its state.
   std::vector<std::byte> save_state();
-  /// Calls `work`, in which variables may be read. For the observers that add() has added.
+  /// Calls `work`, in which variables may be read. Observers that were added with add() use this function.
   void at_point(const std::function<void()>& work);
   /// True if the run started with start_from() instead of at t = 0.
   bool began_later() const { return past_.has_value(); }
@@ -132,7 +132,7 @@ class Run {
   /// Returns the config's outcome at the last point ("completed" if none applies), or "interrupted" or "failed". Empty
   /// before the start.
   std::string outcome() const;
-  /// Returns the results so far; complete after the end.
+  /// Returns the report. It is complete only after the end of the run.
   const RunReport& report() const { return report_; }
   /// Returns the content of summary.json so far. Must be called after the start.
   nlohmann::ordered_json summary() const;
@@ -143,24 +143,24 @@ class Run {
   const StepStatistics* step_statistics() const { return simulation_ ? simulation_->step_statistics() : nullptr; }
   /// Returns the values that the config requests under `summary`. Must be called after the start.
   const SummaryValues& values() const { return *values_; }
-  /// Returns the instances that failed while the others continued.
+  /// Returns the instances that failed without ending the run.
   std::vector<InstanceLoss> losses() const;
-  /// Returns the files of the run; null if it writes none.
+  /// Returns the files of the run; null if the run writes no files.
   const ResultFiles* files() const { return files_ ? &*files_ : nullptr; }
-  /// Returns the number of columns without the time.
+  /// Returns the number of recorded columns, without the time.
   std::size_t columns() const { return recorder_ ? recorder_->columns().size() : 0; }
 
   // Functions to call after the start. Before the start and after a failure, they throw InputError.
 
   const ResolvedSystem& resolved() const;
-  /// Calls `work`, which reads or sets variables of an instance. An error of the FMU makes the run fail. A listener may
-  /// call this function only at a communication point.
+  /// Calls `work`, which reads or sets variables of an instance. If the FMU fails, the run fails. A listener may call
+  /// this function only at a communication point.
   void call(std::size_t instance, std::string_view what, const std::function<void(Slave&)>& work);
-  /// Adds the intervals of drawn runs to the summary after the end.
+  /// Adds the intervals of drawn runs (DrawnFlights) to the summary, after the end of the run.
   void report_uncertainty(const nlohmann::ordered_json& uncertainty);
-  /// Records a written variable for the summary.
+  /// Adds the text to the summary's list of written variables.
   void note_write(const std::string& text);
-  /// Returns the rows so far. Throws InputError without the option `in_memory`.
+  /// Returns the recorded rows so far. Throws InputError if the option `in_memory` is not set.
   const MemorySink& memory();
 
  private:
@@ -173,7 +173,7 @@ class Run {
   void attempt(Work work);
   void open();
   void initialise();
-  /// Rejects calls from listeners into the function that called them, and prevents FMUs from cancelling the calling
+  /// While this object exists, a listener cannot call functions of the run that step. FMUs cannot cancel the calling
   /// thread.
   class Busy {
    public:
@@ -242,7 +242,7 @@ class Run {
   std::optional<Coupling> coupling_;  // if the config requests it
 };
 
-/// Finds "instance.variable" in a started run. Throws InputError with the nearest names.
+/// Finds "instance.variable" in a started run. If it does not exist, throws InputError with the nearest names.
 ResolvedVariable find_variable(const Run& run, std::string_view name);
 
 /// Sets an unconnected input or a tunable parameter from the next step on, between two steps. summary.json lists it

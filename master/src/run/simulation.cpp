@@ -124,7 +124,7 @@ void Simulation::restore_state(const SimulationState& state) {
   ended_ = false;
   end_ = {};
   state::restore(*this, state.master);
-  // Addresses of buffers are not part of a state, so they are read again.
+  // A state contains no addresses of buffers, so outputs with such addresses are read again.
   for (std::size_t i = 0; i < ensemble_.size(); ++i) slaves_.read_outputs(i, step_);
 }
 

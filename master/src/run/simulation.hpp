@@ -44,12 +44,12 @@ class Simulation {
   /// Advances to the start time. Throws the errors of Ensemble::initialize, and InterruptedError.
   void initialize();
 
-  /// Restores a state that serialize() wrote in this process or another, in place of initialize(). Throws the errors of
-  /// both.
+  /// Restores a state that serialize() wrote in this process or another. Replaces the call of initialize(). Throws the
+  /// same errors as initialize() and deserialize().
   void resume(std::span<const std::byte> bytes);
 
-  /// Takes one communication step. Returns false and stays at the same point if the end was reached before, or if the
-  /// step was not completed, for example because of an interrupt. end() returns the reason.
+  /// Takes one communication step. Returns false and stays at the same point if the simulation had already ended. Does
+  /// the same if the step was not completed, for example because of an interrupt. end() returns the reason.
   bool step();
 
   /// Steps until the end.
@@ -67,7 +67,7 @@ class Simulation {
 
   /// Returns the number of communication steps so far.
   std::int64_t steps_done() const { return control_ ? control_->statistics().steps : step_; }
-  /// The place of the point on the grid.
+  /// Returns the index of the present point on the grid.
   std::int64_t grid_point() const { return step_; }
   /// Returns the statistics of step control; null if every step has the same length.
   const StepStatistics* step_statistics() const { return control_ ? &control_->statistics() : nullptr; }
@@ -77,9 +77,10 @@ class Simulation {
   SimulationState save_state();
   /// Visits the master's own part of save_state(): last values and observers.
   void visit(state::Visitor& v);
-  /// Restores a state of save_state(), observers included.
+  /// Restores a state that save_state() returned, including the states of the observers.
   void restore_state(const SimulationState& state);
-  /// Converts a state to bytes and back, for another process that runs the same config with the same FMUs.
+  /// serialize() converts a state to bytes, and deserialize() converts the bytes to a state. The bytes are valid in any
+  /// process that runs the same config with the same FMUs.
   std::vector<std::byte> serialize(const SimulationState& state);
   SimulationState deserialize(std::span<const std::byte> bytes);
 

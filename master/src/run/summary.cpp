@@ -60,12 +60,12 @@ class LabelTree {
   Json value_ = Json::object();  // for a leaf; in an empty tree an object without members
 };
 
-/// Appends the members of `more` to `object`, which must not contain any of them.
+/// Appends the members of `more` to `object`, which must not contain a member with the same label.
 void append(Json& object, Json more) {
   for (auto& [label, value] : more.get_ref<Json::object_t&>()) add_member(object, label) = std::move(value);
 }
 
-/// Returns the FMU as named in the config; for an FMU of an SSP, its path in the archive instead of its temporary path.
+/// Returns the name of the FMU in the config. For an FMU of an SSP, returns its path inside the archive.
 std::string fmu_text(const SystemDescription& system, const InstanceDescription& instance) {
   if (!system.unpacked) return instance.fmu;
   const auto inside = instance.fmu_path.lexically_relative(system.unpacked->path());
@@ -258,9 +258,9 @@ Json summary_json(const ResolvedSystem& system, const InputHash& hash, const Run
                         {"stepping", report.wall.stepping_s},
                         {"total", report.wall.open_s + report.wall.initialise_s + report.wall.stepping_s}};
 
-  // An ordered JSON object moves its members when it grows. So each part is completed before it is added.
+  // An ordered JSON object moves its members when it grows. Therefore each part is complete before it is added.
   Json versions = {{"mebots", MEBOTS_VERSION}};
-  // The start values that the run set in place of those of the FMUs. They are important when two runs are compared.
+  // The start values with which the run replaced those of the FMUs. They matter for the comparison of two runs.
   Json parameters;
   for (const auto& instance : system.instances) {
     if (instance.starts.empty()) continue;

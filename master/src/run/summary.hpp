@@ -18,7 +18,7 @@
 
 namespace mebots::master {
 
-/// The final values that the config requests under `summary`, at the last point.
+/// The values at the last communication point that the config requests under `summary`.
 class SummaryValues final : public Observer {
  public:
   /// Looks up the variables. Throws InputError for an unknown variable, or for a label that summary.json itself uses.
@@ -27,7 +27,7 @@ class SummaryValues final : public Observer {
   std::optional<std::string> reached(const Point& point) override;
 
   /// Returns labels with values (numbers, Booleans, texts, item names of enumerations); empty before t = 0. Leaves out
-  /// entries whose conditions did not hold. A group has its statistics, and its values under `each`:
+  /// entries whose conditions were false. A group contains its members' values under `each`, and their statistics:
   ///
   /// - numbers: `least`, `mean`, `most`, and the names of the extremes under `least_of` and `most_of`;
   /// - Booleans: `count` of those that are true, and `of`, the number of all;
@@ -49,7 +49,7 @@ class SummaryValues final : public Observer {
     std::string text;
   };
 
-  /// Entries [first, first + count) are the values of like things, and have statistics under `path`.
+  /// A group of the summary. Its members are the entries [first, first + count); its label is `path`.
   struct Group {
     std::vector<std::string> path;
     std::size_t first;
@@ -59,7 +59,7 @@ class SummaryValues final : public Observer {
   void add_entry(const ResolvedSystem& system, Ensemble& ensemble, const SummaryEntry& entry);
   void add_group(const ResolvedSystem& system, Ensemble& ensemble, const SummaryEntry& entry);
   nlohmann::ordered_json value_of(const Entry& entry) const;
-  /// Returns the statistics, by label.
+  /// Returns the statistics of a group by their labels.
   nlohmann::ordered_json statistics_of(const Group& group) const;
 
   const Ensemble* ensemble_;
@@ -96,7 +96,7 @@ struct RunReport {
   std::int64_t further_writes = 0;  ///< those that `writes` does not list
   std::vector<std::string> faults;  ///< of FMUs after the end, when they are terminated and freed
 
-  /// Returns simulated time divided by stepping time; 0 if there were no steps.
+  /// Returns the simulated time divided by the wall time of stepping; 0 if there were no steps.
   double real_time_factor() const;
 };
 

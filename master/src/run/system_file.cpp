@@ -53,7 +53,7 @@ Json instances_json(const ResolvedSystem& system) {
   return instances;
 }
 
-/// Returns the variable at this end of a connection; null for an OSMP binary, which has three.
+/// Returns the variable at one end of a connection. Null for an OSMP binary, which consists of three variables.
 const modeldesc::Variable* variable_of(const ResolvedSystem& system, const VariableName& name) {
   const auto instance = system.description->index_of(name.instance);
   return instance ? system.instances[*instance].model->find(name.variable) : nullptr;

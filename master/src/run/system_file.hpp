@@ -17,8 +17,8 @@ inline constexpr std::string_view kSceneFile = "scene.json.gz";
 /// models, connections with their units, recorded variables with type, unit, description and enumeration items, and the
 /// section `view`. Throws InputError if a name under `view` is not a variable.
 ///
-/// system.json exists from t = 0 on, also for a run that is in progress or never reached its end. Therefore it is
-/// separate from summary.json, which is written at the end.
+/// system.json exists from t = 0 on, even if the run is in progress or failed. Therefore it is separate from
+/// summary.json, which is written at the end.
 nlohmann::ordered_json system_json(const ResolvedSystem& system);
 
 /// Writes system.json at t = 0, and the scene named under `view` as scene.json.gz, because its textures are long and

@@ -18,7 +18,7 @@ using modeldesc::Causality;
 using modeldesc::Type;
 using modeldesc::Variability;
 
-/// Converts a number to its variable's type: 1.0 is a whole number for an Integer and true for a Boolean.
+/// Converts a number to the variable's type: 1.0 becomes 1 for an Integer and true for a Boolean.
 WrittenValue as_written(const modeldesc::Variable& variable, double value) {
   const bool whole = value == std::floor(value) && std::abs(value) < 1e15;
   if (fmi::is_whole(variable.type) && whole) return static_cast<std::int64_t>(value);
@@ -78,7 +78,7 @@ ResolvedVariable find_variable(const Run& run, std::string_view name) {
 nlohmann::ordered_json write_variable(Run& run, std::string_view name, double value, const std::string& place) {
   const auto target = find_variable(run, name);
   check_settable(run, target, name);
-  // The same rules apply as for values of a config: type, limits, items.
+  // The value must obey the same rules as values of a config: type, limits, and items of enumerations.
   const auto& model = *run.resolved().instances[target.instance].model;
   const auto typed = typed_value(model, *target.variable, as_written(*target.variable, value), place);
   const ValueReference reference[] = {target.variable->value_reference};

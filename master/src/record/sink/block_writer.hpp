@@ -23,7 +23,7 @@ class BlockWriter {
   /// `sink` must outlive the writer.
   void add(RowSink& sink) { sinks_.push_back(&sink); }
 
-  /// Moves the rows out of `block`; waits until the previous block is written. Rethrows exceptions of sinks.
+  /// Moves the rows out of `block`, after the previous block has been written. Rethrows exceptions of sinks.
   void submit(RowBlock& block);
   /// Writes the rows of `block` on the calling thread after all submitted blocks. Afterwards all rows are in the files.
   void drain(RowBlock& block);

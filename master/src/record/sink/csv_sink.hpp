@@ -49,8 +49,8 @@ std::string csv_header(std::string_view name, std::string_view unit);
 /// Returns a text as one cell, quoted if it contains a comma, a quotation mark or a line break.
 std::string csv_text(std::string_view text);
 
-/// Reads the first `bytes` bytes of a results.csv with these columns, and writes the rows into another sink with the
-/// same bits. Throws Error if the file was not written by a CsvSink.
+/// Reads the first `bytes` bytes of a results.csv with these columns, and writes the rows into another sink. All values
+/// keep their bits. Throws Error if the file was not written by a CsvSink.
 void copy_csv_rows(const std::filesystem::path& file, std::uint64_t bytes, const std::vector<RecordColumn>& columns,
                    RowSink& sink);
 

@@ -35,7 +35,7 @@ struct DriverInfo {
   int* error_number;
 };
 
-/// A file in the form that the driver uses. HDF5 reads the base class; see H5FDpublic.h.
+/// A file of the driver. The functions of HDF5 access its base class; see H5FDpublic.h.
 struct DriverFile : H5FD_t {
   int descriptor = -1;
   int* error_number = nullptr;
@@ -51,8 +51,9 @@ const DriverFile& as_file(const H5FD_t* file) {
   return *static_cast<const DriverFile*>(file);
 }
 
-/// Repeats a call after EINTR and after a short transfer. Returns the number of transferred bytes. If the number is
-/// less than requested, the end of the file was reached (`errno` is 0) or an error occurred.
+/// Repeats `call` until `size` bytes were transferred, because a signal (EINTR) or a short transfer may interrupt it.
+/// Returns the number of transferred bytes. If fewer than `size` bytes were transferred, either the file ended (`errno`
+/// is 0) or an error occurred.
 template <typename Call>
 std::size_t transfer_all(std::size_t size, Call call) {
   std::size_t done = 0;
@@ -76,7 +77,8 @@ bool read_disk(const DriverFile& file, haddr_t address, std::span<std::byte> byt
   return good;
 }
 
-/// Calls `use(page number, first byte in the page, bytes)` for each page that contains some of the bytes.
+/// Calls `use` with the page number, the first byte in the page, and the bytes, for each page that contains a part of
+/// `bytes`.
 template <typename Byte, typename Use>
 void for_each_page(haddr_t address, std::span<Byte> bytes, Use use) {
   while (!bytes.empty()) {

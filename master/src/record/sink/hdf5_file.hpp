@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-/// Shared by the writers of HDF5 files.
+/// Types and functions that all writers of HDF5 files use.
 namespace mebots::master::hdf5 {
 
 /// Debian's HDF5 is not thread-safe: hold this mutex during every call.
@@ -44,13 +44,13 @@ std::string without_slashes(std::string name);
 /// failure: the driver stores the first error and keeps everything that HDF5 writes afterwards in memory. check() and
 /// close() report the error.
 ///
-/// Hold library() during each call, construction and destruction included.
+/// The caller must hold library() during each call, also of the constructor and the destructor.
 class File {
  public:
-  /// Creates or truncates the file. Throws InputError if it cannot be opened; check() reports a failed write of its
-  /// first bytes.
+  /// Creates or truncates the file. Throws InputError if it cannot be opened; if a write of its first bytes fails,
+  /// check() reports this.
   explicit File(std::filesystem::path path);
-  /// Closes the file and ignores errors. Call close() before to get errors.
+  /// Closes the file and ignores errors. To get errors, call close() first.
   ~File();
   File(const File&) = delete;
   File& operator=(const File&) = delete;
@@ -64,8 +64,8 @@ class File {
   /// Throws Error with the system's reason. If no write failed, HDF5 itself rejected the call, and the error has no
   /// reason.
   [[noreturn]] void fail() const;
-  /// Writes the rest and closes the file. Close its data sets first. If a write failed, deletes the file, which is
-  /// unreadable, and throws Error.
+  /// Writes all buffered data and closes the file. The file's data sets must be closed before. If a write failed, the
+  /// file is unreadable. In this case, deletes the file and throws Error.
   void close();
 
  private:

@@ -12,7 +12,8 @@ namespace mebots::master {
 
 /// Writes rows as an HDF5 file: `/time`, and one dataset `/<instance>/<variable>` per column, of equal length, chunked
 /// and compressed. Reals are 64-bit floats, Integers and enumerations 32-bit, Booleans 8-bit (0 and 1), texts UTF-8 of
-/// variable length. Attributes are `unit` and `name` (instance.variable, because a `/` in a name is written as `|`).
+/// variable length. A dataset has the attributes `unit` and `name`. `name` is the original instance.variable, because a
+/// `/` in a name is written as `|` in the dataset's path.
 class Hdf5Sink final : public RowSink {
  public:
   /// Throws InputError if the file cannot be created, Error if its first bytes cannot be written.
@@ -21,16 +22,16 @@ class Hdf5Sink final : public RowSink {
   Hdf5Sink(const Hdf5Sink&) = delete;
   Hdf5Sink& operator=(const Hdf5Sink&) = delete;
 
-  /// Writes values that are constant during the run as texts under `/parameters`, one row each, as in parameters.csv.
+  /// Writes parameters as texts under `/parameters`, one row per parameter, as in parameters.csv.
   void put_parameters(const std::vector<ParameterValue>& parameters);
   void write(const RowBlock& block) override;
   void flush() override;
   /// Sets the file's new path after it was renamed.
   void renamed(const std::filesystem::path& file);
-  /// Writes the rest and closes the file; no write may follow. If a write failed, deletes the file, which is
-  /// unreadable, and throws Error.
+  /// Writes all buffered rows and closes the file. No write may follow. If a write failed, the file is unreadable. In
+  /// this case, deletes the file and throws Error.
   void close();
-  /// Visits the state. Restoring it can only drop rows: throws Error if the state has more rows than the file.
+  /// Visits the state. Restoring a state can only drop rows. Throws Error if the state has more rows than the file.
   void visit(state::Visitor& v) override;
 
  private:

@@ -21,8 +21,9 @@ struct Table {
   std::vector<TableColumn> columns;
 };
 
-/// Writes tables as an HDF5 file: a dataset `/<table>/<column>` per column, with the attribute `unit` if it has one. A
-/// `/` in a name is written as `|`. Equal tables give equal bytes. Throws Error if the file cannot be written.
+/// Writes tables as an HDF5 file with a dataset `/<table>/<column>` per column. If the column has a unit, the dataset
+/// has the attribute `unit`. A `/` in a name is written as `|`. Equal tables give equal bytes. Throws Error if the file
+/// cannot be written.
 void write_hdf5(const std::vector<Table>& tables, const std::filesystem::path& file);
 
 }  // namespace mebots::master

@@ -11,8 +11,8 @@
 
 namespace mebots::master {
 
-/// Keeps recorded rows in memory: a column of numbers per variable; Booleans are 0 and 1. Leaves out texts. The rows
-/// may be read only after the recorder's flush(), because another thread writes them.
+/// Keeps recorded rows in memory, as a column of numbers per variable. Booleans are 0 and 1. Variables with texts are
+/// left out. The rows may be read only after the recorder's flush(), because another thread writes them.
 class MemorySink final : public RowSink {
  public:
   explicit MemorySink(const std::vector<RecordColumn>& columns);
@@ -24,7 +24,8 @@ class MemorySink final : public RowSink {
 
   void write(const RowBlock& block) override;
   void flush() override {}
-  /// Visits the state. A restored state can only remove rows: it must not have more rows than this object.
+  /// Visits the state. Restoring a state can only remove rows. Therefore the state must not have more rows than this
+  /// object.
   void visit(state::Visitor& v) override;
   /// Visits the rows, which visit() does not include.
   void visit_rows(state::Visitor& v);

@@ -17,7 +17,7 @@
 namespace mebots::master {
 namespace {
 
-/// Repeats a call that a signal interrupts. Returns its last result.
+/// Repeats a system call that a signal interrupts. Returns the result of the last call.
 template <typename Call>
 auto uninterrupted(Call call) {
   auto result = call();
@@ -25,7 +25,8 @@ auto uninterrupted(Call call) {
   return result;
 }
 
-/// Linux closes the descriptor even if a signal interrupts the call. Returns false with errno after another error.
+/// Closes the descriptor. If another error than an interrupt occurs, returns false and sets errno. Linux closes the
+/// descriptor even if a signal interrupts the call.
 bool close_descriptor(int descriptor) {
   return ::close(descriptor) == 0 || errno == EINTR;
 }
@@ -111,7 +112,7 @@ void OutputFile::flush() {
     if (count < 0) {
       const int error_number = errno;
       buffer_.clear();
-      // Truncates to the end of the last complete row, because readers cannot read a partial row.
+      // Truncates the file after the last complete row, because readers cannot read a partial row.
       if (uninterrupted([&] { return ::ftruncate(descriptor_, before); }) == 0)
         written_bytes_ = static_cast<std::uint64_t>(before);
       fail(error_number);

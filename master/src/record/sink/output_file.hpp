@@ -10,16 +10,16 @@
 
 namespace mebots::master {
 
-/// Returns an error about a failed write to `path` with this errno. Its text states the remedy.
+/// Returns an error about a failed write to `path` with this errno. The text of the error states the remedy.
 Error write_error(const std::filesystem::path& path, int error_number);
 
 /// Renames a file on the same disk and replaces a file that has the new name. Throws InputError.
 void rename_file(const std::filesystem::path& from, const std::filesystem::path& to);
 
-/// `yes` if the replaced file must survive a power failure.
+/// Selects whether the replaced file must survive a power failure.
 enum class Durable : bool { no, yes };
 
-/// Writes PATH.new and renames it, so that the file is either complete or unchanged. Throws Error.
+/// Writes the file PATH.new and renames it to PATH. If this fails, the file PATH is unchanged. Throws Error.
 void write_whole(const std::filesystem::path& path, std::string_view content, Durable durable = Durable::no);
 
 /// A file that is written in large pieces and that reports failed writes.
@@ -33,7 +33,7 @@ class OutputFile {
 
   /// Throws InputError if the file cannot be opened.
   explicit OutputFile(std::filesystem::path path, Mode mode = Mode::anew);
-  /// Writes the rest and ignores errors. Call close() to get them.
+  /// Writes the buffered bytes and ignores errors. To get errors, call close() first.
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
@@ -48,16 +48,16 @@ class OutputFile {
     buffer_ += bytes;
     written();
   }
-  /// Writes the buffer. Throws Error if that fails. Drops the bytes that could not be written, so that the error is
-  /// reported once.
+  /// Writes the buffer. Throws Error if the write fails. Drops the bytes that could not be written, so that the error
+  /// is reported once.
   void flush();
   void close();
-  /// Flushes, and waits until the bytes are on the disk.
+  /// Writes the buffer, and waits until all bytes are on the disk.
   void sync();
 
-  /// Returns the number of bytes so far, buffer included.
+  /// Returns the number of bytes of the file, including the buffer.
   std::uint64_t size() const { return written_bytes_ + buffer_.size(); }
-  /// Truncates the file; for a reopened file, sets its length. Throws Error.
+  /// Sets the length of the file, and drops all bytes after `size`. Throws Error.
   void truncate(std::uint64_t size);
 
   const std::filesystem::path& path() const { return path_; }

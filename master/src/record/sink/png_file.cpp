@@ -34,8 +34,9 @@ std::string head(std::size_t width, std::size_t height) {
   return bytes += {8, 0, 0, 0, 0};  // 8 bits per pixel; grey; deflate; filter per row; not interlaced
 }
 
-/// Returns the rows as differences of neighbouring pixels, each preceded by the number of this filter ("Sub"). A camera
-/// picture is noise on gradients, so differences take fewer bits than pixels.
+/// Returns the differences of neighbouring pixels in each row. The PNG number of this filter ("Sub") precedes each row.
+/// Camera pictures contain noise on gradients, so the compressed differences take fewer bytes than the compressed
+/// pixels.
 std::string differences(std::span<const std::uint8_t> pixels, std::size_t width) {
   std::string bytes(pixels.size() + pixels.size() / width, '\1');
   auto to = bytes.begin();
@@ -50,9 +51,9 @@ std::string differences(std::span<const std::uint8_t> pixels, std::size_t width)
 
 }  // namespace
 
-/// libpng is not used, because it compresses row by row with zlib, which is 15 % slower. A picture per second would
-/// cost a mission more time than all other recording. Higher levels of compression do not help, because the noise has
-/// no patterns.
+/// libpng is not used, because it compresses row by row with zlib, which is 15 % slower. With libpng, one picture per
+/// second would take more time than all other recording. Higher levels of compression do not help, because the noise
+/// has no patterns.
 std::string png_of(std::span<const std::uint8_t> pixels, std::size_t width) {
   MEBOTS_ASSERT(width > 0 && !pixels.empty() && pixels.size() % width == 0);
   const auto rows = deflated(differences(pixels, width), Packing::fast);

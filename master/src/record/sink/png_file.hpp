@@ -12,13 +12,14 @@
 
 namespace mebots::master {
 
-/// 8-bit grey pixels, row by row from the top left; complete rows only.
+/// Pixels of 8-bit grey values, row by row from the top left. All rows are complete.
 struct GreyPicture {
   std::vector<std::uint8_t> pixels;
   std::size_t width = 0;
 };
 
-/// Returns a PNG file with complete rows of 8-bit grey pixels, at least one. Throws Error.
+/// Returns a PNG file with 8-bit grey pixels. `pixels` must contain at least one row, and complete rows only. Throws
+/// Error.
 std::string png_of(std::span<const std::uint8_t> pixels, std::size_t width);
 
 /// Writes a PNG file as png_of() returns it. Throws Error with the name of the file.

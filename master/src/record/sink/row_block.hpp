@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-/// Recorded data between the simulation and the files.
+/// Data that the simulation passes to the files of results.
 namespace mebots::master {
 
 /// A recorded variable.
@@ -28,11 +28,11 @@ struct ParameterValue {
   modeldesc::Type type = modeldesc::Type::string;
 };
 
-/// Cells per block: 128 KiB, which fit into the cache of a core.
+/// The number of cells per block: 128 KiB, which fit into the cache of a core.
 inline constexpr std::size_t kBlockCells = 1 << 14;
 
-/// Rows as raw numbers, so that the simulation does not wait for formatting. A row is its time [s] (a double's bits)
-/// and a cell per column: a double's bits, a whole number, or the index of a text in `texts`.
+/// Rows as raw numbers, so that the simulation does not wait for formatting. A row consists of its time [s] and one
+/// cell per column. A cell contains the bits of a double, a whole number, or the index of a text in `texts`.
 struct RowBlock {
   std::size_t cells_per_row = 1;
   std::vector<std::uint64_t> cells;
@@ -50,13 +50,13 @@ class RowSink {
  public:
   virtual ~RowSink() = default;
 
-  /// May be called by another thread than the other functions, but never concurrently. Throws Error if the disk is full
-  /// or fails.
+  /// write() may be called by another thread than the other functions, but never at the same time as one of them.
+  /// Throws Error if the disk is full or fails.
   virtual void write(const RowBlock& block) = 0;
-  /// Writes everything so far to the file.
+  /// Writes all rows received so far to the file.
   virtual void flush() = 0;
 
-  /// Visits the state that the sink needs to continue from a saved state. Restoring it sets the sink back.
+  /// Visits the part of the sink's state that a resumed run needs. Restoring a state drops the rows after it.
   virtual void visit(state::Visitor& v) = 0;
 };
 
