@@ -6,7 +6,7 @@
 
 namespace mebots::master {
 
-/// Calls `read` and returns its result. Converts its exceptions to InputError.
+/// Calls `read` and returns its result. Converts exceptions of `read` to InputError.
 template <typename Read>
 auto refused_as_input(const Read& read) {
   try {

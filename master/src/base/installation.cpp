@@ -29,7 +29,7 @@ Home find_home() {
   link_map* object = nullptr;
   const bool known = dladdr1(reinterpret_cast<const void*>(&find_home), &info, reinterpret_cast<void**>(&object),
                              RTLD_DL_LINKMAP) != 0;
-  // The loader stores an empty name for the program; /proc has its path regardless of argv[0].
+  // The loader stores an empty name for the program. /proc/self/exe contains the program's path, whatever argv[0] is.
   if (!known || object == nullptr || object->l_name == nullptr || object->l_name[0] == '\0') {
     return {std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path(), false};
   }
@@ -41,7 +41,7 @@ const Home& home() {
   return found;
 }
 
-// Relative paths from the folder of the program or extension to the folders of data and programs.
+// Relative paths to the folders of data and of programs, from the folder of the program or of the Python extension.
 constexpr std::string_view kDataOfProgram[] = {"..", "../share/mebots"};
 constexpr std::string_view kDataOfExtension[] = {"share/mebots", "../..", "../../../../share/mebots"};
 constexpr std::string_view kProgramsOfProgram[] = {"."};

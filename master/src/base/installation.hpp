@@ -19,16 +19,16 @@
 /// | somebody's own program      | anywhere                                | those of the `mebots` in PATH  |
 namespace mebots::master {
 
-/// Returns the possible paths of a file or folder of the data, the preferred one first. The paths need not exist.
+/// Returns the possible paths of a file or folder of the data, the preferred path first. The paths need not exist.
 std::vector<std::filesystem::path> data_places(std::string_view name);
 
-/// Returns the possible paths of another program of MEbots, the preferred one first. The paths need not exist.
+/// Returns the possible paths of another program of MEbots, the preferred path first. The paths need not exist.
 std::vector<std::filesystem::path> program_places(std::string_view name);
 
 /// Converts the paths to texts for an error.
 std::vector<std::string> as_texts(const std::vector<std::filesystem::path>& places);
 
-/// Returns the first of data_places(name) that exists. If there is none, throws Error with the places.
+/// Returns the first of data_places(name) that exists. If there is none, throws Error with the searched paths.
 std::filesystem::path own_data(std::string_view name);
 
 }  // namespace mebots::master

@@ -7,7 +7,7 @@
 
 namespace mebots::master {
 
-/// Marks the calling thread as one of mebots' own during this object's lifetime. Other threads of the process belong to
+/// While this object exists, marks the calling thread as a thread of mebots. Other threads of the process belong to
 /// FMUs or to the embedding program.
 class OwnThread {
  public:
@@ -21,11 +21,11 @@ class OwnThread {
 /// that creates threads. These threads must not call FMUs.
 void mark_own_family();
 
-/// Must be called before a call to an FMU. In a fork of the process, marks the present threads as mebots' own, because
-/// they belong to the program.
+/// Must be called before a call to an FMU. If the process is a fork, marks its present threads as threads of mebots,
+/// because they belong to the program.
 void adopt_threads_of_fork();
 
-/// Returns the kernel's numbers of the threads of this process that are not mebots' own.
+/// Returns the kernel's numbers of those threads of this process that are not marked as threads of mebots.
 std::set<pid_t> foreign_threads();
 
 }  // namespace mebots::master

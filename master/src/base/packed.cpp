@@ -16,7 +16,7 @@ constexpr std::size_t kMostBytes = std::size_t{256} << 20;
 
 using Decompressor = std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)>;
 
-/// Returns the unpacked size: the last four bytes of a gzip file, lowest first.
+/// Returns the unpacked size, which a gzip file contains in its last four bytes (little-endian).
 std::size_t size_at_end_of(std::string_view file) {
   std::size_t size = 0;
   for (std::size_t i = 1; i <= sizeof(std::uint32_t); ++i) {

@@ -14,7 +14,7 @@ std::string sha256(std::string_view bytes);
 /// Returns the SHA-256 of a file. Throws InputError if the file cannot be read.
 std::string sha256_of_file(const std::filesystem::path& file);
 
-/// Computes the SHA-256 of the start of a growing file; reads no byte twice.
+/// Computes the SHA-256 of the first part of a growing file. Reads each byte only once.
 class GrowingFileHash {
  public:
   GrowingFileHash();
@@ -23,7 +23,7 @@ class GrowingFileHash {
   GrowingFileHash& operator=(const GrowingFileHash&) = delete;
 
   /// Returns the hash of the first `bytes` bytes, which must not decrease between calls. The file may have been
-  /// renamed. Throws InputError if it is shorter.
+  /// renamed. Throws InputError if the file is shorter than `bytes`.
   std::string up_to(const std::filesystem::path& file, std::uint64_t bytes);
 
  private:

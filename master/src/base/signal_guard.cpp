@@ -8,7 +8,7 @@
 namespace mebots::master {
 namespace {
 
-// A signal handler can access globals only, and of these only lock-free atomics.
+// A signal handler may access only global variables, and only lock-free atomic ones.
 struct Slot {
   std::atomic<std::atomic<bool>*> flag{nullptr};
   std::atomic<int> signal{0};
@@ -37,7 +37,7 @@ void on_signal(int signal) {
 void install() {
   struct sigaction action {};
   action.sa_handler = on_signal;
-  // A second signal has its default effect, which helps if an FMU's call does not return.
+  // A second signal has its default effect, so that it ends the process even if a call to an FMU does not return.
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
   sigemptyset(&action.sa_mask);
   for (std::size_t i = 0; i < kSignals.size(); ++i) {

@@ -17,8 +17,8 @@ namespace mebots::master {
 
 /// While guards exist, the first SIGINT, SIGTERM or SIGHUP sets the flags of all guards; the second signal has its
 /// default effect and ends the process. A signal that the process ignores stays ignored. The destructor of the last
-/// guard restores the earlier handlers, and raises the signal again if a guard requires it. Thread-safe. Flags of more
-/// than kMost guards are not set.
+/// guard restores the earlier handlers, and raises the signal again if a guard requires this. Thread-safe. If more than
+/// kMost guards exist, the flags of the additional guards are not set.
 class SignalGuard {
  public:
   static constexpr int kMost = 256;
@@ -33,7 +33,7 @@ class SignalGuard {
   SignalGuard(const SignalGuard&) = delete;
   SignalGuard& operator=(const SignalGuard&) = delete;
 
-  /// Returns the signal received during this guard's life; 0 if there was none.
+  /// Returns the signal that was received while this guard existed; 0 if there was none.
   int signal() const noexcept;
 
  private:

@@ -39,9 +39,9 @@ int bit_width(WideUnsigned value) {
   return high != 0 ? 64 + std::bit_width(high) : std::bit_width(static_cast<std::uint64_t>(value));
 }
 
-/// Returns true if p / q differs from x = m / 2^shift by at most 1e-15 x.
+/// Returns true if p / q differs from x = m / 2^shift by at most 1e-15 x. `p`, `q` and `m` are whole numbers.
 bool means(std::int64_t p, std::int64_t q, std::int64_t m, int shift) {
-  // |p 2^shift - m q| <= 1e-15 m q. A convergent has p <= x q + 1, so p 2^shift is below 2^102.
+  // |p 2^shift - m q| <= 1e-15 m q. Convergents of x satisfy p <= x q + 1, so p 2^shift is below 2^102.
   const auto product = WideInteger{m} * q;
   const auto difference = magnitude((WideInteger{p} << shift) - product);
   constexpr std::int64_t kPerTolerance = 1'000'000'000'000'000;
@@ -49,8 +49,9 @@ bool means(std::int64_t p, std::int64_t q, std::int64_t m, int shift) {
   return difference < kFits && difference * kPerTolerance <= product;
 }
 
-/// Returns the ratio that a number above 0 and below 2^34 represents. By Legendre's theorem, any ratio so close to the
-/// number is a convergent of its continued fraction. So the first convergent within the tolerance is the result.
+/// Returns the ratio that a number above 0 and below 2^34 represents. By Legendre's theorem, any ratio within the
+/// tolerance is a convergent of the number's continued fraction. Therefore the result is the first convergent within
+/// the tolerance.
 std::optional<ExactTime> ratio_near(double x) {
   int exponent = 0;
   const auto m = static_cast<std::int64_t>(std::ldexp(std::frexp(x, &exponent), 53));
@@ -86,8 +87,8 @@ std::optional<std::int64_t> to_nanoseconds(double seconds) {
   if (!std::isfinite(seconds) || std::abs(seconds) > kLongestTimeS) return std::nullopt;
   const double scaled = seconds * 1e9;
   const double whole = std::round(scaled);
-  // Reading the decimal number and multiplying it by 1e9 each round once. Together, the error is at most two units in
-  // the last place.
+  // The decimal number was rounded to a double, and its product with 1e9 was rounded again. Together, the error is at
+  // most two units in the last place.
   const double rounding = 2 * std::numeric_limits<double>::epsilon() * std::abs(scaled);
   if (std::abs(scaled - whole) > rounding + 1e-9) return std::nullopt;
   return static_cast<std::int64_t>(whole);
@@ -141,7 +142,7 @@ std::int64_t nearest_whole(WideInteger numerator, WideInteger denominator) {
 double nearest_double(WideInteger numerator, std::int64_t denominator) {
   MEBOTS_ASSERT(denominator > 0 && denominator <= std::int64_t{1} << 60);
   const auto size = magnitude(numerator);
-  // The division of two exact doubles rounds once.
+  // Both numbers are exact as doubles, so only their quotient is rounded.
   if (size <= kExactDouble && denominator <= kExactDouble) {
     return static_cast<double>(static_cast<std::int64_t>(numerator)) / static_cast<double>(denominator);
   }

@@ -10,7 +10,7 @@
 
 namespace mebots::master {
 
-/// Simulated time is counted in whole nanoseconds; seconds appear only at the FMI boundary and in files.
+/// Simulated time is counted in whole nanoseconds. It is converted to seconds only for FMUs and in files.
 inline constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 
 /// The longest accepted time [s]: the range of 64 bits of nanoseconds, rounded down.
@@ -19,7 +19,7 @@ inline constexpr double kLongestTimeS = 9.2e9;
 /// The largest denominator of a ratio that a decimal number can represent.
 inline constexpr std::int64_t kLargestDenominator = 1'000'000;
 
-/// Intermediate results of exact arithmetic with times.
+/// The type of intermediate results in exact arithmetic with times.
 __extension__ using WideInteger = __int128;
 
 /// A time [s] as a ratio of whole numbers in lowest terms. Numerator and denominator are at most 9.2e18 and 1e9.
@@ -31,26 +31,27 @@ struct ExactTime {
   bool is_whole_nanoseconds() const { return kNanosecondsPerSecond % denominator == 0; }
 };
 
-/// Returns the nanoseconds that a decimal number of seconds represents. Empty if it is not a whole number of
+/// Returns the nanoseconds that a decimal number of seconds represents. Empty if the time is not a whole number of
 /// nanoseconds, not finite, or longer than kLongestTimeS. Accepts the binary rounding error of a decimal fraction (0.1,
 /// 0.002), but no fraction of a nanosecond.
 std::optional<std::int64_t> to_nanoseconds(double seconds);
 
 /// Returns the exact time that a decimal number of seconds represents: whole nanoseconds as in to_nanoseconds(), else a
 /// ratio. The ratio has a denominator up to kLargestDenominator and differs from the number by at most 1e-15
-/// (relative). Returns empty if there is neither.
+/// (relative). Returns empty if neither exists.
 std::optional<ExactTime> exact_time(double seconds);
 
-/// Reads a ratio of whole numbers such as "1/60" or "-1/3". Empty for any other text, for a denominator above 1e9, and
-/// for a time longer than kLongestTimeS.
+/// Reads a ratio of whole numbers such as "1/60" or "-1/3". Returns empty for any other text, for a denominator above
+/// 1e9, and for a time longer than kLongestTimeS.
 std::optional<ExactTime> read_ratio(std::string_view text);
 
 ExactTime exact_time_of(std::int64_t time_ns);
 
-/// Converts a program's argument, a time [s], to nanoseconds, rounded. If it is neither a whole number of nanoseconds
-/// nor a ratio as in exact_time(), throws InputError. `what` is the name of the time in the error.
+/// Converts a time [s] that a program passed as an argument to nanoseconds. Throws InputError if the time is neither a
+/// whole number of nanoseconds nor a ratio as in exact_time(). A ratio is rounded to nanoseconds. `what` is the name of
+/// the time in the error.
 std::int64_t nanoseconds_of(double seconds, std::string_view what);
-/// Converts like nanoseconds_of(), but for a duration, which must be greater than 0.
+/// Converts a duration as nanoseconds_of() converts a time. The duration must be greater than 0.
 std::int64_t duration_of(double seconds, std::string_view what);
 
 /// Returns the ratio in lowest terms. The result must fit into an ExactTime.
@@ -70,7 +71,7 @@ std::int64_t nearest_whole(WideInteger numerator, WideInteger denominator);
 double to_seconds(std::int64_t time_ns);
 double to_seconds(const ExactTime& time);
 
-/// Returns "0.002", or "1/60" if the time is not a whole number of nanoseconds.
+/// Returns the time in seconds as a text: "0.002", or "1/60" if it is not a whole number of nanoseconds.
 std::string time_text(const ExactTime& time);
 std::string time_text(const WrittenTime& written);
 

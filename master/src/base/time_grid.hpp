@@ -7,16 +7,16 @@
 
 namespace mebots::master {
 
-/// The communication points of a run: t_k = t_0 + k p / q exactly, never a running sum. t_0 is a whole number of
-/// nanoseconds, and p / q is the step. The internal time of a point is t_k rounded to nanoseconds, ties to even. It
-/// identifies the point, because no two points have the same internal time. An FMU receives the doubles nearest to t_k
-/// and to the step.
+/// The communication points of a run: t_k = t_0 + k p / q, computed exactly and never as a running sum. t_0 is a whole
+/// number of nanoseconds, and p / q is the step. The internal time of a point is t_k rounded to nanoseconds, ties to
+/// even. The internal time identifies the point, because no two points have the same one. An FMU receives the doubles
+/// nearest to t_k and to the step.
 class TimeGrid {
  public:
   /// The shortest step that is not a whole number of nanoseconds.
   static constexpr std::int64_t kShortestRatioNs = 10;
 
-  /// Starts at 0 with a step of one nanosecond.
+  /// Creates a grid that starts at 0 and has a step of one nanosecond.
   TimeGrid() = default;
   /// The step must be above 0. A step that is not a whole number of nanoseconds must be at least kShortestRatioNs.
   TimeGrid(std::int64_t start_ns, const ExactTime& step);

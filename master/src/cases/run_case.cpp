@@ -97,7 +97,7 @@ class Results {
   }
 
   const std::vector<std::int64_t>& times_ns() const { return times_ns_; }
-  /// Returns the row of the results for a time: the last point that is not later.
+  /// Returns the row of the results for a time: the last communication point that is not after this time.
   std::size_t row_at(std::int64_t time_ns) const {
     const auto after = std::ranges::upper_bound(times_ns_, time_ns);
     return static_cast<std::size_t>(after - times_ns_.begin()) - 1;
@@ -135,7 +135,7 @@ class Results {
   std::vector<std::vector<std::string>> texts_;  // by point
 };
 
-/// Returns how a value differs from the expected value; empty if it is within the tolerance.
+/// Returns the difference between a value and its expected value; empty if it is within the tolerance.
 std::optional<Divergence> compared(const Expected& column, const Signal::Value& expected, const Results& results,
                                    std::int64_t time_ns, const Tolerance& tolerance) {
   Divergence divergence;
@@ -215,7 +215,8 @@ RunOptions options_of(const CaseDescription& description, const CaseOptions& opt
   return run;
 }
 
-/// Returns the case's stop time, else the first communication point at or after the last expected row.
+/// Returns the stop time of the case. If the case has none, returns the first communication point at or after the last
+/// expected row.
 std::int64_t stop_time_of(const CaseDescription& description, const SystemDescription& system,
                           const SignalTimes& expected) {
   if (description.stop_time_ns) return *description.stop_time_ns;

@@ -11,7 +11,7 @@
 
 namespace mebots::master::cases {
 
-/// A value that differs from the expected one.
+/// A value that differs from its expected value.
 struct Divergence {
   double time_s = 0;
   std::string variable;
@@ -20,7 +20,7 @@ struct Divergence {
   std::optional<double> difference;  ///< for numbers
   double tolerance = 0;
 
-  /// Returns "at 0.5 s y is 3, expected 2 (difference 1, tolerance 2e-06)".
+  /// Returns a text such as "at 0.5 s y is 3, expected 2 (difference 1, tolerance 2e-06)".
   std::string text() const;
 };
 
@@ -45,19 +45,20 @@ struct CaseOptions {
   std::filesystem::path folder = {};  ///< write the results of the case here; empty = nowhere
 };
 
-/// Runs the FMU alone with the inputs of a case and compares its variables with the expected ones at the time of each
+/// Runs the FMU alone with the inputs of a case and compares its variables with the expected values at the time of each
 /// expected row. Between two communication points a continuous Real is interpolated; any other variable has the value
-/// of the earlier point. If two expected rows have the same time, the value must match one of them. Errors of the run
-/// are in the result.
+/// of the earlier point. If two expected rows have the same time, the value must match one of them. If the run fails,
+/// the result contains the error.
 CaseResult run_case(const std::filesystem::path& fmu, const CaseDescription& description,
                     const CaseOptions& options = {});
 
-/// Runs a case of a file: {"verdict": "passed" | "failed" | "error", "text": ...}. `fmu` takes precedence over the FMU
-/// named in the file. Throws InputError if the file or the name does not exist.
+/// Runs the case `name` of a file and returns JSON: {"verdict": "passed" | "failed" | "error", "text": ...}. `fmu`
+/// takes precedence over the FMU named in the file. Throws InputError if the file does not exist or contains no such
+/// case.
 std::string run_case_as_json(const std::filesystem::path& file, const std::string& name,
                              const std::optional<std::filesystem::path>& fmu, bool isolate);
 
-/// Returns the FMU named in a file of cases. Throws InputError if it names none or the FMU does not exist.
+/// Returns the FMU named in a file of cases. Throws InputError if the file names no FMU or the FMU does not exist.
 std::filesystem::path fmu_of(const CaseFile& file);
 
 std::string_view name_of(Verdict verdict);

@@ -12,11 +12,11 @@
 
 namespace mebots::master {
 
-/// Creates the slaves whose Clocks tick, and the groups in which they step, from a resolved system.
+/// Creates those slaves of a resolved system that have ticking clocks, and the groups in which they step.
 class ClockGroups {
  public:
-  /// All arguments must outlive the slaves. Once `*interrupted` is true, a call to another process that does not return
-  /// is ended; null disables this.
+  /// All arguments must outlive the slaves. If `*interrupted` becomes true while a call to an isolated instance does
+  /// not return, its process is ended. If `interrupted` is null, calls cannot be interrupted.
   ClockGroups(const ResolvedSystem& system, MessageSink& messages, const std::atomic<bool>* interrupted);
 
   /// Instantiates an instance whose clocks tick. Must be called in the order of the config.
@@ -25,7 +25,7 @@ class ClockGroups {
   void connect();
 
  private:
-  /// The place of an instance: its group, and its index in the group.
+  /// The group of an instance, and its index in the group.
   struct Place {
     std::size_t group = 0;
     std::size_t member = 0;

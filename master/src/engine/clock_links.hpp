@@ -16,8 +16,8 @@ struct ClockLinks {
   std::vector<ClockedLink> values;
 };
 
-/// Returns the links for connections between clocks, and between clocked variables. `member_of` returns the index in
-/// the group of an instance.
+/// Returns the links for connections between clocks, and between clocked variables. `member_of` returns an instance's
+/// index in the group.
 ClockLinks clock_links(const std::vector<ResolvedConnection>& connections,
                        const std::function<std::size_t(std::size_t instance)>& member_of);
 

@@ -13,7 +13,7 @@
 
 namespace mebots::master {
 
-/// Creates the model exchange slaves, and the groups that advance them, from a resolved system.
+/// Creates the model exchange slaves of a resolved system, and the groups that advance them.
 class ContinuousGroups {
  public:
   /// All arguments must outlive the slaves.
@@ -25,7 +25,7 @@ class ContinuousGroups {
   void connect();
 
  private:
-  /// The place of an instance: its system, and its index in the system.
+  /// The continuous system of an instance, and its index in the system.
   struct Place {
     std::size_t system = 0;
     std::size_t member = 0;

@@ -13,14 +13,14 @@
 namespace mebots::master {
 namespace {
 
-/// Returns 1 / number. For small numbers, a table avoids the division, because divisions are the largest cost of an
-/// integral.
+/// Returns 1 / number. For small numbers, a table replaces the division, because divisions take most of an integral's
+/// time.
 double reciprocal(std::size_t number) {
   constexpr std::array kKnown = {0.0, 1.0, 1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5, 1.0 / 6, 1.0 / 7, 1.0 / 8};
   return number < kKnown.size() ? kKnown[number] : 1 / static_cast<double>(number);
 }
 
-/// Evaluates value + d_1 tau + d_2 tau^2 / 2! + ..., from the highest order down.
+/// Returns the value of the polynomial: value + d_1 tau + d_2 tau^2 / 2! + ... The sum starts at the highest order.
 double at(const InputCourse& course, double tau_s) {
   double sum = 0;
   for (auto order = course.derivatives.size(); order > 0; --order) {
@@ -29,7 +29,7 @@ double at(const InputCourse& course, double tau_s) {
   return *course.value + sum;
 }
 
-/// Integrates input times output over a step: the sum of a_i d_j / j! tau^(i + j + 1) / (i + j + 1).
+/// Returns the integral of input times output over a step. It is the sum of a_i d_j / j! tau^(i + j + 1) / (i + j + 1).
 double product_integral(const InputCourse& input, double scale, double offset, const std::array<double, 3>& output,
                         double length_s) {
   double integral = 0;
@@ -46,9 +46,9 @@ double product_integral(const InputCourse& input, double scale, double offset, c
   return integral;
 }
 
-/// Integrates the product of two outputs over a step.
+/// Returns the integral of the product of two outputs over a step.
 double product_integral(const std::array<double, 3>& one, const std::array<double, 3>& other, double length_s) {
-  // Sums powers of tau, the highest first: c_n = sum over i + j = n of a_i b_j, each times tau^(n + 1) / (n + 1).
+  // The sum starts at the highest power: c_n tau^(n + 1) / (n + 1), where c_n is the sum of a_i b_j over i + j = n.
   double integral = 0;
   for (std::size_t n = one.size() + other.size() - 1; n-- > 0;) {
     double coefficient = 0;
@@ -172,7 +172,8 @@ std::optional<PowerBond::Energy> PowerBond::energy(const Point& point, const Tim
   const double length_s = grid.length_s(*effort_.start_ns(), point.time_ns);
   const auto efforts = effort_.course().coefficients(length_s);
   const auto flows = flow_.course().coefficients(length_s);
-  // The integrals are in the units of the effort's input and of the flow's output. p is the polynomial of an input:
+  // The integrals use the unit of the effort at its input and the unit of the flow at its output. p is the polynomial
+  // of an input:
   //   taken = integral p_e f,  given = integral (c_e e + o_e) (p_f - o_f) / c_f
   auto efforts_as_input = efforts;
   for (auto& coefficient : efforts_as_input) coefficient *= effort_.factor();

@@ -10,8 +10,8 @@
 #include <optional>
 #include <string>
 
-/// The coupling error of one step. Between two communication points an input follows a polynomial p (constant if no
-/// derivatives are known), while the output y of its source changes differently. No FMU can detect the difference.
+/// The coupling error of one step. Between two communication points, an input follows a polynomial p, which is constant
+/// if no derivatives are known. The connected output y has other values. No FMU can detect this difference.
 namespace mebots::master {
 
 /// The course of an output over one step: a parabola through its values at both ends of the step and at the end of the
@@ -23,7 +23,7 @@ struct OutputCourse {
   double first = 0;
   double last = 0;
 
-  /// Returns the coefficients of 1, tau and tau^2 over a step of this length [s].
+  /// Returns the coefficients of 1, tau and tau^2 for a step of length `length_s` [s].
   std::array<double, 3> coefficients(double length_s) const;
 };
 
@@ -32,25 +32,25 @@ class CoupledInput {
  public:
   CoupledInput(Ensemble& ensemble, const ResolvedConnection& connection);
 
-  /// True if the source's output is at this time. False if the source is inside a longer step.
+  /// True if the source's output is known at this time. False if this time is inside a longer step of the source.
   bool is_reached(std::int64_t time_ns) const { return ensemble_->outputs_time_ns(output_.instance) == time_ns; }
   /// Returns the source's output in the input's unit.
   double value() const { return factor_ * ensemble_->real(output_) + offset_; }
   const InputCourse& input() const { return input_; }
-  /// Returns the input's value at this time, in the reader's last step.
+  /// Returns the input's value at a time within the last step of the instance that reads it.
   double input_at(std::int64_t time_ns, const TimeGrid& grid) const;
   double factor() const { return factor_; }
   double offset() const { return offset_; }
-  /// Returns the order of the error: the power of the step with which the deviation decreases.
+  /// Returns the order of the deviation: the power of the step length to which it is proportional.
   int order() const { return 1 + static_cast<int>(input_.derivatives.size()); }
 
-  /// Called when a step of the source starts: stores its present output.
+  /// Called when a step of the source starts. Stores the source's present output.
   void advance(std::int64_t time_ns, const TimeGrid& grid);
   std::optional<std::int64_t> start_ns() const { return start_ns_; }
-  /// Returns the output itself, from the start of the source's step to the present.
+  /// Returns the course of the output from the start of the source's step to the present time.
   OutputCourse course() const;
-  /// Integrates the input's distance from `value()` over the source's step that ends at this time, by Simpson's rule.
-  /// Within the step, the output follows its parabola.
+  /// Integrates the absolute difference between the input and the output by Simpson's rule, over the source's step that
+  /// ends at this time. Within the step, the output follows its parabola.
   double deviation_integral(std::int64_t time_ns, const TimeGrid& grid) const;
 
   void visit(state::Visitor& v);
@@ -67,9 +67,10 @@ class CoupledInput {
   double before_length_s_ = 0;            // of that step
 };
 
-/// Two connections whose product is a power. With the effort e from A to B and the flow f from B to A, B receives e_in
-/// f and A delivers e f_in. The coupling therefore creates the integral of e_in f - e f_in; a negative value is a loss
-/// (Sadjina, Kyllingstad, Skjong, Pedersen 2017, "Energy conservation and power bonds in co-simulations").
+/// Two connections whose product is a power. The effort e is connected from A to B, the flow f from B to A. B receives
+/// the power e_in f, and A delivers the power e f_in. Therefore the coupling creates the integral of e_in f - e f_in. A
+/// negative value is a loss (Sadjina, Kyllingstad, Skjong, Pedersen 2017, "Energy conservation and power bonds in
+/// co-simulations").
 class PowerBond {
  public:
   /// Throws InputError if the bond does not name two connected Real inputs of two instances with the same step, one

@@ -27,7 +27,7 @@ namespace {
 using modeldesc::Type;
 using modeldesc::Variable;
 
-/// Before t = 0, an error of a slave is reported as an error of its inputs: files, parameters or start values.
+/// Before t = 0, an error of a slave is reported as an error of the user's inputs: files, parameters or start values.
 template <typename Work>
 auto as_input(Work work) {
   try {
@@ -39,7 +39,8 @@ auto as_input(Work work) {
   }
 }
 
-/// Raises the limit of open files for the isolated instances, before an FMU or a process starts.
+/// Raises the limit of open files for the isolated instances. Called before any FMU is instantiated or any process
+/// starts.
 void reserve_descriptors(const ResolvedSystem& system) {
   const auto count =
       std::ranges::count_if(system.instances, [](const auto& instance) { return instance.isolation.alone(); });
@@ -139,7 +140,7 @@ Ensemble::Ensemble(const ResolvedSystem& system, MessageSink& messages, const Sl
   order_steps();
 }
 
-/// Calls action(list) for every list of inputs that connections fill.
+/// Calls `action` with every list of inputs that connections set.
 template <typename Action>
 void Ensemble::for_each_input_list(Member& member, Action action) {
   const auto bank_lists = [&](auto& bank) {
@@ -162,8 +163,8 @@ void Ensemble::for_each_input_list(Member& member, Action action) {
   action(member.range_checks);
 }
 
-/// After initialisation, continuous systems evaluate the connections between their members. These connections were
-/// added last.
+/// After initialisation, continuous systems evaluate the connections between their members. These connections are at
+/// the end of the lists.
 void Ensemble::drop_inner_connections() {
   for (auto& member : members_) {
     auto size = member.outer_sizes.begin();
@@ -277,7 +278,7 @@ void Ensemble::connect(const ResolvedConnection& connection) {
 void Ensemble::connect_real(const ResolvedConnection& connection, SignalId from, std::size_t to) {
   auto& target = members_[connection.to.instance];
   if (connection.sum) {
-    // The connections of a sum are consecutive. The input is held within a step, because a sum gets no derivatives.
+    // The connections of a sum are consecutive. Derivatives are not summed, so the input is constant within a step.
     const bool add = !target.conversions.empty() && target.conversions.back().to == to;
     target.conversions.push_back({from, to, connection.factor, connection.offset, add});
     return;
@@ -355,7 +356,8 @@ void Ensemble::link_derivatives(const ResolvedConnection& connection, SignalId f
 }
 
 void Ensemble::order_steps() {
-  // A reader steps before the owner of its buffer; otherwise the order of the config applies.
+  // An instance that reads a buffer steps before the owner of this buffer. All other instances step in the order of the
+  // config.
   std::vector<std::set<std::size_t>> owners(members_.size());
   std::vector<std::size_t> readers_left(members_.size(), 0);
   for (const auto& connection : system_->connections) {
@@ -370,8 +372,8 @@ void Ensemble::order_steps() {
     if (readers_left[i] == 0) free.insert(free.end(), i);
   }
   while (!left.empty()) {
-    // If the readers and owners of buffers form a ring, no instance is free, and any order is allowed: the owners keep
-    // two buffers, as OSMP requires.
+    // If the readers and owners of buffers form a ring, every instance waits for another. In this case any order is
+    // allowed, because the owners keep two buffers, as OSMP requires.
     const auto next = free.empty() ? *left.begin() : *free.begin();
     free.erase(next);
     left.erase(next);
@@ -528,8 +530,8 @@ void Ensemble::read_outputs(std::size_t instance, std::int64_t time_ns) {
     member.slave->get_binaries(outputs.binaries.references, outputs.binaries.values);
 }
 
-/// FMI requires UTF-8. If a text is not UTF-8, sends one notice per instance. Connected inputs receive the bytes, but
-/// the results do not contain them.
+/// FMI requires UTF-8. If a text is not UTF-8, sends one notice per instance. Connected inputs receive the bytes
+/// unchanged, but the results do not contain invalid bytes.
 void Ensemble::check_texts(Member& member, std::int64_t time_ns) {
   if (member.reported_texts) return;
   const auto& bank = member.outputs.strings;
@@ -629,7 +631,8 @@ namespace {
 
 constexpr double kLargestFloat = std::numeric_limits<float>::max();
 
-/// Returns the nearest value of a type of whole numbers. `is_unsigned` is true if the 64 bits are those of a UInt64.
+/// Returns the value of a whole-number type that is nearest to `value`. If `is_unsigned` is true, `value` contains the
+/// 64 bits of a UInt64.
 std::int64_t nearest_in(Type type, std::int64_t value, bool is_unsigned) {
   const auto [low, high] = fmi::limits_of(type);
   if (is_unsigned || value >= 0) return static_cast<std::int64_t>(std::min(static_cast<std::uint64_t>(value), high));
@@ -673,7 +676,7 @@ void Ensemble::check_ranges(const Member& member, std::int64_t time_ns) const {
   }
 }
 
-/// Returns the source's slope over its last step.
+/// Returns the slope of the source's output over the source's last step.
 double Ensemble::line_slope(const DerivativeLink& link) const {
   const auto& source = members_[link.from.instance];
   const double length_s = grid_.length_s(source.earlier_time_ns, source.outputs_time_ns);
@@ -698,8 +701,8 @@ void Ensemble::read_derivatives(Member& member, std::int64_t time_ns) const {
   member.slave->get_output_derivatives(derivatives.references, derivatives.orders, derivatives.values);
 }
 
-/// Finds derivatives of the input, of orders 1 and up. An unknown derivative is 0, so the value is held. Returns false
-/// if none are known yet.
+/// Finds derivatives of the input, of orders 1 and up. An unknown derivative is set to 0, so the value is constant.
+/// Returns false if no derivative is known yet.
 bool Ensemble::find_derivatives(DerivativeLink& link, std::int64_t time_ns, std::span<double> values) {
   MEBOTS_ASSERT(values.size() == link.orders && link.orders > 0, "link_derivatives() makes no empty ones");
   const auto& source = members_[link.from.instance];
@@ -716,7 +719,7 @@ bool Ensemble::find_derivatives(DerivativeLink& link, std::int64_t time_ns, std:
   return true;
 }
 
-/// Some tools' FMUs return NaN for derivatives.
+/// If a derivative is not finite, sets it and all higher derivatives to 0, because FMUs of some tools return NaN.
 void Ensemble::hold_from_bad(DerivativeLink& link, std::int64_t time_ns, std::span<double> values) {
   const auto bad = std::ranges::find_if(values, [](double value) { return !std::isfinite(value); });
   if (bad == values.end()) return;
@@ -749,7 +752,7 @@ std::vector<Banks> Ensemble::outputs() const {
 }
 
 void Ensemble::bring_back(const std::vector<Banks>& outputs) {
-  // Restores values only, because observers store their addresses.
+  // Restores only values and no lists, because observers store the addresses of the values.
   for (std::size_t i = 0; i < members_.size(); ++i) {
     MEBOTS_ASSERT(outputs.size() == members_.size(), "they come from outputs()");
     auto& now = members_[i].outputs;

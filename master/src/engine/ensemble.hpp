@@ -26,7 +26,7 @@ struct Bank {
   std::vector<T> values;
   std::unordered_map<const modeldesc::Variable*, std::size_t> slots;
 
-  /// Returns the slot of a variable; adds one if necessary.
+  /// Returns the index of a variable in the bank. Adds the variable if necessary.
   std::size_t slot(const modeldesc::Variable& variable);
 };
 
@@ -39,7 +39,7 @@ struct Banks {
   Bank<std::string> binaries;
 };
 
-/// The place of the last known value of an output.
+/// Identifies the last known value of an output.
 struct SignalId {
   std::size_t instance = 0;
   ValueKind kind = ValueKind::real;
@@ -47,16 +47,16 @@ struct SignalId {
 };
 
 /// The value of a connected Real input within a step of its slave: a polynomial in the time since the step's start. The
-/// addresses are valid during the life of the ensemble.
+/// pointers are valid as long as the ensemble exists.
 struct InputCourse {
   const std::int64_t* start_ns = nullptr;
   const double* value = nullptr;
   std::span<const double> derivatives;  ///< of orders 1 and up; empty if the input is held
 };
 
-/// The slaves and the values that are transferred between them. At a communication point, each slave has one read and
-/// one write for each type. The arrays for these calls are laid out before the first step, and do not depend on the
-/// order of steps.
+/// The slaves and the values that are transferred between them. At a communication point, the master reads and writes
+/// each slave with one call per type. The arrays for these calls are created before the first step, and do not depend
+/// on the order of steps.
 class Ensemble {
  public:
   /// Creates the slaves in the order of the config. `system` and `messages` must outlive the ensemble.
@@ -78,13 +78,14 @@ class Ensemble {
   Slave& slave(std::size_t instance) { return *members_[instance].slave; }
   const std::string& name(std::size_t instance) const { return members_[instance].slave->name(); }
 
-  /// Reads a slave's watched and connected outputs. Throws Error for NaN or infinity in one of them. `time_ns` is their
-  /// time.
+  /// Reads a slave's watched and connected outputs. Throws Error if an output is NaN or infinite. `time_ns` is the time
+  /// of the outputs.
   void read_outputs(std::size_t instance, std::int64_t time_ns);
   /// Sets a slave's connected inputs to the values last read from their sources. `time_ns` is the start of the slave's
   /// step. If the slave accepts time derivatives of inputs and a source provides them, also sets derivatives. If a
-  /// source is already at a later time, uses the line between its last two values. Throws NotFiniteError if a
-  /// conversion overflows. Throws Error if an Integer is not an item of the Enumeration to which it is connected.
+  /// source is already at a later time, the input follows the line between the source's last two values. Throws
+  /// NotFiniteError if a conversion overflows. Throws Error if an Integer is not an item of the Enumeration to which it
+  /// is connected.
   void write_inputs(std::size_t instance, std::int64_t time_ns);
 
   /// These functions return the last read value of a signal. The references are valid from initialize() until the
@@ -100,12 +101,12 @@ class Ensemble {
     return (id.kind == ValueKind::binary ? outputs.binaries : outputs.strings).values[id.slot];
   }
 
-  /// Returns the time of the slave's `outputs`.
+  /// Returns the time of the last read outputs of a slave.
   const std::int64_t& outputs_time_ns(std::size_t instance) const { return members_[instance].outputs_time_ns; }
-  /// Returns the polynomial of a connected Real input in the last step.
+  /// Returns the polynomial that a connected Real input followed in the last step.
   InputCourse course_of(const ResolvedVariable& input) const;
 
-  /// Returns all last read outputs, for bring_back() if a step is not completed.
+  /// Returns all last read outputs. If a step is not completed, bring_back() restores them.
   std::vector<Banks> outputs() const;
   void bring_back(const std::vector<Banks>& outputs);
 
@@ -116,7 +117,7 @@ class Ensemble {
   void visit(state::Visitor& v);
 
  private:
-  /// Copies a value from an output's bank to an input's. Addresses are valid from initialize() on.
+  /// Copies a value from an output's bank to an input's bank. The pointers are valid from initialize() on.
   template <typename T>
   struct Copy {
     SignalId signal;
@@ -125,7 +126,8 @@ class Ensemble {
     T* to = nullptr;
   };
 
-  /// A Real input with factor and offset: it is set to factor * value + offset, or this value is added to it.
+  /// Converts an output to a Real input. The input is set to factor * value + offset, or this term is added to the
+  /// input.
   struct Conversion {
     SignalId from;
     std::size_t to;
@@ -141,33 +143,35 @@ class Ensemble {
     const std::vector<ValuePair>* map;
   };
 
-  /// A Binary input that receives the bytes of an OSMP binary.
+  /// A connection from an OSMP binary to a Binary input.
   struct BytesOfTriple {
     std::array<SignalId, 3> parts;
     std::size_t slot;
   };
 
-  /// The three Integer inputs of an OSMP binary that receive a Binary. `bytes` are valid until the next step.
+  /// A connection from a Binary to the three Integer inputs of an OSMP binary. `bytes` are valid until the next step.
   struct TripleOfBytes {
     SignalId binary;
     std::array<std::size_t, 3> slots;
     std::string bytes = {};
   };
 
-  /// Time derivatives of several variables. Those of one variable are adjacent, of orders 1 and up.
+  /// Time derivatives of several variables. The derivatives of one variable are adjacent and have the orders 1, 2 and
+  /// so on.
   struct Derivatives {
     std::vector<ValueReference> references;
     std::vector<std::int32_t> orders;
     std::vector<double> values;
     std::unordered_map<ValueReference, std::size_t> firsts;  // the place of order 1
 
-    /// Returns the index of a variable's first derivative. Adds derivatives up to order `most` if there are none.
+    /// Returns the index of a variable's first derivative. If the variable has no derivatives yet, adds those up to
+    /// order `most`.
     std::size_t place(ValueReference reference, std::uint32_t most);
-    /// Returns a variable's derivatives; empty if there are none.
+    /// Returns a variable's derivatives; empty if the variable has none.
     std::span<const double> of(ValueReference reference) const;
   };
 
-  /// Time derivatives transferred from an output to an input, of orders 1 to `orders`.
+  /// A connection over which time derivatives of orders 1 to `orders` are transferred.
   struct DerivativeLink {
     const ResolvedConnection* connection;
     SignalId from;
@@ -193,9 +197,9 @@ class Ensemble {
 
   struct Member {
     std::unique_ptr<Slave> slave;
-    // Summaries: which banks are not empty, and whether inputs are only copies of Reals. A check of these members
-    // replaces a check of each list. This is faster at every point, because a cache does not hold the lists of all
-    // instances.
+    // Summaries that show which banks are not empty, and whether all inputs are unchanged copies of Reals. One check of
+    // these members replaces a check of each list. This is faster at every communication point, because the cache
+    // cannot contain the lists of all instances.
     KindSet output_kinds = 0;
     KindSet input_kinds = 0;
     bool takes_reals_as_they_are = false;
@@ -268,16 +272,16 @@ class Ensemble {
   std::vector<std::size_t> step_order_;
 };
 
-/// Returns inputs of connections that cut all loops: if these inputs are held fixed, connections and direct
-/// dependencies of initial values contain no loop. Each loop contains at least one of the returned inputs.
+/// Returns connected inputs such that each loop of connections and direct dependencies at initialisation contains at
+/// least one of them. If these inputs are constant, no loop remains.
 std::vector<ResolvedVariable> torn_inputs(const ResolvedSystem& system);
 
-/// Returns a loop among connections and direct dependencies of initial values, as "a.y -> b.u -> b.y -> a.u -> a.y";
+/// Returns a loop of connections and direct dependencies at initialisation, such as "a.y -> b.u -> b.y -> a.u -> a.y";
 /// empty if there is none.
 std::string initial_loop(const ResolvedSystem& system);
 
-/// Instantiates the slaves of a system in the order of the config, each in the process and with the wrappers that the
-/// config requests. Throws SlaveError if an instantiation fails.
+/// Instantiates the slaves of a system in the order of the config, each in the process, and wrapped in the slave
+/// classes, that the config requires. Throws SlaveError if an instantiation fails.
 std::vector<std::unique_ptr<Slave>> make_slaves(const ResolvedSystem& system, MessageSink& messages,
                                                 const SlaveOptions& options);
 

@@ -38,7 +38,7 @@ class Dependencies {
     }
   }
 
-  /// Returns the variables on which `output` depends; null if it may depend on every input.
+  /// Returns the variables on which `output` depends; null if `output` may depend on every input.
   const std::vector<std::size_t>* of(const Variable& output) const {
     const auto found = listed_.find(static_cast<std::size_t>(&output - variables_));
     return found == listed_.end() || !*found->second ? nullptr : &**found->second;
@@ -50,7 +50,7 @@ class Dependencies {
   std::unordered_map<std::size_t, const std::optional<std::vector<std::size_t>>*> listed_;
 };
 
-/// Nodes by number, in the order of instances and variables.
+/// Nodes by number. They are sorted by instance and variable.
 struct Graph {
   std::vector<Node> nodes;
   std::vector<std::vector<std::size_t>> followers;       // listed ones, in ascending order for an input
@@ -98,19 +98,19 @@ struct Graph {
   }
 };
 
-/// The outputs of one instance that depend on all of its inputs, during a search.
+/// The outputs of one instance that depend on all its inputs. Records which of them a search has visited.
 class SharedFollowers {
  public:
   explicit SharedFollowers(const std::vector<std::size_t>& outputs) : outputs_(&outputs), next_(outputs.size() + 1) {
     std::iota(next_.begin(), next_.end(), std::size_t{0});
   }
 
-  /// Returns the first unvisited output at or after node `from`; kNone if there is none.
+  /// Returns the first unvisited output whose node number is at least `from`; kNone if there is none.
   std::size_t unseen(std::size_t from) {
     const auto place = skip(place_of(from));
     return place == outputs_->size() ? kNone : (*outputs_)[place];
   }
-  /// Returns the first output at or after node `from` that is on the path; kNone if there is none.
+  /// Returns the first output on the path whose node number is at least `from`; kNone if there is none.
   std::size_t open(std::size_t from) const {
     const auto found = open_.lower_bound(from);
     return found == open_.end() ? kNone : *found;
@@ -127,7 +127,7 @@ class SharedFollowers {
   std::size_t place_of(std::size_t node) const {
     return static_cast<std::size_t>(std::ranges::lower_bound(*outputs_, node) - outputs_->begin());
   }
-  /// Returns the first unvisited place at or after `place`. Shortens the chain for the next call.
+  /// Returns the first unvisited index at or after `place`. Shortens the chain of links for the next call.
   std::size_t skip(std::size_t place) {
     auto end = place;
     while (next_[end] != end) end = next_[end];
@@ -147,9 +147,8 @@ class Search {
     for (const auto& outputs : graph.outputs_of_all) shared_.emplace_back(outputs);
   }
 
-  /// Calls back(from, to) for edges that close a loop: for each such edge that starts at an output, and for the first
-  /// one that starts at an input. During such a call, path() is the path from `to` to `from`. Stops if `back` returns
-  /// false.
+  /// Calls back(from, to) for edges that close a loop. If such an edge starts at an input, only the first edge from
+  /// this input counts. During a call, path() is the path from `to` to `from`. Stops if `back` returns false.
   template <typename Back>
   void run(Back back) {
     for (std::size_t start = 0; start < graph_.nodes.size(); ++start) {
@@ -201,7 +200,8 @@ class Search {
     path_.pop_back();
   }
 
-  /// Returns the next follower of the path's last node, in ascending order for an input; kNone after the last follower.
+  /// Returns the next follower of the path's last node; kNone after the last follower. The followers of an input are in
+  /// ascending order.
   std::size_t next() {
     auto& visit = path_.back();
     const auto& listed = graph_.followers[visit.node];

@@ -15,23 +15,23 @@
 namespace mebots::master {
 namespace {
 
-/// The number of sweeps, in addition to the longest chain of connections, after which Newton's method is used for a
-/// loop.
+/// The number of sweeps after which Newton's method is used for a loop. The length of the longest chain of connections
+/// is added to it.
 constexpr int kLoopSweeps = 200;
 constexpr int kNewtonSteps = 50;
 constexpr int kHalvings = 12;
-/// A value has converged if its relative change is less than this. If a value is near zero, its change is compared with
-/// kSmall.
+/// A value has converged if its relative change is less than kStill. For values near zero, the change is compared with
+/// kStill * kSmall.
 constexpr double kStill = 1e-12;
 constexpr double kSmall = 1e-9;
-/// If a loop's values exceed this, Newton's method replaces the sweeps before numbers overflow.
+/// If the values in a loop exceed this magnitude, Newton's method replaces the sweeps before numbers overflow.
 constexpr double kApart = 1e30;
 
 bool close(double a, double b) {
   return a == b || std::abs(a - b) <= kStill * std::max({std::abs(a), std::abs(b), kSmall});
 }
 
-/// Values of one instance's outputs.
+/// The values of the outputs of one instance.
 struct OutputValues {
   explicit OutputValues(const Banks& banks)
       : reals(banks.reals.values),
@@ -119,7 +119,7 @@ bool InitialValues::sweep(int sweeps, bool hold_cuts) {
     Change change;
     for (const auto k : changed) read(k, change);
     if (i == 0 && held_.empty() && !cuts_.empty()) {
-      // Newton's method starts at the values that the cut inputs receive from start values alone.
+      // Newton's method starts at the values that the cut inputs receive if only start values are set.
       for (const auto k : all) ensemble_.collect_inputs(k);
       held_ = cut_values();
     }
@@ -134,8 +134,8 @@ bool InitialValues::sweep(int sweeps, bool hold_cuts) {
   return false;
 }
 
-/// Reads the instance's outputs, and compares those that are connected to an input. Other outputs may change at each
-/// call, such as the FMU's own clock.
+/// Reads the instance's outputs. Detects changes only of connected outputs, because other outputs, such as a clock in
+/// the FMU, may change at each call.
 void InitialValues::read(std::size_t instance, Change& change) {
   const auto& outputs = ensemble_.members_[instance].outputs;
   const OutputValues before(outputs);
@@ -163,7 +163,7 @@ void InitialValues::write(std::size_t instance, bool hold_cuts) {
   ensemble_.hand_inputs(instance);
 }
 
-/// Returns true if a value is far from any solution but still finite.
+/// Returns true if a value at a cut is still finite, but so large that it is far from any solution.
 bool InitialValues::driven_apart() const {
   return std::ranges::any_of(cut_values(), [](double value) { return std::abs(value) > kApart; });
 }
@@ -174,13 +174,13 @@ std::vector<double> InitialValues::cut_values() const {
   return values;
 }
 
-/// Returns G(x) - x, where x are the values at the cuts. Returns empty if a value is NaN or infinite, or if the values
-/// that depend on x do not converge.
+/// Returns G(x) - x, where x are the values of the cut inputs. Returns empty if a value is NaN or infinite, or if the
+/// values that depend on x do not converge.
 std::optional<std::vector<double>> InitialValues::residual(const std::vector<double>& x) {
   held_ = x;
   try {
-    // Each sweep that changes a value passes it along one more connection, so the number of connections limits the
-    // number of sweeps.
+    // After each sweep, a changed value has passed at least one more connection. Therefore the number of connections
+    // limits the number of sweeps.
     if (!sweep(static_cast<int>(ensemble_.system_->connections.size()) + 2, true)) return std::nullopt;
     for (std::size_t k = 0; k < ensemble_.size(); ++k) ensemble_.collect_inputs(k);
   } catch (const NotFiniteError&) {
@@ -224,7 +224,7 @@ bool InitialValues::newton() {
     const Eigen::FullPivLU<Eigen::MatrixXd> lu(jacobian);
     if (!lu.isInvertible()) return false;
     const Eigen::VectorXd direction = lu.solve(-Eigen::Map<const Eigen::VectorXd>(r->data(), n));
-    // The step is halved as long as it increases the residual.
+    // The step of Newton's method is halved while it increases the residual.
     double length = 1;
     bool better = false;
     for (int halving = 0; halving < kHalvings && !better; ++halving, length /= 2) {

@@ -11,13 +11,14 @@ namespace mebots::master {
 /// Propagates values along the connections in initialisation mode until they no longer change. Each sweep reads the
 /// outputs of the instances whose inputs the previous sweep changed, and then sets the connected inputs. Without a
 /// loop, the number of sweeps is the length of the longest chain. A loop of Reals x = G(x) that does not converge is
-/// solved by Newton's method with finite differences. The loop is cut at as few inputs as a depth-first search finds
-/// (the tearing method of equation-based tools); all other values follow from the values there.
+/// solved by Newton's method with finite differences. The loop is cut at a few inputs, which a depth-first search finds
+/// (tearing, as in equation-based tools). All other values follow from the values of the cut inputs.
 class InitialValues {
  public:
   explicit InitialValues(Ensemble& ensemble);
 
-  /// Throws Error with the loop's path if the values do not converge, NotFiniteError for NaN or infinity.
+  /// Propagates the values. Throws Error with the loop's path if the values do not converge. Throws NotFiniteError if a
+  /// value is NaN or infinite.
   void settle();
 
  private:
@@ -27,7 +28,7 @@ class InitialValues {
     std::size_t slot;  // among its Real inputs
   };
 
-  /// A connection from the perspective of its source instance.
+  /// A connection, as seen from the instance of its output.
   struct Link {
     ValueKind kind;
     std::size_t slot;  // index among the source instance's outputs of this kind

@@ -25,8 +25,9 @@ class MessageSink {
   virtual void message(const Message& message) = 0;
 };
 
-/// Passes each message to all listeners, one at a time, from any thread. Messages arrive during calls to FMUs, and no
-/// exception may pass through foreign code: an exception of a listener is kept until rethrow().
+/// Passes each message to all listeners, one at a time. May be called from any thread. Messages arrive during calls to
+/// FMUs, and an exception must not pass through the FMU's code. Therefore an exception of a listener is stored until
+/// rethrow().
 class MessageHub final : public MessageSink {
  public:
   using Listener = std::function<void(const Message&)>;
@@ -46,7 +47,8 @@ class MessageHub final : public MessageSink {
     }
   }
 
-  /// Throws the exception of a listener since the last call. The stepping thread calls it between two calls to FMUs.
+  /// If a listener has thrown an exception since the last call, throws this exception. The stepping thread calls
+  /// rethrow() between two calls to FMUs.
   void rethrow() {
     if (!failed_.load(std::memory_order_relaxed)) return;
     const std::lock_guard lock(mutex_);
@@ -90,14 +92,14 @@ class OrderedMessages final : public MessageSink {
   std::vector<Kept> kept_;
 };
 
-/// Limits the bytes of messages in one call to an FMU, and counts the dropped ones. Not thread-safe.
+/// Limits the bytes of messages in one call to an FMU, and counts the messages that are dropped. Not thread-safe.
 class MessageLimit {
  public:
   static constexpr std::size_t kMostBytes = std::size_t{32} << 20;
 
   explicit MessageLimit(std::size_t most_bytes = kMostBytes) : most_bytes_(most_bytes) {}
 
-  /// Returns true if a message of this length is still accepted; else counts it as dropped.
+  /// Returns true if a message of this length is accepted. Otherwise counts the message as dropped.
   bool take(std::size_t text_bytes) {
     constexpr std::size_t kFrameBytes = 64;
     if (bytes_ + text_bytes + kFrameBytes > most_bytes_) {

@@ -8,11 +8,12 @@
 
 namespace mebots::master {
 
-/// Returns the text of a message for the terminal and log.txt: "[   12.345 s] battery: warning: low voltage". Messages
-/// of the run itself have no instance: "notice: ...". Further lines are those of indented_lines().
+/// Returns the text of a message for the terminal and log.txt, such as "[ 12.345 s] battery: warning: low voltage".
+/// Messages of the run itself have no instance: "notice: ...". If the message has several lines, they are formatted by
+/// indented_lines().
 std::string message_text(const Message& message);
 
-/// Returns text such as "[   12.345 s]".
+/// Returns a text such as "[   12.345 s]".
 std::string time_stamp(std::int64_t time_ns);
 
 /// True if the text is well-formed UTF-8 (RFC 3629).

@@ -14,7 +14,7 @@ enum class FmuKind : std::uint8_t {
   model_exchange,  ///< a solver of the master integrates it
 };
 
-/// Returns the word of the config and of the element in modelDescription.xml.
+/// Returns the name of a kind in a config and in modelDescription.xml.
 constexpr std::string_view word_of(FmuKind kind) {
   return kind == FmuKind::co_simulation ? "co_simulation" : "model_exchange";
 }

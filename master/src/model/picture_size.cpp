@@ -11,7 +11,8 @@ namespace {
 
 constexpr std::string_view kFrame = "frame";
 
-/// Returns the start value of a parameter next to the frame: for `x.frame` and "width" that is `x.width`.
+/// Returns the start value of a parameter that belongs to the frame. For the frame `x.frame` and the name "width", the
+/// parameter is `x.width`.
 std::optional<PictureSide> side(const ResolvedSystem& system, const VariableName& frame, std::string_view name) {
   const auto index = system.description->index_of(frame.instance);
   if (!index || !frame.variable.ends_with(kFrame)) return std::nullopt;

@@ -9,15 +9,15 @@
 
 namespace mebots::master {
 
-/// The size of the pictures in an OSMP binary, as an FMU declares it; the bytes alone do not define rows. Integer
-/// parameters next to `x.frame` contain it: `x.width` and `x.height` at the source, `x.frame_width` and
+/// The width or height of the pictures in an OSMP binary. The bytes of a picture do not contain its size. Therefore
+/// Integer parameters next to `x.frame` declare it: `x.width` and `x.height` at the source, `x.frame_width` and
 /// `x.frame_height` at the reader.
 struct PictureSide {
   std::string parameter;  // `soc.camera.frame_width`
   std::int32_t pixels = 0;
 };
 
-/// Returns the width of the pictures in `frame`; empty if the FMU does not declare it.
+/// Returns the width of the pictures in `frame`; empty if the FMU does not declare the width.
 std::optional<PictureSide> picture_width(const ResolvedSystem& system, const VariableName& frame);
 
 /// Throws InputError if both ends of a connection declare a picture size, and these sizes differ. 0 means any size.

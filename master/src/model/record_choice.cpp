@@ -19,11 +19,11 @@ using modeldesc::Type;
 using modeldesc::Variability;
 using modeldesc::Variable;
 
-/// A set of patterns that records which of its patterns matched.
+/// A set of patterns. Records which of the patterns matched a name.
 ///
 /// The literal beginning of a pattern is its text before the first * or ?. A name is compared only with patterns whose
-/// literal beginning is a beginning of the name. So with a long list of patterns such as "cell.branch[7].*", a name
-/// costs one look-up for each length of a literal beginning.
+/// literal beginning is also the beginning of the name. Therefore even in a long list of patterns such as
+/// "cell.branch[7].*", a name needs only one look-up for each length of a literal beginning.
 class Patterns {
  public:
   explicit Patterns(const std::vector<RecordPattern>& patterns) : patterns_(&patterns), used_(patterns.size(), false) {
@@ -36,7 +36,7 @@ class Patterns {
 
   enum class Fit { none, pattern, outright };
 
-  /// Returns `outright` if a pattern equals the name, `pattern` if the name only matches a pattern.
+  /// Returns `outright` if a pattern equals the name. Otherwise returns `pattern` if a pattern matches the name.
   Fit fit(std::string_view name) const {
     auto best = Fit::none;
     for_each_fitting(name, [&](std::size_t i) {
@@ -52,7 +52,7 @@ class Patterns {
   void use(std::string_view name) {
     for_each_fitting(name, [&](std::size_t i) { used_[i] = true; });
   }
-  /// Throws InputError for a pattern that was never used, with suggestions from `names`.
+  /// If a pattern was never used, throws InputError with suggestions from `names`.
   void check(const std::string& what, const std::vector<std::string>& names) const {
     for (std::size_t i = 0; i < used_.size(); ++i) {
       if (used_[i]) continue;
@@ -62,7 +62,7 @@ class Patterns {
     }
   }
 
-  /// Throws InputError if a pattern is this name.
+  /// Throws InputError if one of the patterns equals `name`.
   void refuse(const std::string& name, std::string_view why) const {
     for (const auto& [pattern, place] : *patterns_) {
       if (pattern == name) throw InputError(ErrorCode::wrong_type, fmt::format("{}: '{}' {}", place, name, why));
@@ -149,8 +149,8 @@ std::vector<ResolvedVariable> recorded_variables(const ResolvedSystem& system) {
     if (is_clocked(variable) && !system.instances[candidate.instance].clocks_tick) return;
     const bool output = shown && (is_number(variable.type) || (variable.type == Type::string && record.texts));
     const auto fit = wanted.fit(name);
-    // A pattern without a star may name any variable. A pattern with a star selects outputs: texts only if the config
-    // requests them, and no binaries. Reading a text may be expensive in the FMU.
+    // A pattern without a star selects any variable with this name. A pattern with a star selects outputs, but no
+    // binaries. It selects texts only if the config requests them, because reading a text may be expensive in the FMU.
     const bool by_pattern = record.patterns ? fit == Patterns::Fit::pattern : true;
     if (output || variable.causality == Causality::output) names.push_back(name);
     if (fit != Patterns::Fit::outright && !(output && by_pattern)) return;

@@ -23,7 +23,7 @@ namespace mebots::master {
 
 class Fmu;
 
-/// A variable of an instance. Points into the instance's description, which the system keeps alive.
+/// A variable of an instance. Points into the description of the instance's FMU, which exists as long as the system.
 struct ResolvedVariable {
   std::size_t instance = 0;
   const modeldesc::Variable* variable = nullptr;
@@ -32,13 +32,14 @@ struct ResolvedVariable {
   auto operator<=>(const ResolvedVariable&) const = default;
 };
 
-/// A scalar to set before initialisation.
+/// The start value of a scalar, to be set before initialisation.
 struct StartValue {
   const modeldesc::Variable* variable = nullptr;
   modeldesc::Value value;
 };
 
-/// Maps a value of an Integer, Enumeration (by number) or Boolean (0, 1) to the value of the input.
+/// An entry of a map: the value `from` of the output becomes the value `to` of the input. The values are Integers,
+/// numbers of Enumeration items, or Booleans (0 and 1).
 struct ValuePair {
   std::int64_t from = 0;
   std::int64_t to = 0;
@@ -46,9 +47,9 @@ struct ValuePair {
   bool operator==(const ValuePair&) const = default;
 };
 
-/// A scalar connection. A connection of OSMP binaries becomes three scalar connections, and so does a connection from a
-/// Binary to an OSMP binary. The input is factor * value + offset, which includes the conversion of units. Only Reals
-/// have factors other than 1 or offsets other than 0.
+/// A scalar connection. A connection between OSMP binaries, or between a Binary and an OSMP binary, becomes three
+/// scalar connections. The input is factor * value + offset. Factor and offset include the conversion of units. Only
+/// Reals have factors other than 1 or offsets other than 0.
 struct ResolvedConnection {
   ResolvedVariable from;
   ResolvedVariable to;
@@ -70,7 +71,7 @@ struct ResolvedConnection {
   bool is_continuous() const;
 };
 
-/// The preparations of the host process for an FMU that embeds an interpreter.
+/// Settings of the host process for an FMU that embeds an interpreter.
 struct Interpreter {
   bool embedded = false;    ///< keep the FMU's library loaded, because interpreters cannot be unloaded safely
   std::string library;      ///< Python's library, if the FMU uses its symbols but does not name a library for them;
@@ -92,9 +93,9 @@ struct ResolvedInstance {
   std::vector<std::string> log_categories;
   std::optional<double> tolerance;  ///< for fmi2SetupExperiment: that of the config, else the FMU's default
 
-  /// Returns the FMU's declaration for the kind of this instance.
+  /// Returns the declaration in modelDescription.xml for the kind of this instance.
   const modeldesc::Implementation& implementation() const { return *implementation_of(*model, kind); }
-  /// Returns the arguments of fmi2SetupExperiment for a run over this time.
+  /// Returns the arguments of fmi2SetupExperiment for a run from `start_ns` to `stop_ns`.
   Experiment experiment(std::int64_t start_ns, std::int64_t stop_ns) const;
 };
 
@@ -112,7 +113,7 @@ struct ResolvedClockGroup {
   std::vector<ResolvedConnection> connections;  ///< between clocks, and between clocked variables
 };
 
-/// An input or bond whose error decides about the length of communication steps.
+/// An input or bond whose coupling error determines the length of communication steps.
 struct MeasuredCoupling {
   std::string name;
   CouplingTolerance tolerance = {};
@@ -120,13 +121,14 @@ struct MeasuredCoupling {
   std::size_t connection = 0;             ///< place among ResolvedSystem::connections
 };
 
-/// What the control of the communication step measures, and whether it repeats steps.
+/// What step control measures, and whether it repeats steps with a large error.
 struct ResolvedStepControl {
   std::vector<MeasuredCoupling> measured;
   bool rolls_back = false;
 };
 
-/// A free input whose source is a column of a file. It is stored as an override that acts from the start to the end.
+/// An unconnected input whose source is a column of a file. The column is stored as an override that is active during
+/// the whole run.
 struct InputSignal {
   OverrideDescription description;
   std::shared_ptr<const Signal> signal;
@@ -137,7 +139,8 @@ struct ResolvedSystem {
   std::vector<ResolvedInstance> instances;       ///< in the order of the config
   std::vector<ResolvedConnection> connections;   ///< ordered by target, so that their order in the config is nothing
   std::vector<ResolvedClockGroup> clock_groups;  ///< their connections are not among those above
-  /// Every instance of model exchange is in one. Connections of their clocks are not among those above.
+  /// Every model exchange instance is in exactly one of these systems. Connections between their clocks are stored in
+  /// the systems, not in `connections`.
   std::vector<ResolvedContinuousSystem> continuous_systems;
   std::optional<ResolvedStepControl> step_control;  ///< if the description has one
   std::map<ResolvedVariable, InputSignal> inputs;   ///< by target, so that their order in the config does not matter
@@ -146,35 +149,38 @@ struct ResolvedSystem {
 
   /// Returns the signal that is the source of an input; null if there is none.
   const InputSignal* input_signal(const ResolvedVariable& input) const;
-  /// Looks up a variable. Throws InputError with the nearest names; `place` is the place at which the name was written.
+  /// Looks up a variable. If the variable does not exist, throws InputError with the nearest names. `place` is the
+  /// place at which the name was written.
   ResolvedVariable find(const VariableName& name, const std::string& place) const;
   std::string text(const ResolvedVariable& variable) const;
 };
 
-/// Resolves and checks a start value. Throws InputError with the place and the nearest variables.
+/// Resolves and checks a start value. Throws InputError with the place of the assignment and the names of similar
+/// variables.
 StartValue checked_start(const InstanceDescription& instance, const modeldesc::ModelDescription& description,
                          const Assignment& assignment);
 
-/// Returns the reason why a variable cannot be set before initialisation; empty if it can.
+/// Returns the reason why a variable cannot be set before initialisation; empty if the variable can be set.
 std::string why_not_settable(const modeldesc::Variable& variable);
 
-/// Converts a written value to the variable's type; enumerations by item or number. Throws InputError for another type,
-/// an unknown item, or a value outside of the variable's min and max.
+/// Converts a written value to the variable's type. An enumeration value is written as an item's name or number. Throws
+/// InputError if the type is wrong, an item is unknown, or the value is outside of the variable's `min` and `max`.
 modeldesc::Value typed_value(const modeldesc::ModelDescription& description, const modeldesc::Variable& variable,
                              const WrittenValue& written, const std::string& place);
 
-/// Returns the shortest text that reads back to the same bits, such as "1.5e+08", "true" or "lipol_350".
-/// A UInt64 is read as unsigned, and a Binary is pairs of hexadecimal digits.
+/// Returns the shortest text that reads back to the same bits, such as "1.5e+08", "true" or "lipol_350". The bits of a
+/// UInt64 are read as unsigned. A Binary becomes hexadecimal digits, two per byte.
 std::string value_text(modeldesc::Type type, const modeldesc::Value& value);
 
 /// Returns the variables recorded in every row, in the order of instances and descriptions. Throws InputError if a
-/// pattern matches nothing.
+/// pattern matches no variable.
 std::vector<ResolvedVariable> recorded_variables(const ResolvedSystem& system);
 
-/// Returns the variables recorded once, at t = 0: parameters of all kinds, and constants. Throws InputError.
+/// Returns the variables recorded once, at t = 0: parameters of all kinds, and constants. Throws InputError if a
+/// pattern matches no parameter.
 std::vector<ResolvedVariable> recorded_parameters(const ResolvedSystem& system);
 
-/// True if `text` matches the pattern; `*` matches any characters, `?` one.
+/// True if `text` matches the pattern; `*` matches any number of characters, `?` matches one character.
 bool fits(std::string_view text, std::string_view pattern);
 
 }  // namespace mebots::master

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-/// Communication points of a run and the way it ended. All layers use these types.
+/// Communication points of a run, and the reason for its end. All layers use these types.
 namespace mebots::master {
 
 /// The arguments of fmi2SetupExperiment.
@@ -23,13 +23,13 @@ struct Point {
   std::int64_t time_ns = 0;
 };
 
-/// How a run ended.
+/// The reason for which a run ended.
 struct End {
   EndReason reason = EndReason::stop_time;
   std::string text;  ///< a sentence for users
 };
 
-/// An instance that failed during the run, while the others continued.
+/// An instance that failed without ending the run.
 struct InstanceLoss {
   std::string name;
   std::optional<std::int64_t> at_ns = {};  ///< start of the step, or communication point, at which it failed

@@ -16,7 +16,7 @@ std::size_t SignalTimes::row_at(std::int64_t time_ns, SignalSide side, std::size
   constexpr std::size_t kNearby = 8;  // rows to check before a binary search
   MEBOTS_ASSERT(!times_s_.empty());
   if (time_ns < ns(0)) return kNone;
-  // Finds the first row after the time, starting the search at `near`.
+  // Finds the first row whose time is after `time_ns`. The search starts at `near`.
   auto next = near < size() && ns(near) <= time_ns ? near + 1 : 0;
   for (std::size_t i = 0; i < kNearby && next != 0 && next < size() && ns(next) <= time_ns; ++i) ++next;
   if (next == 0 || (next < size() && ns(next) <= time_ns)) {

@@ -13,14 +13,15 @@ namespace mebots::master {
 /// At a jump a signal has two values: one before and one after.
 enum class SignalSide : std::uint8_t { before, after };
 
-/// A time in a run's internal unit, and the double passed to FMUs.
+/// A time in nanoseconds, and the double that is passed to FMUs for this time.
 struct SignalTime {
   std::int64_t ns = 0;
   double s = 0;
 };
 
-/// The times of a file's rows. They never decrease; two rows with the same time are a jump. Rows and communication
-/// points are compared in whole nanoseconds, so nine decimals are enough for a time such as 1/60 s in a file.
+/// The times of a file's rows. The times never decrease. Two rows with the same time are a jump. Rows and communication
+/// points are compared in whole nanoseconds. Therefore nine decimals are enough to write a time such as 1/60 s in a
+/// file.
 class SignalTimes {
  public:
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
@@ -33,17 +34,17 @@ class SignalTimes {
   std::int64_t ns(std::size_t row) const;
   /// Returns the row whose value applies at this time: the last row that is not later. If several rows have this time
   /// (a jump) and the side before the jump is requested, returns the first of these rows. Returns kNone before the
-  /// first row. The search starts at row `near`, the result of an earlier call. So if time advances in small steps, the
-  /// cost does not depend on the number of rows.
+  /// first row. The search starts at row `near`, which is the result of an earlier call. Therefore the cost does not
+  /// depend on the number of rows if time advances in small steps.
   std::size_t row_at(std::int64_t time_ns, SignalSide side, std::size_t near) const;
 
  private:
   std::vector<double> times_s_;
 };
 
-/// The values of a variable over time, from a column of a file. They are Reals, Integers (also for enumeration items,
-/// and 0 and 1 for Booleans) or texts. Before the first row, the first value applies; after the last row, the last
-/// value applies.
+/// The values of a variable over time, from a column of a file. The values are Reals, Integers or texts. Enumeration
+/// items are Integers, and Booleans are the Integers 0 and 1. Before the first row, the first value applies; after the
+/// last row, the last value applies.
 class Signal {
  public:
   using Values = std::variant<std::vector<double>, std::vector<std::int64_t>, std::vector<std::string>>;
@@ -58,9 +59,10 @@ class Signal {
   bool linear() const { return linear_; }
   /// True if the values in two rows differ.
   bool differ(std::size_t row, std::size_t other) const;
-  /// Returns the value at a time. `near` belongs to the caller and starts at 0.
+  /// Returns the value at a time. `near` is a variable of the caller that starts at 0 and speeds up the next search.
   Value at(const SignalTime& time, SignalSide side, std::size_t& near) const;
-  /// Returns the slope from the value after `from` to the value before `to`; 0 for a held signal.
+  /// Returns the slope between two times: from the value after a jump at `from` to the value before a jump at `to`. The
+  /// slope of a held signal is 0.
   double slope(const SignalTime& from, const SignalTime& to, std::size_t& near) const;
 
  private:

@@ -24,25 +24,25 @@ struct InstanceStatistics {
   std::int64_t slowest_at_ns = 0;  ///< simulated time at the start of that step
 };
 
-/// The wall time of a run by instance. Never part of results.csv.
+/// The wall time of a run by instance. It is not part of results.csv, because it differs between equal runs.
 struct Statistics {
   std::vector<InstanceStatistics> instances;  ///< in the order of the config
 };
 
-/// Returns the statistics of all continuous systems as JSON; equal for equal inputs.
+/// Returns the statistics of all continuous systems as JSON. Runs with equal inputs give equal JSON.
 nlohmann::ordered_json solvers_json(const std::vector<SolverStatistics>& solvers);
 
 /// Returns the statistics of all continuous systems as lines of text.
 std::vector<std::string> solvers_table(const std::vector<SolverStatistics>& solvers);
 
-/// The communication steps of a run under step control as JSON, lengths in seconds.
+/// Returns the communication steps of a run under step control as JSON. Lengths are in seconds.
 nlohmann::ordered_json step_control_json(const ResolvedSystem& system, const StepStatistics& steps);
 
 /// Returns the communication steps of a run under step control as a line of text.
 std::string step_control_line(const ResolvedSystem& system, const StepStatistics& steps);
 
-/// Returns the statistics as JSON, times in seconds. `total_s` is the wall time of initialisation and stepping. The
-/// time outside of calls to instances is that of the master.
+/// Returns the statistics as JSON. Times are in seconds. `total_s` is the wall time of initialisation and stepping. The
+/// part of this time outside of calls to instances is the master's time.
 nlohmann::ordered_json statistics_json(const Statistics& statistics, double total_s);
 
 /// Returns the statistics as lines of text.

@@ -8,7 +8,8 @@
 
 namespace mebots::master {
 
-/// Limits the error of the coupling in one communication step, relative to a step of the greatest length.
+/// Limits the coupling error of one communication step, which is an integral over the step. The limit is the tolerance
+/// times the maximum length of a step.
 struct CouplingTolerance {
   double relative = 1e-3;  ///< of the largest magnitude so far: of the source's value, or of a bond's power
   double absolute = 1e-6;  ///< of an input times its nominal value; of a bond in the unit of its power

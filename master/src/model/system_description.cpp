@@ -41,7 +41,8 @@ std::vector<std::string> SystemDescription::instance_names() const {
 }
 
 std::optional<VariableName> SystemDescription::split(std::string_view text) const {
-  // No instance's name is a prefix of another's, so at most one matches.
+  // No instance's name followed by a dot is the beginning of another instance's name. Therefore at most one name
+  // matches.
   for (auto dot = text.find('.'); dot != std::string_view::npos; dot = text.find('.', dot + 1)) {
     const auto instance = text.substr(0, dot);
     if (dot + 1 < text.size() && find_instance(instance) != nullptr) {

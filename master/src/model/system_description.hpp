@@ -19,8 +19,8 @@
 #include <unordered_map>
 #include <vector>
 
-/// The user's description of a system, before any FMU is opened: instances, connections, and the use of the results. It
-/// does not depend on the file format; a config is one of several formats.
+/// The user's description of a system, before any FMU is opened: instances, connections, and the use of the results.
+/// The description does not depend on the file format. A config is one of several formats.
 namespace mebots::master {
 
 /// A variable of an instance, written as "instance.variable". Both parts may contain dots.
@@ -35,10 +35,10 @@ struct VariableName {
 /// A value as the user wrote it.
 using WrittenValue = Value;
 
-/// Returns the value for messages: texts in quotes.
+/// Returns the value as it is shown in messages. Texts are in quotes.
 std::string written_text(const WrittenValue& written);
 
-/// A start value of a variable. `place` is where it was written, for error messages.
+/// A start value of a variable. `place` is its location in the file, for error messages.
 struct Assignment {
   std::string variable;
   WrittenValue value;
@@ -92,14 +92,14 @@ struct InstanceDescription {
   std::string place;
 };
 
-/// Maps the output's value `from` (as text) to `to`.
+/// An entry of a connection's `map`: the output's value `from` becomes the input's value `to`.
 struct MappedValue {
   std::string from;
   WrittenValue to;
   std::string place;
 };
 
-/// The input is factor * x + offset, where x is the output's value in the input's unit.
+/// A connection. The input is factor * x + offset, where x is the output's value in the input's unit.
 struct ConnectionDescription {
   VariableName from;
   VariableName to;
@@ -112,7 +112,7 @@ struct ConnectionDescription {
   std::vector<MappedValue> map;  ///< of Integers, Enumerations and Booleans; other values pass as they are
 };
 
-/// Defines which outputs an instance reads within a communication step.
+/// Selects the algorithm, which determines the outputs that an instance reads within a communication step.
 struct AlgorithmDescription {
   std::string type = "jacobi";     ///< one of kAlgorithms
   std::vector<std::string> order;  ///< every instance once; empty = not given
@@ -133,9 +133,9 @@ inline constexpr AlgorithmKind kAlgorithms[] = {
     {.type = AlgorithmType::gauss_seidel, .name = "gauss-seidel", .takes_order = true},
 };
 
-/// Returns the named algorithm. If there is no algorithm of this name, throws InputError with the nearest names. If the
-/// description has an order that the algorithm does not accept, also throws InputError. The errors contain no place in
-/// the file.
+/// Returns the algorithm that the description names. If there is no algorithm with this name, throws InputError with
+/// the nearest names. If the description has an order that the algorithm does not accept, also throws InputError. The
+/// errors contain no place in the file.
 const AlgorithmKind& find_algorithm(const AlgorithmDescription& description);
 
 enum class Comparison { equals, above, below };
@@ -159,7 +159,8 @@ struct ConditionDescription {
   std::string place;
 };
 
-/// The outcome of a run in which all of `when` hold at the end. Without conditions it always applies.
+/// The outcome of a run for which all conditions in `when` are true at the end. An outcome without conditions always
+/// applies.
 struct OutcomeDescription {
   std::string outcome;
   std::vector<ConditionDescription> when;
@@ -178,7 +179,7 @@ struct SignalFileDescription {
   std::string place;
 };
 
-/// A column that feeds an input.
+/// A column of a file and the input that it feeds.
 struct SignalColumn {
   std::string column;
   VariableName variable;
@@ -219,7 +220,7 @@ struct GroupMember {
   std::string place;
 };
 
-/// A final value for summary.json, under `path` (labels, outermost first).
+/// A final value for summary.json. Its place is `path`, a list of nested labels from the outermost to the innermost.
 struct SummaryEntry {
   std::vector<std::string> path;
   VariableName variable;
@@ -275,7 +276,7 @@ struct PanelDescription {
   std::vector<CurveDescription> curves;
 };
 
-/// Contents of the page of a run. No effect on computed or recorded values.
+/// Contents of the page of a run. They do not affect computed or recorded values.
 struct ViewDescription {
   std::optional<VariableName> scene;  ///< String, read once at t = 0: a scene in the format of docs/seeing.md
   std::string scene_place;
@@ -283,7 +284,8 @@ struct ViewDescription {
   std::vector<std::string> marks;  ///< instances whose messages are marked on the timeline
 };
 
-/// Two connections whose product is the power transferred between two instances, such as force and velocity.
+/// A power bond: two connections whose product is the power that is transferred between two instances, such as force
+/// and velocity.
 struct BondDescription {
   std::string name;
   VariableName effort;  ///< the connected input for the effort
@@ -304,13 +306,14 @@ struct LogDescription {
   std::vector<std::string> categories;
 };
 
-/// Categories shown if the config has no other setting for an instance.
+/// The log categories that are shown if the config has no setting for an instance.
 inline constexpr std::string_view kDefaultLogCategories[] = {"console", "events", "faults", "observe"};
 
-/// The value of SystemDescription::threads that means the number of threads that the machine can run at the same time.
+/// The value of SystemDescription::threads that means "automatic": as many threads as the machine can run at the same
+/// time.
 inline constexpr unsigned kAutomaticThreads = 0;
 
-/// Finds instances by name. Indexes the names at the first search; they must not change afterwards.
+/// Finds instances by name. Builds an index of the names at the first search. The names must not change afterwards.
 class InstanceIndex {
  public:
   std::optional<std::size_t> find(const std::vector<InstanceDescription>& instances, std::string_view name) const;
@@ -360,21 +363,21 @@ struct SystemDescription {
   ExactTime length_of(std::int64_t count) const;
   /// Returns the step of an instance.
   ExactTime step_of(const InstanceDescription& instance) const;
-  /// Returns the index in `instances`. Like all searches by name, it must not be called by two threads at the same
-  /// time.
+  /// Returns the index of an instance in `instances`. Like all searches by name, it must not be called by two threads
+  /// at the same time.
   std::optional<std::size_t> index_of(std::string_view instance_name) const;
   const InstanceDescription* find_instance(std::string_view instance_name) const;
   std::vector<std::string> instance_names() const;
   /// Splits "instance.variable" by the names of the instances; empty if no instance matches. In the system of a single
-  /// FMU, every other text is a variable of that FMU.
+  /// FMU, a text that matches no instance is a variable of that FMU.
   std::optional<VariableName> split(std::string_view text) const;
 };
 
-/// Splits "instance.variable". If no instance matches, the instance is the first word. Throws InputError if one part is
-/// missing.
+/// Splits "instance.variable". If no instance matches, the instance is the text before the first dot. Throws InputError
+/// if one part is missing.
 VariableName parse_variable(const SystemDescription& system, std::string_view text, const std::string& place);
 
-/// A setting with its resolved instance.
+/// A setting whose instance was found.
 struct LocatedSetting {
   InstanceDescription* instance = nullptr;
   Assignment assignment;
@@ -383,11 +386,11 @@ struct LocatedSetting {
 /// Finds the instance of a setting. Throws InputError with the nearest names if the system has no such instance.
 LocatedSetting locate(SystemDescription& system, const Setting& setting);
 
-/// Returns the reason why the run cannot end at this time; empty if it can. The time from the start must be a multiple
-/// of all steps.
+/// Returns the reason why a run cannot end at this time; empty if it can. The duration of a run must be a multiple of
+/// the steps of all instances.
 std::optional<std::string> stop_time_problem(const SystemDescription& system, std::int64_t stop_time_ns);
 
-/// Sets the end of the run, as `--stop-time` does. Throws InputError if there is a stop_time_problem().
+/// Sets the end of the run, as `--stop-time` does. Throws InputError if stop_time_problem() returns a reason.
 void set_stop_time(SystemDescription& system, std::int64_t stop_time_ns, const std::string& place);
 
 }  // namespace mebots::master

@@ -25,7 +25,7 @@ std::optional<T> parsed(const std::string& text) {
   return value;
 }
 
-/// Builds an error: the problem, its place and the variable's type.
+/// Builds an error message from the problem, the place of the value and the variable's type.
 class Complaint {
  public:
   Complaint(const Variable& variable, const WrittenValue& written, const std::string& place)
@@ -60,7 +60,8 @@ std::optional<std::int64_t> signed_value(const WrittenValue& written) {
   return std::nullopt;
 }
 
-/// Checks the range of the variable's type. The bits of a UInt64 of 2^63 or more are stored as a signed number.
+/// Returns a whole number after checking the range of the variable's type. A UInt64 of 2^63 or more is returned as a
+/// signed number with the same bits.
 std::int64_t whole_value(Type type, const WrittenValue& written, const Complaint& complaint) {
   const auto value = signed_value(written);
   if (const auto* text = std::get_if<UntypedText>(&written); text != nullptr && !value && type == Type::uint64) {
@@ -112,7 +113,7 @@ std::int64_t enumeration_value(const modeldesc::ModelDescription& description, c
                              variable.name, *number, suggest("", names)));
 }
 
-/// Reads pairs of hexadecimal digits.
+/// Reads the bytes of a Binary from hexadecimal digits, two per byte.
 std::string binary_value(const WrittenValue& written, const Complaint& complaint) {
   const auto* text = std::get_if<std::string>(&written);
   if (const auto* untyped = std::get_if<UntypedText>(&written)) text = &untyped->text;

@@ -20,7 +20,7 @@ using ValueReference = std::uint32_t;
 
 /// The master's representation of a value, independent of the version of FMI. real: Float64 and Float32, as double;
 /// integer: whole numbers of 8 to 64 bits and enumerations, as std::int64_t (UInt64 by its bits); boolean: 0 and 1;
-/// string: text; binary: bytes in a std::string; clock: active or not, in events only.
+/// string: text; binary: bytes in a std::string; clock: whether a clock is active at an instant, in event mode only.
 enum class ValueKind : std::uint8_t { real, integer, boolean, string, binary, clock };
 
 constexpr ValueKind kind_of(modeldesc::Type type) {
@@ -47,7 +47,8 @@ constexpr bool is_number(modeldesc::Type type) {
   return kind_of(type) == ValueKind::real || kind_of(type) == ValueKind::integer || kind_of(type) == ValueKind::boolean;
 }
 
-/// True for Clocks and for variables that belong to one: they can be read and set only when a clock ticks.
+/// True for Clocks and for variables that belong to a Clock. These variables can be read and set only when a clock
+/// ticks.
 inline bool is_clocked(const modeldesc::Variable& variable) {
   return variable.type == modeldesc::Type::clock || !variable.fmi3->clocks.empty();
 }
@@ -61,7 +62,7 @@ constexpr double number_of(modeldesc::Type type, std::int64_t value) {
                                          : static_cast<double>(value);
 }
 
-/// One bit per ValueKind.
+/// A set of ValueKinds with one bit per kind.
 using KindSet = std::uint8_t;
 constexpr KindSet bit(ValueKind kind) {
   return static_cast<KindSet>(1U << static_cast<unsigned>(kind));
@@ -70,16 +71,17 @@ constexpr KindSet bit(ValueKind kind) {
 /// The endings of a binary variable's three Integers.
 inline constexpr const char* kOsmpEndings[] = {".base.lo", ".base.hi", ".size"};
 
-/// True for Integers with a half of a pointer or the size of a buffer. They are marked by OSMP; unmarked ones are
-/// recognised by their names `x.base.lo`, `x.base.hi` and `x.size`.
+/// True for an Integer that is one of the three parts of an OSMP binary: the halves of a pointer and the size of a
+/// buffer. Annotations of OSMP mark these Integers. Without annotations, their names `x.base.lo`, `x.base.hi` and
+/// `x.size` identify them.
 bool is_osmp_part(const modeldesc::ModelDescription& description, const modeldesc::Variable& variable);
 
-/// The three Integers of an OSMP binary variable. Its address is meaningless in another process.
+/// The three Integers of an OSMP binary variable. The address in them is meaningless in another process.
 struct OsmpTriple {
   std::array<ValueReference, 3> references;  // base.lo, base.hi, size
 };
 
-/// Returns all binary variables of an FMU.
+/// Returns all OSMP binaries of an FMU.
 std::vector<OsmpTriple> osmp_triples(const modeldesc::ModelDescription& description);
 
 /// Returns the indices of the triple's three references in `references`, or nullopt if one of them is absent.

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kLeastWidth = 128;
 
-/// Averages 2 x 2 pixels; drops an odd last row or column.
+/// Averages each 2 x 2 pixels to one pixel. Drops an odd last row or column.
 GreyPicture halved(const GreyPicture& picture) {
   GreyPicture half;
   half.width = picture.width / 2;

@@ -30,14 +30,14 @@ std::vector<Column> read_header(const data::CsvReader& reader) {
   return columns;
 }
 
-/// Counts complete lines without the header. A line break in a quoted text also counts, so the table may be reduced
-/// more than necessary.
+/// Returns the number of complete lines after the header. A line break in a quoted text is counted too, so the number
+/// may be too large. In this case, the table is reduced more than necessary.
 std::size_t rows_of(std::string_view text) {
   const auto lines = static_cast<std::size_t>(std::ranges::count(text, '\n'));
   return lines == 0 ? 0 : lines - 1;
 }
 
-/// Drops an incomplete last line, left by a killed process.
+/// Drops an incomplete last line, which remains if the process of the run is killed.
 std::string_view whole_lines(std::string_view text) {
   const auto end = text.rfind('\n');
   return end == std::string_view::npos ? std::string_view() : text.substr(0, end + 1);

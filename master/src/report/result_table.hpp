@@ -10,7 +10,7 @@
 
 namespace mebots::master::report {
 
-/// A span of simulated time, both ends included.
+/// A span of simulated time, including both ends.
 struct TimeSpan {
   double from_s = 0;
   double to_s = 0;
@@ -31,33 +31,36 @@ struct ResultTable {
   std::size_t span = 1;            ///< rows that a Thinner reduces to two
   std::vector<TimeSpan> whole;     ///< spans in which every row is kept
 
-  /// The maximum of numbers in a page, so that the page can be sent by mail. Longer tables are thinned out.
+  /// The maximum number of values in a page, so that the page can be sent by mail. Longer tables are thinned out.
   static constexpr std::size_t kMostValues = 600'000;
-  /// Returns the span for a table of this size. `columns` includes the time.
+  /// Returns the number of consecutive rows that a Thinner combines in a table of this size. `columns` includes the
+  /// time.
   static std::size_t span_of(std::size_t rows, std::size_t columns);
 };
 
-/// Reads results.csv. Within the spans `whole`, every row is kept. Skips an incomplete last line, which a killed run
-/// leaves. The columns `texts` are texts even if they look like numbers, such as the Binary 0102. Throws InputError if
-/// the file is not such a table.
+/// Reads results.csv. Keeps every row within the spans `whole`. Skips an incomplete last line, which remains if a run
+/// is killed. The columns `texts` are texts even if they look like numbers, such as the Binary 0102. Throws InputError
+/// if the file is not such a table.
 ResultTable read_results(const std::filesystem::path& file, const std::vector<TimeSpan>& whole = {},
                          const std::set<std::string>& texts = {});
 
-/// Reduces a table, but keeps the extremes. Every `span` consecutive rows become two rows, with the times of the first
-/// and the last row. In each column, the two rows contain the minimum and the maximum of the span, in the order in
-/// which they occurred. Therefore monotonic columns, such as energy counters, keep their exact values at both times.
+/// Reduces a table, but keeps the minima and maxima. Every `span` consecutive rows become two rows, with the times of
+/// the first and the last row. In each column, the two rows contain the minimum and the maximum of the span, in the
+/// order in which they occurred. Therefore monotonic columns, such as energy counters, keep their exact values at both
+/// times.
 class Thinner {
  public:
-  /// `span` is the number of rows that become one group; with 1, every row is kept. The first column is the time.
+  /// `span` is the number of consecutive rows that become two rows. If `span` is 1, every row is kept. The first column
+  /// is the time.
   Thinner(std::size_t columns, std::size_t span);
 
   void add(std::span<const double> row);
-  /// Adds a row unchanged, after ending the open span.
+  /// Completes the present span and adds a row unchanged.
   void keep(std::span<const double> row);
-  /// Ends the last span, which may be shorter.
+  /// Completes the last span, which may have fewer rows.
   void finish();
 
-  /// Returns the values by column.
+  /// Returns the values of the reduced table, column by column.
   std::vector<std::vector<double>>& values() { return values_; }
 
  private:

@@ -59,7 +59,8 @@ PictureSeries read_series(const fs::path& folder, std::size_t known) {
   return series;
 }
 
-/// Reads profiles in the folder. fmu_soc writes them there if its parameter names a file in this folder.
+/// Reads the profiles of chip programs in the folder. If the profile parameter of fmu_soc names a file in this folder,
+/// fmu_soc writes a profile there.
 std::vector<Json> read_profiles(const fs::path& folder) {
   std::vector<Json> profiles;
   for (const auto& file : sorted_entries(folder)) {

@@ -26,16 +26,16 @@ struct PictureSeries {
   std::size_t every = 1;  ///< 1 means that all pictures were kept, n that every n-th was
 };
 
-/// The maximum of bytes of pictures in a page, so that the page can be sent by mail.
+/// The maximum number of bytes of pictures in a page, so that the page can be sent by mail.
 inline constexpr std::size_t kMostPictureBytes = 1'500'000;
 
-/// Reduces the pictures to the size of a page: first their resolution, by averaging 2 x 2 pixels to not less than 128
-/// pixels of width; then their number, evenly in time. Pictures within the spans `whole` do not change, nor do files
-/// that are not PNGs of grey pixels.
+/// Reduces the pictures to kMostPictureBytes. First averages 2 x 2 pixels repeatedly, down to a width of at least 128
+/// pixels. If this is not enough, removes pictures evenly in time. Pictures within the spans `whole`, and files that
+/// are not PNGs of grey pixels, do not change.
 void fit_into_page(PictureSeries& series, const std::vector<TimeSpan>& whole);
 
-/// The content of a run's folder. Only the table of results is always present. All other members are empty if the run,
-/// or an older version of mebots, did not write the file.
+/// The content of a run's folder. Only the table of results is always present. Each other member is empty if the run,
+/// or an older version of mebots, did not write its file.
 struct RunFolder {
   std::string name;  ///< readable name of the folder
   ResultTable results;
@@ -48,14 +48,14 @@ struct RunFolder {
   nlohmann::json live;                   ///< data of a run in progress (master/live), or null
 };
 
-/// Returns the pictures of a run, also during the run. Skips the first `known` pictures of each camera.
+/// Returns the pictures of a run. The run may still be in progress. Skips the first `known` pictures of each camera.
 std::vector<PictureSeries> read_pictures(const std::filesystem::path& folder, std::size_t known = 0);
 
-/// Reads the other files: scene and profiles, also during the run. Throws InputError for damaged files.
+/// Reads the scene and the profiles. The run may still be in progress. Throws InputError for damaged files.
 RunFolder read_side_files(const std::filesystem::path& folder);
 
 /// Reads a results folder and reduces it to the size of a page. Within the spans `whole`, every row and picture is
-/// kept. Throws InputError if it is not a results folder or a file is damaged.
+/// kept. Throws InputError if the folder contains no results or a file is damaged.
 RunFolder read_run_folder(const std::filesystem::path& folder, const std::vector<TimeSpan>& whole = {});
 
 }  // namespace mebots::master::report

@@ -8,8 +8,8 @@
 
 namespace mebots::master {
 
-/// The clocks of an FMI 3.0 instance of either kind, whose caller handles them. All calls throw Error if the instance
-/// fails.
+/// The clocks of an FMI 3.0 instance (co-simulation or model exchange). The caller determines when they tick. All calls
+/// throw Error if the instance fails.
 class ClockInstance {
  public:
   virtual ~ClockInstance() = default;
@@ -20,7 +20,7 @@ class ClockInstance {
   virtual bool ticks(ValueReference clock) = 0;
   /// In event mode, activates an input clock.
   virtual void tick(ValueReference clock) = 0;
-  /// Returns the interval of a clock until its next tick; empty if it is unchanged or not known yet.
+  /// Returns the interval until the clock's next tick. Empty if the interval has not changed or is not known yet.
   virtual std::optional<double> new_interval(ValueReference clock) = 0;
   /// In initialisation mode, returns the time of a periodic clock's first tick after the start.
   virtual double shift(ValueReference clock) = 0;

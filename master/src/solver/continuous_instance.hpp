@@ -30,8 +30,8 @@ struct CompletedStep {
   bool terminate = false;
 };
 
-/// A model that provides derivatives for an external solver: a model exchange FMU instance of any version of FMI. After
-/// initialisation it is in event mode. All calls throw Error if the instance fails.
+/// An instance that provides derivatives for an external solver: a model exchange instance of any version of FMI. After
+/// initialisation, the instance is in event mode. All calls throw Error if the instance fails.
 class ContinuousInstance {
  public:
   virtual ~ContinuousInstance() = default;
@@ -64,7 +64,7 @@ class ContinuousInstance {
   virtual bool has_directional_derivatives() const { return false; }
   virtual std::span<const ValueReference> state_references() const { return {}; }
   virtual std::span<const ValueReference> derivative_references() const { return {}; }
-  /// Computes the change of `unknowns` caused by the change `seed` of `knowns`. Must be called only if
+  /// Computes the change of `unknowns` if `knowns` change by `seed`. Must be called only if
   /// has_directional_derivatives() is true.
   virtual void directional_derivatives(std::span<const ValueReference> /*unknowns*/,
                                        std::span<const ValueReference> /*knowns*/, std::span<const double> /*seed*/,

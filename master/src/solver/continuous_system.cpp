@@ -16,12 +16,12 @@
 namespace mebots::master {
 namespace {
 
-/// The maximum of updates of the discrete states at one event.
+/// The maximum number of updates of the discrete states at one event.
 constexpr int kMostUpdates = 1000;
-/// The maximum of transfers over discrete links between two updates.
+/// The maximum number of transfers over discrete links between two updates.
 constexpr int kMostTransfers = 1000;
-/// The thresholds for an infinite sequence of events: this number of consecutive events within this share of a
-/// communication step.
+/// The thresholds at which events count as an infinite sequence. The number of consecutive events is kZenoEvents. All
+/// of them lie within this fraction of a communication step.
 constexpr std::size_t kZenoEvents = 20;
 constexpr double kZenoShare = 1e-7;
 /// Absolute tolerance divided by relative tolerance, for a nominal value of 1, as the FMI standard suggests.
@@ -258,7 +258,7 @@ void ContinuousSystem::count_solver_work() {
   counted_ = now;
 }
 
-/// Sets the members to the end of the solver's step. Returns the kind of event that occurred there.
+/// Sets the members to the end of the solver's step. Returns the kind of event that occurred at this time.
 ContinuousSystem::EventKind ContinuousSystem::complete_step() {
   step_is_open_ = false;
   time_s_ = step_end_s_;
@@ -311,8 +311,9 @@ void ContinuousSystem::handle_event(EventKind kind) {
 }
 
 /// Handles a step event. Restarts the solver only if the event changes data on which the solver depends. Some FMUs
-/// request an event after every step; with a restart after each step, the solver would always take its shortest steps.
-/// CVODE compares the indicators with their values before the event, so it must restart if the event changes a sign.
+/// request an event after every step. If each event restarted the solver, it would always take its shortest steps.
+/// CVODE compares the event indicators with their values before the event. Therefore it must restart if the event
+/// changes the sign of an indicator.
 void ContinuousSystem::handle_step_event() {
   const auto requested_by = causes_;
   const auto before = solver_view();
@@ -327,7 +328,7 @@ void ContinuousSystem::handle_step_event() {
   limit_events();
 }
 
-/// Returns the values that the solver has from the members at the present time; empty if a member cannot compute them.
+/// Returns those values at the present time on which the solver depends. Empty if a member cannot compute them.
 std::optional<ContinuousSystem::SolverView> ContinuousSystem::solver_view() {
   SolverView view{states_, tolerances_, std::vector<double>(states_.size()), next_event_s_, above_};
   if (derivatives(time_s_, states_, view.derivatives) != Evaluation::ok) return std::nullopt;
@@ -424,7 +425,7 @@ bool ContinuousSystem::update_members() {
   return (parts_.clocks != nullptr && schedule_tick()) || again;
 }
 
-/// Makes the next tick of a clock a time event. Returns true if it is at the present time.
+/// Makes the next tick of a clock a time event. Returns true if the tick is due at the present time.
 bool ContinuousSystem::schedule_tick() {
   const auto tick = parts_.clocks->next_tick();
   const double tick_s = on_grid(tick.time_s);
@@ -437,8 +438,9 @@ bool ContinuousSystem::schedule_tick() {
   return true;
 }
 
-/// Returns the communication point at this time, within the resolution of the master's clock. Without a point, returns
-/// the time itself. Otherwise a tick of 3 * 0.1 s would occur one step after the point 0.3 s.
+/// If a communication point is at this time, within the resolution of the master's clock, returns the point's time.
+/// Otherwise returns the time unchanged. Without this function, a tick at 3 * 0.1 s would occur one step after the
+/// point 0.3 s, because of rounding.
 double ContinuousSystem::on_grid(double time_s) const {
   constexpr double kLatest_s = 9e9;  // of the master's clock
   if (!(time_s < kLatest_s)) return time_s;

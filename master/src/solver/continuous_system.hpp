@@ -32,7 +32,7 @@ class DiscreteLinks {
   virtual bool transfer() = 0;
 };
 
-/// Continuous inputs from outside that change within a communication step.
+/// Continuous inputs whose values come from outside of the system and change within a communication step.
 class OuterInputs {
  public:
   virtual ~OuterInputs() = default;
@@ -46,10 +46,10 @@ struct Advanced {
   std::optional<std::string> terminated_by = {};  ///< the member that requested the end, if any
 };
 
-/// Connected instances that one solver integrates. Between events the solver keeps its order and step size across
-/// communication points. If a step of the solver ends after a communication point, the solution is interpolated at the
-/// point. The step is completed when the system passes the end of the step. Members must be in event mode before
-/// initialize().
+/// Connected instances that one solver integrates. The solver keeps its order and step size at communication points;
+/// only events restart it. If a step of the solver ends after a communication point, the solution is interpolated at
+/// this point. When the system reaches the end of this step, the step is completed. Members must be in event mode
+/// before initialize().
 class ContinuousSystem final : private Equations {
  public:
   struct Parts {
@@ -67,19 +67,19 @@ class ContinuousSystem final : private Equations {
   /// All pointed-to objects must outlive the system.
   ContinuousSystem(Parts parts, const SolverDescription& description);
 
-  /// Iterates the events at the start and enters continuous-time mode. Returns the member that requested the end, if
-  /// any.
+  /// Iterates the events at the start and enters continuous-time mode. If a member requested the end of the simulation,
+  /// returns the member's name.
   std::optional<std::string> initialize(double time_s);
-  /// Integrates to `end_s`, with all events up to it. Afterwards all members are at that time, or at the earlier time
-  /// at which a member requested the end. Throws Error if an instance fails, values are not finite, the solver or an
-  /// event iteration does not converge, or there are too many steps or events. After an interrupt, throws
-  /// InterruptedError.
+  /// Integrates to `end_s` and handles all events up to this time. Afterwards all members are at `end_s`. If a member
+  /// requested the end of the simulation, they are at the time of this request. Throws Error if an instance fails,
+  /// values are not finite, the solver or an event iteration does not converge, or there are too many steps or events.
+  /// After an interrupt, throws InterruptedError.
   Advanced advance(double end_s);
   double time_s() const { return time_s_; }
   /// Returns the communication point at which the present or last advance() started.
   double point_s() const { return point_s_; }
 
-  /// Reports a change of a continuous input from outside: the solver restarts at the present time.
+  /// Must be called if a continuous input from outside has changed. The solver restarts at the present time.
   void input_changed() { restart_is_due_ = true; }
   /// Puts all members into event mode at the present time, so that discrete inputs can be set. The next advance()
   /// starts with an event.
@@ -88,12 +88,12 @@ class ContinuousSystem final : private Equations {
 
   const SolverStatistics& statistics() const { return statistics_; }
 
-  /// Visits the state of the solver. The members' own states must be restored first.
+  /// Visits the state of the solver. When a state is restored, the members' own states must be restored first.
   void visit(state::Visitor& v);
   /// After a restore, repeats the solver's steps since its last start, so that the following steps have the same bits.
   /// If this function is not called, the next advance() repeats these steps. `keep` saves the members' states and
   /// returns a function that restores them. Returns false if the repetition ends in different states, because a member
-  /// depends on more than time, states and inputs; then the solver restarts at the present time.
+  /// depends on more than time, states and inputs. In this case, the solver restarts at the present time.
   bool repeat_steps(const std::function<std::function<void()>()>& keep);
   bool must_repeat() const { return must_repeat_; }
 

@@ -20,7 +20,7 @@
 namespace mebots::master {
 namespace {
 
-/// A time that no run reaches, because CVODE cannot remove a stop time.
+/// A time that no run reaches. CVODE cannot remove a stop time, so the stop time is set to this time.
 constexpr double kNever = 1e300;
 
 std::span<double> values_of(N_Vector vector) {
@@ -74,7 +74,8 @@ class Integrator::Cvode {
   }
 
   Reached advance() {
-    // A step that does not change the time would never end. Below this step size, CVODE fails.
+    // The minimum step size, below which CVODE fails. A smaller step would not change the time, so the integration
+    // would never end.
     const double shortest_s = 4 * std::numeric_limits<double>::epsilon() * std::max(std::abs(time_s_), scale_s_);
     check(CVodeSetMinStep(memory_, shortest_s), "CVodeSetMinStep");
     // In the mode CV_ONE_STEP, CVODE uses the first time argument only for the size of the first step.
@@ -133,7 +134,7 @@ class Integrator::Cvode {
     check(CVodeSetNoInactiveRootWarn(memory_), "CVodeSetNoInactiveRootWarn");
   }
 
-  /// Runs a callback of CVODE. No exception may pass through its C code.
+  /// Runs a callback of CVODE. No exception may pass through the C code of CVODE.
   template <typename Work>
   int answer(Work work) noexcept {
     try {

@@ -21,7 +21,8 @@ struct Columns {
   std::span<double> column(std::size_t j) const { return {data + j * rows, rows}; }
 };
 
-/// The equations x' = f(t, x), with functions whose sign changes are events. Exceptions pass through the integrator.
+/// The differential equations x' = f(t, x), and event functions: a sign change of such a function is an event.
+/// Exceptions pass through the integrator.
 class Equations {
  public:
   virtual ~Equations() = default;
@@ -30,13 +31,14 @@ class Equations {
   virtual Evaluation derivatives(double time_s, std::span<const double> states, std::span<double> derivatives) = 0;
   virtual Evaluation roots(double time_s, std::span<const double> states, std::span<double> values) = 0;
   virtual bool has_jacobian() const { return false; }
-  /// Computes the Jacobian. Called only if has_jacobian() is true. `jacobian` is zero at the call.
+  /// Computes the Jacobian matrix. Called only if has_jacobian() is true. All elements of `jacobian` are zero at the
+  /// call.
   virtual Evaluation jacobian(double /*time_s*/, std::span<const double> /*states*/, const Columns& /*jacobian*/) {
     return Evaluation::recoverable;
   }
   /// Returns the reason of the last recoverable failure; empty if the reason is unknown.
   virtual std::string failure() const { return {}; }
-  /// Names the equations, for messages.
+  /// Returns a name of the equations, for messages.
   virtual std::string subject() const = 0;
 };
 
@@ -72,15 +74,15 @@ class Integrator {
 
   /// Restarts the integration with a method of order 1.
   void restart(const Start& start);
-  /// Takes one step, which ends early at a root. Throws Error (not_converged) if a step of the minimum length also
-  /// fails.
+  /// Takes one step. If an event function changes its sign, the step ends there (Reached::root). Throws Error
+  /// (not_converged) if even a step of the minimum length fails.
   Reached advance();
-  /// Returns the end of the last step.
+  /// Returns the time at the end of the last step.
   double time_s() const;
   std::span<const double> states() const;
   /// Returns the states at a time within the last step.
   void interpolate(double time_s, std::span<double> states) const;
-  /// After Reached::root, returns true if the function has changed its sign.
+  /// After Reached::root, returns true if this event function has changed its sign.
   bool is_root(std::size_t function) const;
   Counts counts() const;
 

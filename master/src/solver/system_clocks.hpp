@@ -6,10 +6,10 @@
 
 namespace mebots::master {
 
-/// Times closer together than this are the same: the resolution of the master's clock.
+/// Two times whose distance is less than this are equal. It is the resolution of the master's clock.
 constexpr double kSameTime_s = 0.5e-9;
 
-/// The clocks of the members of a system (FMI 3.0). They tick at instants in event mode. An instant begins with the
+/// The clocks of the members of a system (FMI 3.0). Clocks tick at instants in event mode. An instant begins with the
 /// clocks that are due, and ends with the update of the discrete states.
 class SystemClocks {
  public:
@@ -21,7 +21,7 @@ class SystemClocks {
     std::size_t member = 0;
   };
   virtual Tick next_tick() const = 0;
-  /// Activates the clocks that are due. Returns true if there is one.
+  /// Activates the clocks that are due. Returns true if a clock was due.
   virtual bool begin_instant(double time_s) = 0;
   /// Propagates ticks and values of clocked variables along the connections until nothing changes. Returns true if a
   /// clock starts to tick or an input changes.

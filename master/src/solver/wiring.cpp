@@ -20,7 +20,7 @@ namespace {
 /// The largest number of sweeps over an algebraic loop of connections.
 constexpr int kMostSweeps = 200;
 
-/// True if two values differ by rounding errors at most.
+/// True if the difference of two values is at most a few rounding errors.
 bool is_close(double a, double b) {
   constexpr double kRoundings = 4 * std::numeric_limits<double>::epsilon();
   return a == b || std::abs(a - b) <= kRoundings * std::max(std::abs(a), std::abs(b));
@@ -28,7 +28,7 @@ bool is_close(double a, double b) {
 
 }  // namespace
 
-/// Sorts wires into stages.
+/// Sorts wires into stages (see Wiring).
 class Wiring::Builder {
  public:
   Builder(Wiring& wiring, const std::vector<Wire>& wires) : wiring_(wiring) {
@@ -56,7 +56,7 @@ class Wiring::Builder {
   }
 
  private:
-  /// Returns the wired inputs that must be set before the wire's output is read.
+  /// Returns the inputs that must be set before the output of a wire is read. Contains only inputs that have wires.
   std::set<MemberVariable> waited_for(const Wire& wire) const {
     std::set<MemberVariable> inputs;
     if (wire.dependencies) {
@@ -81,8 +81,8 @@ class Wiring::Builder {
     return outputs;
   }
 
-  /// Returns the stage that reads `outputs` (in ascending order), and then sets the inputs for which all sources have
-  /// now been read.
+  /// Returns the stage that reads `outputs`, which are in ascending order. After that, the stage sets the inputs all of
+  /// whose sources have been read.
   Stage stage_of(const std::vector<MemberVariable>& outputs) {
     Stage stage;
     for (const auto& output : outputs) {
@@ -112,8 +112,8 @@ class Wiring::Builder {
     calls.back().references.push_back(variable.reference);
   }
 
-  /// Returns the path of a loop among the remaining outputs, such as "a.y -> b.u -> b.y -> a.u -> a.y". Finds it by
-  /// following wires backwards.
+  /// Returns the path of a loop among the remaining outputs, such as "a.y -> b.u -> b.y -> a.u -> a.y". Finds the loop
+  /// by following wires backwards.
   std::string path() const {
     std::vector<MemberVariable> walk;
     auto output = waits_for_.begin()->first;
@@ -162,7 +162,7 @@ Evaluation Wiring::read(const Stage& stage) {
   return Evaluation::ok;
 }
 
-/// Computes the inputs that `stage` writes: each is the sum of its connected outputs, after factor and offset.
+/// Computes the inputs that `stage` writes: each input is the sum of factor * output + offset over its wires.
 void Wiring::collect(const Stage& stage) {
   for (const auto& call : stage.writes) {
     for (auto input = call.first; input < call.first + call.references.size(); ++input) {

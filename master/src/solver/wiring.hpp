@@ -19,8 +19,8 @@ struct MemberVariable {
   auto operator<=>(const MemberVariable&) const = default;
 };
 
-/// Connects a Real output of one member to a continuous Real input of another: the input is factor * value + offset. An
-/// input with several wires is the sum of these terms.
+/// A connection from a Real output of one member to a continuous Real input of another member. The input is factor *
+/// value + offset. An input with several wires is the sum of these terms.
 struct Wire {
   MemberVariable from;
   MemberVariable to;
@@ -45,14 +45,15 @@ class Wiring {
   bool has_loop() const { return !loop_.reads.empty(); }
   bool empty() const { return stages_.empty() && !has_loop(); }
 
-  /// Returns the values of the inputs, in the order that set_loop_start() takes.
+  /// Returns the values of the inputs. set_loop_start() takes values in the same order.
   std::span<const double> inputs() const { return inputs_; }
-  /// Sets the values from which the iteration of a loop starts at each evaluation. Therefore results do not depend on
-  /// earlier evaluations.
+  /// Sets the values from which the iteration of loops starts in each evaluation. Because of these fixed start values,
+  /// results do not depend on earlier evaluations.
   void set_loop_start(std::span<const double> inputs) { loop_start_.assign(inputs.begin(), inputs.end()); }
 
-  /// Computes the change of all derivatives if one state of a member changes by 1. The derivatives of a member start at
-  /// its index in `first_states`. Must be called only if there is no loop and all members have directional derivatives.
+  /// Computes the change of all derivatives if one state of a member changes by 1. The derivatives of member `i` start
+  /// at the index first_states[i]. Must be called only if there is no loop and all members have directional
+  /// derivatives.
   void propagate(std::size_t member, std::size_t state, std::span<const std::size_t> first_states,
                  std::span<double> derivatives);
 
@@ -73,7 +74,7 @@ class Wiring {
     std::vector<Read> reads = {};
     std::vector<Write> writes = {};
   };
-  /// A term of an input: input += factor * output + offset.
+  /// A term of the sum that an input receives: factor * output + offset.
   struct Term {
     std::size_t output;
     double factor;

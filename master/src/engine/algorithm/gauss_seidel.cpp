@@ -10,7 +10,8 @@
 namespace mebots::master {
 namespace {
 
-/// Returns the order of the instances in the config; if it has none, the declared order.
+/// Returns the order of the instances in `algorithm` of the config. If it has none, returns the order in which they are
+/// declared.
 std::vector<std::size_t> order_of(const SystemDescription& system) {
   std::vector<std::size_t> order(system.instances.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -23,8 +24,8 @@ std::vector<std::size_t> order_of(const SystemDescription& system) {
   return order;
 }
 
-/// Instances that step together: a single instance, or all members of a continuous system or clock group. They step at
-/// the place of their first member.
+/// Instances that step together: a single instance, or all members of a continuous system or clock group. They step
+/// when it is the turn of their first member.
 using Turn = std::vector<std::size_t>;
 
 std::vector<Turn> turns_of(const ResolvedSystem& system) {

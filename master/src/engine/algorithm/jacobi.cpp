@@ -14,9 +14,9 @@
 namespace mebots::master {
 namespace {
 
-/// Returns groups of instances, each of which steps on one thread. The reader of a buffer must finish its step before
-/// the owner of the buffer steps, so both are in one group, in this order. The members of a continuous system or a
-/// clock group are in one group, too.
+/// Returns groups of instances, each of which steps on one thread. An instance that reads a buffer must finish its step
+/// before the owner of the buffer steps. Therefore both are in one group, and the reader is first. The members of a
+/// continuous system or a clock group are in one group, too.
 std::vector<std::vector<std::size_t>> groups_of(const ResolvedSystem& system, const Ensemble& ensemble) {
   std::vector<std::size_t> group(ensemble.size());
   std::iota(group.begin(), group.end(), std::size_t{0});
@@ -64,7 +64,8 @@ class Jacobi final : public Algorithm {
         if (slaves_->begins_step(i, span.from)) take(i, slaves_->step(i, span));
       }
     }
-    // All pending steps are started before the loop waits for the first of them, so they run concurrently.
+    // All slaves have been started before this loop waits for the first pending step. Therefore pending steps run
+    // concurrently.
     for (auto& [i, result] : unfinished_) result = slaves_->finish(i, span, std::move(result));
     if (policy_) policy_->stepped();
     if (auto end = end_at(span.from)) return end;
@@ -112,7 +113,7 @@ class Jacobi final : public Algorithm {
         }
       }
     });
-    // Releases messages and errors in the order of sequential stepping.
+    // Releases messages and errors in the same order as if the slaves stepped one after the other.
     std::vector<std::string> speakers;
     std::exception_ptr first;
     for (const auto i : slaves_->ensemble().step_order()) {

@@ -13,14 +13,16 @@
 
 namespace mebots::master {
 
-/// A communication step, from t_from to t_to on the grid. It is longer than h only under step control.
+/// A communication step from t_from to t_to, where `from` and `to` are points of the grid. A step may be longer than
+/// the grid's step h only under step control.
 struct GridStep {
   std::int64_t from = 0;
   std::int64_t to = 0;
 };
 
-/// Steps the slaves on the grid of points t_k, for every algorithm. A slave's step is the communication step, or its
-/// own multiple of h. A step of n times h starts at every n-th point, and no communication step passes such a point.
+/// Steps the slaves on the grid of points t_k. All algorithms use this class. The step of a slave is the communication
+/// step, or n times the grid's step h if the config sets this. A step of n times h starts at every n-th point. No
+/// communication step passes such a point.
 class SlaveSteps {
  public:
   /// `system`, `ensemble` and `interrupted` must outlive this object.
@@ -29,21 +31,21 @@ class SlaveSteps {
   Ensemble& ensemble() const { return *ensemble_; }
   std::size_t count() const { return steps_.size(); }
   std::int64_t time_ns(std::int64_t k) const { return grid_.time_ns(k); }
-  /// Returns true if a step of the slave starts at t_k. If the slave's step is h, avoids the division, which costs as
-  /// much as a small FMU's step.
+  /// Returns true if a step of the slave starts at t_k. If the slave has no longer step, avoids the division, which
+  /// takes as long as a small FMU's step.
   bool begins_step(std::size_t slave, std::int64_t k) const {
     return steps_[slave].multiple == 1 || k % steps_[slave].multiple == 0;
   }
 
-  /// Sets the slave's inputs to the ensemble's present values, if one of its steps starts at t_k.
+  /// Sets the slave's inputs to the ensemble's present values, if a step of the slave starts at t_k.
   void write_inputs(std::size_t slave, std::int64_t k);
-  /// Performs the slave's step that starts with this communication step. May be called for several slaves at the same
-  /// time on different threads. After an interrupt, throws InterruptedError in place of the call. Throws the slave's
-  /// exceptions.
+  /// Performs the step of the slave that starts at the start of this communication step. May be called for several
+  /// slaves at the same time on different threads. After an interrupt, throws InterruptedError in place of the call.
+  /// Throws the slave's exceptions.
   StepResult step(std::size_t slave, const GridStep& span);
   /// Waits for a pending step. Throws SlaveError if the slave rejects the step.
   StepResult finish(std::size_t slave, const GridStep& span, StepResult result);
-  /// Reads the slave's outputs at t_k, if one of the slave's steps ends there.
+  /// Reads the slave's outputs at t_k, if a step of the slave ends at t_k.
   void read_outputs(std::size_t slave, std::int64_t k);
 
   /// Returns why the run ends at t_k; empty if the slave has finished its step.
@@ -64,7 +66,7 @@ class SlaveSteps {
   std::vector<Step> steps_;  // by slave
 };
 
-/// Returns an end with a text such as "interrupted at 3 s".
+/// Returns an End whose text is, for example, "interrupted at 3 s".
 End interrupted_at(std::int64_t time_ns);
 
 /// Advances the slave by one step, in several parts if necessary. If the slave discards a step, restores the slave's

@@ -11,12 +11,12 @@ namespace {
 
 constexpr std::int64_t kShortestPartNs = 1000;
 
-/// Returns the length of the part to try next: up to the time that the FMU reached, rounded down to nanoseconds, else
-/// half of the discarded part.
+/// Returns the length of the next step to try. If the FMU reported the time that it reached, the step ends at this
+/// time, rounded down to nanoseconds. Otherwise the step has half the length of the discarded step.
 std::int64_t shorter_part(const StepResult& result, std::int64_t at_ns, std::int64_t part_ns) {
   if (result.last_successful_s) {
     const double reached_ns = *result.last_successful_s * 1e9;
-    // A time that means a whole nanosecond may be slightly below it, because of rounding.
+    // Because of rounding, the reported time may be slightly below the whole nanosecond that it represents.
     const double roundings_ns = 4 * std::numeric_limits<double>::epsilon() * std::abs(reached_ns);
     const double length_ns = std::floor(reached_ns + roundings_ns) - static_cast<double>(at_ns);
     if (length_ns >= kShortestPartNs && length_ns < static_cast<double>(part_ns)) {

@@ -30,7 +30,7 @@ void StepPool::run(std::size_t count, const std::function<void(std::size_t)>& wo
   ++round_;
   round_.notify_all();
   take_work();
-  // All threads must have left a round before the next round changes the shared data.
+  // All threads must have left one round before the next round changes the shared data.
   for (auto busy = busy_.load(); busy != 0; busy = busy_.load()) busy_.wait(busy);
 }
 

@@ -13,28 +13,28 @@
 
 namespace mebots::master {
 
-/// Determines by trial whether parallel stepping is faster, from the wall time of windows of steps. The choice affects
-/// speed only, not the bits of the results.
+/// Determines by trial whether parallel stepping is faster. Compares the wall times of windows, which are sequences of
+/// kWindow steps. The choice affects speed only, not the bits of the results.
 ///
 /// The first windows are serial. If the steps are long enough, a parallel window is tried. Parallel stepping continues
-/// as long as every window is faster than the fastest of the last few serial windows. Earlier serial windows do not
-/// count, because their steps may have been more expensive. A parallel window that takes longer than a serial one is
+/// as long as every window is faster than the fastest of the last few serial windows. Older serial windows do not
+/// count, because their steps may have taken longer. A parallel window that takes longer than a serial one is
 /// abandoned, so a trial costs at most the time of one serial window. After failed trials, further trials become rare.
 class ThreadPolicy {
  public:
   /// The number of steps in a window.
   static constexpr int kWindow = 16;
-  /// Shorter steps are never tried in parallel, because waking threads and waiting for them costs at least this time
-  /// [s].
+  /// The minimum duration of a step that is tried in parallel [s]. Waking threads and waiting for them takes at least
+  /// this time.
   static constexpr double kLeastStep_s = 20e-6;
-  /// Parallel stepping must save at least a twentieth; smaller differences are noise.
+  /// Parallel stepping must reduce the time by at least a twentieth, because smaller differences are noise.
   static constexpr double kGain = 0.95;
 
   /// True if the next step must be taken in parallel.
   bool parallel() const { return parallel_; }
   /// Must be called after each step.
   void stepped();
-  /// Reports the duration of a window [s], complete or abandoned.
+  /// Must be called with the duration of a window [s], even if the window was abandoned.
   void window_took(double time_s);
 
  private:
@@ -67,14 +67,14 @@ class ThreadPolicy {
 /// Threads that share the work of a communication step.
 class StepPool {
  public:
-  /// `threads` includes the caller's own.
+  /// `threads` includes the thread of the caller.
   explicit StepPool(unsigned threads);
   ~StepPool();
   StepPool(const StepPool&) = delete;
   StepPool& operator=(const StepPool&) = delete;
 
-  /// Calls work(0) ... work(count - 1), each once, in any order and on any thread. Returns when all are done. `work`
-  /// must not throw.
+  /// Calls work(0) ... work(count - 1) once each, in any order and on any thread. Returns when all calls have returned.
+  /// `work` must not throw.
   void run(std::size_t count, const std::function<void(std::size_t)>& work);
 
  private:

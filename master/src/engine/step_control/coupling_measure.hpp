@@ -11,10 +11,9 @@
 
 namespace mebots::master {
 
-/// Measures the error of a communication step divided by its tolerance: the largest of all inputs and bonds that the
-/// step control measures. The error of an input is the integral of its deviation from the source; that of a bond is the
-/// created energy. Each is thus the step's contribution to the error of the run. The tolerance applies to a step of the
-/// greatest length.
+/// Measures the error of a communication step, divided by its limit. The result is the largest value of all inputs and
+/// bonds that step control measures. The error of an input is the integral of its deviation from the source over the
+/// step. The error of a bond is the created energy. The limit is the tolerance times the maximum length of a step.
 class CouplingMeasure {
  public:
   /// All arguments must outlive this object. Must be created before Ensemble::initialize(). Throws the same errors as
@@ -26,7 +25,7 @@ class CouplingMeasure {
     int order = 2;                          ///< the power of the step with which it grows
     std::optional<std::size_t> worst = {};  ///< index of the input or bond in ResolvedStepControl::measured
   };
-  /// Returns the error of the step that ends at this point, which the ensemble has reached.
+  /// Returns the error of the step that ends at `point`. The ensemble must have reached this point.
   Error error(const Point& point) const;
   /// Starts the next step at this point.
   void advance(const Point& point);
@@ -43,7 +42,7 @@ class CouplingMeasure {
 
     void visit(state::Visitor& v);
   };
-  /// An integral over the step, and the magnitude to which the relative tolerance refers.
+  /// The integral of an error over a step, and the magnitude to which the relative tolerance refers.
   struct Measured {
     double error = 0;
     double magnitude = 0;

@@ -33,8 +33,8 @@ ForcedPoints::ForcedPoints(const ResolvedSystem& system, Ensemble& ensemble, con
   for (const auto& group : system.clock_groups) with_clocks_.push_back(group.members.front());
 }
 
-/// Returns the first point that is not before the time. The time of a point may be rounded down to a nanosecond, if the
-/// step is a ratio.
+/// Returns the number of the first point that is not before `time_ns`. If the step is a ratio, the time of a point may
+/// be rounded down to a nanosecond.
 std::int64_t ForcedPoints::point_from(std::int64_t time_ns) const {
   const auto k = grid_.point_at(time_ns);
   return grid_.has_passed(time_ns, grid_.time_ns(k), 0) ? k : k + 1;

@@ -21,7 +21,7 @@ class ForcedPoints {
 
   /// Returns the first forced point after t_k.
   std::int64_t after(std::int64_t k) const;
-  /// True if an override starts, ends or changes its values at t_k. Variables may jump at such a point.
+  /// True if an override starts, ends or changes its values at t_k. Variables may jump at t_k in this case.
   bool is_event(std::int64_t k) const;
 
  private:

@@ -24,14 +24,14 @@ class StepControl {
 
   /// Performs one communication step from t_k. If the error of the step exceeds the tolerance, and all slaves can
   /// restore their states, repeats the step with half the length. Sets `reached` to the end of the step. Returns and
-  /// throws like Algorithm::step().
+  /// throws the same as Algorithm::step().
   std::optional<End> step(Algorithm& algorithm, std::int64_t k, std::int64_t& reached);
 
   const StepStatistics& statistics() const { return statistics_; }
   void visit(state::Visitor& v);
 
  private:
-  /// Everything that a step changes, except the control itself.
+  /// The data that must be restored before a step is repeated. The data of step control itself are not included.
   struct SavedPoint {
     std::vector<std::unique_ptr<SlaveState>> slaves;
     std::vector<std::byte> values;

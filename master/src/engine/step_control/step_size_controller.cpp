@@ -9,13 +9,13 @@
 namespace mebots::master {
 namespace {
 
-/// Smaller and larger errors count as these limits. The factor reaches its own limits long before. Without an upper
-/// limit, two infinite errors in a row would give 0 times infinity.
+/// Limits of the error. A smaller or larger error is replaced by the limit. The factor of the step length reaches its
+/// own limits at less extreme errors. Without an upper limit, two infinite errors in a row would give 0 times infinity.
 constexpr double kSmallestError = 1e-12;
 constexpr double kLargestError = 1e12;
 constexpr double kOrderOfGains = 2;
 
-/// Returns the error within its limits. NaN counts as the largest error.
+/// Returns the error, limited to kSmallestError and kLargestError. NaN counts as the largest error.
 double bounded(double error) {
   return error < kLargestError ? std::max(error, kSmallestError) : kLargestError;
 }
@@ -41,7 +41,8 @@ void StepSizeController::accept(const Step& step) {
   error_before_ = error;
   const bool was_cut = !step.was_repeated && step.length < static_cast<std::int64_t>(wanted_);
   const double taken = was_cut || step.was_repeated ? static_cast<double>(step.length) : wanted_;
-  // If the last step was shorter than wanted and its error was small, the wanted length is still acceptable.
+  // If the last step had to be shorter than the wanted length, and its error was small, the wanted length is not
+  // reduced.
   const double least = was_cut && step.error <= 1 ? wanted_ : 0;
   wanted_ = std::clamp(std::max(taken * factor, least), static_cast<double>(limits.min_steps),
                        static_cast<double>(limits.max_steps));

@@ -10,16 +10,16 @@ namespace mebots::master {
 
 /// Chooses the length of the next step from the errors of the last two steps: a PI controller as in ECCO. The next step
 /// is the last one times safety * e^-(kI + kP) * e_before^kP, within the limits of the factor and of the step. Here, e
-/// is the error of the last step and e_before that of the previous step, both relative to their tolerance. Lengths are
-/// in steps of the grid. The gains are valid for errors that are proportional to the square of the step. If an error is
-/// proportional to another power p of the step, e is the error to the power 2 / p.
+/// is the error of the last step, and e_before the error of the step before it. Both errors are relative to their
+/// limits. Lengths are in steps of the grid. The gains are valid for errors that are proportional to the square of the
+/// step. If an error is proportional to another power p of the step, e is the error to the power 2 / p.
 class StepSizeController {
  public:
   /// The description must outlive the controller.
   explicit StepSizeController(const StepControlDescription& description);
 
-  /// Returns the length of the next step. It is at most `limit`, the distance to a point that must not be passed. If
-  /// one step would not reach that point and two steps would pass it, returns half of the distance.
+  /// Returns the length of the next step. The length is at most `limit`, the distance to a point that must not be
+  /// passed. If one step would not reach this point and two steps would pass it, returns half of the distance.
   std::int64_t next(std::int64_t limit) const;
   /// The result of a step.
   struct Step {
