@@ -25,7 +25,8 @@ using modeldesc::ModelDescription;
 
 using master::FmuKind;
 
-/// True for functions of the other kind, which may have another library.
+/// True for functions that only the other kind of FMU (co-simulation or model exchange) needs. It may have a separate
+/// library.
 bool is_of_other_kind(fmi2::Need need, FmuKind kind) {
   if (kind == FmuKind::co_simulation) return need == fmi2::Need::to_integrate;
   return need == fmi2::Need::to_step || need == fmi2::Need::co_simulation;
@@ -61,8 +62,8 @@ bool is_linkers_own(std::string_view name) {
 }
 
 /// Resolves needed libraries as ld.so(8) does: RPATH of the library and of the libraries that need it (unless the
-/// library has a RUNPATH), LD_LIBRARY_PATH, RUNPATH, and then the system's folders. For the system's folders, it calls
-/// the loader.
+/// library has a RUNPATH), LD_LIBRARY_PATH, RUNPATH, and then the system's folders. Libraries in the system's folders
+/// are found by calling the loader.
 class NeededLibraries {
  public:
   NeededLibraries(fs::path folder, Findings findings) : folder_(std::move(folder)), findings_(findings) {}
@@ -105,7 +106,7 @@ class NeededLibraries {
         "install its package, or put it into the folder of the FMU's own library and link with -Wl,-rpath,'$ORIGIN'");
   }
 
-  /// Loading executes the library's start-up code, so a child process does it.
+  /// Loading a library executes its start-up code. Therefore a child process loads the library.
   static bool system_has(const std::string& needed) {
     Check check;
     run_in_child({.severity = Severity::error, .way_out = "", .deadline_s = 10}, check, [&](Witness& witness) {

@@ -28,7 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Index of the probe with the plain run.
+/// The index of the probe that makes a plain run.
 constexpr std::size_t kPlainRun = 1;
 
 std::string plain_run_name(const char* end) {
@@ -289,7 +289,8 @@ class FmuCheck {
       run_probes(exchange_probes(fmu_, folder_.path(), model_));
   }
 
-  /// Makes a check of a library, and reports a library that cannot be read. Returns false if there is an error.
+  /// Calls `make`, which checks a library. Reports an error if the library cannot be read. Returns false if there is an
+  /// error.
   template <typename Make>
   static bool look(Check& check, const Make& make) {
     try {
@@ -354,7 +355,7 @@ class FmuCheck {
     }
   }
 
-  /// True if the FMU starts only with a stop time, which is reported.
+  /// Returns true and reports a warning if the FMU starts only with a stop time.
   bool needs_stop_time(const Target& target) {
     const auto probe = start_probe();
     Check aside;

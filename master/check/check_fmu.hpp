@@ -21,9 +21,9 @@ struct Options {
 /// the file cannot be read.
 Report check_fmu(const std::filesystem::path& fmu, const Options& options);
 
-/// Returns the report for people: findings by group, with remedies.
+/// Returns the report as readable text: findings by group, with remedies.
 std::string to_text(const Report& report);
-/// Returns the report for machines. Keys: fmu, summary, level, clean, errors, warnings, platforms [{folder, machine,
+/// Returns the report as JSON. Its keys are fmu, summary, level, clean, errors, warnings, platforms [{folder, machine,
 /// glibc, missing}], checks [{group, name, result, why, findings}].
 std::string to_json(const Report& report);
 

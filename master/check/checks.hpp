@@ -42,7 +42,8 @@ void check_structure(const ModelDescription& model, Findings findings);
 /// Checks that each OSMP binary has three Integers of one causality with start 0.
 void check_osmp(const ModelDescription& model, Findings findings);
 
-/// True for a name of the structured naming convention: identifiers, `der(...)`, array indices, quoted names.
+/// True for a name that follows the structured naming convention, which consists of identifiers, `der(...)`, array
+/// indices and quoted names.
 bool is_structured_name(std::string_view name);
 
 /// Checks platforms and files under binaries/ of the unpacked FMU in `folder`. `identifier` is the name of the
@@ -51,7 +52,7 @@ void check_platforms(const modeldesc::ModelDescription& model, const std::string
                      const std::filesystem::path& folder, Findings findings);
 /// Checks that the header of a library belongs to the platform of its folder.
 void check_machine(const std::filesystem::path& library, const modeldesc::Platform& expected, Findings findings);
-/// Returns whether the library exists and is built for this machine. Throws Error if it cannot be read.
+/// Returns whether the library exists and is built for this machine. Throws Error if the library cannot be read.
 bool is_own_binary(const std::filesystem::path& library);
 /// Warns if the library for this machine does not exist.
 void check_own_binary(const std::filesystem::path& library, Findings findings);

@@ -27,7 +27,7 @@
 namespace mebots::check {
 namespace {
 
-/// A page shared by parent and child; it survives the child.
+/// A page of memory that parent and child share. It still exists after the end of the child.
 struct BlackBox {
   char doing[400];
   char callback[40];  // name of our callback in which a signal ended the child
@@ -53,8 +53,8 @@ class SharedBox {
 
 BlackBox* signalled_box = nullptr;
 
-/// Records whether the crash is in code of mebots. Then the signal's default action ends the process, because of
-/// SA_RESETHAND.
+/// Records whether the crash is in code of mebots. After that, the signal's default action ends the process, because
+/// the handler was installed with SA_RESETHAND.
 void on_signal(int signal) {
   const auto callback = master::current_callback();
   const char* name = callback.only_memory ? nullptr : callback.name;  // a bad pointer is the fault of the FMU that
@@ -132,11 +132,11 @@ class PipeWitness final : public Witness {
   _exit(0);  // skips the destructors of the parent's copy
 }
 
-/// The part of its deadline that a child has used: seconds of computing and of sleeping. Waiting for a processor does
-/// not count.
+/// The time that a child has used of its deadline [s], which includes computing and sleeping. Waiting for a processor
+/// does not count.
 class SpentTime {
  public:
-  /// `child` contains the child's number after its start.
+  /// When the child has started, `child` contains its process number.
   explicit SpentTime(const std::atomic<pid_t>& child) : child_(&child) {}
 
   double seconds() {
@@ -157,7 +157,7 @@ class SpentTime {
       return computed_s_;
     return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
   }
-  /// In the format of proc(5), the state is the letter after the name in parentheses.
+  /// In /proc/PID/stat, the state is the letter after the name in parentheses.
   bool sleeps() const {
     std::ifstream file(fmt::format("/proc/{}/stat", child_->load()));
     const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
@@ -183,7 +183,7 @@ bool is_given_up(const CrashRule& rule) {
 
 /// Reads until the child closes its end of the pipe or the child ends. A process that the child has started may keep
 /// the pipe open after the child's end, so both conditions are checked. Returns false if the deadline passes or the
-/// user cancels first.
+/// user cancels the check before both have ended.
 bool read_all(int pipe, pid_t keeper, const BlackBox& box, const CrashRule& rule, std::string& text) {
   constexpr int kLook_ms = 50;
   SpentTime spent(box.child);
@@ -219,7 +219,7 @@ void take(const std::string& lines, Findings& findings) {
   }
 }
 
-/// The end of a child process.
+/// How a child process ended.
 struct ChildEnd {
   bool in_time;
   int status;
@@ -269,7 +269,8 @@ std::string crash_text(const ChildEnd& end) {
                      strsignal(signal), end.doing);
 }
 
-/// Decides whether the FMU or mebots caused a crash in a callback.
+/// Decides whether the FMU or mebots caused a crash in a callback. Repeats the experiment with callbacks that do
+/// nothing.
 void judge(const CrashRule& rule, Findings& findings, const ChildEnd& end, const std::function<void(Witness&)>& work) {
   Check dropped;  // the first run has already reported its findings
   Findings dropped_findings(dropped);

@@ -10,7 +10,7 @@
 
 namespace mebots::check {
 
-/// The reports that code in a child process sends to its parent.
+/// Receives the reports of an experiment in a child process, and sends them to the parent.
 class Witness {
  public:
   virtual ~Witness() = default;
@@ -18,7 +18,7 @@ class Witness {
   virtual void warning(std::string text, std::string way_out) = 0;
   /// Reports a warning at level pedantic.
   virtual void remark(std::string text, std::string way_out) = 0;
-  /// Records the next call, so that a crash report can name it.
+  /// Records the next call to the FMU, so that a crash report can name this call.
   virtual void doing(std::string_view what) = 0;
 };
 
@@ -28,7 +28,7 @@ class Interrupted final : public std::exception {
   const char* what() const noexcept override { return "interrupted"; }
 };
 
-/// States how to rate a crash, an exit or a hang of the child, and what to advise.
+/// States the severity of a crash, an exit or a hang of the child, and the remedy to suggest.
 struct CrashRule {
   Severity severity = Severity::error;
   std::string way_out = "run the FMU under a debugger, or build it with -fsanitize=address";
@@ -36,7 +36,7 @@ struct CrashRule {
   const std::atomic<bool>* given_up = nullptr;  ///< true ends the child; null = never
 };
 
-/// An experiment, run in a separate child process.
+/// An experiment that runs in a separate child process.
 struct ChildProbe {
   std::string name;     ///< a statement that holds if the probe finds no error
   std::string skipped;  ///< why it does not apply to this FMU; empty if it applies
@@ -44,12 +44,12 @@ struct ChildProbe {
   bool is_plain = false;  ///< a plain run: if it fails, the following probes are skipped
 };
 
-/// Runs foreign code safely: in a forked child with a deadline and without standard output. The child's findings so far
-/// always arrive; a crash, an exit or a hang becomes a finding too. Afterwards the child and all its descendants have
-/// ended; they also end with this process. If a callback of mebots crashes, a second run uses callbacks that do
-/// nothing. If that run crashes, too, the FMU is the cause; otherwise the callback is. The calling process must have
-/// one thread only. Throws mebots::Error if no child can be created or a callback of mebots failed. If the user
-/// cancelled, throws Interrupted after the child has ended.
+/// Runs foreign code safely: in a forked child with a deadline and without standard output. Findings before a crash, an
+/// exit or a hang of the child are kept, and this event becomes a finding too. When the function returns, the child and
+/// all its descendants have ended. They also end if this process ends. If a callback of mebots crashes, a second run
+/// uses callbacks that do nothing. If the second run crashes, too, the cause is the FMU; otherwise it is the callback.
+/// The calling process must have one thread only. Throws mebots::Error if no child can be created or a callback of
+/// mebots failed. If the user cancelled, throws Interrupted after the child has ended.
 void run_in_child(const CrashRule& rule, Findings findings, const std::function<void(Witness&)>& work);
 
 }  // namespace mebots::check

@@ -63,7 +63,7 @@ std::vector<Variability> legal_variabilities(Causality causality) {
   return {};
 }
 
-/// Returns the permitted values of `initial`; an empty list if `initial` must not be given.
+/// Returns the permitted values of `initial`; an empty list if the attribute `initial` is not permitted.
 std::vector<Initial> legal_initials(Causality causality, Variability variability) {
   using I = Initial;
   if (causality == Causality::input || causality == Causality::independent) return {};

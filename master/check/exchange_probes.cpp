@@ -22,16 +22,16 @@ constexpr int kEulerSteps = 20;
 constexpr int kEulerHalf = kEulerSteps / 2;
 constexpr double kEulerStep_s = 0.01;
 constexpr int kMostUpdates = 1000;
-/// If states exceed this limit, the cause is the method (explicit Euler), not the FMU.
+/// The limit for states. If they exceed it, the cause is the integration method (explicit Euler), not the FMU.
 constexpr double kDiverged = 1e100;
 
-/// A function of both versions, for reports of crashes.
+/// The name of a function in FMI 2.0 and 3.0, for reports of crashes.
 struct FunctionName {
   const char* fmi2;
   const char* fmi3;
 };
 
-/// The state of an integration.
+/// The state of an integration that was saved.
 struct Saved {
   std::unique_ptr<master::SlaveState> instance;
   std::vector<double> indicators;
@@ -39,7 +39,8 @@ struct Saved {
   bool ended;
 };
 
-/// Integrates an instance by explicit Euler: sufficient to check that derivatives are finite and events end.
+/// Integrates an instance by the explicit Euler method. This is sufficient to check that derivatives are finite and
+/// that events end.
 class Euler {
  public:
   Euler(const std::filesystem::path& archive, const std::filesystem::path& folder, Witness& witness)

@@ -16,7 +16,7 @@ namespace mebots::check {
 /// An error violates the standard or breaks the FMU; a warning will affect some tools or users.
 enum class Severity { error, warning };
 
-/// The strictness of a check: each level includes the findings of the previous ones.
+/// The strictness of a check: each level includes the findings of the previous levels.
 enum class Level {
   interoperable,  ///< problems that keep other tools from running the FMU, or that affect them
   standard,       ///< requirements of FMI
@@ -68,7 +68,7 @@ class Findings {
  public:
   Findings(Check& check) : check_(&check), level_(check.level) {}  // NOLINT(google-explicit-constructor)
 
-  /// Returns a collector for the same check at this level, if it is higher.
+  /// Returns a collector for the same check. Its level is `level` or the present level, whichever is higher.
   Findings at(Level level) const {
     Findings other = *this;
     other.level_ = std::max(level_, level);

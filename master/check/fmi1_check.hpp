@@ -6,12 +6,12 @@
 
 #include <filesystem>
 
-/// Checks of FMI 1.0 co-simulation FMUs: the requirements for running them in any tool.
+/// Checks of co-simulation FMUs of FMI 1.0. They cover the requirements for running such an FMU in any tool.
 namespace mebots::check {
 
 /// Checks names, start values and references of the variables.
 void check_fmi1_variables(const modeldesc::ModelDescription& model, Findings findings);
-/// Checks that the library exports the functions of FMI 1.0 with the model's identifier in front.
+/// Checks that the library exports the functions of FMI 1.0 with the model's identifier as prefix.
 void check_fmi1_symbols(const modeldesc::ModelDescription& model, const std::filesystem::path& library,
                         Findings findings);
 

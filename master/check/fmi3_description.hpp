@@ -15,12 +15,12 @@
 #include <string_view>
 #include <vector>
 
-/// Checks FMUs of FMI 3.0 on the text of their files, so that each finding has a line number.
+/// Checks of FMUs of FMI 3.0. They examine the text of the FMU's files, so that each finding has a line number.
 namespace mebots::check {
 
 using modeldesc::words_of;
 
-/// A declared variable, with FMI's defaults filled in.
+/// A declared variable. Missing attributes have FMI's default values.
 struct Fmi3Declared {
   pugi::xml_node node;
   std::string name;
@@ -46,11 +46,11 @@ class Fmi3Description {
   const std::vector<Fmi3Declared>& variables() const { return variables_; }
   /// Returns null if no variable has this reference.
   const Fmi3Declared* find(std::uint32_t reference) const;
-  /// Returns text such as "line 12".
+  /// Returns a text such as "line 12".
   std::string line(pugi::xml_node node) const;
-  /// Returns text such as "line 12, cell.voltage".
+  /// Returns a text such as "line 12, cell.voltage".
   std::string place(const Fmi3Declared& variable) const;
-  /// Returns <CoSimulation> and the other kinds that the FMU offers.
+  /// Returns the elements of the kinds that the FMU offers, such as <CoSimulation>.
   std::vector<pugi::xml_node> interfaces() const;
 
  private:
@@ -64,7 +64,7 @@ class Fmi3Description {
 
 /// Checks identifiers, capabilities, log categories and default experiment.
 void check_fmi3_head(const Fmi3Description& description, Findings findings);
-/// Checks that names and value references are unique, aliases included.
+/// Checks that names and value references are unique. Names include aliases.
 void check_fmi3_names(const Fmi3Description& description, Findings findings);
 /// Checks the combinations of causality, variability, initial and start, and that there is exactly one independent
 /// variable.
@@ -76,7 +76,7 @@ void check_fmi3_types(const Fmi3Description& description, Findings findings);
 void check_fmi3_arrays(const Fmi3Description& description, Findings findings);
 /// Checks intervals of clocks, and references to clocks and previous values.
 void check_fmi3_clocks(const Fmi3Description& description, Findings findings);
-/// Checks that ModelStructure lists outputs and initial unknowns, each once, with existing dependencies.
+/// Checks that ModelStructure lists each output and each initial unknown once, and that their dependencies exist.
 void check_fmi3_structure(const Fmi3Description& description, Findings findings);
 
 /// Checks terminalsAndIcons/terminalsAndIcons.xml and its pictures, if they exist.
@@ -85,10 +85,11 @@ void check_fmi3_terminals(const Fmi3Description& description, const std::filesys
 void check_extra(const std::filesystem::path& folder, Findings findings);
 /// Checks that each folder in binaries/ is a platform and contains the libraries that the description names.
 void check_fmi3_platforms(const Fmi3Description& description, const std::filesystem::path& folder, Findings findings);
-/// Checks that the library exports the functions of the kinds of FMU that it offers.
+/// Checks that the library exports the functions for all kinds that the FMU offers.
 void check_fmi3_symbols(const Fmi3Description& description, const std::filesystem::path& library, Findings findings);
 
-/// Returns the library of this machine's platform for the first interface; it may be missing.
+/// Returns the path of the library for this machine and for the first kind that the FMU offers. The file may be
+/// missing.
 std::filesystem::path fmi3_library_path(const Fmi3Description& description, const std::filesystem::path& folder);
 
 }  // namespace mebots::check

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks the files of an unpacked FMI 3.0 FMU other than its description.
+// Checks the files of an unpacked FMI 3.0 FMU, except modelDescription.xml.
 #include "checks.hpp"
 #include "fmi3_description.hpp"
 
@@ -21,8 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Returns the platform of a folder name, without its ABI; null if the name is not that of a platform. Platforms that
-/// the standard does not list are named <architecture>-<system>{-<ABI>}.
+/// Returns the platform that a folder name states, without its ABI. Null if the folder name is not that of a platform.
+/// Platforms that the standard does not list are named <architecture>-<system>{-<ABI>}.
 const modeldesc::Platform* platform_named(std::string_view name) {
   const auto system = name.find('-') + 1;
   const auto platforms = modeldesc::platforms();
@@ -84,7 +84,7 @@ bool is_reversed_domain(std::string_view name) {
          std::ranges::all_of(name, is_label);
 }
 
-/// The functions of all FMUs and of single kinds, as lists separated by spaces.
+/// The functions that all FMUs need, and those that only one kind needs, as lists separated by spaces.
 constexpr std::string_view kCommon =
     "GetVersion SetDebugLogging FreeInstance EnterInitializationMode ExitInitializationMode EnterEventMode Terminate "
     "Reset GetFloat32 GetFloat64 GetInt8 GetUInt8 GetInt16 GetUInt16 GetInt32 GetUInt32 GetInt64 GetUInt64 GetBoolean "

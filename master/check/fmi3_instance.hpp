@@ -23,7 +23,7 @@ class Fmi3Refused : public Error {
   using Error::Error;
 };
 
-/// The loaded library of the FMU. Must be used inside a child process only.
+/// The loaded library of the FMU. Must be used only in a child process.
 class Fmi3Library {
  public:
   /// Throws Fmi3Refused if the library cannot be loaded.
@@ -31,7 +31,7 @@ class Fmi3Library {
 
   const Fmi3Target& target() const { return target_; }
   Witness& witness() const { return witness_; }
-  /// Returns the function of this name; throws Fmi3Refused if the library lacks it.
+  /// Returns the function with this name. Throws Fmi3Refused if the library lacks the function.
   template <typename Function>
   Function* find(const char* name) const {
     return reinterpret_cast<Function*>(address(name));

@@ -38,8 +38,8 @@ std::string bash_completion(const Command& program);
 std::string fish_completion(const Command& program);
 std::string zsh_completion(const Command& program);
 
-/// Returns the manual page (man(7)) of a command. `program` is the program's name; `command` on the program's own page
-/// has the same name.
+/// Returns the manual page (man(7)) of a command. `program` is the name of the program. For the page of the program
+/// itself, `command` has the same name.
 std::string manual_page(const Command& command, const std::string& program, const std::string& version);
 
 }  // namespace mebots::command_line
@@ -50,10 +50,10 @@ class App;
 
 namespace mebots::command_line {
 
-/// Handles two command lines that --help does not list, because packages use them and not people. `PROGRAM
+/// Handles two options that --help does not list, because only packages use them. `PROGRAM
 /// --print-completion bash|fish|zsh` prints the completion script of a shell. `PROGRAM --write-manuals FOLDER` writes
-/// one manual page for the program and one per command. Returns the exit code if the command line was one of these.
-/// `app` must have its name and all its commands. `version` is printed on the pages.
+/// one manual page for the program and one per command. If the command line contains one of these options, returns the
+/// exit code. `app` must have its name and all its commands. `version` is printed on the pages.
 std::optional<int> handle_hidden_options(const CLI::App& app, const std::string& version, int argument_count,
                                          const char* const* arguments);
 

@@ -54,7 +54,8 @@ std::vector<std::string> names_of(const std::vector<Argument>& options) {
 }
 
 /// Returns the code for bash that completes a command line after the command's name. After an option with listed
-/// values, it offers these values; after other options with a value, files; after a dash, options.
+/// values, the code offers these values. After an option with another value, it offers files. After a dash, it offers
+/// options.
 std::string bash_case(const Command& command, const std::string& pattern) {
   std::string text = fmt::format("    {})\n      case $before in\n", pattern);
   std::vector<std::string> with_value;
@@ -73,7 +74,8 @@ std::string bash_case(const Command& command, const std::string& pattern) {
   return text;
 }
 
-/// Returns the options of a command for fish; `condition` is fish code that enables them.
+/// Returns the options of a command for fish; `start` is the beginning of each line, with fish code that enables the
+/// option.
 std::string fish_options(const Command& command, const std::string& start) {
   std::string text;
   for (const auto& option : command.options) {
@@ -109,7 +111,7 @@ std::string zsh_arguments(const Command& command) {
   return text + " \\\n          '*:file:_files'";
 }
 
-/// Returns the end of the zsh function, and the lines that call or register it.
+/// Returns the end of the zsh function, and the lines that call or register the function.
 std::string zsh_end(const Command& program) {
   return fmt::format(R"(}}
 if [[ $funcstack[1] == {0} ]]; then

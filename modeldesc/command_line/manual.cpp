@@ -51,7 +51,7 @@ std::string list_of(const std::string& title, const std::vector<Argument>& argum
   return text;
 }
 
-/// Converts the footer: a line that ends with a colon is a section title; indented lines below it are copied unchanged.
+/// Converts the footer: a line that ends with a colon becomes a section title. Indented lines are copied unchanged.
 std::string sections_of(const std::string& footer) {
   std::string text;
   bool is_literal = false;

@@ -22,7 +22,7 @@ class TextLines {
   TextLines() : TextLines(std::string()) {}
   explicit TextLines(std::string text);
 
-  /// Returns ":line:column", both counted from 1. Columns count UTF-8 characters.
+  /// Returns the place as ":line:column". Lines and columns are counted from 1. Columns count UTF-8 characters.
   std::string place(std::size_t offset) const;
 
  private:
@@ -67,8 +67,8 @@ std::vector<Value> parse(std::string_view text, const std::string& name, const T
 /// Lists the values of JSON that is in memory.
 std::vector<Value> values_of(const nlohmann::ordered_json& json);
 
-/// Replaces zero bytes by JSON's \u0000. A file can contain that escape, and a zero byte would cut off the message of
-/// what().
+/// Replaces zero bytes by JSON's \u0000. A file can contain a zero byte in this form. The message of what() would end
+/// at a zero byte.
 std::string without_zero_bytes(std::string_view text);
 
 /// Returns the JSON pointer of the value with this index; empty for the root.

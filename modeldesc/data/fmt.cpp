@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compiles the functions of {fmt} that its headers only declare, once for the whole project. Debian's {fmt} has these
-// functions only in a shared library, which an FMU must not need. With fmt::fmt-header-only, every source would compile
-// them again, which took two thirds of a source's compile time.
+// functions only in a shared library, which an FMU must not need. With fmt::fmt-header-only, every source file would
+// compile these functions again.
 #include <fmt/format-inl.h>
 
 FMT_BEGIN_NAMESPACE

@@ -18,9 +18,9 @@ char lower(char c) {
   return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
 }
 
-/// Returns edit_distance(), or any number above `most` if the distance is greater. Most names differ so much that a few
-/// characters show it. With this early exit, a file with many wrong names is rejected as fast as a correct file is
-/// read.
+/// Returns edit_distance(), or any number above `most` if the distance is greater than `most`. For most names, the
+/// first characters already show this, and the function returns early. Therefore a file with many wrong names is
+/// rejected as fast as a correct file is read.
 std::size_t bounded_distance(std::string_view a, std::string_view b, std::size_t most) {
   if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) > most) return most + 1;
   std::vector<std::size_t> rows(3 * (b.size() + 1));

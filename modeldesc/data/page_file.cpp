@@ -32,7 +32,7 @@ std::string escaped(std::string_view text) {
   return result;
 }
 
-/// Replaces the single `{{name}}` in the page by `text`.
+/// Replaces `{{name}}`, which occurs once in the page, by `text`.
 void put(std::string& page, std::string_view name, std::string_view text) {
   const auto place = fmt::format("{{{{{}}}}}", name);
   const auto at = page.find(place);
@@ -48,7 +48,8 @@ std::string packed_text(std::string_view bytes) {
   return encode_base64(std::span(reinterpret_cast<const std::uint8_t*>(packed.data()), packed.size()));
 }
 
-/// Fills the page. `connect` is the source in the page's policy from which the page may fetch more data.
+/// Fills the page. `connect` is the source from which the page may fetch data, for `connect-src` in its content
+/// security policy.
 std::string fill(const PageParts& parts, const std::string& title, std::string_view connect, std::string_view data) {
   auto page = parts.frame;
   put(page, "title", escaped(title + " - MEbots"));

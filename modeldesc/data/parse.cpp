@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Finds the place of each value. The JSON library calls a function for every value, but does not report the value's
 // offset in the text. Therefore a cursor moves through the same text, by one token per call of the function. The parser
-// has already validated the text that the cursor passes, so the cursor needs few rules of JSON.
+// has already validated the text before the cursor, so the cursor needs few rules of JSON.
 #include "content.hpp"
 
 #include <fmt/format.h>
@@ -110,7 +110,8 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
     if (error.id == kNumberOverflow) {
       refuse(ErrorCode::value_out_of_range, next_token(), fmt::format("the number {} is too large", token));
     }
-    // The library's message starts with "[json.exception.parse_error.101] parse error at line 3, column 5: ...".
+    // The message of the JSON library starts with "[json.exception.parse_error.101] parse error at line 3, column 5:
+    // ...".
     std::string what = error.what();
     const auto end_of_tag = what.find(": ");
     if (end_of_tag != std::string::npos) what = what.substr(end_of_tag + 2);
@@ -180,8 +181,8 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
     return true;
   }
 
-  /// Reports duplicate keys of a closed object. Most objects have few members, which are compared in pairs; the members
-  /// of large ones are sorted.
+  /// Reports duplicate keys of an object whose end was read. If an object has few members, they are compared in pairs.
+  /// Otherwise the members are sorted.
   void note_keys_that_stand_twice(std::size_t object) {
     constexpr std::size_t kFew = 16;
     members_.clear();
@@ -226,7 +227,7 @@ class Lister {
  public:
   std::vector<Value> values() { return std::move(values_); }
 
-  /// `position` is the index in the list or object.
+  /// `position` is the index of the value in its list or object.
   void add(const nlohmann::ordered_json& json, std::size_t parent, std::size_t position, std::string key) {
     const auto index = values_.size();
     auto& value = values_.emplace_back();

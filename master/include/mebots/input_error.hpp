@@ -5,8 +5,8 @@
 
 namespace mebots {
 
-/// An input of the user cannot be used: a call, the command line, the config, an FMU, a start value, the results
-/// folder. `mebots` exits with code 2.
+/// Thrown if an input of the user cannot be used: a call, the command line, the config, an FMU, a start value, or the
+/// results folder. `mebots` exits with code 2.
 class InputError : public Error {
  public:
   using Error::Error;

@@ -14,14 +14,14 @@ namespace state {
 class Visitor;
 }
 
-/// The text of a value from `--set`; its type is determined when the FMU is open.
+/// The text of a value from `--set`; the type of the value is determined when the FMU is opened.
 struct UntypedText {
   std::string text;
 
   void visit(state::Visitor& v);
 };
 
-/// A value to set: true and false for Booleans; item name or number for enumerations.
+/// A value to set. For a Boolean, it is true or false; for an enumeration, the name or the number of an item.
 using Value = std::variant<double, std::int64_t, bool, std::string, UntypedText>;
 
 /// Replaces a start value of the config.

@@ -6,7 +6,8 @@
 
 namespace mebots {
 
-/// The states of a run, in order. Each of the first three can be followed by `failed`.
+/// The states of a run, in the order in which they occur. A run can become `failed` from each of the first three
+/// states.
 enum class RunState {
   open,     ///< the system is described; settings can still change
   ready,    ///< every FMU is initialised; the time is t = 0, or that of the resumed checkpoint
@@ -25,12 +26,12 @@ enum class EndReason {
   failed,          ///< an error
 };
 
-/// Returns a name such as "ready".
+/// Returns the name of a state, such as "ready".
 std::string_view name_of(RunState state);
-/// Returns the name used in summary.json, such as "stop_time".
+/// Returns the name of a reason in summary.json, such as "stop_time".
 std::string_view name_of(EndReason reason);
 
-/// An FMU that is not clean, with the reason: "o.fmu: it imports srand(), which changes random numbers".
+/// An FMU that is not clean, with the reason, such as "o.fmu: it imports srand(), which changes random numbers".
 struct Leftover {
   std::string text;
   bool in_process = false;  ///< it ran in this process, so that the next run here could be affected

@@ -6,7 +6,7 @@
 
 namespace mebots {
 
-/// A recorded variable with one value per entry of Mission::times(); Booleans are 0 and 1.
+/// The values of a recorded variable, one per entry of Mission::times(). Booleans are 0 and 1.
 struct Series {
   std::string name;  ///< instance.variable
   std::string unit;  ///< empty = none

@@ -9,9 +9,9 @@
 /// The macro then prints file, line, function and condition to stderr and aborts the process. Wrong input from outside
 /// throws a mebots::Error instead.
 ///
-/// Active if MEBOTS_ASSERTIONS is defined (presets dev, ci and those of the sanitizers). Otherwise (preset release) the
-/// condition is compiled but not evaluated, so it costs nothing and its variables count as used. Put a condition that
-/// contains a top-level comma in parentheses.
+/// The macro is active if MEBOTS_ASSERTIONS is defined (presets dev, ci, and the presets of the sanitizers). Without it
+/// (preset release), the condition is compiled but not evaluated. It takes no time, and its variables count as used.
+/// Put a condition that contains a top-level comma in parentheses.
 #ifdef MEBOTS_ASSERTIONS
 #define MEBOTS_ASSERT(condition, ...) \
   (static_cast<bool>(condition)       \
@@ -23,7 +23,7 @@
 
 namespace mebots {
 
-/// Uses stdio because it works without memory and before main().
+/// Uses stdio, which works even if no memory is available, and before main().
 [[noreturn, gnu::cold]] inline void assertion_failed(const char* condition, const char* file, int line,
                                                      const char* function, const char* why = nullptr) noexcept {
   std::fprintf(stderr, "%s:%d: %s: assertion failed: %s%s%s\n", file, line, function, condition,

@@ -20,11 +20,11 @@ namespace mebots {
 /// chip's programs use it. The bytes must outlive this object.
 class ElfBytes {
  public:
-  /// `name` and `code` are the file's name and the code in errors.
+  /// In errors, `name` is the file's name and `code` is the error code.
   ElfBytes(std::span<const std::uint8_t> bytes, std::string name, ErrorCode code)
       : bytes_(bytes), name_(std::move(name)), code_(code) {}
 
-  /// Throws Error with the file's name and `what`.
+  /// Throws Error. The message consists of the file's name and `what`.
   [[noreturn]] void fail(std::string_view what) const { throw Error(code_, fmt::format("{}: {}", name_, what)); }
 
   /// True if the file starts with the four bytes of every ELF file.
@@ -37,7 +37,7 @@ class ElfBytes {
     return offset <= bytes_.size() && size <= bytes_.size() - offset;
   }
 
-  /// Returns the bytes from `offset` on. Throws Error that names `what` if the file is shorter.
+  /// Returns `size` bytes from `offset` on. If the file is too short, throws Error that names `what`.
   std::span<const std::uint8_t> part(std::uint64_t offset, std::uint64_t size, std::string_view what) const {
     if (!has(offset, size)) {
       fail(fmt::format("the file is cut short: {} needs bytes {} to {} of {}", what, offset, offset + size,
@@ -46,7 +46,7 @@ class ElfBytes {
     return bytes_.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(size));
   }
 
-  /// Copies a structure from `offset`. Throws errors like part().
+  /// Copies the structure at `offset`. Throws the same errors as part().
   template <typename T>
   T get(std::uint64_t offset, std::string_view what) const {
     T value;

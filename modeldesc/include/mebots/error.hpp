@@ -8,12 +8,13 @@
 
 namespace mebots {
 
-/// The error type of the project. Its message says what is wrong, where (file, instance, variable), which value, and
-/// what to do. Its code tells programs the kind of the error. To add context, catch the error and keep its code:
+/// The error type of the project. The message states the problem, its place (file, instance, variable), the value, and
+/// the remedy. The code identifies the kind of the error for programs. To add context, catch the error and keep its
+/// code:
 ///
 ///     throw Error(error.code(), place + ": " + error.what());
 ///
-/// At the C boundary and in `main`, guards convert it into a status and a message.
+/// At the C boundary and in `main`, guards convert an Error into a status and a message.
 class Error : public std::runtime_error {
  public:
   explicit Error(const std::string& text) : Error(ErrorCode::unspecified, text) {}

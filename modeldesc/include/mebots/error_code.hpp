@@ -9,15 +9,15 @@
 
 namespace mebots {
 
-/// The kind of an error. The name of a code is stable: it keeps its meaning across versions, in C++, Python and files.
-/// Its number is not stable. New codes may be added.
+/// The kind of an error. The name of a code is stable: the name keeps its meaning across versions, in C++, Python and
+/// files. The number of a code is not stable. New codes may be added.
 enum class ErrorCode {
   unspecified,
   // files
   file_not_found,
   file_unreadable,
   file_unwritable,
-  // contents of files, command lines and calls
+  // Errors in the contents of files, in command lines and in calls.
   syntax_error,
   unknown_key,
   missing_key,
@@ -112,7 +112,7 @@ constexpr std::string_view name_of(ErrorCode code) {
   return kErrorCodes[static_cast<std::size_t>(code)].name;
 }
 
-/// Returns the code with this name, if it exists. For codes from another process or a file.
+/// If a code with this name exists, returns it. Used for codes that come from another process or a file.
 constexpr std::optional<ErrorCode> error_code_of(std::string_view name) {
   const auto* const found =
       std::find_if(kErrorCodes.begin(), kErrorCodes.end(), [&](const ErrorCodeRow& row) { return row.name == name; });

@@ -8,7 +8,7 @@
 /// Converts bytes to and from pairs of hexadecimal digits, as FMI 3.0 writes start values of type Binary.
 namespace mebots {
 
-/// Returns text such as "0a1bff".
+/// Returns a text such as "0a1bff".
 inline std::string hexadecimal(std::string_view bytes) {
   constexpr std::string_view kDigits = "0123456789abcdef";
   std::string text;
@@ -21,7 +21,8 @@ inline std::string hexadecimal(std::string_view bytes) {
   return text;
 }
 
-/// Returns the bytes of hexadecimal digits, which may be separated by white space; empty for other text.
+/// Returns the bytes of hexadecimal digits, which may be separated by white space; empty if the text contains anything
+/// else.
 inline std::optional<std::string> bytes_of_hexadecimal(std::string_view text) {
   const auto value_of = [](char c) -> int {
     if (c >= '0' && c <= '9') return c - '0';

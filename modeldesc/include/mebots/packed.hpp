@@ -11,10 +11,10 @@ enum class Packing {
   small,  ///< ten times as slow, for 15 % less
 };
 
-/// Compresses as in RFC 1950, which browsers call "deflate". Throws Error.
+/// Compresses bytes in the format of RFC 1950 (zlib), which browsers call "deflate". Throws Error.
 std::string deflated(std::string_view bytes, Packing packing);
 
-/// Returns a gzip file (RFC 1952) without name and date: equal bytes give equal files. Throws Error.
+/// Returns a gzip file (RFC 1952). It contains no name and no date, so equal bytes give equal files. Throws Error.
 std::string gzipped(std::string_view bytes, Packing packing);
 
 }  // namespace mebots

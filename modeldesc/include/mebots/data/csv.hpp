@@ -15,7 +15,7 @@ namespace mebots::data {
 
 /// Reads a table in CSV (RFC 4180) row by row: commas between cells, points in decimals, one header row with a name for
 /// each column. Accepts a byte order mark, CR LF and CR as line ends, quoted cells, and blanks around names and
-/// numbers. Skips empty lines. All errors are an Error that names file, line and column.
+/// numbers. Skips empty lines. Each error is reported as an Error that names file, line and column.
 class CsvReader {
  public:
   /// Reads the header. `text` must outlive the reader; `name` is the file's name in errors. Throws Error if the text is
@@ -24,14 +24,15 @@ class CsvReader {
 
   const std::string& name() const { return name_; }
   const std::vector<std::string>& header() const { return header_; }
-  /// Returns the index of the column with this name, if it exists.
+  /// If a column has this name, returns its index.
   std::optional<std::size_t> column(std::string_view name) const;
 
-  /// Reads the next row. Returns false at the end. Throws Error if the row has more or fewer cells than the header.
+  /// Reads the next row. Returns false at the end of the text. Throws Error if the row has more or fewer cells than the
+  /// header.
   bool next();
-  /// The line on which the row starts, from 1.
+  /// Returns the number of the line on which the row starts, from 1.
   std::size_t line() const { return line_; }
-  /// A cell of the row, without its quotation marks. Valid until the next call of next().
+  /// Returns a cell of the present row without its quotation marks. The result is valid until the next call of next().
   std::string_view cell(std::size_t column) const { return cells_[column]; }
   /// Returns the cell as a number. Throws Error if the cell is not a finite number.
   double number(std::size_t column) const;
@@ -67,7 +68,7 @@ std::optional<T> csv_number(std::string_view text) {
   return value;
 }
 
-/// The text without blanks and tabs at both ends.
+/// Returns the text without blanks and tabs at both ends.
 std::string_view trimmed(std::string_view text);
 
 /// Name and unit from a column title such as "speed [km/h]". The unit is empty if the title has none or "-".

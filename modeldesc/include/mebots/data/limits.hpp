@@ -20,7 +20,7 @@ struct Limits {
   bool admit(double value) const {
     return std::isfinite(value) && value <= max && (min_is_allowed ? value >= min : value > min);
   }
-  /// Returns text such as ">= 0 and <= 1".
+  /// Returns a text such as ">= 0 and <= 1".
   std::string text() const;
 };
 

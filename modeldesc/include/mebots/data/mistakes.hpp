@@ -17,8 +17,8 @@ struct Mistake {
   std::size_t offset = 0;  // byte offset in the file
 };
 
-/// All errors of a file, in the order of the file. The message has a line per error; the code is that of the first
-/// error.
+/// All errors of a file, in the order of the file. The message has one line per error. The code is the code of the
+/// first error.
 class Mistakes : public Error {
  public:
   /// `mistakes` must not be empty.
