@@ -14,8 +14,8 @@ namespace mebots::app {
 /// Performs a command after the command line was parsed. Returns the program's exit code.
 using Action = std::function<int()>;
 
-/// Adds a command to the parser. If the command is given, the parser stores its action in `action`, which outlives the
-/// parsing.
+/// Adds a command to the parser. If the command is given, the parser stores its action in `action`, which must exist
+/// until the action is called.
 using AddCommand = void (*)(CLI::App& app, Action& action);
 
 // Each command has its own function and file: <name>_command.cpp.
@@ -45,22 +45,23 @@ void add_validate(CLI::App& app, Action& action);
 std::filesystem::path default_results(const std::filesystem::path& config);
 
 /// Writes the page of these results folders, as `mebots report` does. If `file` is empty, writes flight.html in the
-/// first of them. Returns the file. Throws Error.
+/// first folder. Returns the path of the written file. Throws Error.
 std::filesystem::path write_report(const std::vector<std::filesystem::path>& folders, std::filesystem::path file);
 
-/// Throws InputError if the folder of a file to be written does not exist.
+/// Throws InputError if the folder in which a file is to be written does not exist.
 void require_folder_of(const std::filesystem::path& file);
 
-/// Calls `work` and returns 0. If it throws, prints the exception and returns 2 for InputError, 1 for all others.
+/// Calls `work` and returns 0. If `work` throws, prints the exception. Returns 2 for InputError and 1 for all other
+/// exceptions.
 int guarded(const std::function<void()>& work);
 
-/// Prints "mebots: error: ..." to standard error.
+/// Prints the text after "mebots: error: " to standard error.
 void print_error(const std::string& text);
 
 /// Writes a command's result to standard output, after earlier output. Throws Error if the output is closed or full.
 void print_product(std::string_view text);
 
-/// Returns the footer of a command's help: "Exit codes: ..." and "Examples: ...", one per line.
+/// Returns the footer of a command's help: the sections "Exit codes:" and "Examples:", with one entry per line.
 std::string help_footer(const std::vector<std::string>& exit_codes, const std::vector<std::string>& examples);
 
 /// Accepts a number greater than 0.
@@ -68,9 +69,9 @@ const CLI::Validator& positive();
 /// Accepts any text that is not empty.
 const CLI::Validator& not_empty();
 
-/// For commands written in Python: replaces this program by the interpreter, which calls `main()` of `module`
-/// ("mebots.exploration.command") with these words. `command` is the user's command for errors, such as "mebots sweep".
-/// Returns only by an exception: InputError if the package or an interpreter is missing.
+/// Used by commands that are written in Python. Replaces this program by the interpreter, which calls `main()` of
+/// `module` (such as "mebots.exploration.command") with `words` as arguments. `command` is the user's command for
+/// errors, such as "mebots sweep". Never returns. Throws InputError if the package or an interpreter is missing.
 void become_python(const std::string& command, const std::string& module, const std::vector<std::string>& words);
 
 }  // namespace mebots::app

@@ -13,8 +13,8 @@
 namespace mebots::app {
 namespace {
 
-/// Limits the number of printed warnings and errors. Otherwise, an FMU with a message in each step would hide all other
-/// output.
+/// The maximum number of printed warnings and errors. Without a limit, an FMU with a message in each step would hide
+/// all other output.
 constexpr int kShown = 20;
 
 constexpr std::string_view kClearLine = "\r\x1b[K";

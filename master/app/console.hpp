@@ -12,9 +12,9 @@
 
 namespace mebots::app {
 
-/// The terminal output: lines on standard output (few if quiet), warnings and errors on standard error (always), and a
-/// line that is redrawn in place on a terminal. On a terminal, warnings and errors are coloured unless NO_COLOR is set
-/// (no-color.org).
+/// The output on the terminal. Lines go to standard output; in quiet mode, most of them are not printed. Warnings and
+/// errors always go to standard error. On a terminal, one line can be redrawn in place. On a terminal, warnings and
+/// errors are coloured unless NO_COLOR is set (no-color.org).
 class Console final {
  public:
   explicit Console(bool quiet);

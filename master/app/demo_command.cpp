@@ -13,7 +13,7 @@
 namespace mebots::app {
 namespace {
 
-/// Prints where the page is, or why there is none. The run is valid without it.
+/// Prints the path of the page. If there is no page, prints the reason, because the run is valid without a page.
 void show_page(const std::filesystem::path& folder) {
   try {
     std::printf("page: %s (open it in a browser)\n", write_report({folder}, {}).c_str());

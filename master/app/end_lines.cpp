@@ -53,7 +53,7 @@ void append_values(const Json& values, const Json& units, const Json& intervals,
   }
 }
 
-/// True for the values of a group: its statistics and, under `each`, its members.
+/// True for the values of a group, which are statistics and, under `each`, the values of its members.
 bool is_group(const Json& value) {
   return value.is_object() && member_of(value, "each").is_object() &&
          (value.contains("least") || value.contains("count") || value.contains("counts"));
@@ -63,7 +63,7 @@ std::string short_text(const Json& value) {
   return value.is_number_float() ? fmt::format("{:.4g}", value.get<double>()) : value_text(value);
 }
 
-/// "least 0.21 (7), mean 0.5, most 0.93 (2)", "14 of 16 (not 3, 9)", "14 landed, 2 flying".
+/// Returns a text such as "least 0.21 (7), mean 0.5, most 0.93 (2)", "14 of 16 (not 3, 9)" or "14 landed, 2 flying".
 std::string group_text(const Json& group, const Json& units) {
   if (group.contains("least") && short_text(group["least"]) == short_text(group["most"])) {
     return fmt::format("{}{} each", short_text(group["mean"]), unit_text(member_of(units, "mean")));
@@ -90,7 +90,7 @@ constexpr std::size_t kMostLines = 10;
 constexpr std::size_t kWidest = 110;
 constexpr auto kCut = ", ...";
 
-/// A list of values. It is truncated if its text becomes too wide.
+/// A list of values. The list is truncated if its text becomes too wide.
 class ValueLine {
  public:
   explicit ValueLine(std::string head) : text_(std::move(head)) {}
@@ -135,8 +135,8 @@ class ValueLine {
   bool cut_ = false;
 };
 
-/// Writes values without a group on shared lines, and then a line per group. The last line states how many values are
-/// left out.
+/// Writes values without a group on shared lines, and then a line per group. If values are left out, the last line
+/// states their number.
 void append_shared(const Json& values, const Json& units, const Json& intervals, std::vector<std::string>& lines) {
   std::vector<ValueLine> own;
   bool is_cut = false;
@@ -163,7 +163,7 @@ void append_shared(const Json& values, const Json& units, const Json& intervals,
   if (is_cut) lines.back() += "  (all values: --verbose)";
 }
 
-/// Returns text such as "1000 steps of 0.001 s", or the limits of a step that varies.
+/// Returns a text such as "1000 steps of 0.001 s". If the step varies, the text contains its limits.
 std::string steps_text(const master::SystemDescription& system) {
   if (const auto& control = system.step_control) {
     return fmt::format("steps of {} to {} s", master::time_text(system.length_of(control->min_steps)),
@@ -172,7 +172,7 @@ std::string steps_text(const master::SystemDescription& system) {
   return fmt::format("{} steps of {} s", system.grid().point_at(system.stop_time_ns), master::to_seconds(system.step));
 }
 
-/// Returns the line about the drawn flights of a run.
+/// Returns the line about the runs with drawn parameters.
 std::string uncertainty_line(const Json& uncertainty) {
   std::vector<std::string> outcomes;
   for (const auto& [outcome, count] : uncertainty["outcomes"].items())

@@ -25,7 +25,8 @@ namespace {
 
 using namespace mebots::modeldesc;
 
-/// Returns the sizes of an array: [3], or [n] for a size that the structural parameter n determines.
+/// Returns the sizes of an array as a text, such as [3]. If the structural parameter n determines a size, the text is
+/// [n].
 std::string dimensions_text(const ModelDescription& model, const Variable& variable) {
   std::vector<std::string> sizes;
   for (const auto& dimension : variable.fmi3->dimensions) {
@@ -98,7 +99,7 @@ void print_flags(const ModelDescription& model, const ModelExchange& exchange) {
   print_field("model exchange", fmt::format("{} ({})", exchange.model_identifier, fmt::join(facts, ", ")));
 }
 
-/// Prints a table with columns as wide as their longest cell, except the last one.
+/// Prints a table. Each column except the last is as wide as its longest cell.
 void print_table(const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::size_t> widths;
   for (const auto& row : rows) {

@@ -24,8 +24,8 @@ struct JunitCase {
 void write_junit(const std::filesystem::path& file, const std::string& classname, const std::vector<JunitCase>& cases);
 
 /// Writes the run as one test case of a JUnit file. The test case passes if the run ended with one of the `expected`
-/// outcomes, or if `expected` is empty. Another outcome or an interrupt is a failure; if `error` is not empty, it is an
-/// error. `run` is null if the run could not be opened. Throws Error.
+/// outcomes, or if `expected` is empty. Another outcome, or an interrupt, is a failure. If `error` is not empty, the
+/// test case has an error. `run` is null if the run could not be opened. Throws Error.
 void write_junit(const std::filesystem::path& file, const master::Run* run, const std::vector<std::string>& expected,
                  const std::string& error);
 

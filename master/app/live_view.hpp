@@ -26,17 +26,18 @@ struct LiveViewOptions {
 
 void add_live_options(CLI::App& command, LiveViewOptions& options);
 
-/// Steps a run while browsers may view it.
+/// Steps a run while browsers may show it.
 class LiveView {
  public:
-  /// Prints the address. Throws InputError if the port is in use or this program was built without pages.
+  /// Prints the address of the page. Throws InputError if the port is in use, or if this program was built without
+  /// pages.
   static std::unique_ptr<LiveView> make(master::Run& run, const LiveViewOptions& options, Console& console);
   virtual ~LiveView() = default;
 
   /// Starts the run and steps it to its end.
   virtual void run() = 0;
-  /// Ends the view. If the page is to remain, keeps it until Ctrl-C; otherwise until browsers have received the last
-  /// rows.
+  /// Ends the view. If the options require that the page remains, serves it until Ctrl-C. Otherwise serves it until
+  /// browsers have received the last rows.
   virtual void end(Console& console) = 0;
 };
 

@@ -50,7 +50,7 @@ std::vector<std::string> names_of_options(const CLI::App& command) {
   return names;
 }
 
-/// Returns the error in the command line and its remedy in one line.
+/// Returns one line that describes the error in the command line and its remedy.
 std::string complaint(CLI::App& app, const CLI::ParseError& error) {
   const auto given = app.get_subcommands();
   if (given.empty()) {

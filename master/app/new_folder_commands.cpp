@@ -12,7 +12,7 @@
 namespace mebots::app {
 namespace {
 
-/// Writes the folder and prints the next commands.
+/// Calls `write`, which writes a folder, and prints the commands to call next.
 template <typename Write>
 int written(const Write& write, const char* targets) {
   try {

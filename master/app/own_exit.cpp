@@ -20,8 +20,8 @@ namespace {
   for (;;) syscall(SYS_exit_group, status);
 }
 
-/// Holds a function of the C library. It is looked up when the program starts, because a forked process must not call
-/// the loader.
+/// A function of the C library. Its address is determined when the program starts, because a forked process must not
+/// call the loader.
 template <typename Target>
 class Original {
  public:
@@ -39,7 +39,7 @@ const Original<const char*> kOriginalExecve("execve");
 const Original<const char*> kOriginalExecvpe("execvpe");
 const Original<int> kOriginalFexecve("fexecve");
 
-/// Returns the arguments of execl() and similar functions, up to null.
+/// Returns the arguments of execl() and similar functions, including the terminating null.
 std::vector<char*> listed(const char* first, std::va_list& more) {
   std::vector<char*> words{const_cast<char*>(first)};
   while (words.back() != nullptr) words.push_back(va_arg(more, char*));
@@ -112,8 +112,8 @@ extern "C" {
   return kOriginalExecve(path, words.data(), environment);
 }
 
-/// Makes a copy with separate memory, as POSIX permits. A copy that shares memory would not be detected if it returned
-/// from the FMU's call.
+/// Creates a copy of the process with separate memory, as POSIX permits. A copy that shares memory could return from
+/// the FMU's call without being detected.
 [[gnu::visibility("default")]] pid_t vfork() noexcept {
   return fork();
 }

@@ -84,8 +84,8 @@ void Progress::show(const master::Point& point, double elapsed_s) {
     console_->line(text);
     return;
   }
-  // A line that wraps could not be redrawn. The bar takes the space that the text leaves. If there is none, the text is
-  // truncated.
+  // A line that wraps could not be redrawn. The bar uses the space that the text leaves free. If there is too little
+  // space, the text is truncated.
   const auto width = Console::width() - 1;
   const auto room = width > text.size() + 3 ? width - text.size() - 3 : 0;
   if (room < kNarrowestBar) {

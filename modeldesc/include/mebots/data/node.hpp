@@ -20,43 +20,44 @@ struct Member;
 /// The kinds of values in JSON. A whole number has no fractional part (3 or 3.0) and fits into 64 bits.
 enum class Kind : std::uint8_t { null, boolean, whole_number, number, text, list, object };
 
-/// A value of a Document, with its place. It is cheap to copy, and valid as long as the document. If the value is not
-/// of the requested kind, functions that read it throw Mistakes with file, line, column and JSON pointer. To continue
-/// after a mistake, call these functions inside attempt(), as Object does.
+/// A value of a Document, with its place. A node is cheap to copy, and valid as long as the document. If the value is
+/// not of the requested kind, functions that read it throw Mistakes with file, line, column and JSON pointer. To
+/// continue after a mistake, call these functions inside attempt(), as Object does.
 class Node {
  public:
   Kind kind() const;
   bool is(Kind wanted) const { return kind() == wanted; }
-  /// True if this is a whole number written without point and exponent.
+  /// True if the value is a whole number that is written without point and exponent.
   bool is_integer_literal() const;
   bool is_number() const { return is(Kind::number) || is(Kind::whole_number); }
 
   std::string text() const;
-  /// Returns a text that is not empty.
+  /// Returns a text. If the text is empty, throws Mistakes.
   std::string readable_text() const;
   bool flag() const;
   double number(const Limits& limits = {}) const;
   std::int64_t whole_number(std::int64_t least, std::int64_t most) const;
-  /// Returns a whole number that is not negative.
+  /// Returns a whole number. If it is negative, throws Mistakes.
   std::uint64_t natural_number() const;
 
   /// Returns the elements of a list.
   std::vector<Node> elements() const;
-  /// Returns the members of an object, in the order of the file. A duplicate key is reported; its first value counts.
+  /// Returns the members of an object, in the order of the file. A duplicate key is reported, and its first value is
+  /// used.
   std::vector<Member> members() const;
   bool has(std::string_view key) const { return find(key).has_value(); }
   /// Returns the member with this key. Empty if the member does not exist, or if this value is not an object.
   std::optional<Node> find(std::string_view key) const;
   Node at(std::string_view key) const;
 
-  /// Adds a mistake at this value; does not throw.
+  /// Adds a mistake at this value. Does not throw.
   void complain(ErrorCode code, std::string_view what) const;
   [[noreturn]] void fail(ErrorCode code, std::string_view what) const;
   /// Adds a mistake such as "the state 'onn' is unknown. Did you mean 'on'?"
   void complain_unknown(std::string_view what, std::string_view name, std::span<const std::string> known) const;
   [[noreturn]] void fail_unknown(std::string_view what, std::string_view name,
                                  std::span<const std::string> known) const;
-  /// Calls `read`. If it throws an Error, adds it to the mistakes and returns false.
+  /// Calls `read`. If `read` throws an Error, adds it to the mistakes and returns false.
   template <typename Read>
   bool attempt(const Read& read) const {
     try {
@@ -69,14 +70,15 @@ class Node {
     }
     return false;
   }
-  /// Returns the number of mistakes found in the document so far.
+  /// Returns the number of mistakes that were found in the document so far.
   std::size_t noted() const;
 
-  /// Returns the value as JSON; a long value is shortened.
+  /// Returns the value as JSON text. A long text is shortened.
   std::string shown() const;
-  /// Returns the JSON pointer (RFC 6901); empty for the root.
+  /// Returns the value's JSON pointer (RFC 6901); empty for the root.
   std::string pointer() const;
-  /// Returns a place such as "file.json:12:5: /pointer/to/value". The place of a member is the place of its key.
+  /// Returns the value's place, such as "file.json:12:5: /pointer/to/value". The place of a member is the place of its
+  /// key.
   std::string place() const;
 
  private:

@@ -20,8 +20,8 @@ namespace mebots::data {
 ///     object.read_if("yaw", gate.yaw_rad, number());
 ///     object.finish();
 ///
-/// If a member is missing or wrong, adds a mistake, does not change its variable, and continues with the next member.
-/// All keys that were read are known keys, so there is no separate list of keys.
+/// If a member is missing or wrong, adds a mistake and does not change the variable for this member. All keys that were
+/// read are known keys, so there is no separate list of keys.
 class Object {
  public:
   /// Throws Mistakes if the node is not an object.
@@ -35,14 +35,14 @@ class Object {
     if (!member) complain_missing(key);
     return member && take(*member, into, reader);
   }
-  /// Like read(), for an optional key. If the key is absent, leaves the variable unchanged and returns false.
+  /// Works as read(), for an optional key. If the key is absent, leaves the variable unchanged and returns false.
   template <typename T, typename Reader>
   bool read_if(std::string_view key, T& into, const Reader& reader) {
     known_.emplace_back(key);
     const auto member = node_.find(key);
     return member && take(*member, into, reader);
   }
-  /// Like read(), for a reader that stores the values itself.
+  /// Works as read(), for a reader that stores the values itself.
   template <typename Reader>
   bool visit(std::string_view key, const Reader& reader) {
     bool done = false;
@@ -57,13 +57,15 @@ class Object {
   }
   /// Permits keys that other code reads, or that are comments.
   void allow(std::initializer_list<std::string_view> keys) { known_.insert(known_.end(), keys.begin(), keys.end()); }
-  /// Permits an optional text for people or for editors.
+  /// Permits an optional key whose value is a text for readers or for editors.
   void comment(std::string_view key);
 
-  /// Reports the keys that were not read. Most are typing errors; the message suggests the nearest known key.
+  /// Reports the keys that were not read. Most of these keys are typing errors, so the message suggests the nearest
+  /// known key.
   void finish() const;
 
-  /// True if no mistake was added since this Object was constructed. Then members can be compared with each other.
+  /// True if no mistake was added since this Object was constructed. In this case, members can be compared with each
+  /// other.
   bool sound() const { return node_.noted() == noted_before_; }
   bool has(std::string_view key) const { return node_.has(key); }
   const Node& node() const { return node_; }
@@ -85,7 +87,7 @@ class Object {
   std::vector<std::string> known_;
 };
 
-/// Return readers of a value for Object::read.
+/// These functions return readers of a value for Object::read.
 inline auto number(const Limits& limits = {}) {
   return [limits](const Node& node) { return node.number(limits); };
 }
@@ -97,23 +99,24 @@ std::vector<double> read_numbers(const Node& node, const Limits& limits);
 inline auto numbers(const Limits& limits = {}) {
   return [limits](const Node& node) { return read_numbers(node, limits); };
 }
-/// Reads numbers as read_numbers() does. Each number must be greater than the one before.
+/// Reads numbers as read_numbers() does. Each number must be greater than the number before it.
 std::vector<double> read_rising_numbers(const Node& node, const Limits& limits);
 inline auto rising_numbers(const Limits& limits = {}) {
   return [limits](const Node& node) { return read_rising_numbers(node, limits); };
 }
-/// Returns the value of {"value", "unit", "source"} and checks the unit. "interval": [low, high] and "fitted_on" are
-/// optional.
+/// Reads an object with the keys "value", "unit" and "source". Checks the unit and returns the value. The keys
+/// "interval" ([low, high]) and "fitted_on" are optional.
 double read_quantity(const Node& node, std::string_view unit, const Limits& limits);
 inline auto quantity(std::string_view unit, const Limits& limits = {}) {
   return [=](const Node& node) { return read_quantity(node, unit, limits); };
 }
-/// Reads the members `unit` and `source`. `unit` must be equal to the argument, and `source` must not be empty.
+/// Reads the members `unit` and `source`. The member `unit` must be equal to the argument `unit`. The member `source`
+/// must not be empty.
 void read_unit(Object& object, std::string_view unit);
 void read_source(Object& object);
 
-/// Returns a function that converts a word of a file to its meaning. For an unknown word, the error message suggests
-/// the most similar known one.
+/// Returns a function that converts a word of a file to its meaning. If a word is unknown, the error message suggests
+/// the most similar known word.
 template <typename T>
 auto word_of(std::vector<std::pair<std::string, T>> words) {
   return [words = std::move(words)](const Node& node) {

@@ -17,7 +17,7 @@ namespace mebots::fmi {
 template <auto pointer>
 inline constexpr std::integral_constant<decltype(pointer), pointer> kMember{};
 
-/// Returns the address of a symbol in a loaded library; null if it has none of this name.
+/// Returns the address of a symbol in a loaded library; null if the library has no such symbol.
 inline void* find_symbol(void* library, const std::string& name) {
 #if defined(_WIN32)
   return reinterpret_cast<void*>(GetProcAddress(static_cast<HMODULE>(library), name.c_str()));
@@ -26,9 +26,9 @@ inline void* find_symbol(void* library, const std::string& name) {
 #endif
 }
 
-/// Looks up the functions of an FMU in a loaded library; those that it lacks are null. `Functions` is the table
-/// of a version of FMI. `for_each_function` calls its argument with the name and the member of each function. `prefix`
-/// precedes each name in the library.
+/// Looks up the functions of an FMU in a loaded library; functions that the library lacks are null. `Functions` is the
+/// table of a version of FMI. `for_each_function` calls its argument with the name and the member of each function.
+/// `prefix` precedes each name in the library.
 template <typename Functions, typename ForEach>
 Functions find_functions(void* library, ForEach for_each_function, const std::string& prefix = {}) {
   Functions functions;

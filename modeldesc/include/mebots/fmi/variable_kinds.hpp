@@ -6,10 +6,12 @@
 #include <span>
 #include <string_view>
 
-/// Type, causality, variability and initial of a variable, in the terms of FMI 3.0. FMI 2.0 has a subset of them.
+/// Type, causality, variability and initial of a variable, in the terms of FMI 3.0. FMI 2.0 has a subset of these
+/// terms.
 namespace mebots::fmi {
 
-/// `real` is Real in FMI 2.0 and Float64 in 3.0; `integer` is Integer and Int32. FMI 2.0 has no type after enumeration.
+/// `real` is Real in FMI 2.0 and Float64 in FMI 3.0. `integer` is Integer in FMI 2.0 and Int32 in FMI 3.0. FMI 2.0 has
+/// none of the types that follow `enumeration`.
 enum class Type : std::uint8_t {
   real,
   integer,
@@ -27,7 +29,7 @@ enum class Type : std::uint8_t {
   binary,
   clock
 };
-/// FMI 2.0 has no causality after independent.
+/// FMI 2.0 has none of the causalities that follow `independent`.
 enum class Causality : std::uint8_t {
   parameter,
   calculated_parameter,
@@ -41,7 +43,7 @@ enum class Causality : std::uint8_t {
 enum class Variability : std::uint8_t { constant, fixed, tunable, discrete, continuous };
 enum class Initial : std::uint8_t { exact, approx, calculated };
 
-// The words of each enumeration, in the order of its values.
+// The words of each enumeration in modelDescription.xml, in the order of the enumeration's values.
 inline constexpr std::string_view kTypeWords2[] = {"Real", "Integer", "Boolean", "String", "Enumeration"};
 inline constexpr std::string_view kTypeWords3[] = {"Float64", "Int32", "Boolean", "String", "Enumeration",
                                                    "Float32", "Int8",  "UInt8",   "Int16",  "UInt16",
@@ -50,13 +52,13 @@ inline constexpr std::string_view kCausalityWords3[] = {
     "parameter", "calculatedParameter", "input", "output", "local", "independent", "structuralParameter", "dependent"};
 inline constexpr std::span<const std::string_view> kCausalityWords2 = std::span(kCausalityWords3).first(6);
 inline constexpr std::string_view kVariabilityWords[] = {"constant", "fixed", "tunable", "discrete", "continuous"};
-// The words of FMI 1.0. The reader converts them to those of FMI 2.0.
+// The words of FMI 1.0. The reader converts these words to the words of FMI 2.0.
 inline constexpr std::string_view kCausalityWords1[] = {"input", "output", "internal", "none"};
 inline constexpr std::string_view kVariabilityWords1[] = {"constant", "parameter", "discrete", "continuous"};
 inline constexpr std::string_view kAliasWords1[] = {"noAlias", "alias", "negatedAlias"};
 inline constexpr std::string_view kInitialWords[] = {"exact", "approx", "calculated"};
 
-/// Returns the word of FMI 2.0; for a type that only FMI 3.0 has, the word of FMI 3.0.
+/// Returns the name of a type in FMI 2.0. For a type that only FMI 3.0 has, returns its name in FMI 3.0.
 constexpr std::string_view to_string(Type type) {
   const auto place = static_cast<std::size_t>(type);
   return place < std::size(kTypeWords2) ? kTypeWords2[place] : kTypeWords3[place];
@@ -79,7 +81,7 @@ static_assert(to_string(Type::enumeration) == "Enumeration" && to_string(Causali
 constexpr bool is_float(Type type) {
   return type == Type::real || type == Type::float32;
 }
-/// True for types whose values are whole numbers, enumerations included.
+/// True for types whose values are whole numbers, including enumerations.
 constexpr bool is_whole(Type type) {
   switch (type) {
     case Type::integer:

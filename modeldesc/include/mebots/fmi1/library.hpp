@@ -6,12 +6,12 @@
 
 #include <string>
 
-/// The functions of the shared library of an FMI 1.0 FMU for co-simulation as a table of pointers. In the library, the
-/// FMU's modelIdentifier and an underscore precede each name.
+/// A table of pointers to the functions in the shared library of an FMI 1.0 FMU for co-simulation. In the library, the
+/// name of each function begins with the FMU's modelIdentifier and an underscore.
 namespace mebots::fmi1 {
 
 /// States how necessary a function is. `to_run`: no simulation works without the function. `always`: the standard
-/// requires it, but a run can do without it.
+/// requires the function, but a run is possible without it.
 enum class Need { to_run, always };
 
 /// A pointer is null if the library lacks the function.
@@ -76,7 +76,7 @@ void for_each_function(Action action) {
   action("fmiGetRealStatus", fmi::kMember<&F::get_real_status>, Need::always);
 }
 
-/// Looks up all functions in a library from dlopen(); functions that it lacks are null.
+/// Looks up all functions in a library from dlopen(); functions that the library lacks are null.
 inline Functions find_functions(void* library, const std::string& model_identifier) {
   return fmi::find_functions<Functions>(
       library, [](auto action) { for_each_function(action); }, model_identifier + "_");

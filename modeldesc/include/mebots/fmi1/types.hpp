@@ -5,7 +5,8 @@
 #include <string_view>
 
 /// The C types of FMI 1.0 for co-simulation (functional mock-up interface for co-simulation 1.0, section 3.3). Names
-/// and values are the standard's: they are the binary interface. Unlike in FMI 2.0, a Boolean has one byte.
+/// and values are those of the standard, because they define the binary interface. Unlike in FMI 2.0, a Boolean has one
+/// byte.
 // NOLINTBEGIN(readability-identifier-naming)
 extern "C" {
 
@@ -41,7 +42,8 @@ struct fmiCallbackFunctions {
 
 namespace mebots::fmi1 {
 
-/// Returns the standard's name of a status, such as "fmiError"; "an unknown status" for any other number.
+/// Returns the name of a status in the standard, such as "fmiError". If the number is no status, returns "an unknown
+/// status".
 constexpr std::string_view status_name(int status) {
   constexpr std::string_view kNames[] = {"fmiOK", "fmiWarning", "fmiDiscard", "fmiError", "fmiFatal", "fmiPending"};
   return status >= fmiOK && status <= fmiPending ? kNames[status] : "an unknown status";

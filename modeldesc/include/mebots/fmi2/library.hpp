@@ -4,7 +4,7 @@
 #include "mebots/fmi/find_functions.hpp"
 #include "mebots/fmi2/functions.hpp"
 
-/// The functions of an FMU's shared library as a table of pointers, and the standard's requirements on each.
+/// A table of pointers to the functions in an FMU's shared library, and the standard's requirements on each function.
 namespace mebots::fmi2 {
 
 /// States which FMUs must export a function: all (`to_run`: no simulation works without the function), FMUs for
@@ -120,7 +120,7 @@ void for_each_function(Action action) {
   action("fmi2GetNominalsOfContinuousStates", fmi::kMember<&F::get_nominals_of_continuous_states>, Need::to_integrate);
 }
 
-/// Looks up all functions in a library from dlopen(); functions that it lacks are null.
+/// Looks up all functions in a library from dlopen(); functions that the library lacks are null.
 inline Functions find_functions(void* library) {
   return fmi::find_functions<Functions>(library, [](auto action) { for_each_function(action); });
 }

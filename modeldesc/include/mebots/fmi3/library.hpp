@@ -4,14 +4,15 @@
 #include "mebots/fmi/find_functions.hpp"
 #include "mebots/fmi3/functions.hpp"
 
-/// The functions of the shared library of an FMI 3.0 FMU as a table of pointers, and the standard's requirements on
-/// each.
+/// A table of pointers to the functions in the shared library of an FMI 3.0 FMU, and the standard's requirements on
+/// each function.
 namespace mebots::fmi3 {
 
-/// States which FMUs cannot run without a function: all (`to_run`), those for co-simulation (`to_step`) or model
-/// exchange (`to_integrate`), those with events (`events`: model exchange, and co-simulation with an event mode),
-/// co-simulation with an event mode (`event_mode`). `always`: the standard requires it of all FMUs, but a run can do
-/// without it. Other values: needed if modelDescription.xml claims a capability or has variables of a type.
+/// States which FMUs cannot run without a function. `to_run`: all FMUs. `to_step`: FMUs for co-simulation.
+/// `to_integrate`: FMUs for model exchange. `events`: FMUs for model exchange, and FMUs for co-simulation with an event
+/// mode. `event_mode`: FMUs for co-simulation with an event mode. `always`: the standard requires the function of all
+/// FMUs, but a run is possible without it. Other values: FMUs whose modelDescription.xml declares a capability or has
+/// variables of a type.
 enum class Need { to_run, to_step, to_integrate, events, event_mode, always, fmu_state, serialization };
 
 /// A pointer is null if the library lacks the function.
@@ -158,7 +159,7 @@ void for_each_function(Action action) {
   action("fmi3DoStep", fmi::kMember<&F::do_step>, Need::to_step);
 }
 
-/// Looks up all functions in a library from dlopen(); functions that it lacks are null.
+/// Looks up all functions in a library from dlopen(); functions that the library lacks are null.
 inline Functions find_functions(void* library) {
   return fmi::find_functions<Functions>(library, [](auto action) { for_each_function(action); });
 }

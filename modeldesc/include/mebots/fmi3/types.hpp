@@ -6,7 +6,7 @@
 #include <string_view>
 
 /// The C types of FMI 3.0 (functional mock-up interface standard, version 3.0.2, sections 2.1 to 2.3). Names and values
-/// are the standard's: they are the binary interface.
+/// are those of the standard, because they define the binary interface.
 // NOLINTBEGIN(readability-identifier-naming)
 extern "C" {
 
@@ -51,7 +51,7 @@ using fmi3UnlockPreemptionCallback = void (*)();
 
 namespace mebots::fmi3 {
 
-/// Returns the standard's name of a status. FMUs may return any number.
+/// Returns the name of a status in the standard. `status` may be any number, because FMUs may return one.
 constexpr std::string_view status_name(fmi3Status status) {
   switch (status) {
     case fmi3OK:

@@ -6,8 +6,8 @@
 
 namespace mebots::fmu {
 
-/// A reference to bytes that another object owns, in the form of OSMP: three FMI Integers. The owner keeps the bytes
-/// valid until its next step ends.
+/// A reference to bytes that another object owns, in the form of OSMP: three FMI Integers. The bytes are valid until
+/// the next step of the owner ends.
 struct BinaryRef {
   std::int32_t base_lo = 0;
   std::int32_t base_hi = 0;
@@ -20,7 +20,7 @@ struct BinaryRef {
             static_cast<std::int32_t>(bytes.size())};
   }
 
-  /// Returns the bytes; empty if there is no buffer.
+  /// Returns the bytes; empty if there is no buffer or it has no bytes.
   std::span<const std::uint8_t> bytes() const {
     const auto address =
         (static_cast<std::uint64_t>(static_cast<std::uint32_t>(base_hi)) << 32) | static_cast<std::uint32_t>(base_lo);

@@ -7,7 +7,7 @@
 
 namespace mebots::fmu {
 
-/// Binds a plain C++ model with these members to the shell:
+/// Binds a plain C++ model with these members to the FMI shell (modeldesc/shell), which implements the FMI functions:
 ///
 ///     Own(const Parameters&, const std::filesystem::path& resources, extras...)
 ///     void start(const Inputs&, std::int64_t start_ns, Outputs&)
@@ -19,7 +19,7 @@ namespace mebots::fmu {
 template <typename Own, typename Variables>
 class BoundModel final : public Model {
  public:
-  /// Passes `extras` to the model's constructor after the resources folder.
+  /// The constructor of the model receives `extras` after the resources folder.
   template <typename... Extras>
   BoundModel(Variables& variables, const Host& host, std::int64_t start_ns, Extras&&... extras)
       : variables_(variables), model_(variables.parameters, host.resources(), std::forward<Extras>(extras)...) {

@@ -10,7 +10,7 @@
 #include <span>
 #include <string_view>
 
-/// The constant tables of an FMU that the shell uses; the build generates them.
+/// The constant tables of an FMU. The build generates them, and the FMI shell (modeldesc/shell) uses them.
 namespace mebots::fmu {
 
 using fmi::Causality;
@@ -28,7 +28,7 @@ inline constexpr std::size_t kNoField = static_cast<std::size_t>(-1);
 /// Marks a variable whose number of elements is fixed.
 inline constexpr std::size_t kFixedSize = static_cast<std::size_t>(-1);
 
-/// A scalar variable of FMI 2.0 and the place of its value in the instance's variables. In FMI 3.0, consecutive rows
+/// A scalar variable of FMI 2.0, and the offset of its value in the instance's variables. In FMI 3.0, consecutive rows
 /// form one variable if they are the elements of an array or the parts of a Binary.
 struct Variable {
   std::string_view name;
@@ -57,7 +57,7 @@ struct Definition {
   std::unique_ptr<Model> (*make_model)(void* variables, Host& host, std::int64_t start_ns);
 };
 
-/// Each FMU defines it once, in the generated variable_table.cpp.
+/// The tables of the FMU. Each FMU defines this constant once, in the generated variable_table.cpp.
 extern const Definition kDefinition;
 
 }  // namespace mebots::fmu

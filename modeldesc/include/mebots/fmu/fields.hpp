@@ -14,7 +14,7 @@
 /// instance's generated struct. The results are valid as long as this struct.
 namespace mebots::fmu {
 
-/// A numeric variable of any type. False and true are 0 and 1; an enumeration item is its value.
+/// A numeric variable of any type. False is 0 and true is 1. An enumeration item is the number of the item.
 class NumberField {
  public:
   NumberField(Type type, void* at) : type_(type), at_(at) {}
@@ -59,7 +59,7 @@ inline std::string* text_field(void* variables, Causality causality, std::string
   return reinterpret_cast<std::string*>(static_cast<std::byte*>(variables) + found->offset);
 }
 
-/// Returns an OSMP triple by the common prefix of its three names.
+/// Returns an OSMP binary by its name, which is the common prefix of the names of its three variables.
 inline const BinaryRef* binary_field(const void* variables, Causality causality, std::string_view name) {
   const auto* found = find_variable(causality, std::string(name) + ".base.lo");
   if (found == nullptr || !found->is_pointer) return nullptr;

@@ -9,12 +9,12 @@
 #include <string>
 #include <string_view>
 
-/// The interface between an FMU's binding (`fmu.cpp`) and the FMI shell.
+/// The interface between the code of an FMU (`fmu.cpp`) and the FMI shell (modeldesc/shell).
 namespace mebots::fmu {
 
 enum class Severity { info, warning, error };
 
-/// The services of the shell that a model may use. Each instance has one object.
+/// The services of the FMI shell that a model may use. Each instance has its own Host.
 class Host {
  public:
   virtual ~Host() = default;
@@ -25,12 +25,12 @@ class Host {
 };
 
 /// The model of an initialised instance. It exists from the end of initialisation until the instance is reset or freed.
-/// It reads parameters and inputs from the Variables that its constructor got, and writes outputs into them. Throws
-/// mebots::Error for everything that a user can correct.
+/// A model reads parameters and inputs from the Variables that were passed to its constructor, and writes outputs into
+/// them. A model throws mebots::Error for errors that a user can correct.
 class Model {
  public:
   virtual ~Model() = default;
-  /// Advances from start_ns to start_ns + duration_ns (> 0) with constant inputs.
+  /// Advances from start_ns to start_ns + duration_ns (> 0) while the inputs are constant.
   virtual void step(std::int64_t start_ns, std::int64_t duration_ns) = 0;
   /// Called once when the tool terminates the instance, for a last message to the log.
   virtual void terminate() {}
@@ -40,8 +40,8 @@ class Model {
   virtual std::string on_demand_text(std::string_view /*name*/) const { return {}; }
 };
 
-/// Builds the tables that all instances of the FMU share. The function is optional; the shell calls it before the first
-/// instance is created. So after a mission, the library's memory is the same as before the first instance, and the next
+/// Builds the tables that all instances of the FMU share. The function is optional. The FMI shell calls it before the
+/// first instance is created. Therefore the tables do not change the library's memory during a mission, and the next
 /// mission of a study can run in the same process.
 [[gnu::weak]] void prepare_shared_tables();
 

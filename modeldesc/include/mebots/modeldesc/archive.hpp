@@ -12,23 +12,23 @@
 
 namespace mebots::modeldesc {
 
-/// The limits of unpack(). They stop decompression bombs and are far above the size of any real FMU.
+/// The limits of unpack(). The limits stop decompression bombs. They are far above the size of any real FMU.
 struct UnpackLimits {
   std::uint64_t total_bytes = std::uint64_t{4} << 30;
   std::uint64_t entries = 100'000;
   double ratio = 1000;  // unpacked / packed bytes, for entries larger than 16 MiB
 };
 
-/// Unpacks an FMU (a zip archive) into `folder`, which is created if missing. Throws mebots::Error naming archive and
-/// entry if the archive is missing or damaged, an entry would be written outside of the folder (absolute, `..`, drive
-/// letter, symbolic link), two entries have the same name, or a limit is exceeded. All names are checked before the
-/// first write. A backslash in a name separates folders, as a slash does. Returns notices for the user that list such
-/// names.
+/// Unpacks an FMU (a zip archive) into `folder`. If the folder does not exist, creates it. Throws mebots::Error with
+/// archive and entry if the archive is missing or damaged, two entries have the same name, or a limit is exceeded. Also
+/// throws if an entry would be written outside of the folder (absolute path, `..`, drive letter, symbolic link). All
+/// names are checked before the first write. A backslash in a name separates folders, as a slash does. Returns notices
+/// for the user that list names with backslashes.
 std::vector<std::string> unpack(const std::filesystem::path& archive, const std::filesystem::path& folder,
                                 const UnpackLimits& limits = {});
 
-/// Explains why an unpacked archive has no file `name` at its root, and what to do: the file is in a folder, or its
-/// name differs in case. In other cases, returns "It contains no `name`".
+/// Returns the reason why an unpacked archive has no file `name` at its root, and the remedy. Possible reasons are that
+/// the file is in a folder, or that its name differs in case. If no reason is found, returns "It contains no `name`".
 std::string why_missing(const std::filesystem::path& folder, const std::string& name);
 
 /// A file to pack: `entry` is its path in the archive, with forward slashes.
@@ -37,16 +37,16 @@ struct PackedFile {
   std::filesystem::path source;
 };
 
-/// Writes a zip archive with sorted entries and fixed times: equal files give equal bytes. Throws mebots::Error if a
-/// file is missing, two files have the same entry, or the archive cannot be written.
+/// Writes a zip archive. Its entries are sorted and have fixed times, so equal files give equal bytes. Throws
+/// mebots::Error if a file is missing, two files have the same entry, or the archive cannot be written.
 void pack(const std::filesystem::path& archive, std::vector<PackedFile> files);
 
-/// A folder of unique name. The destructor deletes it with its contents.
+/// A temporary folder with a unique name. The destructor deletes the folder with its contents.
 class TemporaryFolder {
  public:
   /// Creates `<parent>/<prefix>-XXXXXX`. If `parent` is empty, uses the system's folder for temporary files.
   explicit TemporaryFolder(std::string_view prefix, const std::filesystem::path& parent = {});
-  /// Creates exactly this folder. Returns empty if it exists or cannot be created.
+  /// Creates the folder `path`. Returns empty if it already exists or cannot be created.
   static std::optional<TemporaryFolder> at(std::filesystem::path path);
   ~TemporaryFolder();
   TemporaryFolder(TemporaryFolder&& other) noexcept;

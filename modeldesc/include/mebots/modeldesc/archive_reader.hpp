@@ -16,7 +16,7 @@ struct DiscardZip {
 };
 using ZipHandle = std::unique_ptr<zip, DiscardZip>;
 
-/// Opens a zip archive for reading. Throws mebots::Error with libzip's reason.
+/// Opens a zip archive for reading. If this fails, throws mebots::Error with the reason of libzip.
 ZipHandle open_zip(const std::filesystem::path& archive);
 /// Opens an archive in memory, which must outlive the handle. `name` is the archive's name in messages.
 ZipHandle open_zip(std::string_view bytes, std::string_view name);
@@ -25,7 +25,7 @@ ZipHandle open_zip(std::string_view bytes, std::string_view name);
 /// Returns nullopt if a part is "..".
 std::optional<std::string> normal_entry_name(std::string_view name);
 
-/// An archive after a check of names, kinds and declared sizes, as described at unpack().
+/// A zip archive whose names, kinds of entries and declared sizes were checked as unpack() does.
 class ArchiveReader {
  public:
   struct Entry {
@@ -35,7 +35,7 @@ class ArchiveReader {
     bool is_folder = false;
   };
 
-  /// Checks an archive. `name` is its name in messages. Throws the same errors as unpack().
+  /// Checks an archive. `name` is the archive's name in messages. Throws the same errors as unpack().
   ArchiveReader(ZipHandle archive, std::string name, const UnpackLimits& limits = {});
 
   const std::vector<Entry>& entries() const { return entries_; }
