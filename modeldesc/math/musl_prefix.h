@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Precedes each of musl's mathematical functions, so that they compile with the headers of any C library. With GCC or
-// Clang.
+// This code precedes the code of each mathematical function of musl, so that it compiles with the headers of any C
+// library. Requires GCC or Clang.
 #define _GNU_SOURCE
 #define __CRT__NO_INLINE 1  // MinGW defines some functions of float by those of double in its headers
 #include <errno.h>
@@ -17,7 +17,7 @@
 #define __BIG_ENDIAN __ORDER_BIG_ENDIAN__
 #endif
 
-// glibc declares other functions of these names.
+// These names are replaced, because glibc declares other functions with the same names.
 #define __sin mebots_musl_sin
 #define __cos mebots_musl_cos
 #define __tan mebots_musl_tan
@@ -25,7 +25,8 @@
 #define __cosl mebots_musl_cosl
 #define __tanl mebots_musl_tanl
 
-// Each operation rounds once, also on processors that could fuse two operations. musl calls fma() if it is fast.
+// Each operation is rounded, even on processors that could fuse a multiplication and an addition. musl calls fma() if
+// it is fast.
 #pragma GCC optimize("fp-contract=off")
 #undef __FP_FAST_FMA
 #undef __FP_FAST_FMAF

@@ -13,7 +13,7 @@ SavedState& saved_state(void* handle) {
   return *static_cast<SavedState*>(&checked(static_cast<SavedState*>(handle), "FMU state"));
 }
 
-/// Stores the state in *handle. Reuses an existing state.
+/// Stores `saved` in *handle. If *handle already has a state, replaces its content.
 void hand_out(SavedState saved, void*& handle) {
   if (handle == nullptr)
     handle = std::make_unique<SavedState>(std::move(saved)).release();

@@ -12,7 +12,7 @@
 #include <string_view>
 
 /// The calls that the C functions of all versions of FMI share. Each call finds its instance, checks that the call is
-/// legal now, and catches every exception.
+/// legal in the present state, and catches every exception.
 namespace mebots::shell {
 
 /// Sends a report to the tool. Never throws: if the tool's logger fails, the status is still returned.
@@ -69,8 +69,8 @@ struct Instantiation {
   bool logging_on;
 };
 
-/// Returns null and sends a message if the instance cannot be created. `resources` returns the folder or throws
-/// mebots::Error.
+/// Returns null and sends a message if the instance cannot be created. `resources` returns the resources folder or
+/// throws mebots::Error.
 Instance* instantiate(const Instantiation& asked, const std::function<Logger::Sink()>& sink,
                       const std::function<std::filesystem::path()>& resources) noexcept;
 void free_instance(void* handle) noexcept;

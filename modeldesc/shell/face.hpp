@@ -4,7 +4,7 @@
 #include "mebots/fmu/definition.hpp"
 #include "mebots/fmu/model.hpp"
 
-/// Definitions that the shell shares with the authors of FMUs.
+/// Definitions that the FMI shell (modeldesc/shell) shares with the code of FMUs.
 namespace mebots::shell {
 
 using fmu::Causality;

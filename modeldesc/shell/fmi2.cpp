@@ -6,7 +6,7 @@
 namespace mebots::shell {
 namespace {
 
-/// Has a row per function that takes an instance.
+/// One row for each function that takes an instance. A row contains the states in which the function is legal.
 namespace call {
 using namespace legal;
 constexpr std::uint8_t kStatus = kStepComplete | kStepFailed | kTerminated;

@@ -9,7 +9,7 @@
 namespace mebots::shell {
 namespace {
 
-/// Has a row per function that takes an instance.
+/// One row for each function that takes an instance. A row contains the states in which the function is legal.
 namespace call {
 using namespace legal;
 constexpr Function kSetDebugLogging{"fmi3SetDebugLogging", kAlive};
@@ -32,7 +32,7 @@ fmi3Status to_fmi3(Status status) {
   return static_cast<fmi3Status>(status);
 }
 
-/// In FMI 3.0, a single # marks a value reference.
+/// In FMI 3.0, a single # in a message marks a value reference.
 Logger::Sink sink_of(fmi3LogMessageCallback log_message, fmi3InstanceEnvironment environment) {
   if (log_message == nullptr) return {};
   return [=](Status status, const char* category, std::string_view message) {
@@ -40,7 +40,7 @@ Logger::Sink sink_of(fmi3LogMessageCallback log_message, fmi3InstanceEnvironment
   };
 }
 
-/// Refuses to instantiate kinds of FMU that MEbots' FMUs do not support.
+/// Refuses to instantiate a kind of FMU that MEbots' FMUs do not support.
 fmi3Instance refuse_kind(const char* function, fmi3String name, fmi3String token, std::string_view kind,
                          fmi3LogMessageCallback log_message, fmi3InstanceEnvironment environment) {
   return instantiate(

@@ -4,7 +4,7 @@
 #include "calls.hpp"
 #include "mebots/fmi3/functions.hpp"
 
-/// Shared by the files with the C functions of FMI 3.0.
+/// Declarations that the files with the C functions of FMI 3.0 share.
 namespace mebots::shell {
 
 static_assert(static_cast<int>(Status::ok) == fmi3OK && static_cast<int>(Status::warning) == fmi3Warning &&
@@ -16,9 +16,10 @@ fmi3Status guarded3(fmi3Instance instance, const Function& function, Body body) 
   return static_cast<fmi3Status>(guarded(instance, function, body));
 }
 
-/// Returns the rows in the table of these variables' elements, in order; for a Binary, the row of its first part. The
-/// row of the independent variable is the number of rows. Throws mebots::Error if a reference has no variable or one of
-/// another type, or if the number of rows differs from the number of values.
+/// Returns the rows of the variable table for the elements of these variables, in order. For a Binary, returns the row
+/// of its first part. For the independent variable, returns the number of rows in the table. Throws mebots::Error if a
+/// reference belongs to no variable or to a variable of another type. Also throws if the number of rows differs from
+/// the number of values.
 std::vector<fmi2ValueReference> rows_of(const Instance& instance, std::span<const fmi3ValueReference> references,
                                         std::string_view type, std::size_t value_count);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads and sets values in FMI 3.0: converts references of whole arrays to rows of the table that all versions share.
+// Reads and sets values in FMI 3.0. Converts the references of whole arrays to rows of the variable table, which all
+// versions of FMI share.
 #include "fmi3_calls.hpp"
 
 #include <algorithm>

@@ -30,8 +30,9 @@ double to_s(std::int64_t time_ns) {
   return static_cast<double>(time_ns) / 1e9;
 }
 
-/// Returns the permitted difference between two computations of the same time: tools that add up steps accumulate
-/// rounding errors. The permitted difference is less than half a step, so that communication points are distinct.
+/// Returns the permitted difference between two computations of the same time. A difference is permitted, because tools
+/// that add up steps accumulate rounding errors. The permitted difference is less than half a step, so that
+/// communication points are distinct.
 double time_tolerance_s(double time_s, double step_s) {
   return 1e-6 + std::min(1e-9 * std::abs(time_s), step_s / 4);
 }

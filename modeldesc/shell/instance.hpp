@@ -38,29 +38,30 @@ class Instance final : public Host {
   void get(References references, std::span<fmi2Real> values);
   void get(References references, std::span<fmi2Integer> values);
   void get_booleans(References references, std::span<fmi2Boolean> values);
-  /// Gets texts, which stay valid until the next call.
+  /// Gets texts. The texts stay valid until the next call.
   void get(References references, std::span<fmi2String> values);
   void set(References references, std::span<const fmi2Real> values);
   void set(References references, std::span<const fmi2Integer> values);
   void set_booleans(References references, std::span<const fmi2Boolean> values);
   void set(References references, std::span<const fmi2String> values);
 
-  /// Returns the bytes of a Binary by its first row; valid until the next call.
+  /// Returns the bytes of the Binary that begins in this row. They are valid until the next call.
   std::span<const std::uint8_t> get_binary(fmi2ValueReference reference);
-  /// Sets a Binary to a copy of the bytes.
+  /// Sets a Binary to a copy of `bytes`.
   void set_binary(fmi2ValueReference reference, std::span<const std::uint8_t> bytes);
 
-  /// Returns the number of elements of the FMI 3.0 variable that begins in this row. For a variable size, this is the
-  /// current value of the structural parameter.
+  /// Returns the number of elements of the FMI 3.0 variable that begins in this row. If the size is variable, the
+  /// number is the current value of the structural parameter.
   std::size_t elements_of(const Variable& variable) const;
 
-  /// Takes a step. Wrong arguments change nothing. An error in the model sets the state to `error`.
+  /// Takes a step. If an argument is wrong, throws and changes nothing. An error in the model sets the state to
+  /// `error`.
   void do_step(double point_s, double step_s);
   double time_s() const;
   Status last_step_status() const { return last_step_status_; }
 
   SavedState save();
-  /// Restores a state. After the checks, an error sets the state to `error`.
+  /// Restores a state. If a check of `saved` fails, changes nothing. A later error sets the state to `error`.
   void restore(const SavedState& saved);
 
   State state() const { return state_; }
@@ -68,7 +69,7 @@ class Instance final : public Host {
   Logger& logger() { return logger_; }
   const Definition& definition() const { return definition_; }
   const Version& version() const { return version_; }
-  /// Returns the FMU and build to which its states belong.
+  /// Returns the FMU and the build to which saved states of this instance belong.
   Owner owner() const { return {definition_.model_identifier, version_.token_name, definition_.*version_.token}; }
 
   const std::filesystem::path& resources() const override;
@@ -86,8 +87,8 @@ class Instance final : public Host {
   /// Creates a model and holds back its messages, except errors.
   std::unique_ptr<Model> make_model(void* variables, std::int64_t start_ns);
   void take(std::unique_ptr<Model> model);
-  /// Sends the messages of the model's construction once, at the end of initialisation, even if it was created several
-  /// times.
+  /// Sends the messages of the model's construction once, at the end of initialisation, even if the model was created
+  /// several times.
   void deliver_held_messages();
 
   const Definition& definition_;

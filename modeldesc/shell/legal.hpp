@@ -8,7 +8,7 @@
 #include <string_view>
 
 /// The state machines of co-simulation in FMI 2.0 (standard 2.0.4, section 4.2.4) and FMI 3.0 (3.0.2, sections 2.3 and
-/// 4.2): which function is legal in which state.
+/// 4.2): they define the states in which each function is legal.
 namespace mebots::shell {
 
 /// States of an instance, as bits. Steps of MEbots' FMUs finish before the call returns, so the states "step in
@@ -29,7 +29,7 @@ struct Function {
   std::uint8_t legal_states;
 };
 
-/// Sets of states in which functions of both versions are legal.
+/// Sets of states. In these states, functions of FMI 2.0 and 3.0 are legal.
 namespace legal {
 inline constexpr std::uint8_t kInstantiated = 1 << 0;
 inline constexpr std::uint8_t kInitialization = 1 << 1;

@@ -11,8 +11,8 @@
 
 namespace mebots::shell {
 
-/// Sends messages of an instance to the importing tool's logger. Errors always pass; others pass if their category or
-/// logAll is enabled.
+/// Sends messages of an instance to the importing tool's logger. Errors are always sent. Other messages are sent if
+/// their category or logAll is enabled.
 class Logger {
  public:
   /// Calls the tool's logger in the form of its version of FMI.
@@ -23,8 +23,8 @@ class Logger {
 
   void log(Status status, std::string_view category, std::string_view message);
 
-  /// Switches logging of categories. No categories means all. Throws mebots::Error if a category is unknown, and then
-  /// changes nothing.
+  /// Switches logging of categories. An empty list means all categories. If a category is unknown, throws mebots::Error
+  /// and changes nothing.
   void set_logging(bool on, std::span<const char* const> categories);
 
  private:
@@ -39,7 +39,7 @@ class Logger {
   std::vector<Category> categories_;
 };
 
-/// Returns the text with each `mark` doubled, because tools give a single mark a meaning of their own.
+/// Returns the text with each `mark` doubled, because tools treat a single mark as a special character.
 std::string doubled(std::string_view text, char mark);
 
 }  // namespace mebots::shell

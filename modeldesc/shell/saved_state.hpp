@@ -31,7 +31,7 @@ struct SavedState {
   void visit(state::Visitor& v);
 };
 
-/// The FMU and build to which a state belongs.
+/// The FMU and the build to which a state belongs.
 struct Owner {
   std::string_view model_identifier;
   std::string_view token_name;
@@ -42,7 +42,7 @@ struct Owner {
 std::vector<std::byte> serialize(const Owner& owner, const SavedState& saved);
 
 /// Reads a serialized state. Throws mebots::Error if the bytes are damaged or belong to another FMU or version. The
-/// layout is checked only when the state is restored, because before that there may be no model.
+/// layout is checked only when the state is restored, because there may be no model when the state is read.
 SavedState deserialize(const Owner& owner, std::span<const std::byte> bytes);
 
 }  // namespace mebots::shell

@@ -16,10 +16,10 @@ bool is_linked_in(const void* address, const void* own) {
   return dladdr(address, &theirs) != 0 && dladdr(own, &ours) != 0 && theirs.dli_fbase == ours.dli_fbase;
 }
 
-/// Runs after all other destructors, which may throw and catch.
+/// Runs after all other destructors, because they may throw and catch exceptions.
 [[gnu::destructor(101)]] void give_back_exception_pool() {
   void (*const give_back)() = &__gnu_cxx::__freeres;
-  // A C++ library that other libraries share is skipped.
+  // Memory of a C++ library that other libraries share is not released.
   if (give_back != nullptr &&
       is_linked_in(reinterpret_cast<const void*>(give_back), reinterpret_cast<const void*>(&is_linked_in)))
     give_back();

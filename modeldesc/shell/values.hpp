@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-/// Typed access to an instance's variables by the table's offsets, with checks.
+/// Typed and checked access to an instance's variables, by their offsets in the variable table.
 namespace mebots::shell {
 
 template <typename T>
@@ -30,7 +30,8 @@ const T& field(const void* variables, const Variable& variable) {
 /// (enumerations count as Integer).
 const Variable& find_variable(const Definition& definition, fmi2ValueReference reference, Type type);
 
-/// Check whether the value may be set. If not, throw mebots::Error with variable, value and limit.
+/// These functions check whether the value may be set. If it may not, they throw mebots::Error with variable, value and
+/// limit.
 void check_value(const Variable& variable, fmi2Real value);
 void check_value(const Variable& variable, fmi2Integer value);
 void check_boolean(const Variable& variable, fmi2Boolean value);
@@ -39,9 +40,9 @@ void check_value(const Variable& variable, fmi2String value);
 /// The instance's own copies of binary inputs, by their first rows.
 using Binaries = std::map<fmi2ValueReference, std::vector<std::uint8_t>>;
 
-/// All values of one causality as stored in states, by FMI name. Pointers are not stored. After a restore, pointers of
-/// inputs point into `binaries`, whose contents are stored. All other pointers are null. If there are no `binaries`,
-/// all pointers are null.
+/// All values of one causality, by FMI name, in the form that is stored in states. Pointers are not stored. After a
+/// restore, pointers of inputs point into `binaries`, whose contents are stored. All other pointers are null. If there
+/// are no `binaries`, all pointers are null.
 class KeptValues {
  public:
   KeptValues(const Definition& definition, Causality causality, void* variables, Binaries* binaries)

@@ -8,7 +8,7 @@
 
 namespace mebots::shell {
 
-/// The differences between versions of FMI in shared code, mostly names in messages.
+/// The differences between versions of FMI in the code that the versions share. Most of them are names in messages.
 struct Version {
   std::string_view prefix;               ///< of its functions
   std::string_view experiment_function;  ///< function that sets start and stop time

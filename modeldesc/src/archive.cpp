@@ -35,7 +35,7 @@ void make_folder(const fs::path& folder) {
               fmt::format("{}: cannot be written: {}", file.string(), std::strerror(errno)));
 }
 
-/// A new file. Faster than a stream, which matters in an archive of many small files.
+/// A new file. Writing it is faster than with a stream, which matters for an archive with many small files.
 class NewFile {
  public:
   explicit NewFile(const fs::path& path) : path_(&path) {

@@ -25,7 +25,7 @@ struct CloseFile {
 };
 using ArchiveFile = std::unique_ptr<zip_file_t, CloseFile>;
 
-/// Returns the kind of archive that begins with these bytes, such as "a RAR archive"; empty if no known kind does.
+/// Returns the kind of archive that begins with these bytes, such as "a RAR archive"; empty if the kind is unknown.
 std::string_view other_archive(std::string_view bytes) {
   using namespace std::string_view_literals;
   constexpr std::pair<std::string_view, std::string_view> kKinds[] = {{"7z\xbc\xaf\x27\x1c"sv, "a 7-Zip archive"},

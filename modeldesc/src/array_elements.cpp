@@ -29,7 +29,7 @@ std::size_t count_of(const std::vector<std::uint64_t>& sizes) {
   return count;
 }
 
-/// Returns the element's name, "y[2,3]", for an index in row-major order.
+/// Returns the name of an element, such as "y[2,3]". `index` is its index in row-major order.
 std::string element_name(const std::string& array, const std::vector<std::uint64_t>& sizes, std::size_t index) {
   std::vector<std::size_t> places(sizes.size());
   for (std::size_t i = sizes.size(); i-- > 0;) {
@@ -128,7 +128,7 @@ class Expansion {
     }
   }
 
-  /// Returns the state of a derivative's element: the element of the same index.
+  /// For an element of a derivative, returns the element of the state that has the same index.
   std::size_t state_of(const Variable& derivative) const {
     const auto& place = places_[*derivative.derivative_of];
     return place.first + (derivative.fmi3->element ? derivative.fmi3->element->index : 0);

@@ -62,7 +62,7 @@ class DescriptionReader {
     object.finish();
   }
 
-  /// Reads the variables of a board's devices. fmu_soc's reader of boards reads the other members.
+  /// Reads the variables of a board's devices. The other members are read by the code for boards in fmu_soc.
   void join_board(const Node& root, const std::filesystem::path& file) {
     for (const auto& device : root.at("devices").elements()) {
       device.attempt([&] {
@@ -74,7 +74,7 @@ class DescriptionReader {
     result_.source += " and " + file.filename().string();
   }
 
-  /// Resolves references to variables after all of them were read.
+  /// Resolves references to variables. Called after all variables were read.
   void read_references() {
     check_dependencies();
     for (const auto& [group, node] : size_sources_) check_size_source(node, group, result_);
@@ -180,8 +180,8 @@ class DescriptionReader {
     if (!field.on_demand) {
       field.cpp_name = cpp_name(field);
       check_cpp_name(node.at("name"), field.cpp_name);
-      // The name must be unique in all three structs. C++ would accept the same name in two structs, but readers might
-      // confuse the two.
+      // The name must be unique in all three generated structs. C++ would accept the same name in two structs, but
+      // readers of the code might confuse them.
       claim(cpp_names_, field.cpp_name, node.at("name"));
     }
     result_.fields.push_back(std::move(field));
@@ -235,7 +235,7 @@ class DescriptionReader {
     }
   }
 
-  /// Reads names of inputs and expands groups.
+  /// Reads the names of the inputs on which an output depends, and expands groups in them.
   void read_dependencies(Object& object, Field& field) {
     const auto names = [&](const Node& node) {
       if (field.causality != Causality::output) node.fail(ErrorCode::invalid_value, "this key is for outputs only");
@@ -253,7 +253,7 @@ class DescriptionReader {
     object.read_if("first_depends_on", field.first_depends_on, names);
   }
 
-  /// Expands `{group}`: returns the group's index and one name per word.
+  /// Expands `{group}` in a name. Returns the group's index, and one name for each word of the group.
   std::pair<std::optional<std::size_t>, std::vector<std::string>> expand(const Node& node,
                                                                          const std::string& name) const {
     const auto open = name.find('{');
@@ -414,8 +414,8 @@ class DescriptionReader {
     if (field.group) {
       const std::string& group = result_.groups[*field.group].name;
       const auto open = name.find('{');
-      // If the group is at the start of the name, the group's name stays in the field's name (load_power_w). At other
-      // places, it is left out (drone_position_m).
+      // If the group is at the start of the name, the C++ name contains the group's name (load_power_w). At other
+      // places, the C++ name leaves it out (drone_position_m).
       name.replace(open, group.size() + 2, open == 0 ? group : "");
     }
     return to_cpp_name(name) + (field.unit.empty() ? "" : unit_suffix(field.unit));

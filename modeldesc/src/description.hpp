@@ -28,8 +28,8 @@ struct Enumeration {
   std::vector<EnumerationItem> items;
 };
 
-/// The thing of which an FMU may have several, such as `drone`. With more than one copy, the variables of each copy
-/// have names such as `drone[2].mass`.
+/// The object of which an FMU may have several copies, such as a drone. With more than one copy, the variables of each
+/// copy have names such as `drone[2].mass`.
 struct Repeat {
   std::string word;
   std::string size_source;  // name of the parameter that holds the number of copies in use
@@ -109,8 +109,8 @@ struct Description {
 };
 
 /// Reads description.json. If `board` is not empty, adds the variables and enumerations of the board's devices.
-/// `copies` is the number of copies of the repeated thing. Throws mebots::Error with all mistakes, each with file, line
-/// and key.
+/// `copies` is the number of copies of the repeated object. Throws mebots::Error with all mistakes, each with file,
+/// line and key.
 Description read_description(const std::filesystem::path& file, const std::filesystem::path& board = {},
                              std::size_t copies = 1);
 

@@ -144,8 +144,8 @@ class ElfImage {
     const auto found = values_.find(tag);
     return found == values_.end() ? 0 : found->second;
   }
-  /// Returns a pointer of the dynamic section. glibc's loader makes the pointers of most objects absolute, but not
-  /// those of the kernel's vDSO.
+  /// Returns a pointer of the dynamic section. The loader of glibc converts the pointers of most objects to absolute
+  /// addresses, but not the pointers of the kernel's vDSO.
   std::uint64_t pointer(std::int64_t tag) const {
     const auto address = value(tag);
     return address >= base_ ? address - base_ : address;

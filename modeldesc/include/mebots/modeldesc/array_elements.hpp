@@ -8,7 +8,7 @@
 
 namespace mebots::modeldesc {
 
-/// Arrays with more elements in total than this are refused.
+/// The maximum number of array elements in total. A description with more elements is refused.
 inline constexpr std::size_t kMostElements = 1'000'000;
 
 /// Values of structural parameters, by value reference.
@@ -17,9 +17,9 @@ using StructuralValues = std::map<std::uint32_t, std::uint64_t>;
 /// Returns the description with each array of FMI 3.0 replaced by its elements, as variables named `y[1]`, `m[2,3]`. An
 /// element has a value reference that no other variable has. `Variable::fmi3->element` states the array to which it
 /// belongs, the array's value reference in the FMU, and its index in the array. Sizes come from `values`, or else from
-/// the start values of the structural parameters. If an array's size differs from that of its declared start value, the
-/// start value is left out, and the FMU uses its internal value. Throws Error if there are more than kMostElements, or
-/// if a derivative and its state have different numbers of elements.
+/// the start values of the structural parameters. If an array has another size than its declared start value, the start
+/// value is left out, and the FMU uses its internal value. Throws Error if there are more than kMostElements elements,
+/// or if a derivative and its state have different numbers of elements.
 ModelDescription with_elements(const ModelDescription& description, const StructuralValues& values = {});
 
 /// Returns the sizes of an array's dimensions; empty for a scalar.

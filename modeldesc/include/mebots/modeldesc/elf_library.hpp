@@ -29,23 +29,23 @@ struct ElfLibrary {
   bool symbolic = false;             ///< DF_SYMBOLIC: the library's own definitions come first in its lookups
   std::vector<ElfSymbol> symbols;    ///< in the order of the file
 
-  /// Returns the names that the library defines for others.
+  /// Returns the names of the symbols that the library defines for other libraries.
   std::vector<std::string> exports() const;
-  /// Returns the names that the library imports.
+  /// Returns the names of the symbols that the library imports.
   std::vector<std::string> imports() const;
 };
 
-/// Reads what the loader reads: program headers, and not sections, which may be stripped. Throws mebots::Error if the
-/// file is not a 64-bit little-endian shared library.
+/// Reads the same parts of the file as the loader. These are the program headers and not the sections, which may be
+/// stripped. Throws mebots::Error if the file is not a 64-bit little-endian shared library.
 ElfLibrary read_elf_library(const std::filesystem::path& file);
 
-/// Libraries and symbols of others that a library needs.
+/// The libraries that a library needs, and the versions of their symbols.
 struct ElfNeeds {
   std::vector<std::string> libraries;  ///< in the order of the file
   std::vector<std::string> versions;   ///< versions of their symbols, such as GLIBC_2.34
 };
 
-/// Reads a little-endian shared library of 32 or 64 bits. Throws mebots::Error if the file is none.
+/// Reads a little-endian shared library of 32 or 64 bits. Throws mebots::Error if the file is not such a library.
 ElfNeeds read_elf_needs(const std::filesystem::path& file);
 
 /// Returns the folders of DT_RPATH or DT_RUNPATH of the library in `file`, with `$ORIGIN` expanded.
@@ -59,7 +59,7 @@ struct LoadedLibrary {
   std::vector<ElfSymbol> unique;  ///< its definitions of unique symbols, if requested
 };
 
-/// Lists the libraries of this process. Reads them from memory, because their files may be deleted.
+/// Lists the libraries of this process. Reads their data from memory, because their files may be deleted.
 enum class UniqueSymbols { skip, read };
 std::vector<LoadedLibrary> loaded_libraries(UniqueSymbols unique);
 

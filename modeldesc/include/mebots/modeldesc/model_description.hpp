@@ -25,8 +25,8 @@ using fmi::to_string;
 using fmi::Type;
 using fmi::Variability;
 
-/// A start value. Whole numbers and enumerations are std::int64_t (UInt64: the same 64 bits); both float types are
-/// double; Binary holds its bytes as std::string. Empty if the description has no start value.
+/// A start value. Whole numbers and enumerations are std::int64_t; a UInt64 has the same 64 bits. Float32 and Float64
+/// are double. A Binary is a std::string with its bytes. Empty if the description has no start value.
 using Value = std::variant<std::monostate, double, std::int64_t, bool, std::string>;
 
 struct EnumerationItem {
@@ -66,7 +66,7 @@ struct Dimension {
   bool operator==(const Dimension&) const = default;
 };
 
-/// An element of an array variable of FMI 3.0: see with_elements().
+/// An element of an array variable of FMI 3.0, created by with_elements().
 struct ArrayElement {
   std::string array;                  ///< name of the array
   std::uint32_t array_reference = 0;  ///< its value reference in the FMU
@@ -92,7 +92,7 @@ struct ClockTiming {
   std::optional<std::uint32_t> priority;
   bool operator==(const ClockTiming&) const = default;
 
-  /// True for time-based Clocks. The importer must schedule the ticks of those that are inputs.
+  /// True for time-based Clocks. If such a Clock is an input, the importer must schedule its ticks.
   bool is_time_based() const { return interval_variability != IntervalVariability::triggered; }
 };
 
@@ -113,7 +113,7 @@ struct Fmi3Part {
   bool operator==(const Fmi3Part&) const = default;
 };
 
-/// Holds a variable's Fmi3Part. For variables of FMI 2.0 it is empty and takes the size of one pointer.
+/// Holds a variable's Fmi3Part. For variables of FMI 2.0, the holder is empty and has the size of one pointer.
 class Fmi3Holder {
  public:
   Fmi3Holder() = default;
@@ -130,9 +130,9 @@ class Fmi3Holder {
   std::shared_ptr<const Fmi3Part> part_;
 };
 
-/// A <ScalarVariable> of FMI 1.0 or 2.0, or a variable of FMI 3.0. Attributes that the variable leaves out are filled
-/// in: unit, quantity, min, max and nominal from its declared type; causality, variability and initial from FMI's
-/// defaults.
+/// A <ScalarVariable> of FMI 1.0 or 2.0, or a variable of FMI 3.0. If `unit`, `quantity`, `min`, `max` or `nominal` is
+/// missing, it has the value of the declared type. If `causality`, `variability` or `initial` is missing, it has FMI's
+/// default.
 struct Variable {
   std::string name;
   std::uint32_t value_reference = 0;
@@ -154,7 +154,7 @@ struct Variable {
   bool can_handle_multiple_set_per_time_instant = true;
   std::string text;
   std::optional<OsmpPart> osmp;
-  /// For a negated alias (FMI 1.0), the value reference in the FMU of the variable that it negates. The alias itself
+  /// For a negated alias (FMI 1.0), the FMU's value reference of the variable that the alias negates. The alias itself
   /// has a value reference that no other variable has.
   std::optional<std::uint32_t> negated_reference;
   Fmi3Holder fmi3;
@@ -182,13 +182,13 @@ struct Implementation {
   bool operator==(const Implementation&) const = default;
 };
 
-/// The <CoSimulation> element; present if the FMU supports co-simulation.
+/// The <CoSimulation> element, which exists if the FMU supports co-simulation.
 struct CoSimulation : Implementation {
   bool can_handle_variable_communication_step_size = false;
   bool can_interpolate_inputs = false;
   std::uint32_t max_output_derivative_order = 0;
   bool can_run_asynchronuously = false;
-  // Only FMUs of FMI 3.0 can have one.
+  // Only FMUs of FMI 3.0 can have an event mode and return early.
   bool has_event_mode = false;
   bool might_return_early = false;
   bool can_return_early_after_intermediate_update = false;
@@ -198,7 +198,7 @@ struct CoSimulation : Implementation {
   bool operator==(const CoSimulation&) const = default;
 };
 
-/// The <ModelExchange> element; present if the FMU provides derivatives for an external solver.
+/// The <ModelExchange> element, which exists if the FMU provides derivatives for an external solver.
 struct ModelExchange : Implementation {
   bool completed_integrator_step_not_needed = false;
   bool operator==(const ModelExchange&) const = default;
@@ -211,7 +211,7 @@ struct DefaultExperiment {
   std::optional<double> step_size_s;
   bool operator==(const DefaultExperiment&) const = default;
 
-  /// Returns the tolerance if it can be passed to an FMU: a finite number above 0.
+  /// Returns the tolerance if it is a finite number above 0, so that it can be passed to an FMU.
   std::optional<double> usable_tolerance() const;
 };
 
@@ -224,7 +224,7 @@ struct LogCategory {
 /// Indexes a list by name, for lookups in logarithmic time. Takes four bytes per element.
 class NameIndex {
  public:
-  /// Indexes elements that have a member `name`. If names are equal, the first element counts.
+  /// Indexes elements that have a member `name`. If several elements have the same name, the first one is found.
   template <typename T>
   void build(const std::vector<T>& list) {
     positions_.resize(list.size());
@@ -283,11 +283,11 @@ struct ModelDescription {
   bool is_fmi1() const { return fmi_version == "1.0"; }
   bool is_fmi3() const { return fmi_version == "3.0"; }
 
-  /// Indexes variables, units and types by name. Readers of descriptions call it last. It must be called again after a
-  /// change of names or of the order of a list.
+  /// Indexes variables, units and types by name. Functions that read descriptions call it at their end. index_names()
+  /// must be called again after a change of names or of the order of a list.
   void index_names();
-  /// Returns the variable of this name; null if there is none. Takes logarithmic time after index_names(), else linear
-  /// time.
+  /// Returns the variable of this name; null if there is none. The search takes logarithmic time after index_names(),
+  /// and linear time without it.
   const Variable* find(std::string_view name) const { return variable_index.find(variables, name); }
   /// Returns the unit definition of this name; null if there is none.
   const Unit* unit(std::string_view name) const { return unit_index.find(units, name); }

@@ -13,7 +13,7 @@ struct PeLibrary {
   std::vector<std::string> exports;  ///< in the order of the file
 };
 
-/// Reads the headers and tables that Windows' loader reads. Throws mebots::Error if the file is not a DLL, or if a
+/// Reads the same headers and tables as the loader of Windows. Throws mebots::Error if the file is not a DLL, or if a
 /// table is outside the file.
 PeLibrary read_pe_library(const std::filesystem::path& file);
 

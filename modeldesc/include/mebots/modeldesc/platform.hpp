@@ -12,7 +12,7 @@ namespace mebots::modeldesc {
 /// The formats of shared libraries.
 enum class BinaryFormat { elf, pe, mach_o };
 
-/// An operating system on a processor, with the names that FMI gives it.
+/// A combination of operating system and processor, with the names that FMI defines for it.
 struct Platform {
   BinaryFormat format = BinaryFormat::elf;
   int bits = 64;
@@ -33,14 +33,14 @@ std::span<const Platform> platforms();
 const Platform& this_platform();
 
 /// Returns the platforms for which a shared library is built, according to the file's header. A universal library of
-/// macOS can have several; a file that is not a library of a known platform has none. Throws mebots::Error if the file
-/// cannot be read.
+/// macOS can have several platforms. A file that is not a library for a known platform has none. Throws mebots::Error
+/// if the file cannot be read.
 std::vector<const Platform*> find_platforms(const std::filesystem::path& library);
 
 /// Returns whether find_platforms() contains `platform`.
 bool is_built_for(const Platform& platform, const std::filesystem::path& library);
 
-/// Returns the first platform of a shared library. Throws mebots::Error if it has none.
+/// Returns the first platform of a shared library. Throws mebots::Error if the library has no known platform.
 const Platform& platform_of(const std::filesystem::path& library);
 
 /// Returns the folder of an unpacked FMU with the libraries for this machine: `binaries/` and the platform's name. If

@@ -6,7 +6,7 @@
 /// Libraries of the operating system.
 namespace mebots::modeldesc {
 
-/// True for libraries that every desktop or server Linux with glibc has, and for those of sanitizers.
+/// True for libraries that every desktop or server Linux with glibc contains, and for libraries of sanitizers.
 bool is_part_of_linux(std::string_view soname);
 
 /// True for a DLL that every 64-bit Windows 10 or newer contains. Windows ignores the case of names.

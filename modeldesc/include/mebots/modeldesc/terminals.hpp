@@ -7,7 +7,7 @@
 
 namespace mebots::modeldesc {
 
-/// A <Terminal> of terminalsAndIcons.xml (FMI 3.0, and 2.0.4): variables that a tool connects together.
+/// A <Terminal> of terminalsAndIcons.xml (FMI 3.0 and 2.0.4). It is a set of variables that a tool connects together.
 struct DeclaredTerminal {
   struct Member {
     std::string name;  ///< may be empty
@@ -20,8 +20,8 @@ struct DeclaredTerminal {
   std::vector<Member> members;
 };
 
-/// Reads the text of a terminalsAndIcons.xml. `source` is its name in messages. Throws mebots::Error if the text is not
-/// XML.
+/// Reads the text of a terminalsAndIcons.xml. `source` is the name of the text in messages. Throws mebots::Error if the
+/// text is not XML.
 std::vector<DeclaredTerminal> read_terminals(std::string_view text, std::string_view source);
 
 }  // namespace mebots::modeldesc

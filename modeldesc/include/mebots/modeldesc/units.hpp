@@ -13,7 +13,7 @@ namespace mebots::modeldesc {
 /// The base units of FMI 2.0's <BaseUnit>, in the order of Unit::exponents.
 inline constexpr std::array<std::string_view, 8> kBaseUnits = {"kg", "m", "s", "A", "K", "mol", "cd", "rad"};
 
-/// Another unit in which a tool may show the values: display = value * factor + offset.
+/// A further unit in which a tool may show values: displayed value = value * factor + offset.
 struct DisplayUnit {
   std::string name;
   double factor = 1;
@@ -37,7 +37,8 @@ struct Unit {
 /// name. `rad` is a separate dimension, as in FMI.
 bool same_dimension(const Unit& a, const Unit& b);
 
-/// True if a number means the same in both units: same dimension, factor (to 1e-12 relative) and offset.
+/// True if a number has the same meaning in both units. This requires the same dimension, factor (to 1e-12 relative)
+/// and offset.
 bool same_unit(const Unit& a, const Unit& b);
 
 /// The conversion between two units: value in `to` = factor * value in `from` + offset. For equal units, factor and
@@ -48,7 +49,7 @@ struct UnitConversion {
 };
 
 /// Returns the conversion between two defined units of the same dimension. If `difference` is true, values are
-/// differences (FMI's relativeQuantity) and offsets do not count.
+/// differences (FMI's relativeQuantity), so offsets are ignored.
 UnitConversion unit_conversion(const Unit& from, const Unit& to, bool difference);
 
 /// A unit of the project's table, with its suffix in C++ names.
@@ -58,19 +59,19 @@ struct KnownUnit {
   std::string text;    // "volt"
 };
 
-/// Returns the units that a description.json may use, alone and in products of powers.
+/// Returns the units that a description.json may use. It may also use products of their powers.
 std::span<const KnownUnit> known_units();
 
 /// Parses a product of powers of known units in the notation of FMI and Modelica: "m3/s", "rad/(s.V)", "kg.m2", "1/s",
-/// "s-1", "1". In a product, a unit with an offset, such as degC, stands for a difference. Throws Error (wrong_unit)
-/// that explains the fault and suggests the nearest known unit.
+/// "s-1", "1". In a product, a unit with an offset, such as degC, stands for a difference. Throws Error (wrong_unit),
+/// which explains the fault and suggests the nearest known unit.
 Unit parse_unit(std::string_view text);
 
 /// Returns the suffix of C++ names for variables in this unit, such as "_m3_per_s". Throws the same errors as
 /// parse_unit().
 std::string unit_suffix(std::string_view text);
 
-/// Returns the exponents as text: "kg.m2/s3"; "1" if all are zero.
+/// Returns the exponents of the base units as a text such as "kg.m2/s3". If all exponents are zero, the text is "1".
 std::string base_unit_text(const Unit& unit);
 
 }  // namespace mebots::modeldesc

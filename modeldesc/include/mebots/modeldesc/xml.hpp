@@ -19,27 +19,28 @@ namespace mebots::modeldesc {
 /// value.
 ModelDescription read_xml(const std::filesystem::path& file);
 
-/// Reads a text like read_xml(). `source` is its name in messages.
+/// Reads the text of a modelDescription.xml. `source` is the name of the text in messages. Throws the same errors as
+/// read_xml().
 ModelDescription read_xml_text(std::string_view text, std::string_view source);
 
 /// Returns the text of a modelDescription.xml. Equal descriptions give equal bytes.
 std::string write_xml(const ModelDescription& description);
 
-/// Elements that are nested deeper than this are rejected, because no format that MEbots reads needs them, and readers
-/// may recurse.
+/// The maximum depth of nested elements. Deeper elements are rejected, because readers may be recursive. No format that
+/// MEbots reads needs deeper nesting.
 inline constexpr int kDeepestXml = 200;
 
-/// Converts the text to UTF-8 without byte order mark. The encoding is that of its byte order mark or XML declaration:
-/// UTF-16, UTF-32, ISO 8859-1, Windows-1252 or any other that iconv supports. Throws Error naming `source` if the
-/// encoding is unknown or the bytes are invalid in it.
+/// Converts the text to UTF-8 without byte order mark. The byte order mark or the XML declaration determines the
+/// encoding: UTF-16, UTF-32, ISO 8859-1, Windows-1252 or any other that iconv supports. Throws Error with `source` if
+/// the encoding is unknown, or if bytes are invalid in this encoding.
 std::string xml_as_utf8(std::string_view bytes, std::string_view source);
 
-/// Parses UTF-8 text, and never loads anything else. Throws Error that names `source` and line if the text is not
-/// well-formed or nests elements deeper than kDeepestXml. Also throws if the text uses an entity of the DTD, because
-/// entities could multiply, or load files.
+/// Parses UTF-8 text. Never loads other files. Throws Error that names `source` and line if the text is not well-formed
+/// or nests elements deeper than kDeepestXml. Also throws if the text uses an entity of the DTD, because an entity
+/// could expand to a very long text, or load a file.
 void parse_xml(pugi::xml_document& document, std::string_view text, std::string_view source);
 
-/// Returns the words of a list attribute, which white space separates.
+/// Returns the words of an attribute that is a list of words separated by white space.
 std::vector<std::string> words_of(std::string_view text);
 
 /// Returns the first character that XML 1.0 (section 2.2) cannot represent, not even as a reference. `text` must be

@@ -11,7 +11,8 @@
 #include <type_traits>
 #include <vector>
 
-/// Converts values to bytes in host byte order, because a state is restored on the same kind of machine only.
+/// Converts values to bytes. The bytes have the byte order of this machine, because a state is restored only on the
+/// same kind of machine.
 namespace mebots::state {
 
 /// Appends values to a byte vector.
@@ -23,7 +24,7 @@ class Writer {
 
   void put(const std::string& text) { put(std::span<const char>(text)); }
 
-  /// Writes the count, then the elements.
+  /// Writes the number of elements, then the elements.
   template <typename T, std::size_t Extent>
   requires std::is_trivially_copyable_v<T>
   void put(std::span<T, Extent> values) {
@@ -48,7 +49,7 @@ class Writer {
   std::vector<std::byte> bytes_;
 };
 
-/// Reads what a Writer wrote, in the same order. Throws Error (state_damaged) if the bytes end too early.
+/// Reads the values that a Writer wrote, in the same order. Throws Error (state_damaged) if the bytes end too early.
 class Reader {
  public:
   explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -77,7 +78,7 @@ class Reader {
 
   bool at_end() const { return bytes_.empty(); }
 
-  /// Reads the length of a list. Throws if the remaining bytes cannot hold that number of elements.
+  /// Reads the length of a list. Throws if the remaining bytes are too few for this number of elements.
   std::size_t count(std::size_t element_size) {
     const auto n = get<std::uint64_t>();
     if (n > bytes_.size() / element_size)

@@ -16,7 +16,7 @@
 
 namespace mebots::state {
 
-/// A state with its table of contents.
+/// A saved state with the name and the place of each value in it.
 struct Listing {
   struct Variable {
     std::string path;  ///< names joined by dots, "cluster.core[3].hart.x"
@@ -144,7 +144,7 @@ inline std::string value_text(Type type, const std::byte* at) {
 
 }  // namespace detail
 
-/// Returns the first difference of two listings; empty if both hold the same bits under the same names.
+/// Returns the first difference of two listings; empty if both have the same bits under the same names.
 inline std::optional<Difference> first_difference(const Listing& first, const Listing& second) {
   const std::size_t common = std::min(first.variables.size(), second.variables.size());
   for (std::size_t v = 0; v < common; ++v) {
@@ -174,7 +174,7 @@ std::optional<Difference> first_difference(const T& first, const T& second) {
   return first_difference(list(first), list(second));
 }
 
-/// Returns the first difference of two saved states of one object. Afterwards the object has the second state.
+/// Returns the first difference of two saved states of one object. Afterwards `object` is in the second state.
 template <Visited T>
 std::optional<Difference> first_difference(T& object, std::span<const std::byte> first,
                                            std::span<const std::byte> second) {

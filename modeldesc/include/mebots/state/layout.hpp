@@ -9,8 +9,8 @@
 
 namespace mebots::state {
 
-/// Computes a hash (64-bit FNV-1a) of names, types, sizes and order of all visited values; the values do not count. If
-/// two builds have the same hash, their states can be exchanged.
+/// Computes a hash (64-bit FNV-1a) of the names, types, sizes and order of all visited values. The values themselves do
+/// not affect the hash. If two builds have the same hash, their states can be exchanged.
 class Layout final : public Visitor {
  public:
   Layout() : Visitor(Purpose::layout) {}

@@ -9,7 +9,7 @@
 
 namespace mebots::state {
 
-/// A visitor that saves: writes all visited values.
+/// A visitor that writes all visited values.
 class Saver : public Visitor {
  public:
   explicit Saver(Writer& writer) : Saver(writer, Purpose::save) {}
@@ -32,7 +32,7 @@ class Saver : public Visitor {
   Writer& writer_;
 };
 
-/// Restores what a Saver wrote, in the same order. Throws Error (state_damaged) if the bytes end too early.
+/// Restores the values that a Saver wrote, in the same order. Throws Error (state_damaged) if the bytes end too early.
 class Restorer final : public Visitor {
  public:
   explicit Restorer(Reader& reader) : Visitor(Purpose::restore), reader_(reader) {}
@@ -63,8 +63,8 @@ std::vector<std::byte> save(const T& object) {
   return writer.take();
 }
 
-/// Restores the object from what save() wrote. Throws Error (state_damaged) if the bytes end too early or do not fit;
-/// the object may then be restored in part.
+/// Restores the object from the bytes that save() wrote. Throws Error (state_damaged) if the bytes end too early or do
+/// not fit. After this error, the object may be partly restored.
 template <Visited T>
 void restore(T& object, Reader& reader) {
   Restorer restorer(reader);

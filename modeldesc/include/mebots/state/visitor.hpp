@@ -24,9 +24,9 @@
 ///     }
 ///
 /// that passes every value with its name to the visitor. Saving and restoring (mebots/state/save.hpp), the layout hash
-/// (mebots/state/layout.hpp) and the comparison of two states (mebots/state/difference.hpp) all use it. Two rules keep
-/// them consistent. The set of visited names depends on how the object was constructed, never on values that change; a
-/// list or an optional is visited as a whole. An object changes only if restores() is true.
+/// (mebots/state/layout.hpp) and the comparison of two states (mebots/state/difference.hpp) all use this function. Two
+/// rules keep them consistent. The set of visited names depends only on the construction of the object, and never on
+/// values that change. A list or an optional is visited as a whole. An object changes only if restores() is true.
 namespace mebots::state {
 
 class Visitor;
@@ -91,7 +91,7 @@ class List {
   virtual void resize(std::size_t count) = 0;
 };
 
-/// Base of all visitors, which read or restore the state of objects. For one thread at a time.
+/// Base of all visitors, which read or restore the state of objects. A visitor may be used by one thread at a time.
 class Visitor {
  public:
   virtual ~Visitor() = default;
@@ -101,8 +101,8 @@ class Visitor {
   /// True if this visitor restores values.
   bool restores() const { return purpose_ == Purpose::restore; }
 
-  /// Visits a plain value, an object with visit(), or an array, vector, text, optional or variant of these. Names are
-  /// those of the members without the underscore. The names must be valid only during the call.
+  /// Visits a plain value, an object with visit(), or an array, vector, text, optional or variant of these. The name of
+  /// a value is the name of the member without the underscore. It needs to be valid only during the call.
   template <typename T>
   void operator()(std::string_view name, T& value) {
     if constexpr (Visited<T>) {
@@ -134,7 +134,7 @@ class Visitor {
   virtual void changing(std::string_view name, List& list) = 0;
   /// Visits the size of a list of objects. `present` is its present size. Returns the size that the list must have.
   virtual std::size_t count(std::string_view name, std::size_t present) = 0;
-  /// Opens a scope: everything up to the matching leave() is part of `name`. Called only for visitors that use names.
+  /// Opens a scope: all values up to the matching leave() are parts of `name`. Called only for visitors that use names.
   virtual void enter(std::string_view /*name*/) {}
   virtual void leave() {}
 
