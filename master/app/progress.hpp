@@ -47,8 +47,8 @@ std::string duration_text(double seconds);
 /// Throws InputError if a run of this system cannot end with one of the expected outcomes.
 void check_expected(const master::SystemDescription& system, const std::vector<std::string>& expected);
 
-/// Returns the reason why the outcome of a run is not one of `expected`; empty if it is one of them, or if `expected`
-/// is empty.
+/// Returns the reason why the outcome of a run is not one of `expected`; empty if the outcome is one of them, or if
+/// `expected` is empty.
 std::string why_unexpected(const master::Run& run, const std::vector<std::string>& expected);
 
 /// Returns a text as one word of a POSIX shell, quoted if necessary.

@@ -22,8 +22,8 @@ namespace {
 
 using Path = std::filesystem::path;
 
-/// Prints the problem of the Python installation in one line, for example a version of Python that cannot load the
-/// extension.
+/// Python code that calls the command. If the Python installation has a problem, such as a version that cannot load the
+/// extension, the code prints one line about it.
 constexpr const char* kStart =
     "import sys\n"
     "try:\n"
@@ -34,9 +34,9 @@ constexpr const char* kStart =
     "    sys.exit(2)\n"
     "sys.exit(main())\n";
 
-/// Returns the folder that contains the package. In a build, this is `python` next to `bin`. In an installation, it is
-/// `lib/python3.x/site-packages`, or `lib/python3/dist-packages`, which Debian's Python searches. In a wheel, the
-/// package contains `bin`.
+/// Returns the folder that contains the package. In a build, the folder is `python` next to `bin`. In an installation,
+/// it is `lib/python3.x/site-packages`, or `lib/python3/dist-packages` for Debian's Python. In a wheel, the package
+/// contains `bin`.
 Path package_folder(const std::string& command) {
   std::vector<Path> places;
   for (const auto& program : master::program_places("mebots")) {

@@ -52,7 +52,8 @@ struct PageOptions {
   double video_speed = 1;
 };
 
-/// Parses "120:130" or "all". JSON has no infinite numbers.
+/// Parses a span such as "120:130", or "all". The end of "all" is the largest double, because JSON has no infinite
+/// numbers.
 report::TimeSpan time_span(const std::string& text) {
   if (text == "all") return {0, std::numeric_limits<double>::max()};
   const auto colon = text.find(':');

@@ -29,7 +29,7 @@ constexpr int kSuccess = 0;
 constexpr int kFailed = 1;
 constexpr int kBadInput = 2;
 
-/// The options of `mebots run`: options that need no parsing are in RunOptions, and the others are texts that are
+/// The options of `mebots run`: options that need no parsing are in `run`, and the other options are texts that are
 /// parsed later.
 struct TypedOptions {
   std::filesystem::path config;
@@ -42,7 +42,7 @@ struct TypedOptions {
   std::optional<std::string> uncertainty;  ///< "calibration" or "none"
 };
 
-/// Options of any run on the command line, new or resumed.
+/// Options that `mebots run` and `mebots resume` share.
 struct ReportOptions {
   std::vector<std::string> expect;  ///< accepted outcomes
   std::filesystem::path junit;      ///< JUnit file to write; empty = none

@@ -42,7 +42,7 @@ using Path = std::filesystem::path;
 
 struct FileKind {
   std::string_view name;
-  /// Reads a file of the kind. Throws Error, usually data::Mistakes.
+  /// Reads a file of this kind. Throws Error, usually data::Mistakes.
   void (*read)(const Path& file);
 };
 
@@ -65,7 +65,7 @@ constexpr FileKind kKinds[] = {
 #ifdef MEBOTS_HAS_soc
     {"board",
      [](const Path& file) {
-       // Two readers share a board: one reads the variables, the other everything else.
+       // Two readers share a board: one reads the variables, the other reads all other parts.
        data::Document(file).read([&](const data::Node& root) {
          root.attempt([&] { static_cast<void>(soc::read_board(file)); });
          root.attempt([&] { modeldesc::check_board_variables(file); });
@@ -110,8 +110,9 @@ Likeness likeness(const master::Schema& schema, const data::Node& root) {
   });
 }
 
-/// Returns the kind whose schema has most of the file's keys. If several kinds are equal, returns the kind whose schema
-/// has the fewest other keys. Converters have distinct keys.
+/// Returns the kind whose schema has most of the file's keys. If several kinds have equally many, returns the kind
+/// whose schema has the fewest other keys. The kinds of converters have different keys, so this rule distinguishes
+/// them.
 std::string kind_by_content(const data::Node& root) {
   std::string best;
   Likeness most;
@@ -140,7 +141,7 @@ std::string kind_of(const Path& file) {
         fmt::format("{}: this is an FMU: `mebots check` tests it, and `mebots info` shows it", file.string()));
   }
   std::string kind;
-  // Mistakes in the file, such as duplicate keys, are reported by its own reader.
+  // Mistakes such as duplicate keys are not reported here, because the reader of this kind of file reports them later.
   data::Document document(file);
   try {
     document.read([&](const data::Node& root) {
@@ -158,7 +159,7 @@ void print_mistake(const std::string& place, const std::string& text, ErrorCode 
                std::string(name_of(code)).c_str());
 }
 
-/// Prints every mistake of a file. Returns true if there is none.
+/// Prints every mistake of a file. Returns true if the file has no mistakes.
 bool validate(const Path& file) {
   try {
     const auto kind = kind_of(file);

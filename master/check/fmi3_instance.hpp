@@ -36,7 +36,7 @@ class Fmi3Library {
   Function* find(const char* name) const {
     return reinterpret_cast<Function*>(address(name));
   }
-  /// Return the step and the start time of a run, from the description.
+  /// These functions return the step and the start time of a run, according to the description.
   double step_s() const { return step_s_; }
   double start_s() const { return start_s_; }
 
@@ -50,17 +50,18 @@ class Fmi3Library {
   double start_s_;
 };
 
-/// A value that was read: its bytes, and its text for messages.
+/// A value that was read: its bytes, and the bytes as a text for messages.
 struct Fmi3Value {
   const Fmi3Declared* variable;
   std::string bytes;
 };
 using Fmi3Values = std::vector<Fmi3Value>;
 
-/// An instance, which the destructor frees. Each call is reported to the witness before it is made.
+/// An instance of the FMU. The destructor frees the instance. Before each call, the witness receives the name of the
+/// call.
 class Fmi3Instance {
  public:
-  /// Instantiates for co-simulation. Throws Fmi3Refused if that fails.
+  /// Instantiates for co-simulation. Throws Fmi3Refused if this fails.
   Fmi3Instance(const Fmi3Library& library, const char* name);
   ~Fmi3Instance();
   Fmi3Instance(const Fmi3Instance&) = delete;
@@ -82,10 +83,10 @@ class Fmi3Instance {
   /// Runs from step `first` to step `last`.
   void run(int first, int last);
   void step(double time_s, double step_s);
-  /// True if the FMU requested the end in its last step.
+  /// True if the FMU requested the end of the simulation in its last step.
   bool ended() const { return ended_; }
-  /// Access a variable of a type of numbers or Boolean; whole numbers are exact up to 2^53. Throws Error if the type
-  /// cannot hold a value.
+  /// These functions access a variable whose values are numbers or Booleans. Whole numbers are exact up to 2^53. If the
+  /// variable's type cannot represent a value, they throw Error.
   void set_numbers(const Fmi3Declared& variable, std::span<const double> values);
   std::vector<double> get_numbers(const Fmi3Declared& variable);
   /// Returns all outputs except clocked ones.

@@ -15,7 +15,7 @@ namespace {
 constexpr int kSteps = 20;
 constexpr int kHalf = kSteps / 2;
 
-/// Returns the first infinite element of a Float64 or Float32; empty if there is none.
+/// Returns the first element of a Float64 or Float32 that is infinite or NaN; empty if there is none.
 std::string not_finite(const Fmi3Value& value) {
   const auto look = [&]<typename T>(T number) -> std::string {
     constexpr std::size_t kSize = sizeof(T);

@@ -21,8 +21,8 @@ struct Fmi3Target {
 
 class Fmi3Library;
 
-/// Returns the part of the reference traces that a run can be compared with. Columns may have names of FMI 2.0 where
-/// this FMU has arrays.
+/// Returns the part of the reference traces with which a run can be compared. If this FMU has arrays, columns may still
+/// have the names of the scalars of FMI 2.0.
 TraceScope fmi3_trace_scope(const Fmi3Target& target);
 /// Compares a run with the reference traces. Output columns that are no numbers of this FMU are ignored.
 void replay_trace(const Fmi3Library& library);

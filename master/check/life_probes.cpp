@@ -248,7 +248,7 @@ void check_serialization(const Library& library) {
   instance.require("fmi2FreeFMUstate", f.free_fmu_state(instance.component(), &state));
 }
 
-/// Records the largest magnitude of each Real output. Differences are compared with it.
+/// Records the largest magnitude of each Real output. Later, differences of outputs are compared with these magnitudes.
 void widen(std::vector<double>& magnitudes, const Outputs& outputs) {
   for (std::size_t i = 0; i < magnitudes.size(); ++i)
     magnitudes[i] = std::max(magnitudes[i], std::abs(outputs.reals[i]));
@@ -346,8 +346,8 @@ void check_growth(const Library& library) {
     instance.terminate();
   };
   for (int i = 0; i < kWarmUp; ++i) cycle();
-  // The check has two rounds and uses the smaller growth: caches of the allocator grow once, a leak grows in each
-  // round.
+  // The check has two rounds and uses the smaller growth of memory. Caches of the allocator grow only in the first
+  // round, but a leak grows in each round.
   const auto first = holdings();
   for (int i = 0; i < kCycles; ++i) cycle();
   const auto second = holdings();

@@ -15,11 +15,11 @@ struct PlatformNeeds {
   std::vector<std::string> missing;  ///< needed libraries that are neither in the folder nor part of the system
 };
 
-/// Reads the headers of all libraries of an unpacked FMU, for all platforms; sorted by folder. A library that cannot be
-/// read counts as a library without needs.
+/// Reads the headers of all libraries of an unpacked FMU, for all platforms. The result is sorted by folder. A library
+/// that cannot be read counts as a library that needs no other library.
 std::vector<PlatformNeeds> list_platforms(const std::filesystem::path& fmu);
 
-/// Returns a line for people without the folder, such as "x86-64 Linux, glibc 2.34 or newer, needs libccd.so.2".
+/// Returns a readable line without the folder, such as "x86-64 Linux, glibc 2.34 or newer, needs libccd.so.2".
 std::string to_text(const PlatformNeeds& needs);
 
 }  // namespace mebots::check

@@ -17,7 +17,7 @@ namespace {
 
 class SchemaCheck {
  public:
-  /// If `grammar` is empty, run() uses the grammar of the FMI version that the file states.
+  /// If `grammar` is empty, run() uses the grammar for the FMI version that the file states.
   SchemaCheck(std::string_view text, Findings findings, std::optional<Grammar> grammar)
       : text_(text), findings_(findings), grammar_(grammar) {}
 

@@ -77,14 +77,14 @@ constexpr RuleRow kRows[] = {
     {"Unknown", "index:count! dependencies dependenciesKind:dependencies", ""},
 };
 
-/// Removes the mark from the end of the text. Returns false if it is absent.
+/// Removes the mark from the end of the text. Returns false if the text does not end with the mark.
 bool take_mark(std::string_view& text, char mark) {
   if (!text.ends_with(mark)) return false;
   text.remove_suffix(1);
   return true;
 }
 
-/// Splits `name<separator>rest`; without a separator, returns the name twice.
+/// Splits a text of the form `name<separator>rest`. If there is no separator, returns the whole text twice.
 std::pair<std::string_view, std::string_view> divided(std::string_view text, char separator) {
   const auto at = text.find(separator);
   if (at == std::string_view::npos) return {text, text};

@@ -18,7 +18,7 @@ struct Form {
   std::string expected;  // readable: "a whole number of 32 bits"
 };
 
-/// Returns the form of this name. Throws mebots::Error for an unknown name.
+/// Returns the form with this name. Throws mebots::Error for an unknown name.
 const Form& find_form(std::string_view name);
 
 /// Removes white space at both ends.
@@ -39,7 +39,7 @@ struct ChildRule {
   std::size_t most;  // SIZE_MAX: any number
 };
 
-/// Attributes and children of one element. Children must be in this order.
+/// The attributes and children of one element. Children must be in the order of `children`, unless `unordered` is true.
 struct ElementRule {
   std::vector<AttributeRule> attributes;
   std::vector<ChildRule> children;
@@ -58,7 +58,7 @@ struct RuleRow {
   std::string_view children;
 };
 
-/// Return the grammars of FMI 1.0 for co-simulation, and of FMI 3.0.
+/// These functions return the grammars of FMI 1.0 for co-simulation and of FMI 3.0.
 std::span<const RuleRow> fmi1_rule_rows();
 std::span<const RuleRow> fmi3_rule_rows();
 
@@ -69,7 +69,8 @@ struct Grammar {
   bool foreign_attributes;   // permits attributes of other name spaces
 };
 
-/// Returns the grammar of modelDescription.xml for this version: 1.0, 3.x, else 2.0.
+/// Returns the grammar of modelDescription.xml for a version: that of 1.0, of 3.0 for all versions 3.x, or of 2.0 for
+/// all others.
 Grammar grammar_of(std::string_view fmi_version);
 Grammar grammar_of_terminals();
 

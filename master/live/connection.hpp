@@ -18,15 +18,16 @@ class Connection;
 /// The open connections of a server, whose number is limited. Its functions may be called from any thread.
 class Connections {
  public:
-  /// The maximum of connections served at the same time.
+  /// The maximum number of connections that are served at the same time.
   static constexpr std::size_t kMost = 32;
 
-  /// Adds an accepted connection. If there are more than kMost, closes the oldest one whose request is not complete.
+  /// Adds an accepted connection. If there are more than kMost, closes the oldest connection whose request is not
+  /// complete.
   void accept();
-  /// Reports that the connection of an accept() has ended.
+  /// Must be called when a connection from accept() has ended.
   void finish() { --accepted_; }
-  /// Closes all connections whose request is not complete, and each later one immediately. Answers that are being sent
-  /// get kLastAnswerTime.
+  /// Closes all connections whose request is not complete. Closes each later connection immediately. Answers that are
+  /// being sent may take at most kLastAnswerTime.
   void close_all();
   /// Returns the time of close_all(); the largest time if it was not called.
   std::chrono::steady_clock::time_point closed_at() const { return closed_at_; }
@@ -42,8 +43,8 @@ class Connections {
   std::atomic<std::chrono::steady_clock::time_point> closed_at_{std::chrono::steady_clock::time_point::max()};
 };
 
-/// A connection of a client. Limits its whole request by time (kRequestTime from its first byte) and size
-/// (kRequestBytes), so that a client that sends a byte per second is disconnected. The first byte must arrive within
+/// A connection of a client. Limits the time (kRequestTime from the first byte) and the size (kRequestBytes) of a
+/// request. Therefore a client that sends only a byte per second is disconnected. The first byte must arrive within
 /// kIdleTime, because browsers connect before they send requests. The client must receive the answer within
 /// kAnswerTime. If other connections wait, the whole request must arrive within kCrowdedTime. All functions except
 /// shut_down() must be called by one thread.
@@ -62,13 +63,13 @@ class Connection final : public httplib::Stream {
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  /// Waits for the first byte. Returns false if none arrives.
+  /// Waits for the first byte. Returns false if no byte arrives in time.
   bool begins_request();
-  /// Marks the request of the calling thread's connection as complete.
+  /// Marks the request as complete on the connection that the calling thread serves.
   static void complete_request();
-  /// Lets the calling thread's connection call `then` in report_sent().
+  /// Sets a function that report_sent() calls, on the connection that the calling thread serves.
   static void after_sending(std::function<void()> then);
-  /// Reports that the whole answer has been sent.
+  /// Must be called when the whole answer has been sent.
   void report_sent() const {
     if (after_sending_) after_sending_();
   }

@@ -30,17 +30,19 @@ using Json = nlohmann::ordered_json;
 constexpr auto kPatience = 20s;     ///< for a browser's thread: a step may take long
 constexpr auto kClientLinger = 3s;  ///< at the end, for active clients that are no page
 constexpr auto kLookedLately = 5s;  ///< such a client is active if its last request is not older
-/// At the end, for open pages. On a busy machine, a page may take many seconds to draw.
+/// The maximum time to wait for open pages at the end of the run. On a busy machine, a page may take many seconds to
+/// draw.
 constexpr auto kPageLinger = 30s;
-/// A page counts as open if its last request is not older than this. A page reports when it closes, so this limit only
-/// matters for a browser that was killed. It is above a minute, because browsers let a hidden page send only one
-/// request per minute.
+/// A page counts as open if its last request is not older than this. A page reports when it closes, so this limit
+/// matters only for a browser that was killed. The limit is above a minute, because browsers permit a hidden page only
+/// one request per minute.
 constexpr auto kPageOpen = 70s;
 constexpr std::string_view kLeaveOrder = "leave=";
 constexpr auto kHeldNap = 50ms;  ///< between checks of the interrupt flag while the run is paused
 constexpr std::string_view kPaceOrder = "pace=";
 
-/// Returns the rows in memory from `first` on as a table, thinned out like a table from a file.
+/// Returns the rows in memory from `first` on as a table. The table is thinned out in the same way as a table from a
+/// file.
 master::report::ResultTable table_of(const master::MemorySink& memory, std::size_t first) {
   using master::report::ResultTable;
   const auto& times = memory.times_s();
@@ -77,7 +79,7 @@ LiveRun::LiveRun(master::Run& run, const LiveOptions& options)
   Server::Answers answers;
   answers.page = [page] { return *page; };
   answers.data = [this, in_run](const Known& known) {
-    // Shared, because the run may answer a question whose asker has stopped waiting.
+    // The flag is shared, because the run may answer a query after the querying thread has stopped waiting.
     const auto has_end = std::make_shared<bool>(false);
     auto body = in_run([this, known, has_end] {
       *has_end = ended_;
@@ -104,7 +106,8 @@ LiveRun::~LiveRun() {
 
 void LiveRun::run() {
   run_->start();
-  // Values set by hand are stored with times after t = 0: a scenario entry at t = 0 would also affect initialisation.
+  // Values that a user sets are stored with times after t = 0, because a scenario entry at t = 0 would also affect
+  // initialisation.
   set_pace(pace_);
   if (run_->step()) step_until_the_end();
   ended_ = true;
@@ -196,7 +199,8 @@ std::string LiveRun::data(const Known& known) {
   return master::report::payload_of(std::span(&folder, 1));
 }
 
-/// Adds data that the browser receives once at the start, and again at the end, when profiles exist.
+/// Adds the data that a browser receives only twice: at its start, and again at the end of the run, when profiles
+/// exist.
 void LiveRun::add_constant_data(master::report::RunFolder& folder) const {
   auto side = master::report::read_side_files(run_->options().out);
   folder.scene = std::move(side.scene);

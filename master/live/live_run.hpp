@@ -21,13 +21,13 @@
 
 namespace mebots::live {
 
-/// The run gave no answer in time, or has ended.
+/// Thrown if the run gave no answer in time, or if it has ended.
 class NoAnswer : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Passes queries from other threads to the thread that steps a run. Only that thread accesses the run: between two
+/// Passes queries from other threads to the thread that steps a run. Only that thread accesses the run. Between two
 /// steps, it takes the queries and answers them.
 class Mailbox {
  public:
@@ -37,11 +37,12 @@ class Mailbox {
   /// thread. Throws NoAnswer if no answer arrives within `patience`, and after close().
   std::string ask(Question question, std::chrono::milliseconds patience);
 
-  /// Answers all waiting queries. Must be called from the run's thread. Costs one atomic read if there are no queries.
+  /// Answers all waiting queries. Must be called from the run's thread. If there are no queries, takes only one atomic
+  /// read.
   void answer_all();
-  /// Waits at most `patience` for a query, and then acts as answer_all().
+  /// Waits at most `patience` for a query. After that, answers all queries as answer_all() does.
   void wait_and_answer(std::chrono::milliseconds patience);
-  /// Ends all queries: each waiting thread gets NoAnswer.
+  /// Ends all queries. In each waiting thread, ask() throws NoAnswer.
   void close();
 
  private:
@@ -62,13 +63,14 @@ struct LiveOptions {
 
 /// Steps a run to its end while browsers on this machine view it, pause it and set its unconnected inputs.
 ///
-/// The page is served on the loopback address under a random token; requests from other hosts and origins are rejected.
-/// Viewing changes no bit of the results, because it only reads recorded data. Values that the user sets are stored as
-/// a scenario (live_scenario.json in the results folder), with which the run can be repeated.
+/// The page is served on the loopback address. Its path contains a random token. Requests from other hosts and origins
+/// are rejected. Viewing does not change the results, because it only reads recorded data. Values that the user sets
+/// are stored as a scenario (live_scenario.json in the results folder), with which the run can be repeated.
 class LiveRun {
  public:
-  /// Binds the port. `run` must not be started. It must have a folder, keep its rows in memory (RunOptions::in_memory),
-  /// and outlive this object. Throws InputError if the port is in use, and Error if mebots was built without pages.
+  /// Binds the port. `run` must not be started. The run must have a folder, keep its rows in memory
+  /// (RunOptions::in_memory), and outlive this object. Throws InputError if the port is in use, and Error if mebots was
+  /// built without pages.
   LiveRun(master::Run& run, const LiveOptions& options);
   ~LiveRun();
   LiveRun(const LiveRun&) = delete;
@@ -78,15 +80,15 @@ class LiveRun {
   const std::string& address() const { return address_; }
   /// Steps to the end.
   void run();
-  /// After the end, waits until open pages have the last rows, but not for long.
+  /// After the end of the run, waits a short time until open pages have received the last rows.
   void linger();
-  /// After the end, serves the page until the run's interrupt flag is set.
+  /// After the end of the run, serves the page until the run's interrupt flag is set.
   void keep();
 
   class Server;
 
  private:
-  /// The data that a browser has already received; all zero for a new browser.
+  /// The data that a browser has already received. All numbers are zero for a new browser.
   struct Known {
     std::size_t rows = 0;
     std::size_t pictures = 0;  // of each camera
@@ -95,12 +97,12 @@ class LiveRun {
   };
 
   void step_until_the_end();
-  /// True while the next step must wait.
+  /// True while the run is paused, or waits for the first browser.
   bool must_wait() const;
   void set_pace(double pace);
   /// Returns the wall time until the next step is due at the requested pace.
   std::chrono::steady_clock::duration until_due() const;
-  /// True if a page is open, or another client was active, that has not been sent the end.
+  /// True if a page that is open, or another active client, has not received the end of the run yet.
   bool is_awaited(std::chrono::steady_clock::time_point end) const;
   void note_request(const std::string& page);
   /// Notes that the client has been sent an answer with the end of the run. May be called from any thread.

@@ -203,7 +203,7 @@ class ElfImage {
     return last + 1;
   }
 
-  /// Returns for each index whether a relocation names the symbol.
+  /// Returns, for the index of each symbol, whether a relocation names the symbol.
   std::vector<bool> bound_symbols() const {
     std::vector<bool> bound;
     const auto scan = [&](std::uint64_t address, std::uint64_t size) {

@@ -24,7 +24,7 @@ std::string with_word(std::string_view name, const Group& group, std::string_vie
   return result;
 }
 
-/// Returns the group in a terminal's name, or null.
+/// Returns the group whose {name} occurs in a terminal's name; null if there is none.
 const Group* group_in(const Node& node, std::string_view name, const std::vector<Group>& groups) {
   const auto open = name.find('{');
   if (open == std::string_view::npos) return nullptr;
@@ -73,8 +73,8 @@ class TerminalReader {
     return members;
   }
 
-  /// Resolves the name of a member to a variable. The name is as written in `variables`, or it is the FMI name of one
-  /// variable of a group.
+  /// Resolves the name of a member to a variable. The name is either written as in `variables`, or it is the FMI name
+  /// of one variable of a group.
   Terminal::Member member(const std::string& name, const Node& node, const Group* group, std::size_t word) const {
     const std::string variable = node.text();
     std::vector<std::string> known;

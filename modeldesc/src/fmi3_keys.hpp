@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-/// Reads the keys of description.json that concern versions of FMI, or that only FMI 3.0 uses.
+/// Reads the keys of description.json that select versions of FMI, or that only FMI 3.0 uses.
 namespace mebots::modeldesc {
 
 /// Throws Mistakes if XML cannot represent the text.
@@ -23,10 +23,10 @@ std::vector<std::string> names_of(const std::vector<T>& list) {
   return names;
 }
 
-/// Reads `fmi`: 2, 3 or a list of both. Returns them in ascending order.
+/// Reads the key `fmi`, whose value is 2, 3 or a list of both. Returns the versions in ascending order.
 std::vector<FmiVersion> read_fmi_versions(const data::Node& node);
 
-/// Reads `arrays` and marks groups as arrays. Returns, by group, the nodes that name size parameters.
+/// Reads `arrays` and marks groups as arrays. For each group, returns the node that names the size parameter.
 std::map<std::string, data::Node> read_arrays(const data::Node& node, std::vector<Group>& groups);
 
 /// Adds a mistake if the size parameter of an array does not exist, or could exceed the number of the group's words.

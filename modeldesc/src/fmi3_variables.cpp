@@ -12,7 +12,8 @@
 namespace mebots::modeldesc {
 namespace {
 
-/// Returns "rotor" for the words "rotor[1]", "rotor[2]" and so on; empty for other words.
+/// Returns the common stem of a group's words: "rotor" for "rotor[1]", "rotor[2]" and so on. Empty if the words have no
+/// such form.
 std::string common_stem(const Group& group) {
   const std::string stem = group.words.front().substr(0, group.words.front().rfind('['));
   const auto has_stem = [&](const std::string& word) {
@@ -21,7 +22,8 @@ std::string common_stem(const Group& group) {
   return std::ranges::all_of(group.words, has_stem) ? stem : "";
 }
 
-/// Returns the field's name with a stem for the {group}, or without it: drone.position for drone.position.{axis}.
+/// Returns the field's name with {group} replaced by the common stem of its words. If there is no stem, {group} is left
+/// out: drone.position for drone.position.{axis}.
 std::string array_name(const Field& field, const Group& group) {
   std::string name = field.name;
   const auto open = name.find('{');
@@ -43,8 +45,8 @@ std::string array_text(const Field& field, const Group& group) {
   return common_stem(group).empty() ? fmt::format("{} ({})", field.text, fmt::join(group.words, ", ")) : field.text;
 }
 
-/// Throws Error for copies that would form an array, unless the description allows it. In an array, the elements of one
-/// copy would have to be neighbours.
+/// Throws Error if a group would become part of an array over all copies, and the description does not permit this. In
+/// such an array, the elements of one copy would have to be adjacent.
 void check_repeated_group(const Description& description, const Field& field, const Group* group) {
   if (group == nullptr || (group->is_array && group->size_source.empty())) return;
   throw Error(ErrorCode::invalid_value,
@@ -52,7 +54,7 @@ void check_repeated_group(const Description& description, const Field& field, co
                           description.source, field.name, group->name));
 }
 
-/// Returns the name of the parameter that holds the array's size; empty if the size is fixed.
+/// Returns the name of the parameter that contains the array's size; empty if the size is fixed.
 std::string size_source_of(const Description& description, const Fmi3Variable& variable) {
   if (variable.copies > 1) return description.repeat->size_source;
   return variable.is_array ? description.groups[*variable.field->group].size_source : "";

@@ -28,16 +28,16 @@ struct Fmi3Variable {
 };
 
 /// Returns all variables in the order of the description, without the independent variable. Throws mebots::Error if an
-/// array has the name of another variable.
+/// array has the same name as another variable.
 std::vector<Fmi3Variable> fmi3_variables(const Description& description);
 
-/// The name of the independent variable. Its value reference is the number of rows in the table.
+/// The name of the independent variable. Its value reference is the number of rows in the variable table.
 inline constexpr const char* kTimeName = "time";
 
-/// Returns the number of table rows per element of the field; an OSMP triple has three.
+/// Returns the number of rows per element of the field in the variable table. An OSMP binary has three rows.
 std::size_t rows_per_element(const Field& field);
 
-/// Returns the name of its type: Float64, Int32, UInt64, Boolean, String, Binary or Enumeration.
+/// Returns the name of the variable's type in FMI 3.0: Float64, Int32, UInt64, Boolean, String, Binary or Enumeration.
 const char* fmi3_type(const Fmi3Variable& variable);
 
 }  // namespace mebots::modeldesc

@@ -10,9 +10,8 @@
 
 namespace mebots::modeldesc {
 
-/// Returns the modelDescription.xml of a description as plain data. The GUID is a hash of the content: equal
-/// descriptions have equal GUIDs.
-/// `source_files` are the sources in the archive that an importing tool can compile.
+/// Returns the modelDescription.xml of a description as plain data. The GUID is a hash of the content, so equal
+/// descriptions have equal GUIDs. `source_files` are the sources in the archive that an importing tool can compile.
 ModelDescription to_model_description(const Description& description, std::vector<std::string> source_files = {});
 
 /// Returns an HTML page about the FMU and its variables.
@@ -21,7 +20,7 @@ std::string write_html(const ModelDescription& description);
 std::string write_fmi3_html(const Description& description, const ModelDescription& common);
 
 /// The modelDescription.xml of FMI 3.0. `common` is the result of to_model_description() for the same description. The
-/// token is computed like the GUID.
+/// token is a hash of the content, like the GUID of FMI 2.0.
 struct Fmi3Text {
   std::string xml;
   std::string token;
@@ -40,14 +39,14 @@ std::string token_of(const std::string& text);
 struct GenerateOptions {
   std::vector<FmiVersion> fmi;  ///< versions to write; empty = those of the description
   bool has_icon = false;        ///< the archive contains a picture
-  /// The sources in the archive, relative to sources/; empty = it has none.
+  /// The source files in the archive, by their paths relative to sources/. Empty if the archive has no sources.
   std::vector<std::string> fmi2_sources = {};
   std::vector<std::string> fmi3_sources = {};
 };
 
-/// Writes modelDescription.xml, index.html, variables.hpp, binding.hpp and variable_table.cpp into `folder`, and
-/// terminalsAndIcons.xml and, if there are sources, buildDescription.xml for FMI 3.0. With both versions, the files of
-/// FMI 3.0 alone are in `folder`/fmi3.
+/// Writes modelDescription.xml, index.html, variables.hpp, binding.hpp and variable_table.cpp into `folder`. For FMI
+/// 3.0, also writes terminalsAndIcons.xml and, if there are sources, buildDescription.xml. If both versions are
+/// generated, the files that only FMI 3.0 uses are in `folder`/fmi3.
 void generate(const Description& description, const std::filesystem::path& folder, const GenerateOptions& options = {});
 
 }  // namespace mebots::modeldesc
@@ -55,32 +54,33 @@ void generate(const Description& description, const std::filesystem::path& folde
 /// The three C++ files that the build generates from a description.
 namespace mebots::modeldesc {
 
-/// Returns variables.hpp, which defines Parameters, Inputs, Outputs and Variables. It does not depend on FMI.
+/// Returns variables.hpp, which defines Parameters, Inputs, Outputs and Variables. This header does not depend on FMI.
 std::string variables_header(const Description& description);
 
-/// Returns binding.hpp, which declares the make_model() that fmu.cpp defines.
+/// Returns binding.hpp, which declares make_model(). The file fmu.cpp of an FMU defines this function.
 std::string binding_header(const Description& description);
 
-/// Returns variable_table.cpp, which defines the mebots::fmu::Definition that the FMI functions of the FMU use. The
-/// token is empty if the FMU supports FMI 2.0 only.
+/// Returns variable_table.cpp, which defines the mebots::fmu::Definition that the FMI functions of the FMU use. If the
+/// FMU supports only FMI 2.0, the token is empty.
 std::string variable_table_source(const Description& description, const std::string& guid, const std::string& token);
 
 /// True if the text is a C++ identifier and not a keyword.
 bool is_cpp_identifier(std::string_view name);
 
-/// True for text such as `a::b::c`.
+/// True for a text such as `a::b::c`.
 bool is_cpp_namespace(std::string_view name);
 
-/// True for FMI's structured names: identifiers joined by dots, each with an optional `[n]`.
+/// True for a structured name of FMI, which consists of identifiers joined by dots. Each identifier may have an index
+/// `[n]`.
 bool is_structured_name(std::string_view name);
 
-/// Converts an FMI name to a C++ name: `.`, `[` and `]` become `_`, never doubled and never at the end.
+/// Converts an FMI name to a C++ name: `.`, `[` and `]` become `_`. The name has no double `_`, and none at its end.
 std::string to_cpp_name(std::string_view fmi_name);
 
-/// Returns the text as a C++ string literal, quotes included.
+/// Returns the text as a C++ string literal, including the quotes.
 std::string cpp_literal(std::string_view text);
 
-/// Writes a file. Throws mebots::Error with the file's name if that fails.
+/// Writes a file. If this fails, throws mebots::Error with the file's name.
 void write_text_file(const std::filesystem::path& file, const std::string& text);
 
 /// Returns the SHA-256 digest as 64 lower-case hexadecimal digits.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// mebots-modeldesc: generates files from an FMU's description, and packs them into the archive.
+// The program mebots-modeldesc, which generates files from an FMU's description and packs them into the archive.
 #include "command_line/command.hpp"
 #include "description.hpp"
 #include "generate.hpp"

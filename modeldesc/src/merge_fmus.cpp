@@ -89,13 +89,13 @@ class Merge {
     fs::path archive;
   };
 
-  /// The entries of the first build that all others must have, too.
+  /// The entries of the first build that all other builds must have, too.
   struct Shared {
     std::set<std::string> entries;
     fs::path archive;
   };
 
-  /// Throws Error if a file that all builds must have in common is missing in this build or in the first one.
+  /// Throws Error if a file that all builds must have in common is missing in `build` or in the first build.
   void refuse_other_entries(const Build& build) {
     std::set<std::string> entries;
     for (const auto& [entry, file] : build.files()) {

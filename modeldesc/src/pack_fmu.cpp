@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Returns the libraries that `file` needs and that its system does not contain.
+/// Returns the libraries that `file` needs and that its operating system does not contain.
 std::vector<std::string> needs_of(const fs::path& file, BinaryFormat format) {
   auto needed = format == BinaryFormat::pe ? read_pe_library(file).needed : read_elf_library(file).needed;
   std::erase_if(needed, [&](const std::string& name) {
@@ -76,7 +76,7 @@ Subject read_subject(const fs::path& file) {
           root.attribute("version").value(), co_simulation.attribute("modelIdentifier").value()};
 }
 
-/// Adds folders and files whose places differ between the versions.
+/// Adds folders and files whose paths in the archive depend on the version of FMI.
 void add_versioned(const FmuParts& parts, const Subject& subject, std::vector<PackedFile>& files) {
   if (!parts.icon.empty()) files.push_back({subject.is_fmi3 ? "terminalsAndIcons/icon.png" : "model.png", parts.icon});
   std::error_code error;

@@ -18,11 +18,11 @@ struct Part {
   std::filesystem::path text;  ///< file with the licence's text; may be empty
 };
 
-/// Reads the output of MebotsParts.cmake: a line per part, its fields in the order above, separated by '|'. Throws
-/// mebots::Error with file and line.
+/// Reads the output of MebotsParts.cmake: one line per part. The fields are in the order of the members of Part,
+/// separated by '|'. Throws mebots::Error with file and line.
 std::vector<Part> read_parts(const std::filesystem::path& file);
 
-/// The subject of a bill of materials.
+/// The product that a bill of materials describes.
 struct Product {
   std::string name;
   std::string version;  ///< may be empty

@@ -15,7 +15,7 @@
 namespace mebots::modeldesc {
 namespace {
 
-/// A section: `size` bytes of the file from `offset` on are loaded at `address`.
+/// A section of the file. The `size` bytes from `offset` on are loaded at `address`.
 struct Section {
   std::uint32_t address;
   std::uint32_t size;
@@ -72,7 +72,7 @@ class PeFile {
     return value;
   }
 
-  /// Returns the offset in the file of an address.
+  /// Returns the offset in the file that corresponds to an address.
   std::uint64_t offset_of(std::uint32_t address) const {
     for (const auto& section : sections_) {
       if (address >= section.address && address - section.address < section.size)
@@ -90,15 +90,15 @@ class PeFile {
     return std::string(text.substr(0, end));
   }
 
-  /// Returns the address of a directory; 0 if the file has none.
+  /// Returns the address of a data directory; 0 if the file does not have this directory.
   std::uint32_t directory(Directory which) const {
     const auto counts = header_ + kOptionalHeader + (is_64_bit_ ? 108 : 92);
     const auto index = static_cast<std::uint32_t>(which);
     return index < get<std::uint32_t>(counts) ? get<std::uint32_t>(counts + 4 + std::uint64_t{8} * index) : 0;
   }
 
-  /// Adds the names in a table of DLLs. Its rows have `row_bytes` each, with the address of the name at `name_offset`.
-  /// A row without name ends the table.
+  /// Adds the names in a table of DLLs. Each row of the table has `row_bytes` bytes, and contains the address of the
+  /// name at `name_offset`. A row without a name ends the table.
   void add_names(Directory which, std::uint64_t row_bytes, std::uint64_t name_offset,
                  std::vector<std::string>& names) const {
     const auto address = directory(which);

@@ -9,7 +9,7 @@
 namespace mebots::modeldesc {
 namespace {
 
-// Variability, in the order of FMI 1.0's words.
+// The variability words of FMI 1.0, in the order of kVariabilityWords1.
 enum class Variability1 : std::uint8_t { constant, parameter, discrete, continuous };
 enum class Causality1 : std::uint8_t { input, output, internal, none };
 enum class Alias : std::uint8_t { none, alias, negated };
@@ -92,8 +92,8 @@ class Fmi1Reader {
     types_.add(element, std::move(type), result_.types);
   }
 
-  /// Returns false and reports the variable if an earlier variable has the same name. Such internal variables occur in
-  /// public FMUs of this version.
+  /// Returns false and reports the variable if an earlier variable has the same name. Public FMUs of FMI 1.0 contain
+  /// internal variables with equal names.
   bool is_first_of_its_name(const Element& element) {
     const auto name = element.required_text("name");
     if (names_.insert(name).second) return true;
@@ -168,7 +168,7 @@ class Fmi1Reader {
     }
   }
 
-  /// An output without <DirectDependency> may depend on all inputs.
+  /// Reads an output. An output without <DirectDependency> may depend on all inputs.
   void read_output(std::size_t variable, const Element& element) {
     Unknown unknown;
     unknown.variable = variable;

@@ -142,7 +142,7 @@ class Fmi2Reader {
       if (tool.text("name") != "net.pmsf.osmp") return;
       tool.each_child([&](const Element& part) {
         const std::string_view name = part.name();
-        // The writer of the file chooses the prefix of the namespace, so it is ignored.
+        // The prefix of the XML namespace is ignored, because the writer of the file chooses it.
         if (name.substr(name.find(':') + 1) != "osmp-binary-variable") return;
         variable.osmp = OsmpPart{part.required_text("name"), part.required_text("role"), part.text("mime-type")};
       });

@@ -253,7 +253,7 @@ class Fmi3Reader {
     return *value;
   }
 
-  /// Returns the index of the variable with the value reference in an element.
+  /// Returns the index of the variable that has this value reference. `element` contains the reference.
   std::size_t index(const Element& element, std::uint32_t value_reference, std::string_view what) const {
     const auto found = by_reference_.find(value_reference);
     if (found == by_reference_.end())
@@ -311,7 +311,7 @@ class Fmi3Reader {
   }
 
   /// Returns the variable with a value reference in <ModelStructure>. Reports an unknown reference instead of throwing,
-  /// because the FMU runs without that entry.
+  /// because the FMU can run without this entry.
   std::optional<std::size_t> find(const Element& element, std::uint32_t value_reference) {
     const auto found = by_reference_.find(value_reference);
     if (found != by_reference_.end()) return found->second;

@@ -173,7 +173,8 @@ ModelDescription read_xml_text(std::string_view text, std::string_view source) {
 }
 
 ModelDescription read_xml(const std::filesystem::path& file) {
-  // The file's bytes are freed before the text is parsed, because a description may have a million variables.
+  // The file's bytes are freed before the text is parsed. This saves memory, because a description may have a million
+  // variables.
   return read_utf8(xml_as_utf8(bytes_of(file), file.string()), file.string());
 }
 

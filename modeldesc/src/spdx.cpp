@@ -25,7 +25,7 @@ std::string or_not_said(const std::string& text) {
   return text.empty() ? kNotSaid : text;
 }
 
-/// An identifier may contain letters, digits, '.' and '-' only.
+/// Returns the SPDX identifier of a package. It may contain only letters, digits, '.' and '-'.
 std::string identifier(const std::string& name) {
   std::string text = "SPDXRef-Package-";
   for (const char c : name) text += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' ? c : '-';

@@ -128,7 +128,7 @@ std::vector<KnownUnit> make_table() {
   };
 }
 
-/// Returns the unit of this name in our table, or null.
+/// Returns the known unit with this name; null if there is none.
 const KnownUnit* find_known_unit(std::string_view name) {
   const auto units = known_units();
   const auto found = std::ranges::find_if(units, [&](const KnownUnit& known) { return known.unit.name == name; });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes modelDescription.xml, terminalsAndIcons.xml and buildDescription.xml of FMI 3.0 from the description that
-// FMI 2.0 uses too.
+// Writes modelDescription.xml, terminalsAndIcons.xml and buildDescription.xml of FMI 3.0 from the same description as
+// for FMI 2.0.
 #include "fmi3_variables.hpp"
 #include "generate.hpp"
 #include "xml_writer.hpp"
@@ -14,7 +14,8 @@
 namespace mebots::modeldesc {
 namespace {
 
-/// Every operation rounds once, and all mathematical functions are those in the sources.
+/// The compiler options of the sources. With them, every operation is rounded, and all mathematical functions are those
+/// in the sources.
 constexpr const char* kSourceOptions = "-ffp-contract=off -fno-builtin";
 
 std::string value_text(const Value& value) {
@@ -93,7 +94,8 @@ void write_variables(Element root, const std::vector<Fmi3Variable>& variables, s
   for (const Fmi3Variable& variable : variables) write_variable(element, variable);
 }
 
-/// Converts entries of FMI 2.0, which refer to rows, to entries for variables of FMI 3.0.
+/// Converts entries of the model structure of FMI 2.0, which refer to rows, to entries that refer to variables of FMI
+/// 3.0.
 void write_unknowns(Element structure, const char* name, const std::vector<Unknown>& unknowns,
                     const std::vector<Fmi3Variable>& variables) {
   const auto variable_of = [&](std::size_t row) {

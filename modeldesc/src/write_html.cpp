@@ -70,7 +70,8 @@ Rows rows_of(const ModelDescription& description) {
   return rows;
 }
 
-/// Returns the rows of the variables of FMI 3.0. Puts the start values of an array's elements into one cell.
+/// Returns the rows of the HTML table with the variables of FMI 3.0. Puts the start values of an array's elements into
+/// one cell.
 Rows fmi3_rows(const Description& description, const ModelDescription& common) {
   Rows rows;
   for (const Fmi3Variable& variable : fmi3_variables(description)) {

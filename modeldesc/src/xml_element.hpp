@@ -20,7 +20,8 @@
 #include <utility>
 #include <vector>
 
-/// Typed and checked access to the elements of a modelDescription.xml, and code that the readers of all versions share.
+/// Typed and checked access to the elements of a modelDescription.xml. Also contains code that the readers of all FMI
+/// versions share.
 namespace mebots::modeldesc {
 
 inline std::string_view trimmed(std::string_view text) {
@@ -30,8 +31,8 @@ inline std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
 }
 
-/// Returns the whole text as a number; empty if it is not one. As in XML Schema, infinities are written INF and a plus
-/// sign is allowed.
+/// Returns the whole text as a number; empty if the text is not a number. As in XML Schema, infinities are written INF
+/// and a plus sign is allowed.
 template <typename T>
 std::optional<T> parse_number(std::string_view text) {
   text = trimmed(text);
@@ -42,7 +43,7 @@ std::optional<T> parse_number(std::string_view text) {
   return value;
 }
 
-/// A parsed document, with the lines of its elements for messages. It uses the text only while it parses.
+/// A parsed document, with the lines of its elements for messages. The document uses `text` only in its constructor.
 class Document {
  public:
   Document(const std::string& text, std::string_view source) : source_(source) {
@@ -101,7 +102,7 @@ class Element {
   }
   std::optional<double> real(const char* name) const { return number<double>(name, "a number"); }
 
-  /// Returns the value for the attribute's word.
+  /// Converts the attribute's word to a value. Its position in `words` is the number of the enumerator.
   template <typename T>
   std::optional<T> word(const char* name, std::span<const std::string_view> words) const {
     if (!has(name)) return std::nullopt;
