@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compares a deployed network with the model in float, and both with labels. All intervals have a level of 95 %: Wilson's for shares, and
+"""Compares a deployed network with the model in float, and compares both with labels. All intervals have a level of 95 %: Wilson's for
+shares, and
 percentiles of resampled pictures (bootstrap) for errors."""
 
 from __future__ import annotations
@@ -102,7 +103,8 @@ def accuracy_of(outputs: Outputs, compared: Comparison) -> dict[str, Any]:
 
 
 def _against(name: str, outputs: Outputs, labels: np.ndarray) -> dict[str, Any]:
-    """Compares with labels. Classes are counted; so are labels that are all 0 or 1, with the threshold 1/2."""
+    """Compares outputs with labels. For classes, counts the correct pictures. Labels that are all 0 or 1 are treated as classes with the
+    threshold 1/2."""
     both = {"int8": outputs.integers} | ({} if outputs.floats is None else {"float": outputs.floats})
     if name == CLASS:
         right = {kind: next(iter(values.values())).argmax(axis=1) == labels for kind, values in both.items()}
@@ -122,8 +124,8 @@ def _against(name: str, outputs: Outputs, labels: np.ndarray) -> dict[str, Any]:
 
 
 def _loss(before: np.ndarray, after: np.ndarray) -> dict[str, Any]:
-    """Returns the loss of a share. The interval combines those of the pictures lost and gained, each at half of the error, so it
-    is rather too wide than too narrow."""
+    """Returns the loss of a share. It combines the intervals of the shares of pictures lost and gained, each with half of the error
+    probability. Therefore it may be too wide, but not too narrow."""
     lost, gained = (int((a & ~b).sum()) for a, b in ((before, after), (after, before)))
     (least_lost, most_lost), (least_gained, most_gained) = (wilson(one, len(before), _ERROR / 2) for one in (lost, gained))
     return {"share": (lost - gained) / len(before), "interval": [least_lost - most_gained, most_lost - least_gained]}

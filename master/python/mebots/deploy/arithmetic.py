@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Scales, and the integers by which a sum becomes a byte (fmu_soc/firmware/kernels/layer.h)."""
+"""Scales of tensors, and the integers that convert a sum to a byte (fmu_soc/firmware/kernels/layer.h)."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Scale:
         return Scale(step, int(round(-low / step)))
 
     def byte(self, value: float) -> int:
-        """Returns the byte nearest to a real value; values out of range get the nearest bound."""
+        """Returns the byte nearest to a real value; values out of range become the nearest bound."""
         if math.isinf(value):
             return 255 if value > 0 else 0
         return int(np.clip(np.floor(value / self.step + 0.5) + self.zero, 0, 255))
@@ -47,7 +47,7 @@ class Requantisation:
     """clip((sum x multiplier + addend) >> shift, low, high), per channel.
 
     ``scaling``: "narrow" is a product of 32 bits. "wide" uses the product's upper word, with addend and shift for that
-    word. "exact" is the same, with ``lower`` as the addend's lower word.
+    word. "exact" works as "wide", with ``lower`` as the addend's lower word.
     """
 
     multiplier: np.ndarray

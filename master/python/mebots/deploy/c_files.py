@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes the texts of the library's files: header, source, assembler and CMake."""
+"""Returns the texts of the files of a network's library: header, source, assembler and CMake."""
 
 from __future__ import annotations
 

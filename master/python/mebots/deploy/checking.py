@@ -20,10 +20,11 @@ _LINE = re.compile(r"^layer (\d+) ([0-9a-f]+)$|^result (-?\d+)$")
 
 
 def check(library: pathlib.Path, scratch: pathlib.Path, deployed: Deployed, on_chip: bool, objects: pathlib.Path | None = None) -> chip.Program | None:
-    """Compares C with the reference on this machine, and on the chip with one core and with all. Returns the chip's program.
+    """Compares the C code with the reference: on this machine, and on the chip with one core and with all cores. Returns the chip's
+    program.
 
-    ``library`` has the network's sources. ``objects`` is a folder for the object files of the kernels, which later
-    networks use again.
+    ``library`` has the network's sources. ``objects`` is a folder for the object files of the kernels, which are used again for later
+    networks.
     """
     network, board = deployed.network, deployed.board
     build = chip.Build(library, scratch, board, kernels(deployed.plan), objects)

@@ -75,7 +75,7 @@ class Board:
 
 
 def board(name: str) -> Board:
-    """Returns one of MEbots' boards, or the board of a file."""
+    """Returns a board: one that MEbots contains, or one from a file."""
     path = pathlib.Path(name)
     if path.suffix != ".json":
         path = data_folder() / "configs/boards" / f"{name}.json"
@@ -101,7 +101,7 @@ def board(name: str) -> Board:
 
 
 class Build:
-    """The programs that check a network, built in a folder of their own."""
+    """The programs that check a network. They are built in a separate folder."""
 
     def __init__(self, library: pathlib.Path, scratch: pathlib.Path, on: Board, kernels: Sequence[str], objects: pathlib.Path | None = None) -> None:
         """``kernels``: the names of the kernels' sources that the network needs."""
@@ -249,7 +249,8 @@ def run_on_host(built: pathlib.Path, request: Request) -> str:
 
 
 def run_on_chip(built: pathlib.Path, request: Request, on: Board, by_cause: bool = False, flash: pathlib.Path | None = None) -> tuple[str, dict[str, Any]]:
-    """Returns what the program prints, and the chip's report. ``by_cause``: with the cycles of functions by cause, which takes longer."""
+    """Returns what the program prints, and the chip's report. If ``by_cause`` is true, the report has the cycles of functions by cause,
+    which takes longer."""
     copy = with_request(built, request, built.with_name("request.elf"))
     report = built.with_name("report.json")
     words = [program("mebots-soc"), "run", copy, "--board", on.path, "--report" if by_cause else "--json", report]

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Contracts of the firmwares that fly with a network: which input and outputs they need (fmu_soc/firmware/app)."""
+"""Contracts of the firmwares that fly with a network. A contract states the input and the outputs that a firmware needs
+(fmu_soc/firmware/app)."""
 
 from __future__ import annotations
 
@@ -68,7 +69,7 @@ def fit(network: integers.Network, grey_step: float) -> Fit | str:
 
 
 def _order(network: integers.Network, contract: Contract) -> Fit | None:
-    """Returns the fit of the outputs; None if the outputs are others."""
+    """Returns the fit of the outputs; None if the network has other outputs than the contract."""
     names = [identifier(one.name) for one in network.outputs]
     if len(network.outputs) == 1 and network.outputs[0].size == len(contract.outputs):
         return Fit(contract, tuple(range(len(contract.outputs))))

@@ -27,7 +27,7 @@ class Options:
     equalise: cross-layer equalisation
     vectors: number of test vectors in the folder
     pictures: number of pictures for the calibration
-    validate: folder of pictures for the accuracy; None: the calibration's
+    validate: folder of pictures for the accuracy; None: the pictures of the calibration
     labels: file with the labels of these pictures
     sizes: further sizes of the input; None: three quarters and half of the rows and columns
     """

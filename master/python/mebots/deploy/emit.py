@@ -38,7 +38,7 @@ def _kernel(layer: Layer) -> dict[str, str]:
 
 
 class Weights:
-    """The binary file of the weights. Its parts begin at multiples of four bytes."""
+    """The binary file of the weights. Each part of the file begins at a multiple of four bytes."""
 
     def __init__(self) -> None:
         self._bytes = bytearray()
@@ -174,7 +174,7 @@ def _fields(layer: Layer, steps: Steps | None, offsets: dict[Tensor, int]) -> di
 
 
 def _own_fields(layer: Layer) -> dict[str, Any]:
-    """Returns the fields that only one kind of layer has."""
+    """Returns the fields of the table that only this kind of layer has."""
     if layer.kind == "convolution":
         return _run_fields(layer) | _gather_fields(layer)
     if layer.kind == "average_pool":
@@ -249,7 +249,8 @@ class Sources:
 
 
 def emit(network: Network, plan: Plan, in_l3: bool = False) -> Sources:
-    """Returns the files of the library by name. ``in_l3``: the weights are in HyperRAM; the plan gets their places."""
+    """Returns the files of the library by name. If ``in_l3`` is true, the weights are in HyperRAM, and their addresses are stored in the
+    plan."""
     offsets = {**plan.offsets, network.input: _PICTURE}
     weights = Weights()
     rows, segments = [], []

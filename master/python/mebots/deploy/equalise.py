@@ -27,7 +27,8 @@ _NEGLIGIBLE = 1e-6  # of a layer's largest weight
 
 @dataclasses.dataclass(frozen=True)
 class _Pair:
-    """A layer, and all layers that use its output. With several, the range of a column is the largest of them."""
+    """A layer, and all layers that use its output. If several layers use the output, the range of a column is the largest range in these
+    layers."""
 
     first: Node
     between: list[Tensor]
@@ -36,7 +37,7 @@ class _Pair:
 
 def equalise(graph: Graph, fixed: set[str]) -> dict[str, np.ndarray]:
     """Changes weights and biases in place. Returns the divisor of each channel of the tensors between equalised layers, by
-    name. Tensors of ``fixed`` stay as they are."""
+    name. Tensors in ``fixed`` do not change."""
     pairs = [one for one in _pairs(graph) if not any(tensor.name in fixed for tensor in one.between)]
     divisors = {tensor.name: np.ones(tensor.channels) for one in pairs for tensor in one.between}
     for _ in range(_ROUNDS):
@@ -61,7 +62,7 @@ def _pairs(graph: Graph) -> Iterator[_Pair]:
 
 
 def _collect(graph: Graph, tensor: Tensor, pair: _Pair) -> bool:
-    """Adds a tensor and all that use it to a pair. Returns False if something else than layers, Relu and pools uses it."""
+    """Adds a tensor and all nodes that use it to a pair. Returns False if any node other than a layer, Relu or pool uses the tensor."""
     pair.between.append(tensor)
     if any(one is tensor for one in graph.outputs):
         return False
@@ -93,7 +94,7 @@ def _equalise_pair(pair: _Pair) -> np.ndarray:
     channels = first.weight.shape[0]
     rows = np.abs(first.weight).reshape(channels, -1).max(axis=1)
     columns = np.max([np.abs(_columns(one)).reshape(channels, -1).max(axis=1) for one in pair.seconds], axis=0)
-    # A channel with negligible weights has its bias only, which the small factor would make huge.
+    # If the weights of a channel are negligible, its output is only the bias. The small factor would make the bias huge.
     used = (rows > _NEGLIGIBLE * rows.max()) & (columns > _NEGLIGIBLE * columns.max())
     factors = np.where(used, np.sqrt(np.where(used, rows, 1.0) / np.where(used, columns, 1.0)), 1.0)
     first.weight = first.weight / factors.reshape(-1, 1, 1, 1)

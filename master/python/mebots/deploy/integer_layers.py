@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Layers of a network that already has integers. Nothing is rounded, so its outputs keep their bits.
+"""Layers of a network that already has integer weights. Nothing is rounded, so the outputs have the same bits as in ONNX.
 
 The bytes of a signed tensor are the network's numbers plus 128. The outputs of a layer without requantisation are sums.
 """

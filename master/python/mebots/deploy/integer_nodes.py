@@ -17,8 +17,7 @@ _CHAIN = ("Mul", "Add", "Cast", "Div", "Floor", "Clip")
 
 @dataclasses.dataclass
 class Requantising:
-    """clip(floor((sum x multiplier + addend) / 2^shift), low, high); the numbers are per channel, or one for all
-    channels."""
+    """clip(floor((sum x multiplier + addend) / 2^shift), low, high); the numbers are either per channel, or the same for all channels."""
 
     multiplier: np.ndarray
     addend: np.ndarray

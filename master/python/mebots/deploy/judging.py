@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Judges a deployed network: its accuracy, and the same next to the costs of smaller inputs."""
+"""Judges a deployed network: its accuracy, and the accuracy and cost with smaller inputs."""
 
 from __future__ import annotations
 

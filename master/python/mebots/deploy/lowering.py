@@ -31,7 +31,7 @@ L3_BYTES = 8 << 20  # HyperRAM
 def lower(model: str | os.PathLike[str], data: str | os.PathLike[str], options: Options, size: Size | None = None) -> Deployed:
     """Reads, calibrates, quantises and plans. Writes nothing. Raises InputError.
 
-    The numbers of a network in integers are taken as they are. ``size`` replaces the size of the input.
+    If the network already has integers, they are not changed. ``size`` replaces the size of the input.
     """
     read = Model(model, expand_shifts, size)
     if is_integer(read):

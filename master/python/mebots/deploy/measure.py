@@ -83,7 +83,7 @@ def measure(program: chip.Program) -> Measurement:
 def measure_settings(program: chip.Program, usual: tuple[dict, Cost] | None = None) -> list[Setting]:
     """Measures an inference for each clock and number of cores.
 
-    ``usual``: the report without layers, and the cost, if they are known for all cores at the highest clock.
+    ``usual``: the report without layers and the cost, for all cores at the highest clock, if they were measured before.
     """
     most = program.board.cores
     settings = []

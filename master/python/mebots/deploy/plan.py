@@ -68,13 +68,13 @@ class Plan:
 
 @dataclasses.dataclass(frozen=True)
 class Stream:
-    """Weights in L3. While a layer is computed, those of the next one are fetched into the other one of two buffers in L2."""
+    """Weights in L3. While a layer is computed, the weights of the next layer are fetched into the other of two buffers in L2."""
 
     segments: list[tuple[int, int]]  # first byte and number of bytes of each layer
 
     @property
     def buffers(self) -> tuple[int, int]:
-        """Returns the bytes of the buffers of layers with even and odd numbers."""
+        """Returns the sizes of the two buffers: for layers with even numbers, and for layers with odd numbers [bytes]."""
         even, odd = (max((size for _, size in self.segments[start::2]), default=0) for start in (0, 1))
         return align(even + SLACK), align(odd + SLACK)
 
@@ -118,7 +118,7 @@ def _lifetimes(network: Network) -> dict[Tensor, tuple[int, int]]:
 
 
 def _place(lifetimes: dict[Tensor, tuple[int, int]]) -> tuple[dict[Tensor, int], int]:
-    """Assigns an address to each tensor, the largest first: the lowest address that is free during its lifetime."""
+    """Assigns to each tensor the lowest address that is free during the tensor's lifetime. The largest tensor is first."""
     offsets: dict[Tensor, int] = {}
     size = 0
     for tensor in sorted(lifetimes, key=lambda one: (-one.bytes, lifetimes[one])):
@@ -393,7 +393,7 @@ PEAK_MACS = 32 / 14
 
 
 def estimate(layer: Layer, steps: Steps) -> float:
-    """Returns the cycles of a layer: the maximum of the cores' and the DMA's cycles, plus those that do not overlap."""
+    """Returns the cycles of a layer: the maximum of the cores' and the DMA's cycles, plus the cycles in which only one of them works."""
     count = steps.tiles * len(steps.parts)
     moved = traffic(layer, steps)
     rows_copied = steps.tile_rows if any(layer.pads) else 1

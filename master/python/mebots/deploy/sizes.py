@@ -15,7 +15,7 @@ _USUAL = (0.75, 0.5)  # of the rows and columns, if the user names no sizes
 
 
 def parse_sizes(text: str | None) -> tuple[Size, ...] | None:
-    """Returns the sizes of --sizes as (rows, columns). None means the usual ones."""
+    """Returns the sizes of --sizes as (rows, columns). None means the default sizes."""
     if text is None:
         return None
     if text == "none":
@@ -30,7 +30,7 @@ def parse_sizes(text: str | None) -> tuple[Size, ...] | None:
 
 
 def chosen(whole: Tensor, sizes: tuple[Size, ...] | None) -> tuple[Size, ...]:
-    """Returns the sizes to deploy, without the model's own."""
+    """Returns the sizes to deploy, without the size of the model itself."""
     if len(whole.shape) != 3 or whole.rows * whole.columns == 1:
         if sizes:
             raise InputError(f"--sizes: the input {whole.name} has no rows and columns. Leave the option out", "invalid_value")
