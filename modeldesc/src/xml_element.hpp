@@ -132,7 +132,7 @@ class Element {
     const auto children = node_.children(name);
     return static_cast<std::size_t>(std::distance(children.begin(), children.end()));
   }
-  /// Does the same as each_child() and removes each child afterwards, which frees its memory.
+  /// Does the same as each_child(), and removes each child after its use, which frees the child's memory.
   template <typename Action>
   void consume_children(const char* name, Action action) {
     for (auto node = node_.child(name); node;) {
@@ -149,22 +149,23 @@ class Element {
   pugi::xml_node node_;
 };
 
-/// After this many variables, the memory of their elements is returned to the system. Otherwise elements and variables
-/// together would double the peak of a description with a million variables.
+/// The number of variables after which the memory of their elements is returned to the system. Without this, elements
+/// and variables together would double the peak memory for a description with a million variables.
 inline constexpr std::size_t kVariablesPerTrim = 1 << 16;
 void release_free_memory();
 
-/// Returns the default of `initial`: FMI 2.0.4, table on page 51; FMI 3.0.2, section 2.4.7.5.
+/// Returns the default of the attribute `initial` (FMI 2.0.4, table on page 51; FMI 3.0.2, section 2.4.7.5).
 std::optional<Initial> default_initial(Causality causality, Variability variability);
 
 /// Returns the modelIdentifier, which becomes part of a path. Throws Error if it is not a C name.
 std::string model_identifier(const Element& element);
 
-/// Reads the attributes of the root that all versions have. `guid` is the name of the attribute for
+/// Reads the attributes of the root element that all versions of FMI have. `guid` is the name of the attribute for
 /// ModelDescription::guid.
 void read_head(const Element& root, const char* guid, ModelDescription& result);
 
-/// Reads the elements that are equal in all versions: <UnitDefinitions>, <LogCategories>, <DefaultExperiment>.
+/// Reads the elements that are the same in all versions of FMI: <UnitDefinitions>, <LogCategories>,
+/// <DefaultExperiment>.
 void read_common(const Element& root, ModelDescription& result);
 
 /// Reads the attributes that a type and a variable have in common. `Target` is TypeDefinition or Variable.
@@ -203,17 +204,17 @@ Unknown read_dependencies(const Element& element, Find find) {
 /// Returns the type of a variable of FMI 1.0 or 2.0, and the child element that declares this type, such as <Real>.
 std::pair<Type, Element> type_child(const Element& variable);
 
-/// Reads the start value from that child element; empty if there is none.
+/// Reads the start value from the child element that declares the type; empty if there is none.
 Value read_start(const Element& details, Type type);
 
 /// The types of <TypeDefinitions> by name. A description may have thousands.
 class DeclaredTypes {
  public:
   /// Appends a type to `types`, which must be the same list in every call. Throws Error if the list already has a type
-  /// of that name.
+  /// with the same name.
   void add(const Element& element, TypeDefinition type, std::vector<TypeDefinition>& types);
-  /// Fills in attributes that a variable leaves out and its declared type has. Has no effect if the variable has no
-  /// declared type. Throws Error if the declared type is unknown or does not fit the variable.
+  /// Sets the attributes that a variable does not have to those of its declared type. Has no effect if the variable has
+  /// no declared type. Throws Error if the declared type is unknown or does not fit the variable.
   void apply(const Element& element, const std::vector<TypeDefinition>& types, Variable& variable) const;
 
  private:

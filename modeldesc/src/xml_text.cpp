@@ -15,7 +15,8 @@
 namespace mebots::modeldesc {
 namespace {
 
-/// Returns the encoding by byte order mark or by the bytes of "<"; empty for a superset of ASCII.
+/// Determines the encoding by the byte order mark, or by the bytes of the first "<". Empty if the encoding is a
+/// superset of ASCII.
 std::string_view wide_encoding(std::string_view bytes) {
   using namespace std::string_view_literals;
   constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kStarts = {{
@@ -57,7 +58,7 @@ class Converter {
   // NOLINTNEXTLINE(performance-no-int-to-ptr): so iconv_open says that it failed
   bool known() const { return handle_ != reinterpret_cast<iconv_t>(-1); }
 
-  /// Returns false if the bytes are invalid in the encoding.
+  /// Converts bytes to UTF-8. Returns false if the bytes are invalid in their encoding.
   bool convert(std::string_view bytes, std::string& text) {
     std::array<char, 65536> buffer;              // NOLINT(cppcoreguidelines-pro-type-member-init): filled by iconv
     auto* in = const_cast<char*>(bytes.data());  // NOLINT(cppcoreguidelines-pro-type-const-cast): iconv only reads
@@ -76,7 +77,7 @@ class Converter {
   iconv_t handle_;
 };
 
-/// Returns the first element that is nested too deep. Walks the tree without recursion.
+/// Returns the first element that is nested too deep. Visits the elements without recursion.
 pugi::xml_node too_deep(const pugi::xml_document& document) {
   int depth = 0;
   for (auto node = document.first_child(); node;) {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A mission as an environment of Gymnasium: an agent writes free inputs and reads variables, both by their names.
+"""A mission as an environment of Gymnasium: an agent writes unconnected inputs and reads variables by their names.
 
     import mebots.gym
 

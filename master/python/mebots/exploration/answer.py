@@ -22,7 +22,8 @@ _MOST_MISSIONS = 1_000_000
 
 @dataclasses.dataclass(frozen=True)
 class Row:
-    """A design in the ranked table. ``rank`` is None if it violates a constraint or has no value. Designs with equal values share a rank."""
+    """A design in the ranked table. ``rank`` is None if the design violates a constraint or has no value. Designs with equal values share
+    a rank."""
 
     rank: int | None
     design: int
@@ -57,8 +58,7 @@ class Answer:
 
 
 def table_lines(titles: Sequence[str], rows: Sequence[Row], width: int | None = None) -> list[str]:
-    """Returns an aligned table with a header. Objectives that would make it wider than ``width`` are listed below
-    it."""
+    """Returns an aligned table with a header. Objectives that would make the table wider than ``width`` are listed below it."""
     for shown in range(len(titles), 1, -1):
         lines = _aligned(titles[:shown], [dataclasses.replace(row, cells=row.cells[:shown]) for row in rows])
         if width is None or max(map(len, lines)) <= width:
@@ -97,7 +97,7 @@ class Judge:
         self._share = next((one for one in shares if one is not self._main), None)
 
     def standings(self) -> Answer:
-        """Ranks designs by all results so far, also by those that the study has not evaluated yet. The order is not proven."""
+        """Ranks designs by all results so far, including results that the study has not evaluated yet. The order is not proven."""
         return Answer([], self._titles(), self._rows(self._evidence.so_far, lambda design: self._ended(design)), [])
 
     def answer(self, places: Sequence[str]) -> Answer:
@@ -145,7 +145,7 @@ class Judge:
         return 0, -(share_found or 0.0), *order
 
     def _order(self, first: Objective, found: Sequence[Estimate]) -> list[float]:
-        """Returns keys that are smaller for a better design: the values of an objective and of the objectives after it,
+        """Returns sorting keys, which are smaller for a better design: the values of an objective and of the objectives after it,
         with the signs of their senses."""
         wanted = [first, *(one for one in self._senses if one is not first)]
         means = [(self._sign(one), found[self._evidence.index[one.label]].mean) for one in wanted]
@@ -187,7 +187,7 @@ class Judge:
         return [design for design in designs if shares[design] == max(shares.values())]
 
     def _best(self, objective: Objective) -> tuple[int, list[int]] | None:
-        """Returns the design with the best value, and those that may be as good."""
+        """Returns the design with the best value, and the designs that may be as good."""
         group = self._group(objective)
         if not group:
             return None
@@ -284,7 +284,7 @@ class Judge:
         return lines
 
     def _separation(self, objective: Objective, found: tuple[int, list[int]] | None) -> list[str]:
-        """Returns the numbers of missions that would separate the best design by an objective from those that may be as good."""
+        """Returns the numbers of missions that would separate the best design by an objective from the designs that may be as good."""
         if found is None or not found[1] or objective.percentile is not None:
             return []
         best, near = found
@@ -316,13 +316,13 @@ class Judge:
 
 
 def _rest(items: Sequence[object]) -> str:
-    """Returns the end of a list of which the first items were named."""
+    """Returns the end of a list of names after its first items."""
     return f"; and {len(items) - _MOST_NAMED} more" if len(items) > _MOST_NAMED else ""
 
 
 def missions_to_separate(evidence: Evidence, best: int, other: int, objective: Objective) -> int | None:
     """Returns how many more missions of both designs would prove which of them is better, if their differences stay the
-    same. Returns None if the best design does not lead, or leads by too little."""
+    same. Returns None if the best design is not better so far, or only by too little."""
     differences = evidence.differences(best, other, objective)
     count = len(differences)
     if objective.is_share:

@@ -147,8 +147,8 @@ def percentile_of(ordered: Sequence[float], percentile: float) -> float:
 
 
 def percentile_interval(ordered: Sequence[float], percentile: float, error: float) -> Interval:
-    """Returns an interval of a percentile at level 1 - error, for a count chosen beforehand. Each end is wrong with a
-    probability of at most half of ``error``, by the binomial distribution."""
+    """Returns an interval of a percentile at level 1 - error, for a count chosen beforehand. Each end is wrong with a probability of at
+    most half of ``error``. The probability follows from the binomial distribution."""
     count, share = len(ordered), percentile / 100
     below, chance = 0, _binomial(0, count, share)
     while chance <= error / 2 and below < count:

@@ -66,7 +66,7 @@ _MOST_VALUES_TRIED = 64
 
 
 class Campaign:
-    """Runs a study's missions on an executor. Its workers need only the package mebots."""
+    """Runs a study's missions on an executor. The executor's workers need only the package mebots."""
 
     def __init__(self, study: Study, executor: concurrent.futures.Executor, in_flight: int) -> None:
         self.study = study
@@ -96,7 +96,7 @@ class Campaign:
         return designs * self.study.replicates
 
     def all_flights(self) -> Flights:
-        """Returns all missions of a study without decisions."""
+        """Returns all missions of a study that makes no decisions between rounds."""
         return Flights(range(len(self.space.designs)), 0, self.study.replicates)
 
     def example(self) -> Values:
@@ -366,7 +366,7 @@ class Campaign:
                 yield [first + at for at in fresh] if results is not None else [-1] * len(fresh), orders.only(fresh)
 
     def _fill(self, queue: Iterator[tuple[Sequence[int], Orders]], ahead: Iterator[tuple[Sequence[int], Orders]], most: int) -> None:
-        """Passes orders to the executor, first those of the round, until all workers have enough."""
+        """Passes orders to the executor until all workers have enough. The orders of the round come first."""
         while not self._dispatcher.is_full:
             found = next(queue, None)
             if found is not None:
@@ -416,8 +416,7 @@ class Campaign:
         return "; ".join(filter(None, (ended, self._ahead)))
 
     def _who_is_ahead(self, evidence: Evidence) -> str:
-        """Returns the designs that no other design dominates by the values measured so far. The order may be due to
-        noise."""
+        """Returns the designs that no other design dominates by the values measured so far. Noise may be the reason for this order."""
         if not evidence.has_front or len(self.space.designs) > _MOST_COMPARED:
             return ""
         ahead = evidence.leaders([design for design in range(len(self.space.designs)) if evidence.feasible(design) is not False])

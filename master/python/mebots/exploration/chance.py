@@ -57,13 +57,13 @@ def normal(u: float) -> float:
 
 
 def unit(seed: int, name: str, index: int) -> float:
-    """Returns a number of the uniform distribution on the open interval (0, 1): 53 bits of a SHA-256."""
+    """Returns a number of the uniform distribution on the open interval (0, 1), made from 53 bits of a SHA-256."""
     return _mebots.unit_draw(seed, name, index)
 
 
 def value(spread: dict[str, Any] | list[Any], u: float) -> Any:
-    """Returns the value at quantile ``u`` of a distribution or span in the notation of the study file; a list is a
-    choice."""
+    """Returns the value at quantile ``u`` of a distribution or span in the notation of the study file; a list means a choice of one of
+    its values."""
     if isinstance(spread, list):
         return _choice(spread, u)
     ((kind, arguments),) = spread.items()
@@ -71,7 +71,7 @@ def value(spread: dict[str, Any] | list[Any], u: float) -> Any:
 
 
 def extremes(spread: dict[str, Any] | list[Any]) -> list[Any]:
-    """Returns values that represent all others when the study is checked."""
+    """Returns values of a distribution that represent all its values when the study is checked."""
     if isinstance(spread, list):
         return list(spread)
     ((kind, arguments),) = spread.items()

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tables for programs: tables.h5, and missions.parquet and designs.parquet if pyarrow is installed. They are derived
-from the CSV files, which are authoritative."""
+"""Writes tables for programs: tables.h5, and, if pyarrow is installed, missions.parquet and designs.parquet. Their content is the same as
+that of the CSV files, which are authoritative."""
 
 from __future__ import annotations
 

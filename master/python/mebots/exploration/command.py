@@ -46,8 +46,8 @@ def sweep(
 ) -> Sweep:
     """Runs the missions of a study, as ``mebots sweep`` does, and writes its tables into ``out``. The same call
     continues an interrupted study. ``to_pandas()``, ``to_polars()`` and ``to_xarray()`` of the result return the
-    tables; ``show()`` shows the report in a notebook. Raises InputError for what the caller can correct, Error if an
-    executor or a disk failed, and ``mebots.exploration.dispatch.Unfinished`` if a mission had no result in three
+    tables; ``show()`` shows the report in a notebook. Raises InputError for errors that the caller can correct, Error if an executor or a
+    disk failed, and ``mebots.exploration.dispatch.Unfinished`` if a mission had no result in three
     attempts.
 
     :param study: file, or its content as a dict.

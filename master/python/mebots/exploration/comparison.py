@@ -63,7 +63,7 @@ which Wilson's interval is too narrow."""
 
 
 class Evidence:
-    """Measures of all counted missions, by design and replicate. NaN marks a measure that a mission does not have. A
+    """The measured values of all counted missions, by design and replicate. NaN marks a value that a mission does not have. A
     mission without a result has no measures. Each measure takes 8 bytes."""
 
     def __init__(self, study: Study, designs: int) -> None:
@@ -108,7 +108,7 @@ class Evidence:
         own[begin:end] = values
 
     def count_to(self, design: int, replicates: int) -> None:
-        """Counts the first replicates of a design."""
+        """Counts the results of the first replicates of a design."""
         self.counts[design] = replicates
 
     def miss(self, design: int, replicate: int) -> None:
@@ -157,7 +157,7 @@ class Evidence:
         return found
 
     def so_far(self, design: int, objective: Objective) -> Estimate:
-        """Returns the estimate from all results so far, before they count."""
+        """Returns the estimate from all results so far, including results that are not counted yet."""
         values = self._measures[design][self.index[objective.label] :: len(self.index)]
         return _estimated(objective, values, self.study.error, SEQUENCES if self.study.looks else SHOWN)
 
@@ -219,7 +219,7 @@ class Evidence:
         return self.mean_bound(Moments().add(differences))
 
     def share_bound(self, wins: int, decided: int) -> float:
-        """Returns the least possible share of wins, for the comparison of a pair."""
+        """Returns the lower bound of the share of replicates in which the first design of a pair wins."""
         return (SEQUENCES if self.study.looks else DECIDED).share(wins, decided, self.pair_error)[0]
 
     def mean_bound(self, differences: Moments) -> float:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes the designs that a study compares. A registry has one function per kind of design."""
+"""Returns the designs that a study compares. A registry has one function for each kind of design."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def _list(study: Study) -> list[Values]:
 
 
 def _cell(text: str) -> Any:
-    """Returns a number or Boolean if the text is one; otherwise the text."""
+    """If the text is a number or a Boolean, returns its value. Otherwise returns the text."""
     try:
         value = json.loads(text)
     except ValueError:

@@ -38,7 +38,7 @@ class Unfinished(Error):
 
 @dataclasses.dataclass
 class _Group:
-    """Orders with the number of each mission in the round that requested it; -1 if no round did."""
+    """Orders with the number of each mission in the round that requested it; -1 if no round requested it."""
 
     orders: Orders
     indices: Sequence[int]
@@ -60,7 +60,7 @@ class _Task:
 
 
 class Dispatcher:
-    """Keeps at most ``most`` batches in progress. It is for one thread at a time."""
+    """Keeps at most ``most`` batches in progress. May be used by one thread at a time."""
 
     def __init__(self, executor: concurrent.futures.Executor, most: int) -> None:
         self._executor = executor
@@ -178,8 +178,7 @@ class Dispatcher:
         return reply if reply.digests else None
 
     def _repeat(self, order: Order, index: int, why: str) -> None:
-        """Repeats a mission that had no result, in a separate batch. So if the mission ends its worker again, no other
-        mission is lost."""
+        """Repeats a mission that had no result, in a separate batch. If the mission ends its worker again, no other mission is lost."""
         mission = order["mission"]
         self._attempts[mission] += 1
         if self._attempts[mission] < ATTEMPTS:

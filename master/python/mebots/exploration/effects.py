@@ -95,8 +95,8 @@ def _is_number(value: Any) -> bool:
 
 
 def level_means(factor: Factor, values: np.ndarray) -> list[float | None]:
-    """Returns the mean of the designs at each level; None if no design has a value. Each design counts once, so that
-    designs with more missions have no greater weight."""
+    """Returns the mean of the designs at each level; None if no design has a value. Each design has the same weight, whatever its number
+    of missions."""
     return _means(factor.level, len(factor.levels), values)
 
 

@@ -85,7 +85,7 @@ def _decimals_of(value: float) -> int:
 
 
 class Units:
-    """The units of a study's factors and objectives. They come from the study; if it has none, from the FMUs'
+    """The units of a study's factors and objectives. The units are those of the study. If the study has none, they are those of the FMUs'
     variables."""
 
     def __init__(self, study: Study, summary: Mapping[str, Any]) -> None:
@@ -99,7 +99,7 @@ class Units:
         return "s" if name == "/stop_time" else self._of_variables.get(name, "")
 
     def of(self, objective: Objective) -> str:
-        """Returns the unit of an objective; "" if it has none. The unit of an expression comes from the study."""
+        """Returns the unit of an objective; "" if the objective has none. The unit of an expression comes from the study."""
         if objective.unit or objective.is_share or objective.source == "expression":
             return objective.unit
         if objective.source == "summary":

@@ -22,7 +22,7 @@ def write_all(descriptor: int, block: bytes) -> None:
 
 
 def close(descriptor: int) -> None:
-    """Closes a descriptor. Raises OSError. Linux closes it even if a signal interrupts the call."""
+    """Closes a descriptor. Raises OSError. Linux closes the descriptor even if a signal interrupts the call."""
     with contextlib.suppress(InterruptedError):
         os.close(descriptor)
 

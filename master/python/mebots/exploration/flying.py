@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Controls mission processes. Executors of any kind call ``fly_all``, which executes orders in a process that
-belongs to the calling thread. A crash then loses one mission, but not the executor's worker."""
+belongs to the calling thread. Because of this separate process, a crash loses one mission, but not the executor's worker."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _TICKS = os.sysconf("SC_CLK_TCK")
 
 
 class Lost(Exception):
-    """The process ended during a mission. The message states how it ended, without naming a process. ``is_outcome`` is
+    """The process ended during a mission. The message states how the process ended, but contains no process name. ``is_outcome`` is
     False if the cause was outside of the mission."""
 
     def __init__(self, text: str, *, is_outcome: bool = True) -> None:
@@ -44,7 +44,7 @@ class Lost(Exception):
 
 
 class MissionProcess:
-    """A worker in a separate process. It is for one thread at a time."""
+    """A worker in a separate process. May be used by one thread at a time."""
 
     def __init__(self) -> None:
         life, self._life = os.pipe()
@@ -195,7 +195,7 @@ def _ticks_of(process: int) -> int:
 
 
 def failed(order: Order, error: str, code: str) -> dict[str, Any]:
-    """Returns a record for a mission whose process wrote none."""
+    """Returns a record for a mission whose process wrote no record."""
     return {"mission": order["mission"], "flown_by": order["build"], "outcome": "failed", "error": error, "code": code}
 
 

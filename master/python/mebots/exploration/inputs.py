@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Files and folders that missions name, by their hashes. Of folders, only those of deployed networks count."""
+"""Files and folders that missions name, by their hashes. Folders are included only if they contain deployed networks."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ def held() -> Iterator[None]:
 
 @contextlib.contextmanager
 def allowed() -> Iterator[None]:
-    """Inside of ``held``, permits interrupts for a time: they are raised immediately."""
+    """Within a block of ``held``, permits interrupts until the end of this block. They are raised immediately."""
     global _holds
     if not _can_come():
         yield
@@ -64,7 +64,7 @@ def interrupt(number: int, frame: object) -> None:
 
 @contextlib.contextmanager
 def _handled() -> Iterator[None]:
-    """Replaces Python's own handler of Ctrl-C, which raises at any place. A handler of another program stays."""
+    """Replaces Python's own handler of Ctrl-C, which raises at any place. A handler that another program has installed is not replaced."""
     if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
         yield
         return

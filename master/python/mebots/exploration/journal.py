@@ -71,7 +71,7 @@ def key_of(mission: str) -> int:
 class Places:
     """The place of each mission's line, with 16 bytes per mission. The places are in lists that are sorted by key, the
     latest list last. A list is merged with the previous list, unless the previous list is more than twice as long.
-    Several missions may have the same key; then all their places are returned, latest first."""
+    Several missions may have the same key. In this case, all their places are returned, the latest first."""
 
     def __init__(self) -> None:
         self._runs: list[tuple[np.ndarray, np.ndarray]] = []
@@ -95,7 +95,7 @@ class Places:
                 at -= 1
 
     def may_have(self, wanted: np.ndarray) -> np.ndarray:
-        """Returns for each key whether a line with it exists."""
+        """Returns for each key whether a line with this key exists."""
         found = np.zeros(len(wanted), bool)
         for keys, _ in self._runs:
             at = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
@@ -174,7 +174,7 @@ class Journal:
         return record
 
     def of_other_builds(self, build: str) -> int:
-        """Returns the number of records of other builds that the journal had at first. Old records do not state their
+        """Returns the number of records of other builds that the journal had when it was opened. Old records do not state their
         build."""
         return self._builds.total() - self._builds[build]
 
@@ -204,7 +204,7 @@ class Journal:
         return places
 
     def sync(self) -> None:
-        """Returns when all lines are on the disk. Raises Error."""
+        """Waits until all lines are on the disk. Raises Error."""
         try:
             os.fdatasync(self._descriptor)
         except OSError as error:

@@ -106,8 +106,8 @@ class Missions:
         """Folder of the results, with 256 folders for the first two digits of the mission's hash."""
 
     def order(self, values: Values) -> Order:
-        """Returns the mission with these values of factors and draws. Raises InputError for a pointer to nothing,
-        and for a fork after the end."""
+        """Returns the mission with these values of factors and draws. Raises InputError if a JSON pointer refers to no value, or if a
+        fork is after the end."""
         fork = self._study.fork
         if fork is None:
             return self._order(values, ())

@@ -85,7 +85,7 @@ def _rest(order: Order) -> Order:
 
 
 def unpacked(batch: Batch) -> Iterator[Order]:
-    """Yields the orders of a batch. Each has the files of all."""
+    """Yields the orders of a batch. Each order has the files of all orders."""
     for group in batch["groups"]:
         orders = Orders(pieces_of(group["digests"]), group.get("common", {}), group.get("columns", {}), group.get("own"))
         for number, digest in enumerate(orders.digests):

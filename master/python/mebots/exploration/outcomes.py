@@ -20,7 +20,7 @@ _TEXTS = (*(os.strerror(number) for number in _ERRORS), "bad_alloc", "Resource t
 
 
 def is_outside_signal(number: int) -> bool:
-    """True for signals that other programs send."""
+    """True for signals with which other programs end a process."""
     return number in _SIGNALS
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Saved states from which other missions start, by hash. The latest states are in memory. More of them are on disk,
+"""Saved states from which other missions start, by hash. The latest states are in memory. Further states are on disk,
 where all mission processes of the same parent can read them. If a state was deleted, one process computes it again, and
 other processes that need this state wait.
 """
@@ -58,8 +58,8 @@ class Pasts:
 
     @contextlib.contextmanager
     def flown_by_me(self, name: str, waiting: Callable[[], None]) -> Iterator[None]:
-        """Excludes other processes. A process that comes later waits, calls ``waiting`` repeatedly, and then finds
-        the state. If the first process is killed, the next one continues."""
+        """Excludes other processes. A later process waits, calls ``waiting`` repeatedly, and finds the state when the first process has
+        saved it. If the first process is killed, the next one continues."""
         file = self._folder / f"{name}.flying"
         try:
             lock = os.open(file, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)

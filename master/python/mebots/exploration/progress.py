@@ -38,7 +38,7 @@ class Progress:
         return f"{text}; {self.answer}" if self.answer else text
 
     def _left(self) -> str:
-        """Returns missions and time left; racing and stopping end designs earlier."""
+        """Returns the number of missions and the time that are left. Racing and stop conditions may end designs earlier."""
         rate = max(self.rate_per_s, 1e-9)
         most = f"at most {self.most_left} left, {duration_text(self.most_left / rate)}"
         likely = round(self.likely_left)

@@ -20,7 +20,7 @@ PARTS = ("values", "finals", "series")
 
 
 def number_of(value: Any) -> float:
-    """Returns a finite number or a Boolean of a record as a float, NaN for everything else."""
+    """Returns a value of a record as a float if it is a finite number or a Boolean. Otherwise returns NaN."""
     if isinstance(value, (int, float)):
         try:
             found = float(value)

@@ -30,9 +30,9 @@ _POINTS_OF_CURVES = 14
 
 @dataclasses.dataclass(frozen=True)
 class Content:
-    """Results of a study. ``places`` on the front, ``status`` and number of ``failed`` missions are lists by design.
+    """Results of a study. ``places`` (on the Pareto front), ``status`` and ``failed`` (the number of failed missions) are lists by design.
     ``outcomes`` has all names, and by design the number of each mission's outcome; None while the study runs.
-    ``refresh_s`` is set while the study runs: its page reloads after this time."""
+    ``refresh_s`` is set while the study runs. The page reloads after this time."""
 
     study: Study
     factors: Sequence[str]

@@ -40,8 +40,8 @@ class Flights(Sequence[Flight]):
 class Rounds:
     """Runs every design of a list with as many replicates as it needs.
 
-    Every round adds the same replicates to each active design. Then a design is done if the condition of ``stop`` is
-    met, or dropped by racing.
+    Every round adds the same replicates to each active design. After a round, a design is done if the condition of ``stop`` is met or
+    racing drops the design.
     """
 
     def __init__(self, study: Study, evidence: Evidence) -> None:
@@ -56,7 +56,7 @@ class Rounds:
         return [design for design, status in enumerate(self.status) if status == FLYING]
 
     def next(self) -> Flights:
-        """Returns the missions of the next round in the study's order; none if the study is done."""
+        """Returns the missions of the next round in the study's order; an empty list if the study is done."""
         return self._missions(self._flown)
 
     def ahead(self) -> Flights:

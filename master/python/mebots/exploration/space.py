@@ -55,7 +55,7 @@ class Space:
                 yield at * (flights.end - flights.begin) + begin - flights.begin, self.missions.orders(self.designs[design], drawn)
 
     def provenance(self, example: Values) -> dict[str, str]:
-        """Describes for people what the study ran with. ``example`` contains the values of any mission."""
+        """Returns a readable description of the versions and inputs of the study. ``example`` contains the values of any mission."""
         draws = json.dumps(self.study.draws) if self.study.draws else "none"
         files: dict[str, Any] = self.missions.order(example)["files"]
         return {

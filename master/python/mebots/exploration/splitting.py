@@ -5,9 +5,10 @@ from the previous level.
 
 N missions start at t = 0. The states in which missions reach the first level are its entrances. N missions continue from them
 with new draws: the same number from each entrance, with the remainder assigned at random. This is repeated up to the last level.
-If r_k of N missions reached level k, the estimate is the product of r_k/N. Its expectation is the exact probability for any
-levels and any N; its spread depends on both. Therefore several estimates are made independently, and their mean has Student's
-interval. The score of a mission may jump over levels: the mission then counts for each of them.
+If r_k of N missions reached level k, the estimate is the product of r_k/N. The expectation of the estimate is the exact probability for
+any levels and any N. Its spread depends on the levels and on N. Therefore several estimates are made independently, and their mean has
+Student's
+interval. If the score of a mission jumps over levels, the mission counts for each of these levels.
 
 If a study defines no levels, pilot missions determine them.
 """
@@ -98,7 +99,7 @@ def most_missions(study: Study) -> int:
 
 
 def trial_course(study: Study) -> Course:
-    """Returns the course that the check at t = 0 tries."""
+    """Returns the course with which the check at t = 0 is made."""
     return (Turn(_place(study.rare, study.rare.goal), _writes(study, 1, 0)),)
 
 

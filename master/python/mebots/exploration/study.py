@@ -147,7 +147,7 @@ class Study:
 
     @property
     def looks(self) -> bool:
-        """True if the number of missions depends on their results. Then only confidence sequences have their level."""
+        """True if the number of missions depends on their results. In this case, only confidence sequences have their confidence level."""
         return self.racing or self.stop is not None
 
 
@@ -165,7 +165,7 @@ def read_study(source: str | os.PathLike[str] | dict[str, Any]) -> Study:
 
 
 def _refuse_config(source: str | os.PathLike[str]) -> None:
-    """Raises InputError if the file is a config of a run: one sentence instead of an error for each of its keys."""
+    """If the file is a config of a run, raises InputError with one sentence, instead of an error for each key of the config."""
     try:
         content = json.loads(pathlib.Path(source).read_text(encoding="utf-8"))
     except (OSError, ValueError):

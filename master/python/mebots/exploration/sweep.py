@@ -17,7 +17,7 @@ from mebots.exploration.answer import Answer
 
 @dataclasses.dataclass(frozen=True)
 class Sweep:
-    """The result of a study: number of counted missions, number of failed ones, and the folder with the tables."""
+    """The result of a study: number of counted missions, number of failed missions, and the folder with the tables."""
 
     folder: pathlib.Path
     missions: int

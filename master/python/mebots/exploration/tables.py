@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes the rows of missions.csv and designs.csv. Equal studies give equal bytes, for any number of workers."""
+"""Returns the rows of missions.csv and designs.csv. Equal studies give equal bytes, for any number of workers."""
 
 from __future__ import annotations
 

@@ -177,7 +177,7 @@ class Worker:
                 mission.save_state()  # raises if an FMU keeps data outside of its instance
 
     def _follow(self, mission: Mission, order: Order) -> None:
-        """Continues from a saved state: the last one in the order's course. Then applies the following points of the
+        """Continues from the last saved state in the order's course. Then applies the following points of the
         course, up to the last point that the mission reaches."""
         course = order["course"]
         if not course:

@@ -187,7 +187,7 @@ def entity(frame, name, locked, triangles):
 
 
 def displacement(mover, time_s):
-    """Returns offset and rotation of a body on a path of its own, as described in docs/seeing.md."""
+    """Returns offset and rotation of a body with its own path, as described in docs/seeing.md."""
     points = mover["points"]
     end = points[-1]["time"]
     now = time_s % end if mover["repeat"] else min(time_s, end)

@@ -129,7 +129,7 @@ def _scale(curve: dict[str, Any], factor: float) -> None:
 
 
 class _Problem:
-    """The residuals of all flights as functions of the free factors and of the unknowns of each flight."""
+    """The residuals of all flights. They are functions of the free factors and of the unknowns of each flight."""
 
     def __init__(self, base: dict[str, Any], flights: Sequence[Flight], free: Sequence[str], folder: pathlib.Path) -> None:
         self.base, self.flights, self.free, self.folder = base, flights, list(free), folder

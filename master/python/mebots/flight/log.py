@@ -65,7 +65,7 @@ class Signal:
 
 @dataclasses.dataclass(frozen=True)
 class FlightLog:
-    """The content of a file. ``notes`` list what the reader left out."""
+    """The content of a log file. ``notes`` list the parts that the reader left out."""
 
     file: pathlib.Path
     kind: str

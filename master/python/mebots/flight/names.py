@@ -58,8 +58,8 @@ def signal_of(column: str, meaning: Meaning, times: Array, values: Array) -> Sig
 
 
 def named(columns: Iterable[tuple[str, Array, Array]], meanings: Mapping[str, Meaning]) -> list[Signal]:
-    """Returns signals for columns (name, times, values). Columns in ``meanings`` get the names of known signals; the
-    others keep their own names."""
+    """Returns signals for columns (name, times, values). Columns in ``meanings`` get the names of known signals. All other columns keep
+    their own names."""
     found: dict[str, Signal] = {}
     order = {column: place for place, column in enumerate(meanings)}
     for column, times, values in sorted(columns, key=lambda one: order.get(one[0], len(order))):

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rules that find bad samples of a log, exclude them, and count them.
 
-Every rule checks one signal. The rules are applied in this order. A rule excludes samples; ``at_limit`` and ``gap`` only
-count them.
+Every rule checks one signal. The rules are applied in this order. All rules exclude the samples that they find, except ``at_limit`` and
+``gap``, which only count them.
 
     not_finite    NaN or infinite, or an empty cell
     time_back     its time is not later than that of the sample before it

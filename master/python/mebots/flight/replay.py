@@ -50,7 +50,7 @@ def replay(
     :param mapping: file (.json) that maps columns of the log to signals.
     :param decks: decks of the drone, in place of the airframe's.
     :param mass: mass of the whole drone [kg], in place of the airframe's.
-    :param initial_charge: state of charge at the start, 0 to 1; by default the one that fits the first voltages.
+    :param initial_charge: state of charge at the start, 0 to 1; by default the value that fits the first voltages.
     :param window: length of the windows of the momentum balance [s].
     :param hover: the drone hovered in a log without motion: the required thrust is its weight.
     :param step: communication step [s].

@@ -138,7 +138,7 @@ class _Flight:
         return (times >= self.start_s + self.settle_s) & (times - since > SETTLE_S)
 
     def _write_inputs(self, file: pathlib.Path) -> None:
-        """Writes a row per communication point. A command keeps its value until the next one, as in the motors' driver."""
+        """Writes a row per communication point. A command keeps its value until the next command, as in the motors' driver."""
         columns = {"time": np.arange(self.steps + 1) * self.step_s}
         for name in COMMANDS:
             signal = self.log[name]
@@ -186,7 +186,7 @@ class _Flight:
         self.mission.write_text(json.dumps(config, indent=2) + "\n", encoding="utf-8")
 
     def _initial_charge(self) -> float:
-        """Returns the charge with which the model's mean voltage equals the measured one soon after the start. The
+        """Returns the charge with which the model's mean voltage soon after the start equals the measured voltage. The
         polarisation of the real cell is unknown, and the model starts without polarisation."""
         if not self.has_voltage:
             self.notes.append("the log has no voltage that can be used: the model starts with a full cell")

@@ -99,7 +99,8 @@ def _replay(given: argparse.Namespace) -> None:
 
 
 def repeat(session: Session, recording: Recording, file: pathlib.Path) -> None:
-    """Gives recorded packets to a session at their times. Raises InputError for a drone that the config does not have."""
+    """Passes recorded packets to a session at the times at which they were recorded. Raises InputError for a drone that the config does
+    not have."""
     for event in recording.events:
         if event.drone >= len(session.drones):
             raise InputError(f"{file}: a packet is for drone {event.drone + 1}, and the config has {len(session.drones)}", "invalid_value")

@@ -21,7 +21,7 @@ class Commander:
         self._stamp_ms = 0
 
     def set(self, setpoint: Setpoint, priority: Priority, now_ms: int) -> bool:
-        """Replaces the present set-point. Returns False without effect if the present one has a higher priority."""
+        """Replaces the present set-point. If the present set-point has a higher priority, has no effect and returns False."""
         if priority < self.priority:
             return False
         self.setpoint = setpoint
