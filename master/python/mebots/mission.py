@@ -24,13 +24,13 @@ Scalar = bool | int | float | str
 
 
 class Mission:
-    """A run of an FMU, or of a system of FMUs. It computes the same as ``mebots run``, step by step.
+    """A run of an FMU, or of a system of FMUs. The results are those of ``mebots run``.
 
-    Times are in seconds, values in the unit of their variable. Methods raise ``InputError`` for what the caller can correct,
+    Times are in seconds. Values are in the unit of their variable. Methods raise ``InputError`` for errors that the caller can correct,
     and ``Error`` if the run fails. A failed mission has the state "failed" and cannot step.
 
-    As a context manager it is closed at the end of the block, also after an exception. Use a mission from one thread at a
-    time; several missions may run on several threads, because stepping releases the interpreter's lock.
+    If the mission is used as a context manager, it is closed at the end of the block, even after an exception. Use a mission from one
+    thread at a time; several missions may run on several threads, because stepping releases the interpreter's lock.
 
     :param config: config (.json), FMU (.fmu) or SSP 1.0 (.ssp), or the content of a config as a dict, whose paths are relative
         to the working folder. If the mission is a single FMU, names of variables need no instance.
@@ -96,8 +96,8 @@ class Mission:
 
     @classmethod
     def resume(cls, folder: Path, *, in_memory: bool = True) -> Mission:
-        """Returns a mission that resumes from the last checkpoint in a results folder, with the same bits as an
-        undisturbed one. Rows from before the checkpoint are loaded into memory, too."""
+        """Returns a mission that resumes from the last checkpoint in a results folder, with the same bits as a mission without
+        interruption. Rows from before the checkpoint are loaded into memory, too."""
         mission = cls.__new__(cls)
         mission._run = _mebots.Mission.resume(folder, in_memory)
         return mission
@@ -120,7 +120,7 @@ class Mission:
         self._run.on_message(listener)
 
     def on_point(self, listener: Callable[[float], None]) -> None:
-        """Calls listener(time [s]) at every communication point, t = 0 included. The listener may read variables, and
+        """Calls listener(time [s]) at every communication point, including t = 0. The listener may read variables, and
         write them except at t = 0. Must be called before start()."""
         self._run.on_point(listener)
 
@@ -130,11 +130,11 @@ class Mission:
         self._run.set(variable, value)
 
     def add_scenario(self, file: Path) -> None:
-        """Adds the overrides of a file after those of the config. Must be called before start()."""
+        """Adds the overrides of a file. They follow the overrides of the config. Must be called before start()."""
         self._run.add_scenario(file)
 
     def add_inputs(self, file: Path) -> None:
-        """Connects the columns of a CSV file to the unconnected inputs of the same names, after those of the config.
+        """Connects the columns of a CSV file to the unconnected inputs with the same names. The file follows the files of the config.
         Must be called before start()."""
         self._run.add_inputs(file)
 
@@ -154,16 +154,16 @@ class Mission:
         self._run.load()
 
     def start_from(self, state: bytes) -> None:
-        """Starts from a state of ``save_state`` in place of t = 0 and continues with the same bits. The state may
-        come from another process. Config, FMUs, settings and recorded variables must be the same. Only for
-        missions without ``out``. Must be called before start()."""
+        """Starts from a state that ``save_state`` returned, not from t = 0. The results have the same bits as without interruption. The
+        state may come from another process. Config, FMUs, settings and recorded variables must be the same. Only for missions without
+        ``out``. Must be called before start()."""
         self._run.start_from(state)
 
     # Methods that run the mission.
 
     def start(self) -> None:
-        """Opens the FMUs, makes all checks, and initialises to t = 0 (or to the checkpoint). The methods below do this
-        first if it was not done."""
+        """Opens the FMUs, makes all checks, and initialises to t = 0 (or to the checkpoint). If the mission has not started, the methods
+        below call start() first."""
         self._run.start()
 
     def step(self) -> bool:
@@ -175,21 +175,21 @@ class Mission:
         KeyboardInterrupt.
 
         If the config or ``uncertainty`` requests "calibration", also runs 19 missions with drawn parameters, without messages
-        and listeners; ``summary["uncertainty"]`` has their intervals. They are skipped after ``write()`` or
-        ``start_from()``; ``summary["uncertainty"]["skipped"]`` then has the reason."""
+        and listeners; ``summary["uncertainty"]`` has their intervals. After ``write()`` or ``start_from()``, the 19 missions are skipped,
+        and ``summary["uncertainty"]["skipped"]`` has the reason."""
         self._run.run()
 
     def run_until(self, time_s: float) -> None:
-        """Steps until ``time_s`` or the end, whichever is earlier."""
+        """Steps until ``time_s`` or the end of the run, whichever is earlier."""
         self._run.run_until(time_s)
 
     def run_through(self, time_s: float) -> None:
-        """Steps like ``run_until``. SIGINT and SIGTERM take effect when it returns, so they do not change the mission's bits."""
+        """Steps like ``run_until``. SIGINT and SIGTERM take effect when the method returns, so they do not change the mission's results."""
         self._run.run_through(time_s)
 
     def close(self) -> None:
-        """Ends the run at the present point and writes its reports. No effect after the end. Called from a listener,
-        it acts as interrupt()."""
+        """Ends the run at the present point and writes its reports. Has no effect if the run has ended. A call from a listener acts as
+        interrupt()."""
         self._run.close()
 
     def save_state(self) -> bytes:
@@ -200,8 +200,8 @@ class Mission:
 
     def reset(self) -> None:
         """Closes the mission and returns it to its state after the constructor. Drops ``set``, ``record`` and
-        listeners. Clean FMUs stay loaded; others are loaded again. The next run has the same bits as ``mebots
-        run``. If this process cannot guarantee that, start() raises an error that names the FMU."""
+        listeners. Clean FMUs stay loaded. All other FMUs are loaded again. The results of the next run have the same bits as those of
+        ``mebots run``. If this process cannot guarantee that, start() raises an error that names the FMU."""
         self._run.reset()
 
     def free_instances(self) -> list[tuple[str, bool]]:

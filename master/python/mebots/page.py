@@ -15,8 +15,8 @@ from mebots.exploration.files import write_whole
 
 
 def write_page(file: pathlib.Path, title: str, data: dict[str, Any], provenance: dict[str, str], answer: str) -> None:
-    """Writes a page. ``provenance`` describes its inputs; ``answer`` is the result as text. If MEbots was built
-    without pages, the page contains that text only."""
+    """Writes a page. ``provenance`` describes its inputs; ``answer`` is the result as text. If MEbots was built without pages, the page
+    contains only the text of ``answer``."""
     content = data | {"title": title, "provenance": provenance | {"MEbots": _mebots.__version__}}
     try:
         page = _mebots.data_page(title, json.dumps(content, separators=(",", ":"), allow_nan=False))

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Collects the cases of FMUs for pytest: files named ``*.mebots-test.json`` or ``CASES.json``, one test per case.
 
-The file names the FMU, or the option ``--mebots-fmu`` does. See docs/testing-fmus.md. The fixture
-``chip`` runs programs on boards: mebots.testing.
+The FMU is named in the file, or by the option ``--mebots-fmu``. See docs/testing-fmus.md. The fixture ``chip`` runs
+programs on boards: mebots.testing.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class CaseFile(pytest.File):
 
 
 class Diverged(Exception):
-    """A case that did not pass; the message contains the place."""
+    """Raised for a case that did not pass. The message contains the place of the case."""
 
 
 class Case(pytest.Item):

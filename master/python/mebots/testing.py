@@ -87,7 +87,7 @@ class Board:
             raise refusal
 
     def run(self, seconds: float) -> str:
-        """Runs for a time. Returns the text that the program printed during it."""
+        """Runs for a time. Returns the text that the program printed during this time."""
         return self._ask({"run": seconds})["console"]
 
     def wait_for(self, text: str, *, within: float) -> str:
@@ -115,8 +115,7 @@ class Board:
         self._ask({"send": text})
 
     def get(self, variable: str) -> float:
-        """Returns the value of a device's variable, such as ``led.level``. This is an output, or the value to which an
-        input was set."""
+        """Returns the value of a device's variable, such as ``led.level``. The variable is an output, or an input that was set."""
         return self._ask({"get": variable})["value"]
 
     def set(self, variable: str, value: float) -> None:

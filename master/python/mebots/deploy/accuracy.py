@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Compares a deployed network with the model in float, and compares both with labels. All intervals have a level of 95 %: Wilson's for
-shares, and
-percentiles of resampled pictures (bootstrap) for errors."""
+shares, and percentiles of resampled pictures (bootstrap) for errors."""
 
 from __future__ import annotations
 

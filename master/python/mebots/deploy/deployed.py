@@ -23,13 +23,10 @@ Size = tuple[int, int]
 class Options:
     """Options of a deployment.
 
-    percentile: share of the values that the ranges contain; None: the least and greatest values
-    equalise: cross-layer equalisation
-    vectors: number of test vectors in the folder
-    pictures: number of pictures for the calibration
-    validate: folder of pictures for the accuracy; None: the pictures of the calibration
-    labels: file with the labels of these pictures
-    sizes: further sizes of the input; None: three quarters and half of the rows and columns
+    percentile: share of the values that the ranges contain; None: the least and greatest values equalise: cross-layer
+    equalisation vectors: number of test vectors in the folder pictures: number of pictures for the calibration
+    validate: folder of pictures for the accuracy; None: the pictures of the calibration labels: file with the labels of
+    these pictures sizes: further sizes of the input; None: three quarters and half of the rows and columns
     """
 
     board: str = "ai_deck"

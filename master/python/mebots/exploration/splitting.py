@@ -3,11 +3,10 @@
 score of a mission rises towards the event. Levels divide the range of the score, so that missions often reach a level
 from the previous level.
 
-N missions start at t = 0. The states in which missions reach the first level are its entrances. N missions continue from them
-with new draws: the same number from each entrance, with the remainder assigned at random. This is repeated up to the last level.
-If r_k of N missions reached level k, the estimate is the product of r_k/N. The expectation of the estimate is the exact probability for
-any levels and any N. Its spread depends on the levels and on N. Therefore several estimates are made independently, and their mean has
-Student's
+N missions start at t = 0. The states in which missions reach the first level are its entrances. N missions continue from them with new
+draws: the same number from each entrance, with the remainder assigned at random. This is repeated up to the last level. If r_k of N
+missions reached level k, the estimate is the product of r_k/N. The expectation of the estimate is the exact probability for any levels
+and any N. Its spread depends on the levels and on N. Therefore several estimates are made independently, and their mean has Student's
 interval. If the score of a mission jumps over levels, the mission counts for each of these levels.
 
 If a study defines no levels, pilot missions determine them.

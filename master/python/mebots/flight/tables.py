@@ -3,8 +3,8 @@
 
     {"time": {"column": "t", "unit": "s"}, "columns": {"vbat": {"signal": "battery.voltage", "unit": "mV"}}}
 
-A table without times has "time": {"period": 0.01, "unit": "s"}. A second clock, "reference": {"column": ..., "unit": ...},
-measures the drift of the first clock. The reader removes this drift from the times.
+A table without times has "time": {"period": 0.01, "unit": "s"}. A second clock, "reference": {"column": ..., "unit": ...}, measures the
+drift of the first clock. The reader removes this drift from the times.
 """
 
 from __future__ import annotations

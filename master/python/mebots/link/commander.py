@@ -30,7 +30,7 @@ class Commander:
         return True
 
     def relax(self) -> None:
-        """Lowers the priority of the present set-point, so that the high-level commander can take over."""
+        """Lowers the priority of the present set-point, so that the high-level commander can replace it."""
         self.priority = Priority.HIGH_LEVEL
 
     def age_ms(self, now_ms: int) -> int:

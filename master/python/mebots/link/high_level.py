@@ -55,7 +55,7 @@ class HighLevel:
         return work(self, values, time_s)
 
     def _fly(self, group: int) -> Errno | None:
-        """Executes a command. Returns the error if it is not executed; None if it is."""
+        """Executes a command. Returns an error if the command is not executed; otherwise None."""
         if not self._supervisor.can_fly:
             return Errno.BUSY
         return None if self._is_in(group) else Errno.NONE

@@ -42,7 +42,7 @@ class Planner:
         self.last = Goal(position_m, velocity_m_per_s, ZERO, yaw_rad, 0.0)
 
     def goal(self, time_s: float) -> Goal | None:
-        """Returns the goal of the present path; None if there is none. The motors stop when a landing has ended."""
+        """Returns the goal of the present path; None if no path is active. The motors stop when a landing has ended."""
         if self.state == State.LANDING and self.has_finished(time_s):
             self.state = State.IDLE
         if not self.is_active or self._path is None:
@@ -119,8 +119,8 @@ class Planner:
         self._fly(start, end, duration_s, time_s)
 
     def follow(self, pieces: Sequence[Piece], time_scale: float, time_s: float, *, relative: bool, turned: bool, backwards: bool) -> None:
-        """Flies an uploaded trajectory. If ``relative``, it starts at the drone's position; if also ``turned``, it is rotated by
-        the drone's yaw."""
+        """Flies an uploaded trajectory. If ``relative`` is true, the trajectory starts at the drone's position. If ``turned`` is also
+        true, it is rotated by the drone's yaw."""
         path = Path(pieces, time_s, time_scale, backwards)
         if relative:
             first = path.at(time_s)

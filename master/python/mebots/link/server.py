@@ -26,7 +26,7 @@ _DATAGRAM_BYTES = 2048
 
 
 class Pace:
-    """Gives the wall-clock time of each period. After a delay of up to 0.4 s, the simulation catches up. After a longer
+    """Determines the wall-clock time of each period. After a delay of up to 0.4 s, the simulation catches up. After a longer
     delay, later periods are delayed as well."""
 
     def __init__(self, clock: Callable[[], float], report: Callable[[str], None]) -> None:
@@ -148,8 +148,8 @@ class Server:
                 self._send(index, answer)
 
     def _is_own(self, client: tuple) -> bool:
-        """True if the sender's address is one of this server's own addresses. Such an address is forged, and two drones
-        would answer each other without end."""
+        """True if the sender's address is one of this server's own addresses. Such an address is forged. If the server answered it, two
+        drones would answer each other without end."""
         return client[1] in self._own_ports and _is_local(client[0])
 
     def _send(self, index: int, packet: Packet) -> None:

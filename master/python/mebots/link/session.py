@@ -27,7 +27,7 @@ MOST_DRONES = 100
 
 @dataclasses.dataclass(frozen=True)
 class Settings:
-    """Settings of a run, which its recording keeps.
+    """Settings of a run. A recording of the run contains them.
 
     :param drones: number of runs of the config, each with its own world.
     :param spacing: distance between the starts of these runs along y [m].
@@ -51,7 +51,7 @@ class Settings:
 
 
 class Session:
-    """Drones on a common clock. Only ``handle`` and ``advance`` change its state, so equal calls give equal bits.
+    """Drones on a common clock. Only ``handle`` and ``advance`` change the state of a session, so equal calls give equal bits.
 
     :param out: folder for the results; None = no files. If there are several runs, each has a folder in it: "drone1"
     and so on.

@@ -164,7 +164,8 @@ class Supervisor:
         return since_ms > _TILTED_MS or (z < _UPSIDE_DOWN_G and since_ms > _UPSIDE_DOWN_MS)
 
     def _next(self, flying: bool, stop: bool, age_ms: int, limits_ms: tuple[float, float], now_ms: int) -> State | None:
-        """Returns the next state; None if the state does not change. If several conditions hold, the first one decides."""
+        """Returns the next state; None if the state does not change. If several conditions are true, the first one determines the next
+        state."""
         timed_out = age_ms > TIMEOUT_MS
         transitions: dict[State, tuple[tuple[bool, State], ...]] = {
             State.CHECKS_NOT_PASSED: ((stop, State.FREE_FALL), (not self.tumbled, State.CHECKS_PASSED)),
