@@ -65,7 +65,7 @@ void* allocate(std::size_t count, std::size_t size) {
   return memory;
 }
 
-/// Called by an FMU to free memory. If the memory was not allocated by this program, it is not passed to the C library:
+/// Called by an FMU to free memory. Memory that this program did not allocate is not passed to the C library, because
 /// free() would abort the process without naming the cause.
 void give_back(void* memory) {
   if (memory == nullptr) return;

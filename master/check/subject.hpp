@@ -20,8 +20,7 @@
 #include <string>
 #include <vector>
 
-/// The FMU under test, called through its C interface as in an importing tool. It must be used inside a child process
-/// only.
+/// The FMU under test, called through its C interface as in an importing tool. It must be used only in a child process.
 namespace mebots::check {
 
 using modeldesc::ModelDescription;
@@ -46,7 +45,7 @@ class Refused : public Error {
   using Error::Error;
 };
 
-/// The values of all outputs at one time. Leaves out parts of OSMP binaries, because they are addresses.
+/// The values of all outputs at one time. Parts of OSMP binaries are left out, because they are addresses.
 struct Outputs {
   std::vector<double> reals;
   std::vector<std::int32_t> integers;  // also enumerations
@@ -60,7 +59,7 @@ struct Outputs {
 /// signal handlers and mask, timers, priority, affinity, and the floating-point environment.
 class Surroundings {
  public:
-  /// Returns the changes since construction or the last call, and reverts what it can.
+  /// Returns the changes since construction or the last call, and reverts those that can be reverted.
   std::vector<std::string> changes();
 
  private:
@@ -83,7 +82,7 @@ class Library {
 
   /// Returns the output variables of a type in the order of Outputs::reals and so on.
   const std::vector<const Variable*>& output_variables(modeldesc::Type type) const;
-  /// Returns the first difference, such as "cell.voltage: 3.7 instead of 3.6"; empty if there is none.
+  /// Returns the first difference, such as "cell.voltage: 3.7 instead of 3.6"; empty if there is no difference.
   std::string difference(const Outputs& found, const Outputs& wanted) const;
 
  private:
@@ -94,7 +93,8 @@ class Library {
   std::vector<const Variable*> reals_, integers_, booleans_, strings_;
 };
 
-/// An instance, which the destructor frees. Each call is reported to the witness before it is made.
+/// An instance of the FMU. The destructor frees the instance. Before each call, the witness receives the name of the
+/// call.
 class Instance final : private master::CallbackListener {
  public:
   /// Throws Refused if instantiation fails.
@@ -113,11 +113,11 @@ class Instance final : private master::CallbackListener {
   void setup(const master::Experiment& experiment);
   void enter();
   void exit();
-  /// Sets up the experiment, enters and exits initialisation.
+  /// Sets up the experiment, and enters and exits initialization mode.
   void start() { start(library_->target().experiment); }
   void start(const master::Experiment& experiment);
-  /// Takes a step. Throws Refused if the FMU rejects it. The FMU may end the run by fmi2Discard with fmi2Terminated =
-  /// true.
+  /// Takes a step. Throws Refused if the FMU rejects the step. The FMU may end the run by fmi2Discard with
+  /// fmi2Terminated = true.
   void step(double point_s, double step_s);
   bool ended() const { return ended_; }
   /// Steps from step `from` to step `to` of the target; stops early if the FMU ends the run.

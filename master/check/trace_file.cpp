@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 constexpr double kRelative = 1e-6;
 constexpr double kAbsolute = 1e-9;
 
-/// Returns the numbers in a cell. XML Schema's words for Booleans count as 0 and 1.
+/// Returns the numbers in a cell. The words of XML Schema for Booleans become 0 and 1.
 Trace::Cell cell_numbers(const data::CsvReader& reader, std::size_t column) {
   Trace::Cell numbers;
   for (const auto& word : modeldesc::words_of(reader.cell(column))) {

@@ -14,26 +14,26 @@
 /// Reference traces inside an FMU, and the comparison of a run with them, for any version of FMI.
 namespace mebots::check {
 
-/// `documentation/reference/<name>_in.csv` and `<name>_out.csv`, or the result named in
-/// `extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml` with its `_in.csv` in the same folder.
+/// The files of the reference traces: `documentation/reference/<name>_in.csv` and `<name>_out.csv`. Otherwise the
+/// result named in `extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml`, with its `_in.csv` in the same folder.
 struct TraceFiles {
   std::filesystem::path inputs;  ///< empty if absent
   std::filesystem::path outputs;
-  /// True if the file serves the FMI 2.0 and 3.0 versions of a model. Columns that this FMU lacks, or has as text, are
-  /// then ignored.
+  /// True if the file serves the FMI 2.0 and 3.0 versions of a model. In this case, columns for variables that this FMU
+  /// lacks, or has as text, are ignored.
   bool of_many_versions = false;
 };
 
 /// Returns the traces of an unpacked FMU, if it has any.
 std::optional<TraceFiles> find_traces(const std::filesystem::path& folder);
 
-/// The part of the traces that a run can be compared with.
+/// The part of the reference traces with which a run can be compared.
 struct TraceScope {
   std::string obstacle = {};  ///< reason why nothing can be compared; empty if something can
   std::size_t columns = 0;    ///< number of output columns; 0 with an obstacle
   std::size_t compared = 0;   ///< number of output columns that are numbers of this FMU
 
-  /// Returns the name of the check, with the number of compared columns if there are others.
+  /// Returns the name of the check. If some columns are not compared, the name contains the number of compared columns.
   std::string check_name() const;
 };
 
@@ -54,11 +54,11 @@ struct Trace {
 Trace read_trace(const std::filesystem::path& file, bool ignores_others,
                  const std::function<bool(const std::string& name)>& is_number);
 
-/// Reads the inputs of the traces. Without a file of inputs, returns a trace of one row without columns. Throws Error
-/// if a cell is not a number, or a column is no number of this FMU.
+/// Reads the inputs of the traces. If there is no file of inputs, returns a trace of one row without columns. Throws
+/// Error if a cell is not a number, or if a column is not a numeric variable of this FMU.
 Trace read_inputs(const TraceFiles& files, const std::function<bool(const std::string& name)>& is_number);
 
-/// The calls of an instance that a comparison needs.
+/// The functions of an instance that replay() calls.
 struct TracedInstance {
   std::function<void()> enter_initialization;
   std::function<void()> exit_initialization;

@@ -13,7 +13,7 @@
 namespace mebots::check {
 
 /// Converts a finite number of a trace to the type of a variable, such as "Int32 x". Throws Error if the type cannot
-/// hold it. A Float32 has the nearest number.
+/// represent the number. A Float32 gets the nearest number.
 template <typename T>
 T converted(double value, std::string_view variable) {
   using Limits = std::numeric_limits<T>;

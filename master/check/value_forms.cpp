@@ -91,7 +91,7 @@ bool is_hexadecimal(std::string_view text) {
   return text.size() % 2 == 0 && text.find_first_not_of("0123456789abcdefABCDEF") == std::string_view::npos;
 }
 
-/// Accepts 3.0, 3.0.2 or 3.1-alpha.1: versions whose major number is 3, without leading zeros.
+/// Accepts versions whose major number is 3, such as 3.0, 3.0.2 or 3.1-alpha.1. Numbers must have no leading zeros.
 bool is_fmi3_version(std::string_view text) {
   if (!text.starts_with("3.")) return false;
   text.remove_prefix(2);

@@ -105,7 +105,7 @@ class LiveRun {
   /// True if a page that is open, or another active client, has not received the end of the run yet.
   bool is_awaited(std::chrono::steady_clock::time_point end) const;
   void note_request(const std::string& page);
-  /// Notes that the client has been sent an answer with the end of the run. May be called from any thread.
+  /// Records that the client has been sent an answer with the end of the run. May be called from any thread.
   void note_end_sent(const std::string& page);
   std::string data(const Known& known);
   void add_constant_data(master::report::RunFolder& folder) const;
@@ -125,7 +125,7 @@ class LiveRun {
   bool held_ = false;
   bool one_step_ = false;
   bool ended_ = false;
-  // State of clients that are not pages.
+  // The state of clients that are not pages.
   std::atomic<bool> end_sent_{false};
   std::chrono::steady_clock::time_point last_look_{};
   OpenPages pages_;

@@ -15,8 +15,8 @@ class OpenPages {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Notes a request of a page, unless the page was removed: the request may have been on its way then. If there are
-  /// too many pages, ignores a new one.
+  /// Records a request of a page. If the page was removed before, ignores the request, which was sent before the
+  /// removal. If there are too many pages, ignores a new page.
   void note_request(const std::string& page) {
     constexpr std::size_t kMost = 32;
     const std::lock_guard lock(mutex_);
@@ -29,12 +29,12 @@ class OpenPages {
       std::erase_if(last_requests_, [](const auto& one) { return one.second == kRemoved; });
     if (last_requests_.size() < kMost) last_requests_.emplace(page, Clock::now());
   }
-  /// Removes a page, because it has closed or has received the end.
+  /// Removes a page, because the page has closed or has received the end of the run.
   void remove(const std::string& page) {
     const std::lock_guard lock(mutex_);
     if (const auto known = last_requests_.find(page); known != last_requests_.end()) known->second = kRemoved;
   }
-  /// Returns true if one of these pages sent a request after `time`.
+  /// Returns true if a page that is still open sent a request after `time`.
   bool any_since(Clock::time_point time) const {
     const std::lock_guard lock(mutex_);
     return std::ranges::any_of(last_requests_, [&](const auto& page) { return page.second > time; });

@@ -14,12 +14,13 @@
 namespace mebots::live {
 namespace {
 
-/// Connections that wait to be accepted. With the library's default of 5, a few clients would delay a browser by a
-/// second.
+/// The number of connections that may wait until they are accepted. With the library's default of 5, a few clients
+/// would delay a browser by a second.
 constexpr int kBacklog = 128;
 constexpr std::size_t kLargestBody = std::size_t{1} << 16;
 
-/// The server's threads. An accepted connection counts at once, even if no thread is free for it.
+/// The server's threads. An accepted connection is added to `Connections` immediately, even if no thread is free for
+/// it.
 class Threads final : public httplib::TaskQueue {
  public:
   explicit Threads(Connections& connections) : connections_(&connections) {}
@@ -38,7 +39,7 @@ class Threads final : public httplib::TaskQueue {
   httplib::ThreadPool pool_{Connections::kMost};
 };
 
-/// Compares in a time that does not depend on the number of equal characters.
+/// Compares two texts. The time does not depend on the number of equal characters.
 bool same(const std::string& a, const std::string& b) {
   if (a.size() != b.size()) return false;
   unsigned difference = 0;
@@ -46,8 +47,8 @@ bool same(const std::string& a, const std::string& b) {
   return difference == 0;
 }
 
-/// True for requests of MEbots' own page. Scripts of other pages may send requests to this port, but these have another
-/// host or another origin.
+/// True for requests of MEbots' own page. Scripts of other pages may send requests to this port, but such requests have
+/// another host or another origin.
 bool is_ours(const httplib::Request& request, int port) {
   const auto local = [&](const std::string& name) {
     return name == fmt::format("127.0.0.1:{}", port) || name == fmt::format("localhost:{}", port);
@@ -59,7 +60,7 @@ bool is_ours(const httplib::Request& request, int port) {
   return origin.starts_with(kScheme) && local(origin.substr(kScheme.size()));
 }
 
-/// Returns a count from the parameters of a request; 0 if it is absent.
+/// Returns a count from the parameters of a request; 0 if the parameter is absent.
 std::size_t count_of(const httplib::Request& request, const char* name) {
   if (!request.has_param(name)) return 0;
   const auto text = request.get_param_value(name);

@@ -52,7 +52,8 @@ LiveRun::Server::Server(int port, const Answers& answers) : sockets_(std::make_u
 }
 
 LiveRun::Server::~Server() {
-  // stop() has no effect before the thread listens, and the thread would then never end. Therefore this waits.
+  // stop() has no effect before the server's thread listens, and the thread would never end. Therefore the destructor
+  // waits until the thread listens.
   while (!sockets_->server.is_running() && !sockets_->has_ended) std::this_thread::sleep_for(kUntilItListens);
   sockets_->server.end();
   sockets_->thread.join();

@@ -20,8 +20,8 @@ class LiveRun::Server {
     std::function<void()> after_sending;  ///< called in the server's thread if the whole answer was sent
   };
 
-  /// The functions behind the page's requests. They are called in the server's threads and may throw; the page shows
-  /// the text of an InputError.
+  /// The functions that answer the page's requests. They are called in the server's threads and may throw. The page
+  /// shows the text of an InputError.
   struct Answers {
     std::function<std::string()> page;
     std::function<Answer(const Known& known)> data;
@@ -47,13 +47,13 @@ class LiveRun::Server {
 /// The HTTP server of a live run: routes, access and limits of its requests.
 class RequestServer final : public httplib::Server {
  public:
-  /// Answers requests below /TOKEN/ that name 127.0.0.1:PORT or localhost:PORT as host and, if a page sends them, as
-  /// origin. Any other request gets status 403.
+  /// Answers requests below /TOKEN/ whose host is 127.0.0.1:PORT or localhost:PORT. If a request has an origin, it must
+  /// be the same. All other requests get the status 403.
   void route(const std::string& token, int port, const LiveRun::Server::Answers& answers);
 
-  /// Closes all connections and ends listen_after_bind(), whatever the clients do. From any thread.
+  /// Closes all connections and ends listen_after_bind(), whatever the clients do. May be called from any thread.
   void end();
-  /// Reads a request and answers it. Returns false if there is none or the answer could not be written.
+  /// Reads a request and answers it. Returns false if there is no request, or if the answer could not be written.
   bool answer(httplib::Stream& stream);
 
  private:

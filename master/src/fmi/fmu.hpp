@@ -71,8 +71,8 @@ class Fmu {
   bool is_loaded() const { return library_ != nullptr || windows_library_ != nullptr; }
   /// Returns the loaded shared library, a `link_map`; null if it is not loaded.
   const void* library() const { return library_; }
-  /// Unloads the shared library, which cannot be loaded again. If this function is not called, the destructor unloads
-  /// the library. No instance may exist. Throws InputError if the library throws an exception.
+  /// Unloads the shared library. If this function is not called, the destructor unloads it. No instance may exist.
+  /// Throws InputError if the library throws an exception.
   void unload();
   /// Keeps the shared library loaded until the process ends.
   void keep_loaded() { kept_loaded_ = true; }
