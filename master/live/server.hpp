@@ -47,8 +47,8 @@ class LiveRun::Server {
 /// The HTTP server of a live run: routes, access and limits of its requests.
 class RequestServer final : public httplib::Server {
  public:
-  /// Answers requests below /TOKEN/ whose host is 127.0.0.1:PORT or localhost:PORT. If a request has an origin, it must
-  /// be the same. All other requests get the status 403.
+  /// Answers requests below /TOKEN/ whose host is 127.0.0.1:PORT or localhost:PORT. If a request has an origin, the
+  /// origin must be one of these two, too. All other requests get the status 403.
   void route(const std::string& token, int port, const LiveRun::Server::Answers& answers);
 
   /// Closes all connections and ends listen_after_bind(), whatever the clients do. May be called from any thread.
