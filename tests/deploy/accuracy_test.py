@@ -19,6 +19,7 @@ from mebots.deploy.deployed import Options
 from mebots.deploy.judging import Judgement
 from mebots.deploy.lowering import lower
 from mebots.deploy.report import _shown_sizes
+from mebots.deploy.sizes import reason
 
 
 def pooled(shape=(1, 20, 24)):
@@ -100,11 +101,21 @@ class Sizes(DeployCase):
     def test_a_network_with_one_size_says_why(self):
         maker = Maker(1, (1, 20, 24))
         maker.output(maker.node("Gemm", maker.node("Flatten", maker.conv("x", 1, 2, (3, 3))), maker.weights(3, 2 * 18 * 22), transB=1))
-        reason = self.judged(maker)["sizes"]["none"]
-        self.assertIn("with an input of 18 x 15, the model is not a valid ONNX model", reason)
-        self.assertIn("Gemm2", reason)
+        why = self.judged(maker)["sizes"]["none"]
+        self.assertIn("with an input of 18 x 15, the model is not a valid ONNX model", why)
+        self.assertIn("Gemm2", why)
+        self.assertIn("The size can change if the network ends in convolutions", why)
         with self.assertRaisesRegex(mebots.InputError, "--sizes: with an input of 8 x 8"):
             self.judged(maker, sizes=((8, 8),))
+
+    def test_a_size_that_fails_for_another_reason_has_no_hint_on_shapes(self):
+        onnx.save(pooled().model(), str(self.folder / "model.onnx"))
+        broken = self.folder / "broken.npy"
+        np.save(broken, np.full((2, 1, 20, 24), np.nan, dtype=np.float32))
+        with self.assertRaises(mebots.InputError) as raised:
+            lower(self.folder / "model.onnx", broken, Options(), (10, 12))
+        got = reason(raised.exception, (10, 12), self.folder / "model.onnx")
+        self.assertEqual(got, f"with an input of 12 x 10, {broken}: has values that are not finite")
 
     def test_sizes_before_the_first_impossible_one_stay(self):
         maker = Maker(3, (1, 20, 24))

@@ -51,6 +51,38 @@ class IntegerMaker(Maker):
         return self
 
 
+class PlinioMaker(Maker):
+    """Writes the nodes that the ONNX backend of PLiNIO writes (commit 3d6b5e08, methods/mps/quant/backends/onnx/nn), with opset 10, its
+    exporter's default: Pad, Conv, Mul, Add, Div, Floor and Clip. Both inputs of an addition have one scale, so their sum is divided
+    by 2^0. ``signed`` is PLiNIO's option: activations from -128, which are also the value of its pads."""
+
+    def __init__(self, seed, signed):
+        super().__init__(seed, (2, 10, 10), opset=10)
+        self.signed = signed
+
+    def whole(self, low, high, *shape):
+        return self.constant(self.random.integers(low, high + 1, shape).astype(np.float32))
+
+    def requantise(self, source, multiplier, addend, shift):
+        total = self.node("Add", self.node("Mul", source, multiplier), addend)
+        quotient = self.node("Floor", self.node("Div", total, self.constant(np.array([2.0**shift], dtype=np.float32))))
+        return self.node("Clip", quotient, min=-128.0 if self.signed else 0.0, max=127.0 if self.signed else 255.0)
+
+    def layer(self, source, channels, out, pad_value, groups=1):
+        padded = self.node("Pad", source, mode="constant", pads=[0, 0, 1, 1, 0, 0, 1, 1], value=pad_value)
+        product = self.node("Conv", padded, self.whole(-20, 20, out, channels // groups, 3, 3), group=groups, kernel_shape=[3, 3], pads=[0] * 4)
+        return self.requantise(product, self.whole(20, 200, 1, out, 1, 1), self.whole(-9000, 9000, 1, out, 1, 1), 12)
+
+    def network(self):
+        pad_value = -128.0 if self.signed else 0.0
+        first = self.layer("x", 2, 6, 0.0)
+        total = self.node("Add", self.layer(first, 6, 6, pad_value), self.layer(first, 6, 6, pad_value, groups=6))
+        joined = self.requantise(total, self.constant(np.float32(1)), self.constant(np.float32(128 if self.signed else 0)), 0)
+        sums = self.node("MatMul", self.node("Flatten", joined), self.whole(-9, 9, 600, 5))
+        self.output(self.node("Add", sums, self.whole(-99, 99, 1, 5)))
+        return self
+
+
 class WholeNumbers(DeployCase):
     def deployed(self, maker, expected):
         model = self.folder / "model.onnx"
@@ -85,6 +117,58 @@ class WholeNumbers(DeployCase):
             library = self.folder / "library"
             deployed.sources.write(library)
             checking.check(library, self.folder, deployed, True, objects())
+
+    def test_networks_of_plinio_keep_their_bits(self):
+        for seed, signed in ((1, False), (2, True)):
+            maker = PlinioMaker(seed, signed).network()
+            exact = maker.model().SerializeToString()
+            session = onnxruntime.InferenceSession(exact, providers=["CPUExecutionProvider"])
+            deployed, pictures = self.deployed(maker, exact)
+            for number, picture in enumerate(pictures):
+                values = integers.run(deployed.network, deployed.pictures.one(number, deployed.scale))
+                got = values[deployed.network.outputs[0]].ravel()
+                np.testing.assert_array_equal(got, session.run(None, {"x": picture[np.newaxis]})[0].ravel())
+            library = self.folder / f"library{seed}"
+            deployed.sources.write(library)
+            checking.check(library, self.folder, deployed, True, objects())
+
+    def test_numbers_of_bits_in_plinios_graphs_do_not_matter(self):
+        """PLiNIO's backend MATCH adds attributes that ONNX's checker rejects (methods/mps/quant/backends/match/annotator.py)."""
+        maker = PlinioMaker(1, False).network()
+        plain, _ = self.deployed(maker, maker.model().SerializeToString())
+        model = maker.model()
+        bits = {"Conv": {"weight_bits": 8, "bias_bits": 32}, "MatMul": {"weight_bits": 8}, "Mul": {"mult_bits": 32}, "Add": {"add_bits": 32}, "Clip": {"out_bits": 8}}
+        for node in model.graph.node:
+            node.attribute.extend(helper.make_attribute(name, value) for name, value in bits.get(node.op_type, {}).items())
+        marked, _ = self.deployed(maker, model.SerializeToString())
+        self.assertEqual([one.name for one in plain.network.layers], [one.name for one in marked.network.layers])
+        picture = plain.pictures.one(0, plain.scale)
+        expected, got = (integers.run(one.network, picture)[one.network.outputs[0]] for one in (plain, marked))
+        np.testing.assert_array_equal(got, expected)
+
+    def test_graphs_of_integer_operators_are_refused_by_name(self):
+        model = PlinioMaker(1, False).network().model()
+        node = next(one for one in model.graph.node if one.op_type == "Conv")
+        node.op_type = "ConvInteger"
+        maker = PlinioMaker(1, False)
+        with self.assertRaisesRegex(mebots.InputError, "ConvInteger"):
+            self.deployed(maker, model.SerializeToString())
+
+    def test_divisors_that_are_no_power_of_two_are_refused(self):
+        for divisor in (3, 255, 65535):
+            maker = IntegerMaker(1, (2, 10, 10))
+            total = maker.node("Mul", maker.node("Conv", "x", maker.whole(-9, 9, 4, 2, 3, 3), kernel_shape=[3, 3]), maker.constant(np.float32(2)))
+            quotient = maker.node("Floor", maker.node("Div", total, maker.constant(np.float32(divisor))))
+            maker.output(maker.node("Clip", quotient, min=0.0, max=255.0))
+            with self.assertRaisesRegex(mebots.InputError, rf"\(Div\): divides by \[{divisor}\]"):
+                self.deployed(maker, maker.model().SerializeToString())
+
+    def test_pads_outside_a_byte_are_refused(self):
+        for value in (300.0, 0.5, -1.0):
+            maker = PlinioMaker(1, False)
+            maker.output(maker.layer("x", 2, 4, value))
+            with self.assertRaisesRegex(mebots.InputError, r"\(Pad\): it fills with .*; whole numbers from 0 to 255 are possible"):
+                self.deployed(maker, maker.model().SerializeToString())
 
     def test_broken_requantising_is_refused(self):
         maker = IntegerMaker(1, (2, 10, 10), shifts=True)

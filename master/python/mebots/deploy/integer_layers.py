@@ -6,7 +6,9 @@ The bytes of a signed tensor are the network's numbers plus 128. The outputs of 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -77,7 +79,7 @@ class IntegerLayers:
         self._zeros[out] = zero
         return zero, int(low), int(high)
 
-    def layer(self, kind: str, node: Node, op: str, output: Tensor, **fields: object) -> Layer:
+    def layer(self, kind: str, node: Node, op: str, output: Tensor, **fields: Any) -> Layer:
         return Layer(kind, node.name, op, [self._tensor(one) for one in node.inputs], output, **fields)
 
     def convolution(self, node: Node) -> Layer:
@@ -91,7 +93,7 @@ class IntegerLayers:
         bounds = np.abs(flat).sum(axis=1) * 255 + np.abs(bias)
         if (bounds > LARGEST_SUM).any():
             raise self._refuse(node, f"a sum may reach {int(bounds.max())}, which 32 bits do not hold", "Use fewer inputs")
-        fields = {
+        fields: dict[str, Any] = {
             "weight": weight.astype(np.int8),
             "bias": bias,
             "outside": source,
@@ -162,17 +164,24 @@ class IntegerLayers:
 
     def move(self, node: Node) -> Layer:
         zeros = {self._zeros[one] for one in node.inputs}
-        if len(zeros) > 1 or node.fill not in (None, 0):
-            raise self._refuse(node, "it joins tensors with and without signs, or fills with another number than 0", "Requantise before it")
+        if len(zeros) > 1:
+            raise self._refuse(node, "it joins tensors with and without signs", "Requantise before it")
         zero = zeros.pop()
         self._zeros[node.output] = zero
-        fill = None if node.fill is None else zero
+        fill = None if node.fill is None else self._fill(node, node.fill, zero)
         return self.layer("move", node, node.op, node.output, moves=[(one, None) for one in node.moves], fill=fill)
+
+    def _fill(self, node: Node, value: float, zero: int) -> int:
+        """Returns the byte of the places that the node fills."""
+        byte = int(value) + zero if math.isfinite(value) else -1
+        if byte - zero != value or not 0 <= byte <= 255:
+            raise self._refuse(node, f"it fills with {value:g}; whole numbers from {-zero} to {255 - zero} are possible", "Pad with one of these")
+        return byte
 
 
 def _outputs_of_sums(graph: Graph) -> None:
     """Replaces outputs that only select sums of a dense layer by the output of the whole layer."""
-    outputs = []
+    outputs: list[Tensor] = []
     for one in graph.outputs:
         node = graph.producer(one)
         while node is not None and node.kind == "move" and len(node.inputs) == 1:

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reads networks that already have integer weights. Finds chains of nodes that requantise sums, as NEMO (Mul, Add, Mul,
-Div, Floor, Clip) and QuantLab (RequantShift) write them. Replaces each chain by one node."""
+Div, Floor, Clip), PLiNIO (Mul, Add, Div, Floor, Clip) and QuantLab (RequantShift) write them. Replaces each chain by one node."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from mebots.deploy.model_file import Model, label, onnx_package
 
 OP = "Requantise"
 _CHAIN = ("Mul", "Add", "Cast", "Div", "Floor", "Clip")
+_BITS = {"weight_bits", "bias_bits", "mult_bits", "add_bits", "out_bits"}  # of PLiNIO's backend MATCH; the numbers and limits follow from the graph
+_SMALLEST_OF_NEMO = 1 << 16  # from here, a divisor 2^n - 1 is NEMO's form of 2^n; in DORY's examples, n is 18 to 24
 
 
 @dataclasses.dataclass
@@ -30,7 +32,17 @@ class Requantising:
         return int(self.divisor).bit_length() - 1
 
 
-def expand_shifts(model: Any) -> None:
+def to_onnx(model: Any) -> None:
+    """Replaces what quantisers add to ONNX: attributes for the numbers of bits, and the operator RequantShift."""
+    for node in model.graph.node:
+        kept = [one for one in node.attribute if node.domain not in ("", "ai.onnx") or one.name not in _BITS]
+        if len(kept) != len(node.attribute):
+            del node.attribute[:]
+            node.attribute.extend(kept)
+    _expand_shifts(model)
+
+
+def _expand_shifts(model: Any) -> None:
     """Replaces RequantShift, which rounds and is not an ONNX operator, by Mul, Add, Div, Floor and Clip."""
     helper, numpy_helper = onnx_package().helper, onnx_package().numpy_helper
     nodes = []
@@ -145,8 +157,8 @@ def _apply(model: Model, node: Any, result: Requantising, value: np.ndarray) -> 
         result.addend = result.addend + value
     else:
         divisor = int(value[0])
-        # NEMO writes 2^24 - 1 in place of 2^24.
-        divisor += 1 if divisor & (divisor + 1) == 0 else 0
+        if divisor >= _SMALLEST_OF_NEMO and divisor & (divisor + 1) == 0:
+            divisor += 1
         if value.size != 1 or divisor < 1 or divisor & (divisor - 1):
             raise model.fail(f"node {label(node)} (Div): divides by {value.tolist()[:4]}; one power of two is possible")
         result.divisor = divisor

@@ -13,10 +13,11 @@ from mebots.deploy.calibrate import FloatModel, names_of, ranges_of
 from mebots.deploy.deployed import Deployed, Options, Size
 from mebots.deploy.emit import L1_RESERVED, Sources, emit
 from mebots.deploy.equalise import equalise
+from mebots.deploy.graph import Graph
 from mebots.deploy.importer import import_graph
 from mebots.deploy.integer_layers import IntegerLayers
-from mebots.deploy.integer_nodes import collapse, expand_shifts, is_integer
-from mebots.deploy.model_file import Model
+from mebots.deploy.integer_nodes import collapse, is_integer, to_onnx
+from mebots.deploy.model_file import InputTooSmall, Model, SizeFixed
 from mebots.deploy.pictures import Pictures
 from mebots.deploy.plan import Memory, Plan, plan
 from mebots.deploy.quantise import Quantiser
@@ -33,10 +34,7 @@ def lower(model: str | os.PathLike[str], data: str | os.PathLike[str], options: 
 
     If the network already has integers, they are not changed. ``size`` replaces the size of the input.
     """
-    read = Model(model, expand_shifts, size)
-    if is_integer(read):
-        collapse(read)
-    graph = import_graph(read)
+    read, graph = _read(model, size)
     source = graph.inputs[0]
     pictures = Pictures(pathlib.Path(data), source, options.crop, read.whole)
     if read.requantising:
@@ -63,6 +61,22 @@ def lower(model: str | os.PathLike[str], data: str | os.PathLike[str], options: 
     planned = plan(network, Memory(board.l1 - CLUSTER_STACKS, board.l2, board.name), L1_RESERVED)
     sources = _in_memory(network, planned, board)
     return Deployed(read, graph, network, planned, sources, pictures, scale, float_model, board)
+
+
+def _read(path: str | os.PathLike[str], size: Size | None) -> tuple[Model, Graph]:
+    """Reads a model whose input has ``size``. Raises SizeFixed if only this size can be the cause of an error: before, the model
+    was read with its own size."""
+    try:
+        model = Model(path, to_onnx, size)
+        if is_integer(model):
+            collapse(model)
+        return model, import_graph(model)
+    except InputTooSmall:
+        raise
+    except InputError as error:
+        if size is None:
+            raise
+        raise SizeFixed(str(error), error.code) from error
 
 
 def _in_memory(network: integers.Network, planned: Plan, board: chip.Board) -> Sources:

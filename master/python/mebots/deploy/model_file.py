@@ -31,6 +31,10 @@ class InputTooSmall(InputError):
     """The network's input has too few rows or columns for a node."""
 
 
+class SizeFixed(InputError):
+    """Shapes in the model permit only its own size of the input."""
+
+
 class Model:
     """An ONNX model. ``constants`` are the initialisers and all tensors that are computed from them. ``nodes`` are the
     remaining nodes, in order."""

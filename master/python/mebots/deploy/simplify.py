@@ -5,6 +5,7 @@ pools are merged into convolutions."""
 from __future__ import annotations
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 
@@ -24,9 +25,9 @@ def simplify(graph: Graph) -> None:
 
 
 def join_flattened(graph: Graph) -> None:
-    """Merges only pads and flattened inputs, which does not change the numbers."""
+    """Merges only pads, flattened inputs and whole numbers that are added to sums, which does not change the numbers."""
     _drop_unused(graph)
-    while _join_pads(graph) or _join_flatten(graph):
+    while _join_pads(graph) or _join_flatten(graph) or _join_addends(graph):
         pass
 
 
@@ -66,7 +67,7 @@ def _replace(graph: Graph, first: Node, second: Node, joined: Node) -> None:
     graph.nodes.remove(first)
 
 
-def _join(first: Node, second: Node, **fields: object) -> Node:
+def _join(first: Node, second: Node, **fields: Any) -> Node:
     return dataclasses.replace(first, op=f"{first.op}+{second.op}", output=second.output, **fields)
 
 
@@ -78,6 +79,18 @@ def _join_scales(graph: Graph) -> bool:
             joined = _join(first, second, weight=weight, bias=first.bias * factor + second.bias, limits=second.limits, weight_steps=None)
             _replace(graph, first, second, joined)
             return True
+    return False
+
+
+def _join_addends(graph: Graph) -> bool:
+    """Merges whole numbers that are added to the sums of a convolution or dense layer, as PLiNIO ends its networks."""
+    for first, second in _pairs(graph):
+        if first.kind != "conv" or not _is_affine(second) or second.weight is None or second.bias is None or first.bias is None:
+            continue
+        if (second.weight != 1).any() or (np.rint(second.bias) != second.bias).any():
+            continue
+        _replace(graph, first, second, _join(first, second, bias=first.bias + second.bias))
+        return True
     return False
 
 

@@ -8,7 +8,7 @@ import pathlib
 
 from mebots.deploy.deployed import Size
 from mebots.deploy.graph import Tensor
-from mebots.deploy.model_file import InputTooSmall
+from mebots.deploy.model_file import SizeFixed
 from mebots.errors import InputError
 
 _USUAL = (0.75, 0.5)  # of the rows and columns, if the user names no sizes
@@ -47,6 +47,6 @@ def reason(error: InputError, size: Size, model: pathlib.Path) -> str:
     """Returns why the model cannot have this size of the input."""
     text = str(error).removeprefix(f"{model}: ").rstrip(".")
     why = f"with an input of {size[1]} x {size[0]}, {text}"
-    if isinstance(error, InputTooSmall):  # another size is possible, and the text says which
+    if not isinstance(error, SizeFixed):  # the cause is another one, which the text states
         return why
     return f"{why}. The size can change if the network ends in convolutions or in a global pool, without a dense layer over rows and columns"
