@@ -71,7 +71,7 @@ def _build_pilot(folder: pathlib.Path, deployed: Deployed, options: Options) -> 
     if not deployed.board.flies:
         return {"none": f"board {deployed.board.name} has no flight link; ai_deck and gap8_drone have one"}
     if deployed.plan.stream is not None:
-        return {"none": "its weights are in the flash, which a mission does not set"}
+        return {"none": "its weights are in HyperRAM, and a mission sets no content of the flash, from which they come. Use fewer channels, so that the weights fit into L2"}
     fitting = contracts.fit(deployed.network, options.input_scale)
     if isinstance(fitting, str):
         return {"none": fitting}
