@@ -185,7 +185,7 @@ class Build:
             objects.append(out)
         library = run_program([gcc, "-march=rv32im", "-mabi=ilp32", "-print-libgcc-file-name"], "the compiler").strip()
         elf = self._scratch / name
-        link = [gcc, "-march=rv32imc", "-mabi=ilp32", "-nostdlib", "-Wl,--gc-sections", "-T", script, *objects, library, "-o", elf]
+        link: list[str | os.PathLike[str]] = [gcc, "-march=rv32imc", "-mabi=ilp32", "-nostdlib", "-Wl,--gc-sections", "-T", script, *objects, library, "-o", elf]
         try:
             run_program(link, "linking")
         except Error as error:
@@ -253,7 +253,7 @@ def run_on_chip(built: pathlib.Path, request: Request, on: Board, by_cause: bool
     which takes longer."""
     copy = with_request(built, request, built.with_name("request.elf"))
     report = built.with_name("report.json")
-    words = [program("mebots-soc"), "run", copy, "--board", on.path, "--report" if by_cause else "--json", report]
+    words: list[str | os.PathLike[str]] = [program("mebots-soc"), "run", copy, "--board", on.path, "--report" if by_cause else "--json", report]
     text = run_program([*words, *(() if flash is None else ("--flash", flash))], "the network on the chip")
     return text, json.loads(report.read_text())
 

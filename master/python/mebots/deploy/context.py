@@ -56,6 +56,13 @@ class Importer:
             raise self.refuse(f"input {name} is computed by the network; it must be a constant", "Store it in the model when you export it")
         return self.model.constants[name]
 
+    def needed(self, place: int) -> np.ndarray:
+        """Returns the constant that is input ``place``. Refuses the node if it has no such input."""
+        value = self.constant(place)
+        if value is None:
+            raise self.refuse(f"it has no input {place}", "Export the model again")
+        return value
+
     def is_constant(self, place: int) -> bool:
         return place < len(self.node.input) and self.node.input[place] in self.model.constants
 

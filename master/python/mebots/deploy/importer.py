@@ -23,14 +23,16 @@ def import_graph(model: Model) -> Graph:
 # --- Operators with weights ---
 
 
-def _two(values: Any, what: str, owner: Importer) -> tuple[int, ...]:
-    """Extends a list for columns to a list for rows and columns."""
+def _two(values: Any, what: str, owner: Importer) -> tuple[int, int]:
+    """Returns numbers for rows and columns. A list for columns alone is extended."""
     values = [int(one) for one in values]
     if any(one < 0 for one in values):
         raise owner.refuse(f"{what} {values} has negative numbers", "Use a Slice instead")
     if len(values) == 1:
-        return (1 if what != "pads" else 0, *values)
-    return tuple(values)
+        return 1, values[0]
+    if len(values) != 2:
+        raise owner.refuse(f"{what} {values} has {len(values)} dimensions", "One and two are possible")
+    return values[0], values[1]
 
 
 def _pads(owner: Importer, kernel: tuple[int, int], strides: tuple[int, int], dilations: tuple[int, int], shape: tuple[int, int]) -> tuple[int, int, int, int]:
@@ -39,7 +41,7 @@ def _pads(owner: Importer, kernel: tuple[int, int], strides: tuple[int, int], di
         given = [int(one) for one in owner.attribute("pads", [0] * 4)]
         if any(one < 0 for one in given):
             raise owner.refuse(f"pads {given} has negative numbers", "Use a Slice instead")
-        return tuple(given) if len(given) == 4 else (0, given[0], 0, given[1])
+        return (given[0], given[1], given[2], given[3]) if len(given) == 4 else (0, given[0], 0, given[1])
     if mode == "VALID":
         return 0, 0, 0, 0
     total = [max((-(-size // s) - 1) * s + (k - 1) * d + 1 - size, 0) for size, s, k, d in zip(shape, strides, kernel, dilations, strict=True)]
@@ -51,8 +53,6 @@ def _pads(owner: Importer, kernel: tuple[int, int], strides: tuple[int, int], di
 
 def _geometry(owner: Importer, kernel: Any) -> dict[str, Any]:
     kernel = _two(kernel, "kernel_shape", owner)
-    if len(kernel) != 2:
-        raise owner.refuse(f"its kernel {list(kernel)} has {len(kernel)} dimensions", "One and two are possible")
     strides = _two(owner.attribute("strides", [1] * 2), "strides", owner)
     dilations = _two(owner.attribute("dilations", [1] * 2), "dilations", owner)
     source = owner.input()
@@ -61,7 +61,7 @@ def _geometry(owner: Importer, kernel: Any) -> dict[str, Any]:
 
 
 def _conv(owner: Importer) -> None:
-    weight = owner.constant(1)
+    weight = owner.needed(1)
     source = owner.input()
     if weight.ndim == 3:
         weight = weight[:, :, np.newaxis, :]
@@ -91,7 +91,7 @@ def _dense(owner: Importer, weight: np.ndarray, bias: np.ndarray | None, steps: 
 def _gemm(owner: Importer) -> None:
     if owner.attribute("transA", 0):
         raise owner.refuse("transA is set", "Transpose the input before the export")
-    weight = owner.constant(1) * owner.attribute("alpha", 1.0)
+    weight = owner.needed(1) * owner.attribute("alpha", 1.0)
     bias = owner.constant(2)
     weight = weight if owner.attribute("transB", 0) else weight.T
     steps = owner.model.weight_steps.get(owner.node.input[1]) if owner.attribute("alpha", 1.0) == 1 else None
@@ -101,7 +101,7 @@ def _gemm(owner: Importer) -> None:
 def _matmul(owner: Importer) -> None:
     if not owner.is_constant(1):
         raise owner.refuse("it multiplies two tensors that the network computes", "One must be a constant")
-    weight = owner.constant(1)
+    weight = owner.needed(1)
     if weight.ndim != 2:
         raise owner.refuse(f"its constant has shape {list(weight.shape)}", "Two dimensions are possible")
     _dense(owner, weight.T, None, owner.model.weight_steps.get(owner.node.input[1]))
@@ -114,7 +114,7 @@ def affine(owner: Importer, source: Tensor, factor: np.ndarray, offset: np.ndarr
 
 
 def _batch_norm(owner: Importer) -> None:
-    scale, bias, mean, variance = (owner.constant(i).astype(np.float64) for i in range(1, 5))
+    scale, bias, mean, variance = (owner.needed(i).astype(np.float64) for i in range(1, 5))
     factor = scale / np.sqrt(variance + owner.attribute("epsilon", 1e-5))
     affine(owner, owner.input(), factor, bias - mean * factor)
 
@@ -144,7 +144,7 @@ def _arithmetic(sign: float, multiplies: bool, inverts: bool) -> Callable[[Impor
             owner.add("multiply" if multiplies else "add", [a, b])
             return
         source = owner.input(1 - constant)
-        value = _per_channel(owner, owner.constant(constant), source)
+        value = _per_channel(owner, owner.needed(constant), source)
         ones = np.ones(source.channels)
         if multiplies:
             if inverts and constant == 0:
@@ -199,10 +199,9 @@ def _limits(owner: Importer) -> None:
     low, high = 0.0, math.inf
     if op == "Clip":
         low, high = owner.attribute("min", -math.inf), owner.attribute("max", math.inf)
-        if owner.constant(1) is not None:
-            low = float(owner.constant(1))
-        if owner.constant(2) is not None:
-            high = float(owner.constant(2))
+        least, most = owner.constant(1), owner.constant(2)
+        low = low if least is None else float(least)
+        high = high if most is None else float(most)
         low, high = _real_limits(owner, low, high)
     owner.add("table", [owner.input()], function=lambda x: np.clip(x, low, high), limits=(low, high))
 
@@ -224,7 +223,7 @@ def _function(owner: Importer) -> None:
 
 
 def _prelu(owner: Importer) -> None:
-    slope = owner.constant(1)
+    slope = owner.needed(1)
     if slope.size != 1:
         raise owner.refuse(f"it has {slope.size} slopes", "One slope for all channels is possible")
     owner.add("table", [owner.input()], function=functions.leaky(float(slope.ravel()[0])))
@@ -241,7 +240,7 @@ def _softmax(owner: Importer) -> None:
 def _quantise_linear(owner: Importer) -> None:
     """Converts QuantizeLinear. The node defines the scale of its input. The following DequantizeLinear has no effect
     here."""
-    source, step = owner.input(), owner.constant(1)
+    source, step = owner.input(), owner.needed(1)
     zero = owner.constant(2)
     zero = np.zeros(1, dtype=np.uint8) if zero is None else zero
     if step.size != 1 or zero.dtype not in (np.uint8, np.int8):

@@ -90,11 +90,12 @@ def _in_memory(network: integers.Network, planned: Plan, board: chip.Board) -> S
     if sources.weight_bytes > L3_BYTES:
         raise InputError(f"the weights have {sources.weight_bytes} bytes, but the HyperRAM of board {board.name} has {L3_BYTES}. Use fewer channels", "does_not_fit")
     sources = emit(network, planned, in_l3=True)
-    if sum(planned.stream.buffers) > free:
-        sizes = [size for _, size in planned.stream.segments]
+    stream = planned.stream
+    if stream is not None and sum(stream.buffers) > free:
+        sizes = [size for _, size in stream.segments]
         largest = network.layers[sizes.index(max(sizes))]
         raise InputError(
-            f"the weights of two successive layers do not fit into L2 of board {board.name}: they need {sum(planned.stream.buffers)} bytes, {free} are free. "
+            f"the weights of two successive layers do not fit into L2 of board {board.name}: they need {sum(stream.buffers)} bytes, {free} are free. "
             f"The most are those of layer {largest.name} ({largest.op}): {max(sizes)} bytes. Use fewer channels, or two layers in place of this one",
             "does_not_fit",
         )

@@ -143,9 +143,10 @@ def _slices(owner: Importer, rank: int) -> list[slice]:
         starts, ends = owner.attribute("starts", []), owner.attribute("ends", [])
         axes, steps = owner.attribute("axes", list(range(len(starts)))), [1] * len(starts)
     else:
-        starts, ends = owner.constant(1), owner.constant(2)
-        axes = owner.constant(3) if owner.constant(3) is not None else range(len(starts))
-        steps = owner.constant(4) if owner.constant(4) is not None else [1] * len(starts)
+        starts, ends = owner.needed(1), owner.needed(2)
+        given_axes, given_steps = owner.constant(3), owner.constant(4)
+        axes = list(range(len(starts))) if given_axes is None else [int(one) for one in given_axes]
+        steps = [1] * len(starts) if given_steps is None else [int(one) for one in given_steps]
     result = [slice(None)] * rank
     for start, end, axis, step in zip(starts, ends, axes, steps, strict=True):
         # A backward slice that includes the first element has an end below -length.
@@ -190,8 +191,9 @@ def _pad(owner: Importer) -> None:
     if owner.attribute("mode", b"constant") != b"constant":
         raise owner.refuse(f"mode {owner.attribute('mode', b'').decode()}", "Constant pads are possible")
     pads = owner.attribute("pads", None)
-    pads = owner.constant(1) if pads is None else pads
-    value = owner.attribute("value", 0.0) if owner.constant(2) is None else float(owner.constant(2).ravel()[0])
+    pads = owner.needed(1) if pads is None else pads
+    given_value = owner.constant(2)
+    value = owner.attribute("value", 0.0) if given_value is None else float(given_value.ravel()[0])
     rank = len(source.shape) + 1
     axes = owner.constant(3)
     pads = [int(one) for one in pads]

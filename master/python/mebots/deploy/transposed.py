@@ -13,7 +13,7 @@ from mebots.deploy.model_file import label
 
 
 def conv_transpose(owner: Importer) -> None:
-    source, weight = owner.input(), owner.constant(1)
+    source, weight = owner.input(), owner.needed(1)
     if weight.ndim == 3:
         weight = weight[:, :, np.newaxis, :]
     if weight.ndim != 4 or "output_shape" in owner.attributes or owner.attribute("auto_pad", b"NOTSET") != b"NOTSET":
