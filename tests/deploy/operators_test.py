@@ -12,6 +12,7 @@ from mebots.deploy import checking
 from mebots.deploy import layers as integers
 from mebots.deploy.deployed import Options
 from mebots.deploy.lowering import lower
+from mebots.deploy.plan import goes_by_columns
 
 
 def pair(random, low, high):
@@ -66,6 +67,21 @@ class Convolutions(OperatorCase):
         maker.output(maker.conv("x", 128, 128, (3, 3), 128, pads=[1, 1, 1, 1]))
         deployed = self.check(maker)
         self.assertGreater(len(deployed.plan.steps[0].parts), 1)
+
+    def test_columns_used_again_give_the_references_integers_with_each_number_of_cores(self):
+        maker = Maker(12, (7, 13, 10))
+        for strides, dilations, pads in (([1, 1], [1, 1], [1] * 4), ([2, 1], [2, 1], [0, 2, 1, 0]), ([3, 1], [1, 1], [2, 0, 0, 1])):
+            maker.output(maker.conv("x", 7, 7, (3, 3), 7, pads=pads, strides=strides, dilations=dilations))
+        model, data = maker.save(self.folder)
+        deployed = lower(model, data, Options())
+        self.assertTrue(all(goes_by_columns(one) for one in deployed.network.layers))
+        library = self.folder / "library"
+        deployed.sources.write(library)
+        program = checking.check(library, self.folder, deployed, True, objects())
+        values = integers.run(deployed.network, program.picture)
+        for cores in range(2, 8):
+            checking.compare(deployed.network, values, program.check(cores), f"{cores} cores")
+        self.near_to_float(deployed, 2.5)
 
     def test_transposed_convolutions(self):
         maker = Maker(12, (6, 5, 7))

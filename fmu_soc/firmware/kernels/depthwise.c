@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes depthwise convolutions, four channels at a time. The kernel's positions are processed in groups of four. One
-// word is loaded for each position. The four words are transposed, so that each word contains the four values of one
-// channel.
+// Computes depthwise convolutions, four channels at a time. The places of the kernel are processed in groups of
+// four: a word is loaded from each, and transposed so that a word contains the four values of a channel.
 #include "kernels/requantise.h"
 #include "kernels/work.h"
 
@@ -13,12 +12,12 @@ typedef struct {
   uint32_t channel[4];
 } turned_t;
 
-static inline __attribute__((always_inline)) turned_t turn(const uint8_t* patch, const int32_t* offsets) {
-  const uint32_t a = *(const xpulp_word*)(const void*)(patch + offsets[0]);
-  const uint32_t b = *(const xpulp_word*)(const void*)(patch + offsets[1]);
-  const uint32_t c = *(const xpulp_word*)(const void*)(patch + offsets[2]);
-  const uint32_t d = *(const xpulp_word*)(const void*)(patch + offsets[3]);
-  // In a selector, 0 to 3 are the bytes of the first word, and 4 to 7 are the bytes of the second word.
+static inline __attribute__((always_inline)) uint32_t word_at(const uint8_t* at) {
+  return *(const xpulp_word*)(const void*)at;
+}
+
+static inline __attribute__((always_inline)) turned_t turn(uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
+  // The selectors: bytes of the first word are 0 to 3, bytes of the second 4 to 7.
   const uint32_t lower_ab = xpulp_shuffle2_b(a, b, 0x05010400);
   const uint32_t upper_ab = xpulp_shuffle2_b(a, b, 0x07030602);
   const uint32_t lower_cd = xpulp_shuffle2_b(c, d, 0x05010400);
@@ -28,14 +27,27 @@ static inline __attribute__((always_inline)) turned_t turn(const uint8_t* patch,
   return result;
 }
 
-static inline __attribute__((always_inline)) void add_four(int32_t sums[4], const uint8_t* patch,
-                                                           const int32_t* offsets, const int8_t* weights) {
-  const turned_t values = turn(patch, offsets);
+static inline __attribute__((always_inline)) void add_turned(int32_t sums[4], const turned_t* values,
+                                                             const int8_t* weights) {
   const uint32_t* words = (const uint32_t*)(const void*)weights;
 #pragma GCC unroll 4
   for (int i = 0; i < 4; ++i) {
-    sums[i] = xpulp_sdotusp_b(sums[i], values.channel[i], words[i]);
+    sums[i] = xpulp_sdotusp_b(sums[i], values->channel[i], words[i]);
   }
+}
+
+static inline __attribute__((always_inline)) void add_four(int32_t sums[4], const uint8_t* patch,
+                                                           const int32_t* offsets, const int8_t* weights) {
+  const turned_t values = turn(word_at(patch + offsets[0]), word_at(patch + offsets[1]), word_at(patch + offsets[2]),
+                               word_at(patch + offsets[3]));
+  add_turned(sums, &values, weights);
+}
+
+// Returns the next column of three rows; the weight of a word's fourth byte is zero.
+static inline __attribute__((always_inline)) turned_t turned_column(const uint8_t* rows[3], int32_t to_next) {
+  const uint32_t a = word_at(rows[0]), b = word_at(rows[1]), c = word_at(rows[2]);
+  rows[0] += to_next, rows[1] += to_next, rows[2] += to_next;
+  return turn(a, b, c, c);
 }
 
 #else
@@ -50,8 +62,7 @@ static void add_four(int32_t sums[4], const uint8_t* patch, const int32_t* offse
 
 #endif
 
-// Computes the offsets of the kernel's positions in a patch. The last offset is repeated to complete a group; its
-// additional weights are zeros.
+// Fills the offsets of the kernel's places in a patch; the last one is repeated, with zeros as weights.
 static void fill_offsets(const layer_step_t* step, int32_t* offsets) {
   const layer_t* layer = step->layer;
   int32_t count = 0;
@@ -86,25 +97,71 @@ static inline __attribute__((always_inline)) void row_of_places(const layer_step
   }
 }
 
-static inline __attribute__((always_inline)) void convolve(const layer_step_t* step, layer_share_t share, int scaling) {
+// Computes a row of places of a 3 x 3 kernel with a stride of one column. Each word has the three values of a column,
+// so two of three words are those of the previous place.
+static inline __attribute__((always_inline)) void row_of_columns(const layer_step_t* step, const layer_group_t* group,
+                                                                 const uint8_t* patch, uint8_t* to, int32_t columns,
+                                                                 int scaling) {
+  const layer_t* layer = step->layer;
+  const int32_t channels = step->channels;
+  const int32_t next_row = layer->step_y * step->in_pitch;
+  const int8_t* weights = weights_of(group, scaling);
+#ifdef __riscv
+  const uint8_t* rows[3] = {patch, patch + next_row, patch + 2 * next_row};
+  turned_t first = turned_column(rows, step->in_channels);
+  turned_t second = turned_column(rows, step->in_channels);
+  for (int32_t x = columns; x > 0; --x, to += channels) {
+    const turned_t third = turned_column(rows, step->in_channels);
+    int32_t sums[8] = {group->bias[0], group->bias[1], group->bias[2], group->bias[3]};
+    add_turned(sums, &first, weights);
+    add_turned(sums, &second, weights + 16);
+    add_turned(sums, &third, weights + 32);
+    first = second;
+    second = third;
+    store_places(layer, group, sums, to, channels, 0, scaling);
+  }
+#else
+  for (int32_t x = columns; x > 0; --x, patch += step->in_channels, to += channels) {
+    int32_t sums[8] = {group->bias[0], group->bias[1], group->bias[2], group->bias[3]};
+    for (int32_t i = 0; i < 3; ++i) {
+      const int32_t at = i * step->in_channels;
+      const int32_t offsets[4] = {at, at + next_row, at + 2 * next_row, at + 2 * next_row};
+      add_four(sums, patch, offsets, weights + 16 * i);
+    }
+    store_places(layer, group, sums, to, channels, 0, scaling);
+  }
+#endif
+}
+
+static inline __attribute__((always_inline)) void convolve(const layer_step_t* step, layer_share_t share,
+                                                           int by_columns, int scaling) {
   const layer_t* layer = step->layer;
   const int32_t columns = layer->out_columns;
   int32_t* offsets = (int32_t*)(void*)step->gathered;
-  fill_offsets(step, offsets);
-  // A unit of work is four channels of one row of output positions.
+  if (!by_columns) {
+    fill_offsets(step, offsets);
+  }
+  // A unit of work is four channels of one row of places.
   for (int32_t unit = share.core; unit < step->groups * step->rows; unit += share.cores) {
     const int32_t y = unit / step->groups;
     const int32_t number = unit - y * step->groups;
     const layer_group_t* group = (const layer_group_t*)(const void*)(step->data + number * layer->group_bytes);
     const uint8_t* patch = step->in + y * layer->stride_rows * step->in_pitch + group->in;
     uint8_t* to = step->out + y * columns * step->channels + group->out;
-    row_of_places(step, group, offsets, patch, to, columns, scaling);
+    if (by_columns) {
+      row_of_columns(step, group, patch, to, columns, scaling);
+    } else {
+      row_of_places(step, group, offsets, patch, to, columns, scaling);
+    }
   }
 }
 
-#define DEFINE(name, scaling)                                                  \
-  void layer_depthwise_##name(const layer_step_t* step, layer_share_t share) { \
-    convolve(step, share, scaling);                                            \
+#define DEFINE(name, scaling)                                                          \
+  void layer_depthwise_##name(const layer_step_t* step, layer_share_t share) {         \
+    convolve(step, share, 0, scaling);                                                 \
+  }                                                                                    \
+  void layer_depthwise_columns_##name(const layer_step_t* step, layer_share_t share) { \
+    convolve(step, share, 1, scaling);                                                 \
   }
 
 DEFINE(narrow, SCALING_NARROW)

@@ -29,7 +29,8 @@ def _kernel(layer: Layer) -> dict[str, str]:
         return {"kind": "LAYER_TILED", "kernel": _KERNELS[layer.kind]}
     scaling = "none" if layer.requantise is None else layer.requantise.scaling
     if planning.is_depthwise(layer):
-        return {"kind": "LAYER_TILED", "kernel": f"layer_depthwise_{scaling}"}
+        columns = "_columns" if planning.goes_by_columns(layer) else ""
+        return {"kind": "LAYER_TILED", "kernel": f"layer_depthwise{columns}_{scaling}"}
     gathered = "_gathered" if planning.gathers(layer) else ""
     if planning.pools_sums(layer):
         return {"kind": "LAYER_TILED", "kernel": f"layer_convolve{gathered}_pooled_{scaling}"}
@@ -86,7 +87,12 @@ def _group(layer: Layer, part: Part, group: tuple[int, int, int], sliced: bool) 
 
 
 def _depthwise_weights(layer: Layer, first: int, count: int) -> np.ndarray:
-    """Returns weights for four channels: four places of the kernel for each channel, then the next four places."""
+    """Returns weights for four channels: four places of the kernel for each channel, then the next four places. By columns, a
+    column's three places and a zero take the place of four."""
+    if planning.goes_by_columns(layer):
+        columns = np.zeros((4, 3, 4), dtype=np.int8)
+        columns[:count, :, :3] = layer.weight[first : first + count].reshape(count, 3, 3).transpose(0, 2, 1)
+        return columns.transpose(1, 0, 2).copy()
     places = math.prod(layer.kernel)
     weights = np.zeros((4, 4 * planning.fours(layer)), dtype=np.int8)
     weights[:count, :places] = layer.weight[first : first + count].reshape(count, places)

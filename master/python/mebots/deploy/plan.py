@@ -142,6 +142,11 @@ def is_depthwise(layer: Layer) -> bool:
     return layer.kind == "convolution" and layer.groups > 1 and layer.groups == layer.weight.shape[0] == layer.inputs[0].channels and layer.pool == 1 and layer.requantise is not None
 
 
+def goes_by_columns(layer: Layer) -> bool:
+    """True if a depthwise kernel uses the words of two columns again for the next place."""
+    return layer.kernel == (3, 3) and layer.strides[1] == 1 and layer.dilations[1] == 1
+
+
 def fours(layer: Layer) -> int:
     """Returns the number of groups of four places in a depthwise kernel."""
     return math.ceil(math.prod(layer.kernel) / 4)
