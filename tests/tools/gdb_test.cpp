@@ -462,6 +462,15 @@ TEST_F(Gdb, AReplayPrintsNothingAgainAndAChangeEndsTheHistory) {
   EXPECT_EQ(run.exit_code, 1) << run.err;
 }
 
+/// A place of the run without the change is not mistaken for the same count of instructions in the changed run.
+TEST_F(Gdb, AChangeMakesSavedPlacesUnreachable) {
+  const Debugged run(
+      "break *finish\ncontinue\nmonitor save end\nreverse-stepi 2\nset var $a5 = 99\nmonitor restore end\ndelete\n"
+      "continue\n");
+  EXPECT_THAT(run.gdb, HasSubstr("saved as end"));
+  EXPECT_THAT(run.gdb, HasSubstr("the history does not reach 'end'"));
+}
+
 /// Equal values, an empty write (with which gdb asks for packet X) and refused writes change nothing.
 TEST_F(Gdb, AWriteThatChangesNothingKeepsTheHistory) {
   const Debugged run(

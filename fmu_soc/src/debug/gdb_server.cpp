@@ -278,8 +278,16 @@ bool GdbServer::write_register(unsigned number, std::uint32_t value) {
   } else if (number < kFirstCsrNumber || !hart.set_csr(number - kFirstCsrNumber, value)) {
     return false;
   }
-  if (history_ != nullptr) history_->cut();
+  end_history();
   return true;
+}
+
+/// Forgets the past after a change by gdb. Saved places belong to the run without this change, also those after the
+/// present place.
+void GdbServer::end_history() {
+  if (history_ == nullptr) return;
+  history_->cut();
+  for (auto& [name, position] : names_) position = kUnreachable;
 }
 
 std::string GdbServer::read_memory(std::string_view text) const {
@@ -304,7 +312,7 @@ std::string GdbServer::write_memory(std::string_view text, bool binary) {
   if (!soc_.poke(range->address, {reinterpret_cast<const std::uint8_t*>(bytes->data()), bytes->size()})) {
     return std::string(kError);
   }
-  if (history_ != nullptr && before != *bytes) history_->cut();
+  if (before != *bytes) end_history();
   return "OK";
 }
 

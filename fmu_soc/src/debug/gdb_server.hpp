@@ -57,6 +57,7 @@ class GdbServer {
   enum class Resume : std::uint8_t { no, run, step, end, rewind };
   static constexpr std::string_view kTrap = "T05";
   static constexpr std::string_view kAtBreakpoint = "swbreak:;";
+  static constexpr std::uint64_t kUnreachable = 0;  // a position before every saved state
 
   /// A method to go back in time; see reverse.cpp.
   struct Replay {
@@ -119,6 +120,7 @@ class GdbServer {
   std::string read_registers() const;
   std::string read_register(unsigned number) const;
   bool write_register(unsigned number, std::uint32_t value);
+  void end_history();
   std::string read_memory(std::string_view text) const;
   std::string write_memory(std::string_view text, bool binary);
   std::string change_point(std::string_view text, bool insert);

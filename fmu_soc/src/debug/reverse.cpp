@@ -68,7 +68,12 @@ std::optional<GdbServer::Resume> GdbServer::travel(std::string_view command) {
   const auto found = names_.find(name);
   if (found == names_.end()) return reply(fmt::format("there is no saved place '{}'\n", name));
   const auto from = state_before(found->second);
-  if (!from) return reply(fmt::format("'{}' is before a change by gdb, which ends the history\n", name));
+  if (!from) {
+    return reply(
+        fmt::format("the history does not reach '{}': it begins again after a change by gdb, and after the "
+                    "co-simulation has restored a state\n",
+                    name));
+  }
   replay_ = Replay{.phase = Replay::Phase::seeking, .from = *from, .place = {.position = found->second}};
   answer_ = to_hex(fmt::format("at {}; {}", name, kHint));
   return Resume::rewind;
