@@ -193,8 +193,11 @@ const std::string* Uart::text_output(std::string_view variable) const {
 void Uart::check_settings() const {
   for_each_setting([&](std::string_view name, double value, double least, double most) {
     if (value >= least && value <= most) return;
-    throw Error(ErrorCode::value_out_of_range,
-                fmt::format("{}.{} = {} must be from {} to {}", entry_.name, name, value, least, most));
+    throw Error(
+        ErrorCode::value_out_of_range,
+        fmt::format("{}.{} = {} must be from {} to {}; change this parameter of the chip, or the variable's 'start' "
+                    "in the board file",
+                    entry_.name, name, value, least, most));
   });
 }
 

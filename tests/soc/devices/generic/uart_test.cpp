@@ -130,6 +130,14 @@ TEST(Uart, FullFifosLoseBytesAndReportTheFirst) {
   EXPECT_THAT(chip.complaints[0], testing::HasSubstr("the receive FIFO of 2 bytes was full"));
 }
 
+TEST(Uart, ASettingOutOfRangeEndsTheStepWithAWayOut) {
+  Chip chip;
+  chip.input("uart.fifo_depth") = 0;
+  EXPECT_THAT([&] { chip.step(kMs); },
+              testing::ThrowsMessage<Error>(testing::StartsWith(
+                  "uart.fifo_depth = 0 must be from 1 to 255; change this parameter of the chip, or")));
+}
+
 /// The last sample is 9.5 bits after the start bit's edge, and must be off by less than half a bit: 1 / 19 of the rate.
 TEST(Uart, ByteOfAnotherBaudRateIsGarbled) {
   for (const auto& [bit, garbled] : {std::pair{8'680'556, false},
