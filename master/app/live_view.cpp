@@ -73,6 +73,7 @@ std::unique_ptr<LiveView> LiveView::make(master::Run& run, const LiveViewOptions
   return view;
 #else
   static_cast<void>(run);
+  static_cast<void>(options);
   static_cast<void>(console);
   throw InputError(ErrorCode::not_offered, "--live: this mebots was built without pages (MEBOTS_PAGES)");
 #endif
