@@ -192,7 +192,7 @@ configure_package_config_file(cmake/mebotsConfig.cmake.in ${installed_package}/m
   INSTALL_DESTINATION ${package_dir} PATH_VARS share CMAKE_INSTALL_BINDIR NO_SET_AND_CHECK_MACRO)
 write_basic_package_version_file(${installed_package}/mebotsConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${installed_package}/mebotsConfig.cmake ${installed_package}/mebotsConfigVersion.cmake
-  cmake/MebotsFmu.cmake cmake/MebotsParts.cmake cmake/MebotsSoc.cmake cmake/BoardWith.cmake cmake/MebotsTarget.cmake cmake/fmi2.map cmake/fmi3.map cmake/list_exports.cmake
+  cmake/MebotsFmu.cmake cmake/MebotsParts.cmake cmake/MebotsSoc.cmake cmake/MebotsRust.cmake cmake/BoardWith.cmake cmake/MebotsTarget.cmake cmake/fmi2.map cmake/fmi3.map cmake/list_exports.cmake
   cmake/MebotsCross.cmake cmake/MebotsFmuSources.cmake cmake/MebotsMath.cmake cmake/MebotsMathNames.cmake cmake/MebotsMuslSource.cmake
   cmake/MebotsPlatforms.cmake
   DESTINATION ${package_dir})

@@ -10,6 +10,7 @@ if(NOT MEBOTS_ROOT)
 endif()
 set_property(GLOBAL PROPERTY MEBOTS_ROOT ${MEBOTS_ROOT})
 include(${CMAKE_CURRENT_LIST_DIR}/BoardWith.cmake)
+include(${CMAKE_CURRENT_LIST_DIR}/MebotsRust.cmake)
 
 # mebots_find_riscv_gcc()
 # Sets MEBOTS_RISCV_GCC and MEBOTS_RISCV_LIBGCC in the cache. Stops with an error if there is no such compiler.
@@ -64,7 +65,8 @@ endfunction()
 # picolibc-riscv64-unknown-elf): printf(), malloc(), <math.h> on the fabric controller (fmu_soc/firmware/runtime/c_library.c). On a board with GAP8's
 # own event unit, files of fmu_soc/firmware/gap8 replace those of the same names. OPTIONS follow the standard ones, so that -Os or -O3 overrides -O2.
 # LINKER_SCRIPT replaces that of the runtime (firmware/runtime/link.ld.in), and must define the same symbols; the C preprocessor inserts the board's
-# memory map. If the board's `isa` begins with rv32imafc, the program uses the core's floats (-mabi=ilp32f).
+# memory map. If the board's `isa` begins with rv32imafc, the program uses the core's floats (-mabi=ilp32f). A .rs file is the root of a crate in
+# Rust 2021 without its standard library (MebotsRust.cmake); OPTIONS do not apply to it.
 function(mebots_add_firmware name)
   cmake_parse_arguments(ARG "NO_CLUSTER;C_LIBRARY" "BOARD;LINKER_SCRIPT" "SOURCES;DRIVERS;DATA;OPTIONS" ${ARGN})
   mebots_find_riscv_gcc()
@@ -165,6 +167,7 @@ function(mebots_add_firmware name)
     list(APPEND data ${file})
   endforeach()
   set(objects)
+  set(crates)
   foreach(source IN LISTS sources)
     # Objects are named by their path in the project, or in MEbots, so that names are unique.
     file(RELATIVE_PATH shown ${PROJECT_SOURCE_DIR} ${source})
@@ -173,6 +176,27 @@ function(mebots_add_firmware name)
     endif()
     string(REPLACE "/" "_" object ${shown})
     set(object ${out_dir}/${name}/${object}.o)
+    if(source MATCHES "\\.rs$")
+      if(abi STREQUAL "ilp32f")
+        message(FATAL_ERROR "${shown}: Rust has no target with the floats of this board's core: use a board without them, or write this part in C")
+      endif()
+      mebots_rust_library(of_core)
+      get_filename_component(crate ${source} NAME_WE)
+      string(REPLACE - _ crate ${crate})
+      set(object ${out_dir}/${name}/lib${crate}.a)
+      add_custom_command(
+        OUTPUT ${object} ${out_dir}/${name}/${crate}.d  # rustc's file of dependencies names itself as an output
+        COMMAND ${CMAKE_COMMAND} -E make_directory ${out_dir}/${name}
+        COMMAND ${MEBOTS_RUSTC} ${of_core} --target ${mebots_rust_target} --edition=2021 --crate-type staticlib --crate-name ${crate}
+                -C panic=abort -C opt-level=2 -C lto=fat -g --remap-path-prefix ${PROJECT_SOURCE_DIR}=.
+                --emit=link,dep-info --out-dir ${out_dir}/${name} ${source}
+        DEPENDS ${source} mebots_rust_core
+        DEPFILE ${out_dir}/${name}/${crate}.d
+        COMMENT "Firmware ${name}: ${shown}"
+        VERBATIM)
+      list(APPEND crates ${object})
+      continue()
+    endif()
     set(compiler ${MEBOTS_RISCV_GCC})
     set(brought_in)
     if(source MATCHES "\\.c$")
@@ -202,8 +226,8 @@ function(mebots_add_firmware name)
     COMMAND ${MEBOTS_RISCV_GCC} -E -P -x assembler-with-cpp ${of_layout} -include ${board_dir}/board.h
             ${script_source} -o ${script}
     COMMAND ${MEBOTS_RISCV_GCC} -march=${isa} -mabi=${abi} ${link_with} -Wl,--gc-sections -Wl,--fatal-warnings
-            -T ${script} -Wl,-Map=${out_dir}/${name}.map ${objects} ${libraries} -o ${elf}
-    DEPENDS ${objects} ${script_source} ${ARG_BOARD}_headers ${board_file}
+            -T ${script} -Wl,-Map=${out_dir}/${name}.map ${objects} ${crates} ${libraries} -o ${elf}
+    DEPENDS ${objects} ${crates} ${script_source} ${ARG_BOARD}_headers ${board_file}
     COMMENT "Linking ${name}.elf"
     VERBATIM)
   add_custom_target(${name}_firmware ALL DEPENDS ${elf})

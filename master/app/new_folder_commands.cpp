@@ -33,6 +33,7 @@ const std::vector<std::string> kExitCodesOfWriting = {"0 written", "2 a name can
 void add_new_firmware(CLI::App& app, Action& action) {
   struct Options {
     std::string name;
+    std::string language = "c";
     std::filesystem::path out;
   };
   const auto options = std::make_shared<Options>();
@@ -40,13 +41,18 @@ void add_new_firmware(CLI::App& app, Action& action) {
   command->add_option("name", options->name, "Its name: lower-case letters, digits and _")
       ->type_name("NAME")
       ->required();
+  command->add_option("--language", options->language, "Its language; a program in C may have C++ files, too")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"c", "rust"}));
   command->add_option("--out", options->out, "Folder to create; default: the name")
       ->type_name("FOLDER")
       ->check(not_empty());
-  command->footer(help_footer(kExitCodesOfWriting, {"mebots new-firmware blink"}));
+  command->footer(
+      help_footer(kExitCodesOfWriting, {"mebots new-firmware blink", "mebots new-firmware blink --language rust"}));
   command->callback([options, &action] {
     action = [options] {
-      return written([&] { return new_folder::new_firmware(options->name, options->out); },
+      const auto language = options->language == "rust" ? new_folder::Language::rust : new_folder::Language::c;
+      return written([&] { return new_folder::new_firmware(options->name, language, options->out); },
                      "  cmake --build build --target run\n");
     };
   });

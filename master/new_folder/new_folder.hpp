@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -11,9 +12,11 @@
 /// overwritten.
 namespace mebots::new_folder {
 
-/// Writes a bare-metal program for the chip: main.c, CMakeLists.txt, README.md. If `folder` is empty, writes into the
-/// folder of this name in the working folder. Returns the folder.
-std::filesystem::path new_firmware(const std::string& name, std::filesystem::path folder);
+enum class Language : std::uint8_t { c, rust };
+
+/// Writes a bare-metal program for the chip: main.c or main.rs, CMakeLists.txt, README.md. If `folder` is empty, writes
+/// into the folder of this name in the working folder. Returns the folder.
+std::filesystem::path new_firmware(const std::string& name, Language language, std::filesystem::path folder);
 
 struct Sensor {
   std::string name;

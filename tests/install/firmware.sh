@@ -42,3 +42,42 @@ for board in ai_deck gap8; do
   [[ $code == 3 ]] || { echo "FAILED: $board ended with $code, not 3"; exit 1; }
   grep -q '^root 1.414214, too large: 1$' library.log || { cat library.log; echo "FAILED: printf on $board"; exit 1; }
 done
+
+# Tests a program in Rust: formatted text, 64-bit division, floats, and a panic. A compiler that has not even the sources of core is a skip.
+mebots new-firmware rusty --language rust
+if ! cmake -S rusty -B rusty/build -G Ninja >configure.log 2>&1; then
+  cat configure.log
+  grep -q 'no Rust compiler with the library core' configure.log || { echo "FAILED: configuring a program in Rust"; exit 1; }
+  echo "SKIPPED: firmware in Rust; install rustc and rust-src"
+  exit 0
+fi
+cmake --build rusty/build >build.log || { cat build.log; exit 1; }
+cmake --build rusty/build --target run | tee run.log
+[[ $(grep -c '^awake at' run.log) == 5 ]] || { echo "FAILED: five naps were expected of the program in Rust"; exit 1; }
+cat >rusty/main.rs <<'END'
+#![no_std]
+#![no_main]
+#[macro_use]
+mod chip;
+fn values() -> [u64; 3] {
+    let mut last = chip::now_ns() as u64;
+    core::array::from_fn(|i| {
+        last = last / (u64::MAX / 3) + 10 + i as u64;
+        last
+    })
+}
+#[no_mangle]
+pub extern "C" fn main() -> i32 {
+    let values = values();
+    let index = chip::now_ns() as usize | 8;
+    println!("{:?}, sum {:>5}, {:.3}", values, values.iter().sum::<u64>(), 2.0 / values[0] as f64);
+    values[index] as i32
+}
+END
+cmake --build rusty/build >build.log || { cat build.log; exit 1; }
+code=0
+mebots-soc run rusty/build/firmware/rusty.elf --board ai_deck >run.log || code=$?
+cat run.log
+grep -q '^\[10, 11, 12\], sum    33, 0.200$' run.log || { echo "FAILED: text of the program in Rust"; exit 1; }
+grep -q 'main.rs:17:5' run.log || { echo "FAILED: the panic does not name its place"; exit 1; }
+[[ $code == 255 ]] || { echo "FAILED: a panic ended with $code, not 255"; exit 1; }
