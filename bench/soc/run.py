@@ -87,24 +87,28 @@ def build_programs(names, scale, folder):
     return files
 
 
-def build_cluster_programs(build, scale, folder):
-    """Returns (cores, long) -> ELF file of programs/cluster.c with the firmware's runtime."""
+def build_cluster_program(build, source, options, path):
+    """Compiles a program of programs/ for GAP8's cluster with the firmware's runtime, for the memory map of the AI-deck."""
     firmware = ROOT / "fmu_soc/firmware"
     board_h = build / "generated/fmu_soc_board/board.h"
-    script = folder / "cluster.ld"
+    script = path.with_suffix(".ld")
     subprocess.run([GCC[0], "-E", "-P", "-x", "assembler-with-cpp", "-include", board_h,
                     firmware / "runtime/link.ld.in", "-o", script], check=True)
     runtime = [firmware / "runtime" / name for name in ("crt0.S", "cluster_start.S", "cluster.c", "console.c", "exit.c",
                                                         "memory.c", "sleep.c", "trap.c")]
+    subprocess.run(GCC + ["-mcmodel=medany", "-std=c11", "-ffunction-sections", "-fdata-sections", "-Wl,--gc-sections",
+                          f"-I{firmware}", f"-I{board_h.parent}", *options, "-T", script, *runtime,
+                          HERE / "programs" / source, "-lgcc", "-o", path], check=True)
+
+
+def build_cluster_programs(build, scale, folder):
+    """Returns (cores, long) -> ELF file of programs/cluster.c with the firmware's runtime."""
     files = {}
     for cores in CLUSTER_CORES:
         for is_long in (False, True):
             turns = max(2, round(CLUSTER_TURNS * scale * (1 if is_long else 0.1)))
             path = folder / f"cluster-{cores}-{'long' if is_long else 'short'}.elf"
-            subprocess.run(GCC + ["-mcmodel=medany", "-std=c11", "-ffunction-sections", "-fdata-sections",
-                                  "-Wl,--gc-sections", f"-I{firmware}", f"-I{board_h.parent}", f"-DTURNS={turns}",
-                                  f"-DCORES={cores}", "-T", script, *runtime, HERE / "programs/cluster.c", "-lgcc",
-                                  "-o", path], check=True)
+            build_cluster_program(build, "cluster.c", [f"-DTURNS={turns}", f"-DCORES={cores}"], path)
             files[cores, is_long] = path
     return files
 

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// TURNS times the event that EVENT names: a load from a device register, a read of a counter, a trap, or none.
+// It runs on the machine "virt" of QEMU and on board virt. Registers: interrupt priority of the PLIC's first source.
+#include <stdint.h>
+
+static uint32_t sum;
+
+static void __attribute__((naked, aligned(256))) handler(void) {
+  __asm__ volatile("csrr t0, mepc\n addi t0, t0, 4\n csrw mepc, t0\n mret");
+}
+
+static inline uint32_t event(void) {
+  uint32_t value = 0;
+#if EVENT == 1
+  value = *(volatile uint32_t*)0x0c000004;
+#elif EVENT == 2
+  __asm__ volatile("csrr %0, mcycle" : "=r"(value));
+  value = 0;  // cycles differ between simulators
+#elif EVENT == 3
+  __asm__ volatile(".option push\n.option norvc\necall\n.option pop" ::: "t0");
+#endif
+  return value;
+}
+
+int main(void) {
+  __asm__ volatile("csrw mtvec, %0" ::"r"(handler));
+  for (uint32_t turn = 0; turn < TURNS; ++turn) {
+    sum += event() + turn;
+  }
+  return (int)((sum ^ sum >> 7 ^ sum >> 14) & 0x7f);
+}
