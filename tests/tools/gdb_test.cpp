@@ -465,10 +465,24 @@ TEST_F(Gdb, AReplayPrintsNothingAgainAndAChangeEndsTheHistory) {
 /// A place of the run without the change is not mistaken for the same count of instructions in the changed run.
 TEST_F(Gdb, AChangeMakesSavedPlacesUnreachable) {
   const Debugged run(
-      "break *finish\ncontinue\nmonitor save end\nreverse-stepi 2\nset var $a5 = 99\nmonitor restore end\ndelete\n"
-      "continue\n");
-  EXPECT_THAT(run.gdb, HasSubstr("saved as end"));
-  EXPECT_THAT(run.gdb, HasSubstr("the history does not reach 'end'"));
+      "break *early\nbreak *late\ncontinue\ncontinue\nmonitor save place\nreverse-continue\nset var $s1 = 99\n"
+      "continue\nprint $s1\nmonitor restore place\nmonitor save again\nmonitor restore again\ndelete\ncontinue\n",
+      R"(
+    .globl _start, early, late
+_start: li s0, 7
+early: li s0, 1000000
+1:  addi s0, s0, -1
+    bnez s0, 1b
+late: la t0, tohost
+    li t1, 7
+    sw t1, 0(t0)
+2:  j 2b
+)");
+  EXPECT_THAT(run.gdb, HasSubstr("saved as place"));
+  EXPECT_THAT(run.gdb, HasSubstr("$1 = 99"));
+  EXPECT_THAT(run.gdb, HasSubstr("the history does not reach 'place'"));
+  EXPECT_THAT(run.gdb, HasSubstr("at again;")) << "the new run has a history of its own";
+  EXPECT_EQ(run.exit_code, 3) << run.err;
 }
 
 /// Equal values, an empty write (with which gdb asks for packet X) and refused writes change nothing.
