@@ -113,9 +113,14 @@ void Recorder::write_row(const Point& point) {
 
 void Recorder::visit(state::Visitor& v) {
   flush();
-  for (std::size_t i = 0; i < sinks_.size(); ++i) v("sink[" + std::to_string(i) + "]", *sinks_[i]);
+  for (const auto& sink : sinks_) {
+    if (!sink->state_name().empty()) v(sink->state_name(), *sink);
+  }
   v("rows", rows_);
   v("last_step", last_step_);
+  if (v.restores()) {
+    for (const auto& sink : sinks_) sink->keep_rows(rows_);
+  }
   if (!records_step_) return;
   v("step_s", step_s_);
   v("point_ns", point_ns_);

@@ -104,6 +104,35 @@ TEST_F(Checkpoints, InstancesInOwnProcessesAreResumedToo) {
   EXPECT_EQ(summary("killed"), summary("straight"));
 }
 
+TEST_F(Checkpoints, ALivePageIsNoPartOfACheckpoint) {
+#ifndef MEBOTS_TEST_HAS_PAGES
+  GTEST_SKIP() << "built without pages (MEBOTS_PAGES)";
+#endif
+  auto system = nlohmann::json::parse(with_probe(kSavedSystem));
+  system["record"] = {{"format", "both"}};
+  write_file(folder.path() / "both.json", system.dump());
+  ASSERT_EQ(run({"run", "both.json", "--out", "straight"}).code, 0);
+  const std::vector<std::string> live{"--live", "0", "--live-start", "now", "--no-live-keep"};
+  for (const bool begins_live : {false, true}) {
+    std::filesystem::remove_all(folder.path() / "killed");
+    std::vector<std::string> begin{"run", "both.json", "--out", "killed", "--quiet", "--checkpoint-every", "0.5"};
+    std::vector<std::string> resume{"resume", "killed"};
+    auto& served = begins_live ? begin : resume;
+    served.insert(served.end(), live.begin(), live.end());
+    const auto child = start(begin);
+    while (!std::filesystem::exists(folder.path() / "killed" / "checkpoint.bin")) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    kill(child, SIGKILL);
+    wait(child);
+    const auto resumed = run(resume);
+    EXPECT_EQ(resumed.code, 0) << resumed.err;
+    EXPECT_TRUE(result("killed", "results.csv") == result("straight", "results.csv")) << "live first: " << begins_live;
+    EXPECT_EQ(result("killed", "log.txt"), result("straight", "log.txt"));
+    EXPECT_EQ(summary("killed"), summary("straight"));
+  }
+}
+
 TEST_F(Checkpoints, ARunUnderStepControlIsResumedToTheSameSteps) {
   auto system = nlohmann::json::parse(with_probe(kSavedSystem));
   system["step_control"] = {{"max_step", 0.04}, {"relative_tolerance", 0.05}, {"rollback", "required"}};

@@ -23,6 +23,7 @@ class CsvSink final : public RowSink {
   void write(const RowBlock& block) override;
   void flush() override { file_->flush(); }
   void visit(state::Visitor& v) override;
+  std::string_view state_name() const override { return "csv"; }
 
  private:
   /// The longest double in its shortest form has 24 characters.

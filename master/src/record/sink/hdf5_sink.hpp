@@ -33,6 +33,7 @@ class Hdf5Sink final : public RowSink {
   void close();
   /// Visits the state. Restoring a state can only drop rows. Throws Error if the state has more rows than the file.
   void visit(state::Visitor& v) override;
+  std::string_view state_name() const override { return "hdf5"; }
 
  private:
   struct File;

@@ -43,13 +43,11 @@ void MemorySink::write(const RowBlock& block) {
   }
 }
 
-void MemorySink::visit(state::Visitor& v) {
-  std::uint64_t rows = times_s_.size();
-  v("rows", rows);
-  if (!v.restores()) return;
-  if (rows > times_s_.size()) throw Error(ErrorCode::state_damaged, "a saved state has more rows than are in memory");
-  times_s_.resize(rows);
-  for (auto& one : series_) one.values.resize(rows);
+void MemorySink::keep_rows(std::int64_t rows) {
+  const auto kept = static_cast<std::size_t>(rows);
+  if (kept > times_s_.size()) throw Error(ErrorCode::state_damaged, "a saved state has more rows than are in memory");
+  times_s_.resize(kept);
+  for (auto& one : series_) one.values.resize(kept);
 }
 
 void MemorySink::visit_rows(state::Visitor& v) {

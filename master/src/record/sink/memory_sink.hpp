@@ -24,10 +24,9 @@ class MemorySink final : public RowSink {
 
   void write(const RowBlock& block) override;
   void flush() override {}
-  /// Visits the state. Restoring a state can only remove rows. Therefore the state must not have more rows than this
-  /// object.
-  void visit(state::Visitor& v) override;
-  /// Visits the rows, which visit() does not include.
+  void keep_rows(std::int64_t rows) override;
+  /// Visits the rows. They are not part of the recorder's state, so that a run with this sink and a run without it can
+  /// resume from the same checkpoint.
   void visit_rows(state::Visitor& v);
 
  private:

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 /// Data that the simulation passes to the files of results.
@@ -56,8 +57,12 @@ class RowSink {
   /// Writes all rows received so far to the file.
   virtual void flush() = 0;
 
-  /// Visits the part of the sink's state that a resumed run needs. Restoring a state drops the rows after it.
-  virtual void visit(state::Visitor& v) = 0;
+  /// Visits the state that the sink needs to continue from a saved state. Restoring it sets the sink back.
+  virtual void visit(state::Visitor& /*v*/) {}
+  /// Returns the name of its state. Empty if it has none; such a sink may be absent in a resumed run.
+  virtual std::string_view state_name() const { return {}; }
+  /// Called after a state is restored: the sink keeps the first `rows` rows. Throws Error if it has fewer.
+  virtual void keep_rows(std::int64_t /*rows*/) {}
 };
 
 }  // namespace mebots::master
