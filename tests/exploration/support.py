@@ -13,6 +13,7 @@ import unittest
 BUILD = pathlib.Path(os.environ["MEBOTS_BUILD"])
 SOURCE = pathlib.Path(os.environ["MEBOTS_SOURCE"])
 MEBOTS = str(BUILD / "bin" / "mebots")
+BANK = str(BUILD / "test_fmus" / "bank.fmu")
 PROBE = str(BUILD / "test_fmus" / "probe.fmu")
 sys.path.insert(0, str(SOURCE / "tests" / "support"))
 

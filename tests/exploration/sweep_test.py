@@ -16,7 +16,7 @@ import time
 import unittest
 
 import mebots
-from support import MEBOTS, PROBE, SOURCE, STEADY, StudyCase
+from support import BANK, MEBOTS, PROBE, SOURCE, STEADY, StudyCase
 
 
 class Tables(StudyCase):
@@ -728,6 +728,54 @@ class Summary(StudyCase):
             self.assertEqual(list(summary["versions"]["instances"]), ["a"])
             self.assertEqual(list(summary["inputs"]["fmus"]), ["a"])
             self.assertEqual(summary["parameters"]["a"]["gain"], 2)
+
+
+class Arrays(StudyCase):
+    """Tests missions whose arrays get their sizes from a structural parameter."""
+
+    def mission(self, **parameters):
+        (self.folder / "mission.json").write_text(json.dumps({
+            "step": 0.5, "stop_time": 1, "connections": [],
+            "instances": {"a": {"fmu": BANK, "parameters": {"line.initial[1]": 0} | parameters}},
+            "outcomes": [{"outcome": "far", "when": [{"variable": "a.line.y[1]", "above": 2}]}, {"outcome": "near"}],
+            "record": {"variables": ["*", "a.labels", "a.line.echo[1]"]},
+            "summary": {"y": "a.line.y[1]"},
+        }))
+
+    def test_an_element_may_be_a_factor_before_its_size(self):
+        self.study(design={"kind": "grid", "factors": {"a.line.initial[4]": [5, 7], "a.lines": [4]}},
+                   draws={"replicates": 2, "seed": 1, "variables": {"a.line.u[4]": {"uniform": [0, 3]}}},
+                   objectives={"fourth": {"final": "a.line.y[4]"}})
+        self.sweep("--jobs", "1")
+        for row in self.rows("missions.csv"):
+            expected = float(row["a.line.initial[4]"]) + float(row["a.line.u[4]"])
+            self.assertAlmostEqual(float(row["fourth"]), expected, 12)
+
+    def test_a_size_may_be_a_factor(self):
+        self.study(design={"kind": "grid", "factors": {"a.lines": [2, 3]}},
+                   draws={"replicates": 2, "seed": 1, "variables": {"a.line.u[2]": {"uniform": [0, 3]}}},
+                   objectives={"second": {"final": "a.line.y[2]"}})
+        self.sweep("--jobs", "1")
+        self.assertEqual(len(self.rows("missions.csv")), 4)
+
+    def test_python_sets_sizes_first(self):
+        values = {"a.line.u[4]": 7, "a.lines": 4}
+        with mebots.Mission(self.folder / "mission.json", set=values) as mission:
+            self.assertEqual(mission.sizes_first(values), ["a.lines", "a.line.u[4]"])
+            mission.run()
+            self.assertEqual(mission.value("a.line.y[4]"), 37)
+        with self.assertRaisesRegex(mebots.InputError, r"no variable 'line.u\[4\]'"):
+            mebots.Mission(self.folder / "mission.json", set={"a.lines": 3, "a.line.u[4]": 7})
+
+    def test_texts_that_look_like_numbers_stay_texts(self):
+        out = self.folder / "out"
+        with mebots.Mission(self.folder / "mission.json", out=out,
+                            set={"a.line.message[1]": "0102", "a.line.label[1]": "007", "a.line.label[2]": ""}) as mission:
+            mission.run()
+        results = mebots.read(out)
+        self.assertEqual(results["a.line.echo[1]"][-1], "0102")
+        self.assertIsInstance(results["a.labels"][0], str)
+        self.assertEqual(results["a.line.y[1]"].dtype, "float64")
 
 
 class Reset(StudyCase):

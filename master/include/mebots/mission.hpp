@@ -58,6 +58,9 @@ class Mission {
   void add_inputs(const std::filesystem::path& file);
   /// Sets the end of the run [s].
   void set_stop_time(double stop_time_s);
+  /// Returns the names with structural parameters (FMI 3.0) first, which determine the sizes of arrays. In this order,
+  /// set() finds the elements of all arrays. Otherwise keeps the order.
+  std::vector<std::string> sizes_first(const std::vector<std::string>& variables) const;
   /// Sets the variables to record (patterns with * and ?), in place of the config's `variables` and `exclude`.
   void record(const std::vector<std::string>& patterns);
 

@@ -89,8 +89,9 @@ class Mission:
         )
         if set is not None and not isinstance(set, Mapping):
             raise TypeError(f"set must be a dict of variables and their values, not {set!r}")
-        for variable, value in (set or {}).items():
-            self.set(variable, value)
+        values = dict(set or {})
+        for variable in self.sizes_first(values):
+            self.set(variable, values[variable])
         if record is not None:
             self.record(record)
 
@@ -128,6 +129,11 @@ class Mission:
         """Replaces the config's parameter or start value of "instance.variable". Checks name, type and limits
         immediately. Must be called before start()."""
         self._run.set(variable, value)
+
+    def sizes_first(self, variables: Iterable[str]) -> list[str]:
+        """Returns the names with structural parameters (FMI 3.0) first, which determine the sizes of arrays. In this order,
+        ``set()`` finds the elements of all arrays. Otherwise keeps the order."""
+        return self._run.sizes_first(list(variables))
 
     def add_scenario(self, file: Path) -> None:
         """Adds the overrides of a file. They follow the overrides of the config. Must be called before start()."""

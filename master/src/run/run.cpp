@@ -73,7 +73,7 @@ Run::Run(const std::filesystem::path& config, RunOptions options, std::shared_pt
   const auto stop_time_s = options_.stop_time_s;
   check_times(options_);
   system_ = read_config(config, given_times(config, options_));
-  for (const auto& setting : settings) set(setting);
+  for (const auto& setting : sizes_first(settings)) set(setting);
   for (const auto& file : scenarios) add_scenario(file);
   for (const auto& file : inputs) add_inputs(file);
   if (stop_time_s) set_stop_time(nanoseconds_of(*stop_time_s, "stop time"), "stop time");
@@ -142,6 +142,21 @@ void Run::listen(MessageHub::Listener listener) {
 std::shared_ptr<const modeldesc::ModelDescription> Run::model_of(const InstanceDescription& instance) const {
   const auto fmu = open_fmu(instance, *library_);
   return fmu->model(structural_values(instance, fmu->description()));
+}
+
+bool Run::is_structural(const std::string& name) const {
+  const auto variable = system_.split(name);
+  if (!variable) return false;
+  const auto fmu = open_fmu(system_.instances[*system_.index_of(variable->instance)], *library_);
+  const auto* found = fmu->description().find(variable->variable);
+  return found != nullptr && found->causality == modeldesc::Causality::structural_parameter;
+}
+
+std::vector<Setting> Run::sizes_first(std::vector<Setting> settings) const {
+  if (settings.size() > 1) {
+    std::ranges::stable_partition(settings, [this](const Setting& one) { return is_structural(one.variable); });
+  }
+  return settings;
 }
 
 void Run::set(const Setting& written) {

@@ -131,8 +131,9 @@ class Worker:
         if out is not None:
             os.makedirs(os.path.dirname(out), exist_ok=True)
         mission = self._flown = self._mission(_config_of(order), bool(order["series"]), out)
-        for name, value in order["settings"].items():
-            self._about = name
+        settings = order["settings"]
+        for name in mission.sizes_first(settings):
+            self._about, value = name, settings[name]
             mission.set(name, places.get(value, value) if isinstance(value, str) else value)
         self._about = ""
         if out is None:
