@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <span>
 
 namespace mebots::master {
 namespace {
@@ -22,7 +23,11 @@ constexpr std::size_t kLongestBinary = std::size_t{1} << 30;
 /// read and set with fewer lists.
 constexpr std::size_t kMostPlans = 32;
 
-/// The get and set functions of FMI 3.0 for one numeric type.
+/// The bytes after the numbers of a call. They must not change: a change shows that the FMU wrote too many values.
+constexpr std::size_t kGuardBytes = 256;
+constexpr std::byte kGuardByte{0xA5};
+
+/// The functions for one type of numbers.
 template <typename T, typename Get, typename Set>
 struct NumberFunctions {
   using Number = T;
@@ -113,11 +118,22 @@ Fmi3Values::Whole Fmi3Values::whole(std::span<const ValueReference> references) 
 
 template <typename T>
 T* Fmi3Values::buffer(std::size_t count) {
-  buffer_.resize(std::max<std::size_t>(count * sizeof(T), 1));
+  buffer_.resize(count * sizeof(T) + kGuardBytes);
+  std::ranges::fill(std::span(buffer_).last(kGuardBytes), kGuardByte);
   return reinterpret_cast<T*>(buffer_.data());
 }
 
-/// Calls `action` with the NumberFunctions of the type.
+/// Throws SlaveError if the FMU wrote beyond the values that the call requested.
+void Fmi3Values::check_guard(const Call& call, const char* function) const {
+  const auto is_whole = [](std::byte byte) { return byte == kGuardByte; };
+  if (std::ranges::all_of(std::span(buffer_).last(kGuardBytes), is_whole)) return;
+  const auto* const variable = call.variables[call.moves.back().value];
+  const auto& element = variable->fmi3->element;
+  calls_->fail(function, fmt::format("wrote more than the {} values of '{}' that were requested", call.value_count,
+                                     element ? element->array : variable->name));
+}
+
+/// Calls action(NumberFunctions) for the type.
 template <typename Action>
 void Fmi3Values::with_functions(Type type, Action action) {
   const auto& f = *functions_;
@@ -156,6 +172,7 @@ Fmi3Values::CallResult Fmi3Values::get_numbers(const Plan& plan, std::span<Value
       result = {calls_->call(functions.get_name, functions.get, call.references.data(), call.references.size(), numbers,
                              call.value_count),
                 functions.get_name};
+      check_guard(call, functions.get_name);
       if constexpr (std::is_same_v<Number, bool>) {  // the FMU may store any byte, but only 0 and 1 may be read as bool
         for (const auto& move : call.moves) values[move.slot] = buffer_[move.value] != std::byte{0} ? 1 : 0;
       } else {
