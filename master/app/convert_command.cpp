@@ -49,7 +49,7 @@ struct ConvertOptions {
 
 void add_convert(CLI::App& app, Action& action) {
   const auto options = std::make_shared<ConvertOptions>();
-  auto* command = app.add_subcommand("convert", "Turn a config into an SSP 1.0, or an SSP into a config");
+  auto* command = app.add_subcommand("convert", "Turn a config into an SSP, or an SSP into a config");
   command
       ->add_option("from", options->from,
                    "Config (.json), FMU (.fmu), SSP (.ssp, .ssd or its folder) or OspSystemStructure.xml")

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests SSP 1.0 as another format: files of other tools run, and written files are equivalent to the config.
+// Tests SSP 1.0 and 2.0 as another format: files of other tools run, and written files are equivalent to the config.
 #include "io/ssp/ssp.hpp"
 #include "io/config/load_system.hpp"
 #include "resolve/resolve.hpp"
@@ -764,8 +764,10 @@ TEST_F(Ssp, ValuesThatNoFmuCanTakeAreRefused) {
   EXPECT_THAT(error_of(with_value(R"(<ssv:Real value="1e308"/>)", R"(<ssc:LinearTransformation factor="1e9"/>)")),
               HasSubstr("range of numbers"));
   EXPECT_THAT(error_of(with_value(R"(<ssv:Real value="INF"/>)", "")), HasSubstr("not a finite number"));
-  EXPECT_THAT(error_of(with_value(R"(<ssv:Integer value="3e9"/>)", "")), HasSubstr("whole number of 32 bits"));
-  EXPECT_THAT(error_of(with_value(R"(<ssv:Enumeration value="1.5"/>)", "")), HasSubstr("whole number of 32 bits"));
+  EXPECT_THAT(error_of(with_value(R"(<ssv:Integer value="3e9"/>)", "")),
+              HasSubstr("whole number from -2147483648 to 2147483647"));
+  EXPECT_THAT(error_of(with_value(R"(<ssv:Enumeration value="1.5"/>)", "")),
+              HasSubstr("\"1.5\" is not a whole number"));
   EXPECT_THAT(error_of(with_value(R"(<ssv:String value="&#xD800;"/>)", "")), HasSubstr("not a character of XML"));
 }
 
@@ -806,6 +808,100 @@ TEST_F(Ssp, ThereAndBackGivesTheSameResults) {
     return config;
   };
   EXPECT_EQ(json("third.json"), json("fifth.json"));
+}
+
+/// Tests that a system of FMI 3.0 gives the same results as an SSP, and as a config again.
+class Ssp3 : public Ssp {
+ protected:
+  /// `instances`, `connections` and `record` are sections of the config.
+  void expect_same(const std::string& instances, const std::string& connections, const std::string& record) const {
+    test::write_file(folder.path() / "first.json",
+                     fmt::format(R"({{"step": 0.1, "stop_time": 1, "instances": {{{}}}, "connections": [{}],
+                       "record": {{"variables": {}}}}})",
+                                 instances, connections, record));
+    const auto results = [&](const std::string& file, const std::string& out) {
+      const auto result = run({"run", file, "--out", out});
+      EXPECT_EQ(result.code, 0) << file << ": " << result.err;
+      return test::read_file(folder.path() / out / "results.csv");
+    };
+    const auto convert = [&](const std::string& from, const std::string& to) {
+      const auto result = run({"convert", from, to});
+      EXPECT_EQ(result.code, 0) << result.err;
+      EXPECT_THAT(result.out, testing::Not(HasSubstr("ignored")));
+    };
+    const auto first = results("first.json", "one");
+    convert("first.json", "second.ssp");
+    EXPECT_EQ(results("second.ssp", "two"), first);
+    convert("second.ssp", "third.json");
+    EXPECT_EQ(results("third.json", "three"), first);
+  }
+  std::string entry(const std::string& name) const {
+    std::filesystem::remove_all(folder.path() / "open");
+    modeldesc::unpack(folder.path() / "second.ssp", folder.path() / "open");
+    return test::read_file(folder.path() / "open" / name);
+  }
+};
+
+TEST_F(Ssp3, WholeNumbersOf64BitsKeepTheirValues) {
+  expect_same(fmt::format(R"("a": {{"fmu": "{0}", "parameters": {{"huge": 18446744073709551614,
+      "long": -9223372036854775807, "single": 0.1, "byte": 255, "wide": 1e300}}}}, "b": {{"fmu": "{0}"}})",
+                          WIDTHS_FMU),
+              R"({"from": "a.huge_out", "to": "b.huge"}, {"from": "a.byte_out", "to": "b.long"})", R"(["*"])");
+  EXPECT_THAT(test::read_file(folder.path() / "two/results.csv"), HasSubstr("18446744073709551614"));
+  const auto values = entry("resources/a.ssv");
+  EXPECT_THAT(values, AllOf(HasSubstr("version=\"2.0\""), HasSubstr("<ssv:UInt64 value=\"18446744073709551614\" />"),
+                            HasSubstr("<ssv:Int64 value=\"-9223372036854775807\" />"),
+                            HasSubstr("<ssv:Float32 value=\"0.1\" />"), HasSubstr("<ssv:UInt8 value=\"255\" />")));
+  EXPECT_THAT(entry("SystemStructure.ssd"), AllOf(HasSubstr("version=\"2.0\""), HasSubstr("<ssc:UInt64 />")));
+}
+
+TEST_F(Ssp3, ArraysBinariesAndSizesKeepTheirValues) {
+  expect_same(
+      fmt::format(R"("a": {{"fmu": "{0}", "parameters": {{"lines": 3, "line.initial[1]": 1, "line.initial[2]": 7,
+      "line.initial[3]": -2.5, "line.u[1]": 2, "line.u[2]": 0, "line.u[3]": -2, "line.label[1]": "x y",
+      "line.label[2]": "", "line.label[3]": "ä<", "line.mode[1]": "hold", "line.mode[2]": "integrate",
+      "line.mode[3]": 1, "line.message[1]": "0aff00", "line.message[2]": "", "line.message[3]": "01"}}}},
+    "b": {{"fmu": "{0}", "parameters": {{"lines": 3}}}}, "c": {{"fmu": "{0}"}})",
+                  BANK_FMU),
+      R"({"from": "a.line.y", "to": "b.line.u", "convert_units": false},
+         {"from": "a.line.y[3]", "to": "c.line.u[2]", "factor": 2, "convert_units": false},
+         {"from": "a.line.echo[1]", "to": "c.line.message[1]"})",
+      R"(["*", "a.labels", "c.line.echo[1]"])");
+  const auto values = entry("resources/a.ssv");
+  EXPECT_THAT(values, AllOf(HasSubstr("<ssv:UInt64 value=\"3\" />"), HasSubstr("value=\"1 7 -2.5\""),
+                            HasSubstr("<ssc:Dimension size=\"3\" />"), HasSubstr("<ssv:Value value=\"0aff00\" />")));
+  EXPECT_THAT(entry("SystemStructure.ssd"),
+              AllOf(HasSubstr("startConnector=\"line.y\" endElement"), HasSubstr("startIndices=\"3\""),
+                    HasSubstr("endIndices=\"2\""), HasSubstr("mime-type=\"application/octet-stream\"")));
+}
+
+TEST_F(Ssp3, TicksOfClocksPassOn) {
+  expect_same(fmt::format(R"("a": {{"fmu": "{0}"}}, "b": {{"fmu": "{0}"}}, "c": {{"fmu": "{0}"}})", METRONOME_FMU),
+              R"({"from": "a.tock", "to": "b.tap"}, {"from": "a.tock_time", "to": "b.heard"},
+                 {"from": "a.beat", "to": "c.tap"})",
+              R"(["*"])");
+  EXPECT_THAT(test::read_file(folder.path() / "two/results.csv"), HasSubstr(",3,"));
+  EXPECT_THAT(entry("SystemStructure.ssd"), HasSubstr("<ssc:Clock intervalVariability=\"triggered\" />"));
+}
+
+TEST_F(Ssp3, BinariesPassBetweenVersionsAndNarrowConnectionsStay) {
+  expect_same(fmt::format(R"("a": {{"fmu": "{0}"}}, "b": {{"fmu": "{1}"}}, "c": {{"fmu": "{2}"}},
+                             "d": {{"fmu": "{2}", "parameters": {{"wide": 0.1}}}})",
+                          PROBE_FMU, BANK_FMU, WIDTHS_FMU),
+              R"({"from": "a.buffer", "to": "b.line.message[1]"},
+                 {"from": "d.wide_out", "to": "c.single", "narrow": true})",
+              R"(["*", "b.line.echo[1]"])");
+  EXPECT_THAT(entry("SystemStructure.ssd"), HasSubstr("startConnector=\"buffer\""));
+}
+
+TEST_F(Ssp3, AnArrayWithAnUnknownElementIsRefusedByName) {
+  test::write_file(folder.path() / "first.json", fmt::format(R"({{"step": 0.1, "stop_time": 1, "instances": {{
+    "a": {{"fmu": "{}", "parameters": {{"lines": 3, "line.initial[2]": 7}}}}}}, "connections": []}})",
+                                                             BANK_FMU));
+  const auto result = run({"convert", "first.json", "second.ssp"});
+  EXPECT_EQ(result.code, 2);
+  EXPECT_THAT(result.err, AllOf(HasSubstr("instance 'a'"), HasSubstr("'line.initial[1]'"),
+                                HasSubstr("Give a value to each element of 'line.initial'")));
 }
 
 }  // namespace

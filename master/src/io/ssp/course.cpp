@@ -106,11 +106,11 @@ Json Course::apply(const Json& value, const std::string& name) const {
     const auto* target = target_of(*map_, text_in_map(value));
     if (target == nullptr) return value;
     if (map_->kind == ValueMap::Kind::boolean) return is_true(*target);
-    std::int32_t number = 0;
+    std::int64_t number = 0;
     const auto* const end = target->data() + target->size();
     const bool is_number = std::from_chars(target->data(), end, number).ptr == end && !target->empty();
     if (map_->kind == ValueMap::Kind::enumeration) return *target;
-    if (!is_number) throw InputError(fmt::format("{}: \"{}\" is not a whole number of 32 bits", name, *target));
+    if (!is_number) throw InputError(fmt::format("{}: \"{}\" is not a whole number of 64 bits", name, *target));
     return number;
   }
   if (factor_ == 1 && offset_ == 0) return value;

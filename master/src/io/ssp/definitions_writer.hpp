@@ -27,10 +27,11 @@ class DefinitionsWriter {
   std::map<std::string, const modeldesc::Unit*> units_;
 };
 
-/// The SSP version of written files.
-inline constexpr const char* kWrittenVersion = "1.0";
+/// Returns the SSP version of the files for this system: 2.0 if an FMU is of FMI 3.0, whose types 1.0 lacks; else 1.0.
+const char* written_version(const ResolvedSystem& system);
 
-/// Fills an SSV file with the start values of an instance and the units of its FMU.
-void write_parameter_set(const ResolvedInstance& instance, pugi::xml_document& document);
+/// Fills an SSV file with the values of an instance and the units of its FMU. An array is written as a whole: elements
+/// without a value in the system get their start value. Throws InputError if the FMU declares none.
+void write_parameter_set(const ResolvedInstance& instance, const char* version, pugi::xml_document& document);
 
 }  // namespace mebots::master::ssp

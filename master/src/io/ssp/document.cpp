@@ -7,10 +7,12 @@
 #include "values.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <iterator>
 #include <set>
+#include <sstream>
 
 namespace mebots::master::ssp {
 namespace {
@@ -162,10 +164,16 @@ class SystemReader {
     return system;
   }
 
-  ConnectionEnd read_end(pugi::xml_node node, const char* element, const char* connector,
-                         const std::set<std::string>& names) const {
+  ConnectionEnd read_end(pugi::xml_node node, const std::string& side, const std::set<std::string>& names) const {
     // Some tools write an empty element name for the system's own connector.
-    ConnectionEnd end{node.attribute(element).value(), file_.required(node, connector)};
+    ConnectionEnd end{node.attribute((side + "Element").c_str()).value(),
+                      file_.required(node, (side + "Connector").c_str())};
+    if (const auto indices = node.attribute((side + "Indices").c_str())) {
+      std::istringstream stream(indices.value());
+      const std::vector<std::string> words{std::istream_iterator<std::string>(stream), {}};
+      end.connector += fmt::format("[{}]", fmt::join(words, ","));
+      end.has_indices = true;
+    }
     if (!end.element.empty() && !names.contains(end.element)) {
       file_.fail(node, fmt::format("there is no element \"{}\" in this system", end.element));
     }
@@ -173,12 +181,9 @@ class SystemReader {
   }
 
   Connection read_connection(pugi::xml_node node, const std::set<std::string>& names) const {
-    for (const auto* indices : {"startIndices", "endIndices"}) {
-      if (node.attribute(indices)) file_.fail(node, fmt::format("{}: arrays cannot be used yet", indices));
-    }
     Connection connection;
-    connection.start = read_end(node, "startElement", "startConnector", names);
-    connection.end = read_end(node, "endElement", "endConnector", names);
+    connection.start = read_end(node, "start", names);
+    connection.end = read_end(node, "end", names);
     connection.transformation = read_transformation(file_, node);
     connection.description = node.attribute("description").value();
     connection.place = file_.place(node);

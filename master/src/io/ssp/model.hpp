@@ -71,7 +71,8 @@ struct Connector {
 /// An end of a connection. `element` is empty for a connector of the enclosing system.
 struct ConnectionEnd {
   std::string element;
-  std::string connector;
+  std::string connector;     ///< for an element of an array, with its indices: `y[2]`
+  bool has_indices = false;  ///< startIndices or endIndices
 };
 
 /// A connection between two ends. The order of the ends does not define the direction (5.4.2).

@@ -18,10 +18,25 @@ std::string join(const std::string& path, const std::string& name) {
   return path.empty() ? name : path + "." + name;
 }
 
-/// Returns the variable of a connector; for an OSMP binary, the first of its three variables.
+/// Returns the variable of this name; for an element of an array such as `y[2]`, the array. Null if there is none.
+const modeldesc::Variable* named_variable(const modeldesc::ModelDescription& model, const std::string& name) {
+  const auto* variable = model.find(name);
+  if (variable != nullptr || !name.ends_with(']')) return variable;
+  const auto* array = model.find(std::string_view(name).substr(0, name.rfind('[')));
+  return array == nullptr || array->fmi3->dimensions.empty() ? nullptr : array;
+}
+
+/// Returns the variable of a connector; for an OSMP binary, the first of its three.
 const modeldesc::Variable* variable_of(const modeldesc::ModelDescription& model, const std::string& connector) {
-  const auto* variable = model.find(connector);
+  const auto* variable = named_variable(model, connector);
   return variable != nullptr ? variable : model.find(connector + kOsmpEndings[0]);
+}
+
+/// True if values can only go to the variable. A Clock with its own timing is a source of ticks (SSP 2.0, 5.4.2.1).
+bool is_target(const modeldesc::Variable& variable) {
+  if (variable.type == modeldesc::Type::clock && variable.fmi3->timing->is_time_based()) return false;
+  return variable.causality == Causality::input || variable.causality == Causality::parameter ||
+         variable.causality == Causality::structural_parameter;
 }
 
 std::string_view kind_text(ConnectorKind kind) {
@@ -105,8 +120,7 @@ Port Network::port(const Endpoint& endpoint) const {
 Network::Flow Network::flow(const Endpoint& endpoint, bool is_own) const {
   const auto known = port(endpoint);
   if (known.variable != nullptr) {
-    const auto causality = known.variable->causality;
-    return causality == Causality::input || causality == Causality::parameter ? Flow::target : Flow::source;
+    return is_target(*known.variable) ? Flow::target : Flow::source;
   }
   if (known.declared == nullptr) return Flow::unknown;
   switch (known.declared->kind) {
@@ -132,6 +146,13 @@ void Network::direct(const Element& system, const std::string& path) {
       return Endpoint{end.element.empty() ? path : join(path, end.element), end.connector};
     };
     Hop hop{endpoint(connection.start), endpoint(connection.end), &connection};
+    for (const auto& [end, whole] : {std::pair(connection.start, hop.from), std::pair(connection.end, hop.to)}) {
+      if (!end.has_indices || is_component(whole.element)) continue;
+      throw InputError(ErrorCode::not_offered,
+                       fmt::format("{}: \"{}\" is an element of a system's connector; connect the whole array, or the "
+                                   "components inside the system",
+                                   connection.place, whole.text()));
+    }
     const auto start = flow(hop.from, connection.start.element.empty());
     const auto end = flow(hop.to, connection.end.element.empty());
     if (start == end && start != Flow::unknown) {
@@ -160,7 +181,7 @@ void Network::direct(const Element& system, const std::string& path) {
 bool Network::has(const Endpoint& endpoint) const {
   const auto model = models_.find(endpoint.element);
   if (model == models_.end()) return connectors_.contains(endpoint);
-  return model->second == nullptr || model->second->find(endpoint.connector) != nullptr;
+  return model->second == nullptr || named_variable(*model->second, endpoint.connector) != nullptr;
 }
 
 std::vector<Endpoint> Network::find(const std::string& path, const std::string& name) const {

@@ -2,17 +2,24 @@
 #include "values.hpp"
 
 #include "files.hpp"
+#include "mebots/fmi/variable_kinds.hpp"
+#include "mebots/hexadecimal.hpp"
 #include "mebots/input_error.hpp"
 #include "mebots/modeldesc/archive_reader.hpp"
+#include "mebots/modeldesc/array_elements.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <functional>
 #include <iterator>
-#include <limits>
 #include <map>
 #include <memory>
+#include <numeric>
+#include <sstream>
 
 namespace mebots::master::ssp {
 namespace {
@@ -73,14 +80,39 @@ Part part(const BindingContext& context, pugi::xml_node node, const char* inline
   return {&context.ssd, found, nullptr};
 }
 
-std::int32_t whole_number(const XmlFile& file, pugi::xml_node node, const std::string& text) {
-  using Limits = std::numeric_limits<std::int32_t>;
-  const auto value = parse_number(text);
+/// The types of numbers in an SSV, and the values that they can have.
+struct WholeType {
+  std::string_view name;
+  modeldesc::Type type;
+};
+constexpr WholeType kWholeTypes[] = {
+    {"Integer", modeldesc::Type::integer}, {"Int8", modeldesc::Type::int8},     {"UInt8", modeldesc::Type::uint8},
+    {"Int16", modeldesc::Type::int16},     {"UInt16", modeldesc::Type::uint16}, {"Int32", modeldesc::Type::integer},
+    {"UInt32", modeldesc::Type::uint32},   {"Int64", modeldesc::Type::int64},   {"UInt64", modeldesc::Type::uint64}};
+
+template <typename T>
+std::optional<T> parsed(std::string_view text) {
+  T value{};
+  const auto* const end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, value);
+  return read.ec == std::errc{} && read.ptr == end ? std::optional(value) : std::nullopt;
+}
+
+/// Reads a whole number in the range of the type; it may be written as "7.0".
+Json whole_number(const XmlFile& file, pugi::xml_node node, std::string_view text, modeldesc::Type type) {
+  const auto limits = fmi::limits_of(type);
+  const auto fits = [&](std::int64_t value) {
+    return value >= limits.low && (value < 0 || static_cast<std::uint64_t>(value) <= limits.high);
+  };
+  const auto digits = text.substr(text.starts_with('+') ? 1 : 0);
+  if (const auto value = parsed<std::uint64_t>(digits); value && *value <= limits.high) return *value;
+  if (const auto value = parsed<std::int64_t>(digits); value && fits(*value)) return *value;
+  constexpr double kExact = 9007199254740992.0;  // 2^53
   // The range is checked first, because a number out of range, or NaN, must not be converted.
-  if (!value || !(*value >= Limits::min() && *value <= Limits::max()) || *value != std::floor(*value)) {
-    file.fail(node, fmt::format("\"{}\" is not a whole number of 32 bits", text));
-  }
-  return static_cast<std::int32_t>(*value);
+  const auto number = parse_number(text).value_or(HUGE_VAL);
+  if (std::abs(number) <= kExact && number == std::floor(number) && fits(static_cast<std::int64_t>(number)))
+    return static_cast<std::int64_t>(number);
+  file.fail(node, fmt::format("\"{}\" is not a whole number from {} to {}", text, limits.low, limits.high));
 }
 
 /// Returns the element that holds the value, such as <Real>; null if there is none.
@@ -91,34 +123,85 @@ pugi::xml_node type_of(pugi::xml_node parameter) {
   });
 }
 
-Json value_of(const XmlFile& file, pugi::xml_node parameter) {
-  if (const auto dimension = child(parameter, "Dimension")) {
-    file.fail(dimension, "values of arrays cannot be used; FMI 2.0 has scalars only");
+/// Reads one value, or one element of an array, of the type that the element `node` names.
+Json read_value(const XmlFile& file, pugi::xml_node node, const std::string& text) {
+  const auto type = local_name(node);
+  if (type == "Real" || type == "Float64" || type == "Float32") {
+    const auto value = parse_number(text);
+    if (!value) file.fail(node, fmt::format("\"{}\" is not a finite number", text));
+    return *value;
   }
-  if (const auto node = type_of(parameter)) {
-    const auto type = local_name(node);
-    const auto text = [&] { return file.required(node, "value"); };
-    if (type == "Real" || type == "Float64" || type == "Float32") {
-      const auto value = parse_number(text());
-      if (!value) file.fail(node, fmt::format("\"{}\" is not a finite number", text()));
-      return *value;
-    }
-    if (type == "Integer" || type.starts_with("Int") || type.starts_with("UInt")) {
-      return whole_number(file, node, text());
-    }
-    if (type == "Boolean") {
-      text();
-      return file.flag(node, "value", false);
-    }
-    if (type == "String" || type == "Enumeration") {
-      // The text may be the number of an enumeration item, because some tools do not support item names.
-      auto word = text();
-      if (type == "Enumeration" && parse_number(word)) return whole_number(file, node, word);
-      return word;
-    }
-    if (type == "Binary") file.fail(node, "binary parameters cannot be used; FMI 2.0 has none");
+  const auto* const whole = std::ranges::find(kWholeTypes, type, &WholeType::name);
+  if (whole != std::end(kWholeTypes)) return whole_number(file, node, text, whole->type);
+  if (type == "Boolean") {
+    if (text == "true" || text == "1") return true;
+    if (text == "false" || text == "0") return false;
+    file.fail(node, fmt::format("the attribute value is \"{}\", but true or false is expected", text));
   }
-  file.fail(parameter, "it has no value: one of Real, Integer, Boolean, String and Enumeration is expected");
+  // The text may be the number of an enumeration's item, because some tools do not support the names of items.
+  if (type == "Enumeration" && parse_number(text)) return whole_number(file, node, text, modeldesc::Type::int64);
+  if (type == "Binary") {
+    const auto bytes = bytes_of_hexadecimal(text);
+    if (!bytes) file.fail(node, fmt::format("\"{}\" are not pairs of hexadecimal digits", text));
+    return hexadecimal(*bytes);
+  }
+  if (type != "String" && type != "Enumeration") {
+    file.fail(node,
+              "this type is unknown; use Real, Integer, Boolean, String, Enumeration, Binary or a type of FMI 3.0");
+  }
+  return text;
+}
+
+std::vector<std::string> words_of(const std::string& text) {
+  std::istringstream stream(text);
+  return {std::istream_iterator<std::string>(stream), {}};
+}
+
+/// Returns the texts of all values of a parameter: one, or one for each element of an array in row-major order.
+std::vector<std::string> texts_of(const XmlFile& file, pugi::xml_node node, bool is_array) {
+  std::vector<std::string> texts;
+  for (const auto value : children(node, "Value")) texts.push_back(file.required(value, "value"));
+  if (!texts.empty()) return texts;
+  const auto type = local_name(node);
+  const bool is_text = type == "String" || type == "Enumeration" || type == "Binary";
+  if (is_array && !is_text) return words_of(file.required(node, "value"));
+  if (is_array && !node.attribute("value")) return {};
+  return {file.required(node, "value")};
+}
+
+std::vector<std::uint64_t> sizes_of(const XmlFile& file, pugi::xml_node parameter) {
+  std::vector<std::uint64_t> sizes;
+  std::uint64_t product = 1;
+  for (const auto dimension : children(parameter, "Dimension")) {
+    const auto text = file.required(dimension, "size");
+    sizes.push_back(whole_number(file, dimension, text, modeldesc::Type::uint32).get<std::uint64_t>());
+    product *= sizes.back();
+    if (product > modeldesc::kMostElements)
+      file.fail(dimension, fmt::format("the array has more than {} elements", modeldesc::kMostElements));
+  }
+  return sizes;
+}
+
+/// Returns the indices "[2,3]" of an element, which is number `index` in row-major order.
+std::string indices_text(const std::vector<std::uint64_t>& sizes, std::uint64_t index) {
+  std::vector<std::uint64_t> indices(sizes.size());
+  for (auto i = sizes.size(); i-- > 0; index /= sizes[i]) indices[i] = index % sizes[i] + 1;
+  return fmt::format("[{}]", fmt::join(indices, ","));
+}
+
+/// Reads the values of a parameter, by their names relative to that of the parameter: "" for a scalar, or "[2,3]".
+std::vector<std::pair<std::string, Json>> values_of(const XmlFile& file, pugi::xml_node parameter) {
+  const auto node = type_of(parameter);
+  if (!node) file.fail(parameter, "it has no value: an element such as Real, Integer, Boolean or String is expected");
+  const auto sizes = sizes_of(file, parameter);
+  const auto texts = texts_of(file, node, !sizes.empty());
+  const auto count = std::accumulate(sizes.begin(), sizes.end(), std::uint64_t{1}, std::multiplies());
+  if (texts.size() != count) file.fail(node, fmt::format("it has {} values, but {} are expected", texts.size(), count));
+  std::vector<std::pair<std::string, Json>> values;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    values.emplace_back(sizes.empty() ? std::string() : indices_text(sizes, i), read_value(file, node, texts[i]));
+  }
+  return values;
 }
 
 /// An entry of a parameter mapping: the name before and after the mapping, and the transformation of the value.
@@ -145,15 +228,19 @@ std::vector<Parameter> read_values(const BindingContext& context, const Part& va
   for (const auto node : children(child(values.node, "Parameters"), "Parameter")) {
     Parameter parameter;
     parameter.name = prefix + values.file->required(node, "name");
-    try {
-      parameter.value = value_of(*values.file, node);
-    } catch (const InputError& error) {
-      parameter.problem = error.what();  // reported only if the value is needed
-    }
     parameter.unit = read_unit(type_of(node), definitions);
     parameter.file = values.file->name();
     parameter.place = values.file->place(node);
-    result.push_back(std::move(parameter));
+    try {
+      for (auto& [indices, value] : values_of(*values.file, node)) {
+        result.push_back(parameter);
+        result.back().name += indices;
+        result.back().value = std::move(value);
+      }
+    } catch (const InputError& error) {
+      parameter.problem = error.what();  // reported only if the value is needed
+      result.push_back(std::move(parameter));
+    }
   }
   return result;
 }

@@ -24,12 +24,13 @@ using namespace ssp;
 /// 2.0, 4.5.2.3).
 bool may_give(const Port& port, const std::string& source) {
   if (port.variable == nullptr || port.variable->type == modeldesc::Type::boolean) return true;
-  std::int32_t number = 0;
+  std::int64_t number = 0;
   const auto* const end = source.data() + source.size();
   const bool is_number = !source.empty() && std::from_chars(source.data(), end, number).ptr == end;
-  if (port.variable->type == modeldesc::Type::integer) {
-    return is_number && (!port.variable->min || number >= *port.variable->min) &&
-           (!port.variable->max || number <= *port.variable->max);
+  if (port.variable->type != modeldesc::Type::enumeration) {
+    const auto value = static_cast<double>(number);
+    return is_number && (!port.variable->min || value >= *port.variable->min) &&
+           (!port.variable->max || value <= *port.variable->max);
   }
   const auto* type = port.model->type_definition(port.variable->declared_type);
   if (type == nullptr) return false;
@@ -42,7 +43,7 @@ Json map_json(const ValueMap& map, const Port& from) {
   Json json = Json::object();
   for (const auto& [source, target] : map.entries) {
     if (!may_give(from, source)) continue;
-    std::int32_t number = 0;
+    std::int64_t number = 0;
     const auto* const end = target.data() + target.size();
     if (map.kind == ValueMap::Kind::boolean) {
       json[source] = target == "true";

@@ -3,13 +3,13 @@
 
 #include "mebots/input_error.hpp"
 #include "model/resolved_system.hpp"
+#include "model/value_kind.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <span>
 
 namespace mebots::master::ssp {
@@ -96,14 +96,13 @@ std::vector<std::string> ValueNotices::texts() const {
 }
 
 Json fitting(Json value, const Port& port) {
-  using modeldesc::Type;
   if (!value.is_number_float() || port.variable == nullptr) return value;
-  if (port.variable->type != Type::integer && port.variable->type != Type::enumeration) return value;
-  using Limits = std::numeric_limits<std::int32_t>;
+  if (kind_of(port.variable->type) != ValueKind::integer) return value;
+  constexpr double kExact = 9007199254740992.0;  // 2^53
   const auto number = value.get<double>();
   // The range is checked first, because a number out of range must not be converted.
-  if (!(number >= Limits::min() && number <= Limits::max()) || number != std::floor(number)) return value;
-  return static_cast<std::int32_t>(number);
+  if (!(std::abs(number) <= kExact) || number != std::floor(number)) return value;
+  return static_cast<std::int64_t>(number);
 }
 
 std::map<Endpoint, StartingValue> starting_values(const Network& network, ValueNotices& notices) {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/time.hpp"
 #include "io/ssp/ssp.hpp"
+#include "mebots/assert.hpp"
 #include "mebots/modeldesc/archive.hpp"
 
+#include "connector_writer.hpp"
 #include "definitions_writer.hpp"
 
 #include <fmt/format.h>
@@ -16,9 +18,7 @@ namespace mebots::master {
 namespace {
 
 using namespace ssp;
-using modeldesc::Causality;
 using modeldesc::Type;
-using modeldesc::Variable;
 using Json = nlohmann::ordered_json;
 
 /// Returns unique names for a system's FMU files. Files that differ only in their folder get numbers.
@@ -48,27 +48,10 @@ std::string as_uri(const std::string& name) {
   return uri;
 }
 
-const char* kind_of_connector(Causality causality) {
-  switch (causality) {
-    case Causality::input:
-      return "input";
-    case Causality::output:
-      return "output";
-    case Causality::calculated_parameter:
-      return "calculatedParameter";
-    case Causality::parameter:
-    case Causality::local:
-    case Causality::independent:
-    case Causality::structural_parameter:
-    case Causality::dependent:
-      break;
-  }
-  return "parameter";
-}
-
 class SspWriter {
  public:
-  SspWriter(const ResolvedSystem& system, const Json& config) : system_(system), config_(config) {}
+  SspWriter(const ResolvedSystem& system, const Json& config)
+      : system_(system), config_(config), version_(written_version(system)), connectors_(system) {}
 
   pugi::xml_document& write() {
     auto root = document_.append_child("ssd:SystemStructureDescription");
@@ -78,12 +61,13 @@ class SspWriter {
         {"xmlns:oms", "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd"}};
     for (const auto& [name, uri] : namespaces) root.append_attribute(name) = uri;
     root.append_attribute("name") = system_.description->name.c_str();
-    root.append_attribute("version") = kWrittenVersion;
+    root.append_attribute("version") = version_;
     root.append_attribute("generationTool") = "MEbots " MEBOTS_VERSION;
     auto system = root.append_child("ssd:System");
     system.append_attribute("name") = "root";
-    write_elements(system.append_child("ssd:Elements"));
-    write_connections(system);
+    auto elements = system.append_child("ssd:Elements");
+    write_connections(system);  // first, because it determines the connectors
+    write_elements(elements);
     write_annotations(system.append_child("ssd:Annotations"));
     definitions_.write(root, "ssd:");
     auto experiment = root.append_child("ssd:DefaultExperiment");
@@ -97,20 +81,6 @@ class SspWriter {
   const std::map<std::string, pugi::xml_document>& parameter_sets() const { return parameter_sets_; }
 
  private:
-  /// Returns the connected variables of an instance, in the order of the description.
-  std::vector<const Variable*> connected(std::size_t instance) const {
-    std::set<const Variable*> used;
-    for (const auto& connection : system_.connections) {
-      if (connection.from.instance == instance) used.insert(connection.from.variable);
-      if (connection.to.instance == instance) used.insert(connection.to.variable);
-    }
-    std::vector<const Variable*> result;
-    for (const auto& variable : system_.instances[instance].model->variables) {
-      if (used.count(&variable) != 0) result.push_back(&variable);
-    }
-    return result;
-  }
-
   void write_elements(pugi::xml_node elements) {
     const auto files = file_names(*system_.description);
     for (std::size_t i = 0; i < system_.instances.size(); ++i) {
@@ -125,35 +95,17 @@ class SspWriter {
       if (keys.contains("text")) {
         component.append_attribute("description") = keys.at("text").get<std::string>().c_str();
       }
-      const auto variables = connected(i);
-      if (!variables.empty()) {
-        auto connectors = component.append_child("ssd:Connectors");
-        for (const auto* variable : variables) write_connector(connectors, i, *variable);
-      }
+      connectors_.write(component, i, definitions_);
       write_parameters(component, instance);
     }
   }
 
-  void write_connector(pugi::xml_node connectors, std::size_t instance, const Variable& variable) {
-    auto connector = connectors.append_child("ssd:Connector");
-    connector.append_attribute("name") = variable.name.c_str();
-    connector.append_attribute("kind") = kind_of_connector(variable.causality);
-    const auto& model = *system_.instances[instance].model;
-    auto type = connector.append_child(fmt::format("ssc:{}", modeldesc::to_string(variable.type)).c_str());
-    if (variable.type == Type::enumeration) {
-      definitions_.add_enumeration(model, variable);
-      type.append_attribute("name") = variable.declared_type.c_str();
-    }
-    const auto unit = definitions_.unit_of(model, variable);
-    if (!unit.empty()) type.append_attribute("unit") = unit.c_str();
-  }
-
   void write_parameters(pugi::xml_node component, const ResolvedInstance& instance) {
-    if (instance.starts.empty()) return;
+    if (instance.starts.empty() && instance.structural.empty()) return;
     const auto name = free_name(instance.description->name);
     component.append_child("ssd:ParameterBindings").append_child("ssd:ParameterBinding").append_attribute("source") =
         ("resources/" + name).c_str();
-    write_parameter_set(instance, parameter_sets_[name]);
+    write_parameter_set(instance, version_, parameter_sets_[name]);
   }
 
   /// Returns a plain file name that no other parameter set has.
@@ -169,29 +121,53 @@ class SspWriter {
     return name;
   }
 
-  /// Writes each connection of the config as connections of scalar variables. An OSMP binary has three of them.
+  /// True if SSP cannot express the connection. It is then written into the annotation.
+  static bool is_own(const ConnectionDescription& connection) { return connection.sum || connection.narrow; }
+
   void write_connections(pugi::xml_node system) {
     if (system_.description->connections.empty()) return;
     auto connections = system.append_child("ssd:Connections");
     const auto& written = config_.at("connections");
     for (std::size_t i = 0; i < system_.description->connections.size(); ++i) {
       const auto& connection = system_.description->connections[i];
-      if (connection.sum) continue;  // SSP cannot express it
+      if (is_own(connection)) continue;
       const auto text = written.at(i).value("text", std::string());
-      const bool binary = !has_variable(connection.from);
-      for (const std::string ending : {".base.lo", ".base.hi", ".size"}) {
+      for (const auto& [start, end] : connectors_.ends(connection)) {
         auto node = connections.append_child("ssd:Connection");
-        node.append_attribute("startElement") = connection.from.instance.c_str();
-        node.append_attribute("startConnector") = (connection.from.variable + (binary ? ending : "")).c_str();
-        node.append_attribute("endElement") = connection.to.instance.c_str();
-        node.append_attribute("endConnector") = (connection.to.variable + (binary ? ending : "")).c_str();
+        write_end(node, "start", start);
+        write_end(node, "end", end);
         if (!connection.convert_units) node.append_attribute("suppressUnitConversion") = "true";
         if (!text.empty()) node.append_attribute("description") = text.c_str();
         write_transformation(node, connection);
-        if (!binary) break;
       }
     }
     if (!connections.first_child()) system.remove_child(connections);
+  }
+
+  void write_end(pugi::xml_node node, const std::string& side, const WrittenEnd& end) const {
+    const auto& name = system_.instances[end.instance].description->name;
+    node.append_attribute((side + "Element").c_str()) = name.c_str();
+    node.append_attribute((side + "Connector").c_str()) = end.connector.c_str();
+    if (!end.indices.empty()) node.append_attribute((side + "Indices").c_str()) = end.indices.c_str();
+  }
+
+  /// Returns the resolved connection of a description with a map; for arrays, that of the first elements.
+  const ResolvedConnection& resolved_map(const ConnectionDescription& connection) const {
+    const auto fits = [&](const ResolvedConnection& one) {
+      const auto& variable = *one.to.variable;
+      const auto& element = variable.fmi3->element;
+      return system_.instances[one.to.instance].description->name == connection.to.instance && !one.map.empty() &&
+             (variable.name == connection.to.variable || (element && element->array == connection.to.variable));
+    };
+    const auto in = [&](const std::vector<ResolvedConnection>& list) -> const ResolvedConnection* {
+      const auto found = std::ranges::find_if(list, fits);
+      return found == list.end() ? nullptr : &*found;
+    };
+    const auto* found = in(system_.connections);
+    for (const auto& group : system_.clock_groups) found = found != nullptr ? found : in(group.connections);
+    for (const auto& group : system_.continuous_systems) found = found != nullptr ? found : in(group.clock_connections);
+    MEBOTS_ASSERT(found != nullptr, "every connection of the description is resolved");
+    return *found;
   }
 
   void write_transformation(pugi::xml_node node, const ConnectionDescription& connection) const {
@@ -201,11 +177,10 @@ class SspWriter {
       linear.append_attribute("offset") = fmt::format("{}", connection.offset).c_str();
     }
     if (connection.map.empty()) return;
-    const auto to = system_.find(connection.to, connection.place);
-    const auto resolved = std::ranges::find(system_.connections, to, &ResolvedConnection::to);
-    const bool flags = to.variable->type == Type::boolean;
+    const auto& resolved = resolved_map(connection);
+    const bool flags = resolved.to.variable->type == Type::boolean;
     auto map = node.append_child(flags ? "ssc:BooleanMappingTransformation" : "ssc:IntegerMappingTransformation");
-    for (const auto& pair : resolved->map) {
+    for (const auto& pair : resolved.map) {
       const auto text = [&](std::int64_t value) {
         return flags ? std::string(value != 0 ? "true" : "false") : fmt::format("{}", value);
       };
@@ -213,12 +188,6 @@ class SspWriter {
       entry.append_attribute("source") = text(pair.from).c_str();
       entry.append_attribute("target") = text(pair.to).c_str();
     }
-  }
-
-  bool has_variable(const VariableName& name) const {
-    return std::ranges::any_of(system_.instances, [&](const ResolvedInstance& instance) {
-      return instance.description->name == name.instance && instance.model->find(name.variable) != nullptr;
-    });
   }
 
   void write_annotations(pugi::xml_node annotations) {
@@ -230,7 +199,7 @@ class SspWriter {
       }
     }
     for (std::size_t i = 0; i < system_.description->connections.size(); ++i) {
-      if (system_.description->connections[i].sum) rest["connections"].push_back(config_.at("connections").at(i));
+      if (is_own(system_.description->connections[i])) rest["connections"].push_back(config_.at("connections").at(i));
     }
     for (const auto& [name, keys] : config_.at("instances").items()) {
       for (const auto& [key, value] : keys.items()) {
@@ -259,7 +228,9 @@ class SspWriter {
 
   const ResolvedSystem& system_;
   const Json& config_;
+  const char* version_;
   pugi::xml_document document_;
+  ConnectorWriter connectors_;
   DefinitionsWriter definitions_;
   std::map<std::string, pugi::xml_document> parameter_sets_;  // by file name
 };

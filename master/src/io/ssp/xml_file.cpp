@@ -109,12 +109,13 @@ modeldesc::Unit read_unit_definition(const XmlFile& file, pugi::xml_node node) {
 std::vector<modeldesc::EnumerationItem> read_items(const XmlFile& file, pugi::xml_node node) {
   std::vector<modeldesc::EnumerationItem> items;
   for (const auto item : children(node, "Item")) {
-    const auto value = file.number(item, "value", 0);
-    using Limits = std::numeric_limits<std::int32_t>;
-    if (value != std::trunc(value) || value < Limits::min() || value > Limits::max()) {
-      file.fail(item, fmt::format("the value {} is not a whole number of 32 bits", value));
+    const std::string_view text = item.attribute("value").as_string("0");
+    const auto* const end = text.data() + text.size();
+    std::int64_t value = 0;
+    if (const auto read = std::from_chars(text.data(), end, value); read.ec != std::errc{} || read.ptr != end) {
+      file.fail(item, fmt::format("the value \"{}\" is not a whole number of 64 bits", text));
     }
-    items.push_back({file.required(item, "name"), static_cast<std::int32_t>(value), ""});
+    items.push_back({file.required(item, "name"), value, ""});
   }
   return items;
 }
