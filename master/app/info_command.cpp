@@ -171,6 +171,58 @@ void print_description(const ModelDescription& model) {
                                        count(Causality::parameter), count(Causality::input), count(Causality::output)));
 }
 
+/// Returns the kind of a Clock in the words of FMI 3.0.
+std::string_view clock_kind(IntervalVariability variability) {
+  switch (variability) {
+    case IntervalVariability::constant:
+    case IntervalVariability::fixed:
+    case IntervalVariability::tunable:
+      return "periodic";
+    case IntervalVariability::changing:
+      return "aperiodic";
+    case IntervalVariability::countdown:
+      return "countdown";
+    case IntervalVariability::triggered:
+      break;
+  }
+  return "triggered";
+}
+
+/// Returns the interval of a Clock in seconds; empty if only the running FMU determines it.
+std::string interval_text(const ClockTiming& timing) {
+  if (timing.interval_counter && timing.resolution)
+    return fmt::format("{}/{}", *timing.interval_counter, *timing.resolution);
+  return timing.interval_s ? fmt::format("{}", *timing.interval_s) : std::string();
+}
+
+std::string shift_text(const ClockTiming& timing) {
+  if (timing.shift_counter && timing.resolution) return fmt::format("{}/{}", *timing.shift_counter, *timing.resolution);
+  return timing.is_time_based() ? fmt::format("{}", timing.shift_s) : std::string();
+}
+
+/// Prints a table of the Clocks with the variables that may change at their ticks.
+void print_clocks(const ModelDescription& model) {
+  std::vector<std::vector<std::string>> rows = {
+      {"clock", "causality", "kind", "interval is", "interval [s]", "shift [s]", "variables"}};
+  for (const auto& clock : model.variables) {
+    if (clock.type != Type::clock) continue;
+    std::vector<std::string> members;
+    for (const auto& variable : model.variables) {
+      if (std::ranges::find(variable.fmi3->clocks, clock.value_reference) != variable.fmi3->clocks.end())
+        members.push_back(variable.name);
+    }
+    const auto& timing = *clock.fmi3->timing;
+    const auto kind = clock_kind(timing.interval_variability);
+    const auto word = kIntervalVariabilityWords[static_cast<std::size_t>(timing.interval_variability)];
+    rows.push_back({clock.name, std::string(to_string(clock.causality)), std::string(kind),
+                    word == kind ? std::string() : std::string(word), interval_text(timing), shift_text(timing),
+                    fmt::format("{}", fmt::join(members, ", "))});
+  }
+  if (rows.size() == 1) return;
+  fmt::print("\n");
+  print_table(rows);
+}
+
 void print_terminals(const std::vector<DeclaredTerminal>& terminals) {
   if (terminals.empty()) return;
   fmt::print("\n");
@@ -226,6 +278,7 @@ void info(const std::filesystem::path& file) {
     print_description(description);
     fmt::print("\n");
     print_variables(description);
+    print_clocks(description);
     print_terminals(master::read_fmu_terminals(file));
   }
   print_product("");  // flushes the output

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 class Results:
     """The results in a run's folder. ``results[variable]`` has the recorded values of a variable.
 
-    Numbers are float64 arrays with one value per entry of ``times``, values of String variables are lists of str.
+    Numbers are float64 arrays with one value per entry of ``times``. Values of Strings are lists of str, and values of
+    Binaries are lists of str with pairs of hexadecimal digits.
     """
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
@@ -104,8 +105,19 @@ def _summary(folder: pathlib.Path) -> dict[str, Any]:
         raise InputError(f"{file}: this is not a summary of a run: {error}", "syntax_error") from None
 
 
+def _texts(folder: pathlib.Path) -> set[str]:
+    """Returns the names of the recorded Strings and Binaries."""
+    try:
+        system = json.loads((folder / "system.json").read_text(encoding="utf-8"))
+    except (FileNotFoundError, ValueError):
+        return set()
+    variables = system.get("variables", {}) if isinstance(system, dict) else {}
+    return {name for name, one in variables.items() if one.get("type") in ("String", "Binary")}
+
+
 def _columns(folder: pathlib.Path) -> tuple[dict[str, str], dict[str, Any]]:
-    """Returns units and values by name. A column that does not consist of numbers only is a column of texts."""
+    """Returns units and values by name. Columns of Strings and Binaries are lists of texts, also if all texts are numbers.
+    Their types are in system.json; without that file, a column that does not consist of numbers only is one of texts."""
     import numpy as np
 
     file = folder / "results.csv"
@@ -113,13 +125,14 @@ def _columns(folder: pathlib.Path) -> tuple[dict[str, str], dict[str, Any]]:
         raise InputError(f"{file}: there is no such file; did the run record as \"hdf5\" only?", "file_not_found")
     header, *rows = _mebots.read_csv(file, "surrogateescape")
     cells = list(zip(*rows, strict=True)) or [() for _ in header]
+    texts = _texts(folder)
     units: dict[str, str] = {}
     columns: dict[str, np.ndarray | list[str]] = {}
     for title, values in zip(header, cells, strict=True):
         name, _, unit = title.rpartition(" [")
         units[name] = "" if unit == "-]" else unit.removesuffix("]")
         try:
-            columns[name] = np.array(values, dtype="float64")
+            columns[name] = list(values) if name in texts else np.array(values, dtype="float64")
         except ValueError:
             columns[name] = list(values)
     if "time" not in columns:

@@ -6,17 +6,31 @@
 
 #include <nlohmann/json.hpp>
 
+#include <array>
+#include <charconv>
+#include <cmath>
 #include <string>
 #include <type_traits>
 #include <variant>
 
 namespace mebots::master {
 
-/// Returns a variable's value as JSON; null if the value is empty. A Binary is written as hexadecimal digits, two per
-/// byte.
+/// Returns the double nearest to the shortest text of a Float32, so that JSON has the same digits as results.csv.
+inline double shortest_float32(double value) {
+  const auto single = static_cast<float>(value);
+  std::array<char, 32> text{};
+  const auto written = std::to_chars(text.data(), text.data() + text.size(), single);
+  double shortest = value;  // of an infinity or NaN, which has no number as its text
+  if (std::isfinite(single)) std::from_chars(text.data(), written.ptr, shortest);
+  return shortest;
+}
+
+/// Returns a variable's value as JSON; null if empty. A Binary is pairs of hexadecimal digits.
 inline nlohmann::ordered_json json_of(modeldesc::Type type, const modeldesc::Value& value) {
   if (type == modeldesc::Type::uint64 && std::holds_alternative<std::int64_t>(value))
     return static_cast<std::uint64_t>(std::get<std::int64_t>(value));
+  if (type == modeldesc::Type::float32 && std::holds_alternative<double>(value))
+    return shortest_float32(std::get<double>(value));
   if (type == modeldesc::Type::binary && std::holds_alternative<std::string>(value))
     return hexadecimal(std::get<std::string>(value));
   return std::visit(

@@ -141,7 +141,7 @@ std::optional<std::string> SummaryValues::reached(const Point& /*point*/) {
 Json SummaryValues::value_of(const Entry& entry) const {
   switch (entry.signal.kind) {
     case ValueKind::real:
-      return entry.number;
+      return json_of(entry.variable->type, entry.number);
     case ValueKind::boolean:
       return entry.whole != 0;
     case ValueKind::string:

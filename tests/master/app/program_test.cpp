@@ -459,6 +459,16 @@ TEST_F(Program, InfoShowsTerminals) {
   EXPECT_THAT(run({"info", PROBE_FMU}).out, testing::Not(HasSubstr("terminal")));
 }
 
+TEST_F(Program, InfoShowsKindsOfClocks) {
+  const auto result = run({"info", METRONOME_FMU});
+  EXPECT_EQ(result.code, 0);
+  EXPECT_THAT(result.out, testing::ContainsRegex("beat +input +periodic +constant +0.3 +0.15 +beats"));
+  EXPECT_THAT(result.out, testing::ContainsRegex("echo +input +countdown +0"));
+  EXPECT_THAT(result.out, testing::ContainsRegex("tock +output +triggered +tock_time"));
+  EXPECT_THAT(result.out, testing::ContainsRegex("tap +input +triggered +heard"));
+  EXPECT_THAT(run({"info", PROBE_FMU}).out, testing::Not(HasSubstr("interval")));
+}
+
 TEST_F(Program, InfoOnSomethingElseIsBadInput) {
   EXPECT_EQ(run({"info", "nothing.fmu"}).code, 2);
   write_file(folder.path() / "text.fmu", "no archive");
