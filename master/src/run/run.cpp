@@ -154,7 +154,8 @@ bool Run::is_structural(const std::string& name) const {
 
 std::vector<Setting> Run::sizes_first(std::vector<Setting> settings) const {
   if (settings.size() > 1) {
-    std::ranges::stable_partition(settings, [this](const Setting& one) { return is_structural(one.variable); });
+    std::stable_partition(settings.begin(), settings.end(),
+                          [this](const Setting& one) { return is_structural(one.variable); });
   }
   return settings;
 }
