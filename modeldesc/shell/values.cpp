@@ -34,7 +34,7 @@ void for_each_field(const Definition& definition, Causality causality, Action ac
     if (variable.causality == causality && variable.offset != kNoField) action(variable);
 }
 
-/// Calls `action` with a value whose C++ type is the type of the field.
+/// Calls `action` with a null pointer to the C++ type of the field.
 template <typename Action>
 void with_type(Type type, Action action) {
   switch (type) {

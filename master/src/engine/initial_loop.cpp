@@ -147,8 +147,9 @@ class Search {
     for (const auto& outputs : graph.outputs_of_all) shared_.emplace_back(outputs);
   }
 
-  /// Calls back(from, to) for edges that close a loop. If such an edge starts at an input, only the first edge from
-  /// this input counts. During a call, path() is the path from `to` to `from`. Stops if `back` returns false.
+  /// Calls back(from, to) for edges that close a loop. After the first such edge of an input, leaves out its edges to
+  /// outputs on the path that depend on all inputs. During a call, path() is the path from `to` to `from`. Stops if
+  /// `back` returns false.
   template <typename Back>
   void run(Back back) {
     for (std::size_t start = 0; start < graph_.nodes.size(); ++start) {

@@ -8,7 +8,7 @@
 
 namespace mebots::master {
 
-/// Returns the text of a message for the terminal and log.txt, such as "[ 12.345 s] battery: warning: low voltage".
+/// Returns the text of a message for the terminal and log.txt, such as "[   12.345 s] battery: warning: low voltage".
 /// Messages of the run itself have no instance: "notice: ...". If the message has several lines, they are formatted by
 /// indented_lines().
 std::string message_text(const Message& message);

@@ -47,9 +47,9 @@ struct ValuePair {
   bool operator==(const ValuePair&) const = default;
 };
 
-/// A scalar connection. A connection between OSMP binaries, or between a Binary and an OSMP binary, becomes three
-/// scalar connections. The input is factor * value + offset. Factor and offset include the conversion of units. Only
-/// Reals have factors other than 1 or offsets other than 0.
+/// A scalar connection. A connection between OSMP binaries, or from a Binary to an OSMP binary, becomes three scalar
+/// connections; from an OSMP binary to a Binary, it is one. The input is factor * value + offset. Factor and offset
+/// include the conversion of units. Only Reals have factors other than 1 or offsets other than 0.
 struct ResolvedConnection {
   ResolvedVariable from;
   ResolvedVariable to;

@@ -36,7 +36,7 @@ class Recorder final : public Observer {
   std::int64_t rows() const { return rows_; }
 
  private:
-  /// The source of a column's values. Exactly one member is not null.
+  /// The source of a column's values. Exactly one pointer is not null.
   struct Source {
     const double* real = nullptr;
     const std::int64_t* integer = nullptr;

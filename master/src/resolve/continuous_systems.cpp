@@ -73,8 +73,8 @@ class Grouping {
     }
   }
 
-  /// Returns the solver settings that the members have, which must be the same. If no member has settings, returns
-  /// those of the whole system.
+  /// Returns the solver settings of the member that has some; if no member has settings, those of the whole system.
+  /// Throws InputError if several members have settings, even if these are the same.
   const SolverDescription* solver_of(const std::vector<std::size_t>& members) const {
     const InstanceDescription* namer = nullptr;
     for (const auto member : members) {

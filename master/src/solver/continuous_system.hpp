@@ -46,8 +46,8 @@ struct Advanced {
   std::optional<std::string> terminated_by = {};  ///< the member that requested the end, if any
 };
 
-/// Connected instances that one solver integrates. The solver keeps its order and step size at communication points;
-/// only events restart it. If a step of the solver ends after a communication point, the solution is interpolated at
+/// Connected instances that one solver integrates. Between restarts, the solver keeps its order and step size across
+/// communication points. If a step of the solver ends after a communication point, the solution is interpolated at
 /// this point. When the system reaches the end of this step, the step is completed. Members must be in event mode
 /// before initialize().
 class ContinuousSystem final : private Equations {

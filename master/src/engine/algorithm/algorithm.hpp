@@ -46,8 +46,8 @@ std::unique_ptr<Algorithm> make_jacobi(const AlgorithmContext& context);
 
 /// The Gauss-Seidel algorithm: the slaves step one after the other in the declared order. Each slave receives its
 /// inputs just before its step. Slaves before it in the order provide outputs at the end of the step, slaves after it
-/// outputs at the start. If a slave has a longer step, it steps in the last communication step within this longer step.
-/// Its new outputs are visible to the slaves after it in the order.
+/// outputs at the start. If a slave has a longer step, it steps in the first communication step within this longer
+/// step. Its new outputs are read at its turn in the last one, and are visible to the slaves after it in the order.
 std::unique_ptr<Algorithm> make_gauss_seidel(const AlgorithmContext& context);
 
 }  // namespace mebots::master

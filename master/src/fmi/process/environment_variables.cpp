@@ -77,7 +77,7 @@ std::vector<std::string> EnvironmentVariables::restore() const {
     } else if (before.text != entry) {
       texts.push_back(fmt::format("environment variable {} became {} (put back)", name, shown_value(entry)));
     }
-    // The text is copied, because the saved entry may be in the FMU's memory.
+    // Also replaces an entry that has the same text at another address, because it may be in the FMU's memory.
     setenv(name.c_str(), std::string(value_of(before.text)).c_str(), 1);
   }
   for (const auto& [name, entry] : now) {

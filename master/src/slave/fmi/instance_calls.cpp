@@ -121,8 +121,8 @@ std::vector<const char*> InstanceCalls::chosen_categories() const {
   static constexpr std::string_view kAlways[] = {"logStatusWarning", "logStatusDiscard", "logStatusError",
                                                  "logStatusFatal"};
   if (std::ranges::find(log_categories_, "*") != log_categories_.end()) return {};
-  // If the FMU declares none of `log_categories_`, an empty list is passed, so the FMU logs all messages. In this case,
-  // is_shown() selects the messages to show.
+  // If the FMU declares no category of `log_categories_` or kAlways, an empty list is passed, so the FMU logs all
+  // messages. In this case, is_shown() selects the messages to show.
   std::vector<const char*> chosen;
   for (const auto& category : description().log_categories) {
     if (std::ranges::find(log_categories_, category.name) != log_categories_.end() ||
