@@ -1,23 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes depthwise convolutions, four channels at a time. The places of the kernel are processed in groups of
-// four: a word is loaded from each, and transposed so that a word contains the four values of a channel.
+// Computes depthwise convolutions, four channels at a time. The kernel's positions are processed in groups of four. One
+// word is loaded for each position. The four words are transposed, so that each word contains the four values of one
+// channel.
 #include "kernels/requantise.h"
 #include "kernels/work.h"
+
+// The transpose of four words: for each channel, its values at four positions.
+typedef struct {
+  uint32_t channel[4];
+} turned_t;
 
 #ifdef __riscv
 
 #include "kernels/dot.h"
-
-typedef struct {
-  uint32_t channel[4];
-} turned_t;
 
 static inline __attribute__((always_inline)) uint32_t word_at(const uint8_t* at) {
   return *(const xpulp_word*)(const void*)at;
 }
 
 static inline __attribute__((always_inline)) turned_t turn(uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
-  // The selectors: bytes of the first word are 0 to 3, bytes of the second 4 to 7.
+  // In a selector, 0 to 3 are the bytes of the first word, and 4 to 7 are the bytes of the second word.
   const uint32_t lower_ab = xpulp_shuffle2_b(a, b, 0x05010400);
   const uint32_t upper_ab = xpulp_shuffle2_b(a, b, 0x07030602);
   const uint32_t lower_cd = xpulp_shuffle2_b(c, d, 0x05010400);
@@ -27,12 +29,43 @@ static inline __attribute__((always_inline)) turned_t turn(uint32_t a, uint32_t 
   return result;
 }
 
+static inline __attribute__((always_inline)) int32_t add_products(int32_t sum, uint32_t values, const int8_t* weights) {
+  return xpulp_sdotusp_b(sum, values, *(const uint32_t*)(const void*)weights);
+}
+
+#else
+
+static uint32_t word_of(uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
+  return (a & 0xff) | (b & 0xff) << 8 | (c & 0xff) << 16 | (d & 0xff) << 24;
+}
+
+static uint32_t word_at(const uint8_t* at) {
+  return word_of(at[0], at[1], at[2], at[3]);
+}
+
+static turned_t turn(uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
+  turned_t result;
+  for (int i = 0; i < 4; ++i) {
+    result.channel[i] = word_of(a >> 8 * i, b >> 8 * i, c >> 8 * i, d >> 8 * i);
+  }
+  return result;
+}
+
+static int32_t add_products(int32_t sum, uint32_t values, const int8_t* weights) {
+  for (int i = 0; i < 4; ++i) {
+    sum += (int32_t)(values >> 8 * i & 0xff) * weights[i];
+  }
+  return sum;
+}
+
+#endif
+
+// Adds the products of the values at four positions and their weights to the sum of each channel.
 static inline __attribute__((always_inline)) void add_turned(int32_t sums[4], const turned_t* values,
                                                              const int8_t* weights) {
-  const uint32_t* words = (const uint32_t*)(const void*)weights;
 #pragma GCC unroll 4
   for (int i = 0; i < 4; ++i) {
-    sums[i] = xpulp_sdotusp_b(sums[i], values->channel[i], words[i]);
+    sums[i] = add_products(sums[i], values->channel[i], weights + 4 * i);
   }
 }
 
@@ -43,26 +76,15 @@ static inline __attribute__((always_inline)) void add_four(int32_t sums[4], cons
   add_turned(sums, &values, weights);
 }
 
-// Returns the next column of three rows; the weight of a word's fourth byte is zero.
+// Returns the next column of three rows. The fourth value repeats the third one; its weight is zero.
 static inline __attribute__((always_inline)) turned_t turned_column(const uint8_t* rows[3], int32_t to_next) {
   const uint32_t a = word_at(rows[0]), b = word_at(rows[1]), c = word_at(rows[2]);
   rows[0] += to_next, rows[1] += to_next, rows[2] += to_next;
   return turn(a, b, c, c);
 }
 
-#else
-
-static void add_four(int32_t sums[4], const uint8_t* patch, const int32_t* offsets, const int8_t* weights) {
-  for (int channel = 0; channel < 4; ++channel) {
-    for (int i = 0; i < 4; ++i) {
-      sums[channel] += patch[offsets[i] + channel] * weights[4 * channel + i];
-    }
-  }
-}
-
-#endif
-
-// Fills the offsets of the kernel's places in a patch; the last one is repeated, with zeros as weights.
+// Computes the offsets of the kernel's positions in a patch. The last offset is repeated to complete a group; its
+// additional weights are zeros.
 static void fill_offsets(const layer_step_t* step, int32_t* offsets) {
   const layer_t* layer = step->layer;
   int32_t count = 0;
@@ -97,8 +119,8 @@ static inline __attribute__((always_inline)) void row_of_places(const layer_step
   }
 }
 
-// Computes a row of places of a 3 x 3 kernel with a stride of one column. Each word has the three values of a column,
-// so two of three words are those of the previous place.
+// Computes a row of output positions of a 3 x 3 kernel with a stride of one column. A turned_t contains one column of
+// the kernel, so two of its three columns are those of the previous position.
 static inline __attribute__((always_inline)) void row_of_columns(const layer_step_t* step, const layer_group_t* group,
                                                                  const uint8_t* patch, uint8_t* to, int32_t columns,
                                                                  int scaling) {
@@ -106,7 +128,6 @@ static inline __attribute__((always_inline)) void row_of_columns(const layer_ste
   const int32_t channels = step->channels;
   const int32_t next_row = layer->step_y * step->in_pitch;
   const int8_t* weights = weights_of(group, scaling);
-#ifdef __riscv
   const uint8_t* rows[3] = {patch, patch + next_row, patch + 2 * next_row};
   turned_t first = turned_column(rows, step->in_channels);
   turned_t second = turned_column(rows, step->in_channels);
@@ -120,17 +141,6 @@ static inline __attribute__((always_inline)) void row_of_columns(const layer_ste
     second = third;
     store_places(layer, group, sums, to, channels, 0, scaling);
   }
-#else
-  for (int32_t x = columns; x > 0; --x, patch += step->in_channels, to += channels) {
-    int32_t sums[8] = {group->bias[0], group->bias[1], group->bias[2], group->bias[3]};
-    for (int32_t i = 0; i < 3; ++i) {
-      const int32_t at = i * step->in_channels;
-      const int32_t offsets[4] = {at, at + next_row, at + 2 * next_row, at + 2 * next_row};
-      add_four(sums, patch, offsets, weights + 16 * i);
-    }
-    store_places(layer, group, sums, to, channels, 0, scaling);
-  }
-#endif
 }
 
 static inline __attribute__((always_inline)) void convolve(const layer_step_t* step, layer_share_t share,
@@ -141,7 +151,7 @@ static inline __attribute__((always_inline)) void convolve(const layer_step_t* s
   if (!by_columns) {
     fill_offsets(step, offsets);
   }
-  // A unit of work is four channels of one row of places.
+  // A unit of work is four channels of one row of output positions.
   for (int32_t unit = share.core; unit < step->groups * step->rows; unit += share.cores) {
     const int32_t y = unit / step->groups;
     const int32_t number = unit - y * step->groups;

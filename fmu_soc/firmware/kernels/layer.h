@@ -49,8 +49,8 @@ LAYER_SCALED_(layer_convolve);
 LAYER_SCALED_(layer_convolve_gathered);
 LAYER_SCALED_(layer_convolve_pooled);
 LAYER_SCALED_(layer_convolve_gathered_pooled);
-LAYER_SCALED_(layer_depthwise);          // of each channel by itself
-LAYER_SCALED_(layer_depthwise_columns);  // the same for 3 x 3 places and a stride of one column
+LAYER_SCALED_(layer_depthwise);          // a separate kernel for each channel
+LAYER_SCALED_(layer_depthwise_columns);  // depthwise with a kernel of 3 x 3 and a stride of one column
 #undef LAYER_SCALED_
 layer_kernel_t layer_convolve_none, layer_convolve_gathered_none;
 layer_kernel_t layer_max_pool;
