@@ -26,10 +26,6 @@ Follower& of(fmi3Instance instance) {
 
 }  // namespace
 
-const char* fmi3GetVersion() {
-  return "3.0";
-}
-
 fmi3Instance fmi3InstantiateCoSimulation(fmi3String, fmi3String, fmi3String, fmi3Boolean, fmi3Boolean, fmi3Boolean,
                                          fmi3Boolean, const fmi3ValueReference variables[], std::size_t count,
                                          fmi3InstanceEnvironment environment, fmi3LogMessageCallback,
@@ -45,14 +41,6 @@ void fmi3FreeInstance(fmi3Instance instance) {
 }
 
 fmi3Status fmi3EnterInitializationMode(fmi3Instance, fmi3Boolean, fmi3Float64, fmi3Float64, fmi3Boolean, fmi3Float64) {
-  return fmi3OK;
-}
-
-fmi3Status fmi3ExitInitializationMode(fmi3Instance) {
-  return fmi3OK;
-}
-
-fmi3Status fmi3Terminate(fmi3Instance) {
   return fmi3OK;
 }
 

@@ -2,9 +2,7 @@
 // An FMU of FMI 3.0 with clocks: `beat` ticks every 0.3 s from 0.15 s on. At each beat it starts the countdown `echo`
 // of `delay` s. At each echo the output clock `tock` ticks, with the time in `tock_time`. When `tap` ticks, the FMU
 // adds `heard` to `sum` and counts `taps`. With `endless`, an echo starts the next one after 0 s.
-#include "mebots/fmi3/functions.hpp"
-
-#include <cstring>
+#include "fmi3_states.hpp"
 
 namespace {
 
@@ -46,10 +44,6 @@ Metronome& of(fmi3Instance instance) {
 
 }  // namespace
 
-const char* fmi3GetVersion() {
-  return "3.0";
-}
-
 fmi3Instance fmi3InstantiateCoSimulation(fmi3String, fmi3String, fmi3String, fmi3Boolean, fmi3Boolean, fmi3Boolean,
                                          fmi3Boolean, const fmi3ValueReference[], std::size_t, fmi3InstanceEnvironment,
                                          fmi3LogMessageCallback, fmi3IntermediateUpdateCallback) {
@@ -63,22 +57,6 @@ void fmi3FreeInstance(fmi3Instance instance) {
 fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean, fmi3Float64, fmi3Float64 start, fmi3Boolean,
                                        fmi3Float64) {
   of(instance).time = start;
-  return fmi3OK;
-}
-
-fmi3Status fmi3ExitInitializationMode(fmi3Instance) {
-  return fmi3OK;
-}
-
-fmi3Status fmi3Terminate(fmi3Instance) {
-  return fmi3OK;
-}
-
-fmi3Status fmi3EnterEventMode(fmi3Instance) {
-  return fmi3OK;
-}
-
-fmi3Status fmi3EnterStepMode(fmi3Instance) {
   return fmi3OK;
 }
 
@@ -165,35 +143,4 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 start, fmi3Float64 step
   return fmi3OK;
 }
 
-fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState* state) {
-  *state = new Metronome(of(instance));
-  return fmi3OK;
-}
-
-fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState state) {
-  of(instance) = of(state);
-  return fmi3OK;
-}
-
-fmi3Status fmi3FreeFMUState(fmi3Instance, fmi3FMUState* state) {
-  delete &of(*state);
-  *state = nullptr;
-  return fmi3OK;
-}
-
-fmi3Status fmi3SerializedFMUStateSize(fmi3Instance, fmi3FMUState, std::size_t* size) {
-  *size = sizeof(Metronome);
-  return fmi3OK;
-}
-
-fmi3Status fmi3SerializeFMUState(fmi3Instance, fmi3FMUState state, fmi3Byte bytes[], std::size_t size) {
-  std::memcpy(bytes, &of(state), size);
-  return fmi3OK;
-}
-
-fmi3Status fmi3DeserializeFMUState(fmi3Instance, const fmi3Byte bytes[], std::size_t, fmi3FMUState* state) {
-  auto* const metronome = new Metronome;
-  std::memcpy(static_cast<void*>(metronome), bytes, sizeof(Metronome));
-  *state = metronome;
-  return fmi3OK;
-}
+FMI3_SAVED_STATES(Metronome)

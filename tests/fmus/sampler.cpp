@@ -7,9 +7,7 @@
 //
 // The FMU returns fmi3Error for calls that the standard does not allow: clocks outside of event mode, and clocked
 // variables while their clocks do not tick.
-#include "mebots/fmi3/functions.hpp"
-
-#include <cstring>
+#include "fmi3_states.hpp"
 
 namespace {
 
@@ -118,10 +116,6 @@ fmi3Status only_if(bool allowed) {
 
 }  // namespace
 
-const char* fmi3GetVersion() {
-  return "3.0";
-}
-
 fmi3Instance fmi3InstantiateModelExchange(fmi3String, fmi3String, fmi3String, fmi3Boolean, fmi3Boolean,
                                           fmi3InstanceEnvironment, fmi3LogMessageCallback) {
   return new Sampler;
@@ -141,10 +135,6 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean, fmi3F
 fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
   of(instance).in_initialization = false;
   of(instance).in_event = true;
-  return fmi3OK;
-}
-
-fmi3Status fmi3Terminate(fmi3Instance) {
   return fmi3OK;
 }
 
@@ -262,35 +252,4 @@ fmi3Status fmi3CompletedIntegratorStep(fmi3Instance, fmi3Boolean, fmi3Boolean* e
   return fmi3OK;
 }
 
-fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState* state) {
-  *state = new Sampler(of(instance));
-  return fmi3OK;
-}
-
-fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState state) {
-  of(instance) = of(state);
-  return fmi3OK;
-}
-
-fmi3Status fmi3FreeFMUState(fmi3Instance, fmi3FMUState* state) {
-  delete &of(*state);
-  *state = nullptr;
-  return fmi3OK;
-}
-
-fmi3Status fmi3SerializedFMUStateSize(fmi3Instance, fmi3FMUState, std::size_t* size) {
-  *size = sizeof(Sampler);
-  return fmi3OK;
-}
-
-fmi3Status fmi3SerializeFMUState(fmi3Instance, fmi3FMUState state, fmi3Byte bytes[], std::size_t size) {
-  std::memcpy(bytes, &of(state), size);
-  return fmi3OK;
-}
-
-fmi3Status fmi3DeserializeFMUState(fmi3Instance, const fmi3Byte bytes[], std::size_t, fmi3FMUState* state) {
-  auto* const sampler = new Sampler;
-  std::memcpy(static_cast<void*>(sampler), bytes, sizeof(Sampler));
-  *state = sampler;
-  return fmi3OK;
-}
+FMI3_SAVED_STATES(Sampler)

@@ -91,10 +91,6 @@ Springs& of(fmi3Instance instance) {
 
 }  // namespace
 
-const char* fmi3GetVersion() {
-  return "3.0";
-}
-
 fmi3Instance fmi3InstantiateModelExchange(fmi3String, fmi3String, fmi3String, fmi3Boolean, fmi3Boolean,
                                           fmi3InstanceEnvironment, fmi3LogMessageCallback) {
   auto* const springs = new Springs;
@@ -107,14 +103,6 @@ void fmi3FreeInstance(fmi3Instance instance) {
   delete &of(instance);
 }
 
-fmi3Status fmi3EnterConfigurationMode(fmi3Instance) {
-  return fmi3OK;
-}
-
-fmi3Status fmi3ExitConfigurationMode(fmi3Instance) {
-  return fmi3OK;
-}
-
 fmi3Status fmi3SetUInt64(fmi3Instance instance, const fmi3ValueReference[], std::size_t, const fmi3UInt64 values[],
                          std::size_t) {
   of(instance).resize(values[0]);
@@ -124,14 +112,6 @@ fmi3Status fmi3SetUInt64(fmi3Instance instance, const fmi3ValueReference[], std:
 fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean, fmi3Float64, fmi3Float64 start, fmi3Boolean,
                                        fmi3Float64) {
   of(instance).time = start;
-  return fmi3OK;
-}
-
-fmi3Status fmi3ExitInitializationMode(fmi3Instance) {
-  return fmi3OK;
-}
-
-fmi3Status fmi3Terminate(fmi3Instance) {
   return fmi3OK;
 }
 
@@ -217,14 +197,6 @@ fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance, fmi3Float64 nominals[
 
 fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 indicators[], std::size_t) {
   std::ranges::copy(of(instance).distances(), indicators);
-  return fmi3OK;
-}
-
-fmi3Status fmi3EnterEventMode(fmi3Instance) {
-  return fmi3OK;
-}
-
-fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance) {
   return fmi3OK;
 }
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // An FMU of FMI 3.0 that integrates 1 in `n` outputs `y`. From the time `at` on it commits the fault number `fault`.
-#include "mebots/fmi3/functions.hpp"
+#include "fmi3_states.hpp"
 
 #include <cmath>
-#include <cstring>
 #include <vector>
 
 namespace {
@@ -49,10 +48,6 @@ Unruly& of(fmi3Instance instance) {
 
 }  // namespace
 
-const char* fmi3GetVersion() {
-  return "3.0";
-}
-
 fmi3Instance fmi3InstantiateCoSimulation(fmi3String, fmi3String, fmi3String, fmi3Boolean, fmi3Boolean, fmi3Boolean,
                                          fmi3Boolean, const fmi3ValueReference[], std::size_t,
                                          fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
@@ -67,34 +62,14 @@ void fmi3FreeInstance(fmi3Instance instance) {
   delete &of(instance);
 }
 
-fmi3Status fmi3EnterConfigurationMode(fmi3Instance) {
-  return fmi3OK;
-}
-
-fmi3Status fmi3ExitConfigurationMode(fmi3Instance) {
-  return fmi3OK;
-}
-
 fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean, fmi3Float64, fmi3Float64 start, fmi3Boolean,
                                        fmi3Float64) {
   of(instance).time = start;
   return fmi3OK;
 }
 
-fmi3Status fmi3ExitInitializationMode(fmi3Instance) {
-  return fmi3OK;
-}
-
-fmi3Status fmi3Terminate(fmi3Instance) {
-  return fmi3OK;
-}
-
 fmi3Status fmi3EnterEventMode(fmi3Instance instance) {
   ++of(instance).events;
-  return fmi3OK;
-}
-
-fmi3Status fmi3EnterStepMode(fmi3Instance) {
   return fmi3OK;
 }
 
@@ -200,35 +175,4 @@ fmi3Status fmi3GetBinary(fmi3Instance instance, const fmi3ValueReference referen
   return fmi3OK;
 }
 
-fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState* state) {
-  *state = new State(of(instance));
-  return fmi3OK;
-}
-
-fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState state) {
-  static_cast<State&>(of(instance)) = *static_cast<State*>(state);
-  return fmi3OK;
-}
-
-fmi3Status fmi3FreeFMUState(fmi3Instance, fmi3FMUState* state) {
-  delete static_cast<State*>(*state);
-  *state = nullptr;
-  return fmi3OK;
-}
-
-fmi3Status fmi3SerializedFMUStateSize(fmi3Instance, fmi3FMUState, std::size_t* size) {
-  *size = sizeof(State);
-  return fmi3OK;
-}
-
-fmi3Status fmi3SerializeFMUState(fmi3Instance, fmi3FMUState state, fmi3Byte bytes[], std::size_t size) {
-  std::memcpy(bytes, state, size);
-  return fmi3OK;
-}
-
-fmi3Status fmi3DeserializeFMUState(fmi3Instance, const fmi3Byte bytes[], std::size_t size, fmi3FMUState* state) {
-  auto* const saved = new State;
-  std::memcpy(static_cast<void*>(saved), bytes, size);
-  *state = saved;
-  return fmi3OK;
-}
+FMI3_SAVED_STATES(State)

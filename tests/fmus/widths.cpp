@@ -26,10 +26,6 @@ fmi3Status set(Value Widths::*member, fmi3Instance instance, std::size_t count, 
 
 }  // namespace
 
-const char* fmi3GetVersion() {
-  return "3.0";
-}
-
 fmi3Instance fmi3InstantiateCoSimulation(fmi3String, fmi3String, fmi3String, fmi3Boolean, fmi3Boolean, fmi3Boolean,
                                          fmi3Boolean, const fmi3ValueReference[], std::size_t, fmi3InstanceEnvironment,
                                          fmi3LogMessageCallback, fmi3IntermediateUpdateCallback) {
@@ -41,14 +37,6 @@ void fmi3FreeInstance(fmi3Instance instance) {
 }
 
 fmi3Status fmi3EnterInitializationMode(fmi3Instance, fmi3Boolean, fmi3Float64, fmi3Float64, fmi3Boolean, fmi3Float64) {
-  return fmi3OK;
-}
-
-fmi3Status fmi3ExitInitializationMode(fmi3Instance) {
-  return fmi3OK;
-}
-
-fmi3Status fmi3Terminate(fmi3Instance) {
   return fmi3OK;
 }
 
