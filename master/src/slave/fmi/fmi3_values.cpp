@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cstring>
 #include <limits>
 #include <map>
 #include <span>
@@ -23,11 +25,14 @@ constexpr std::size_t kLongestBinary = std::size_t{1} << 30;
 /// read and set with fewer lists.
 constexpr std::size_t kMostPlans = 32;
 
-/// The bytes after the numbers of a call. They must not change: a change shows that the FMU wrote too many values.
-constexpr std::size_t kGuardBytes = 256;
-constexpr std::byte kGuardByte{0xA5};
+/// The bytes after the numbers of a call. If they change, the FMU wrote too many values.
+constexpr auto kGuard = [] {
+  std::array<std::byte, 256> bytes{};
+  bytes.fill(std::byte{0xA5});
+  return bytes;
+}();
 
-/// The functions for one type of numbers.
+/// The get and set functions of FMI 3.0 for one numeric type.
 template <typename T, typename Get, typename Set>
 struct NumberFunctions {
   using Number = T;
@@ -118,22 +123,21 @@ Fmi3Values::Whole Fmi3Values::whole(std::span<const ValueReference> references) 
 
 template <typename T>
 T* Fmi3Values::buffer(std::size_t count) {
-  buffer_.resize(count * sizeof(T) + kGuardBytes);
-  std::ranges::fill(std::span(buffer_).last(kGuardBytes), kGuardByte);
+  buffer_.resize(count * sizeof(T) + kGuard.size());
+  std::memcpy(buffer_.data() + count * sizeof(T), kGuard.data(), kGuard.size());
   return reinterpret_cast<T*>(buffer_.data());
 }
 
 /// Throws SlaveError if the FMU wrote beyond the values that the call requested.
 void Fmi3Values::check_guard(const Call& call, const char* function) const {
-  const auto is_whole = [](std::byte byte) { return byte == kGuardByte; };
-  if (std::ranges::all_of(std::span(buffer_).last(kGuardBytes), is_whole)) return;
+  if (std::memcmp(buffer_.data() + buffer_.size() - kGuard.size(), kGuard.data(), kGuard.size()) == 0) return;
   const auto* const variable = call.variables[call.moves.back().value];
   const auto& element = variable->fmi3->element;
   calls_->fail(function, fmt::format("wrote more than the {} values of '{}' that were requested", call.value_count,
                                      element ? element->array : variable->name));
 }
 
-/// Calls action(NumberFunctions) for the type.
+/// Calls `action` with the NumberFunctions of the type.
 template <typename Action>
 void Fmi3Values::with_functions(Type type, Action action) {
   const auto& f = *functions_;
@@ -196,6 +200,7 @@ Fmi3Values::CallResult Fmi3Values::set_numbers(const Plan& plan, std::span<const
       if (call.moves.size() < call.value_count) {  // the other elements of the arrays keep their values
         calls_->require(functions.get_name, functions.get, call.references.data(), call.references.size(), numbers,
                         call.value_count);
+        check_guard(call, functions.get_name);
       }
       for (const auto& move : call.moves) numbers[move.value] = static_cast<Number>(values[move.slot]);
       result = {calls_->call(functions.set_name, functions.set, call.references.data(), call.references.size(),
