@@ -6,7 +6,7 @@ set(mebots_rust_target riscv32imc-unknown-none-elf)
 
 # mebots_find_rustc()
 # Sets MEBOTS_RUSTC in the cache to a Rust compiler, and MEBOTS_RUST_SYSROOT to its folder of libraries. The compiler must have `core` for RV32IMC
-# (rustup target add riscv32imc-unknown-none-elf) or the sources of `core` (Debian's rust-src). Stops with an error if there is none.
+# (rustup target add riscv32imc-unknown-none-elf) or the sources of `core` (Debian's rust-src). Stops with an error if no such compiler is found.
 function(mebots_find_rustc)
   if(MEBOTS_RUSTC AND MEBOTS_RUST_SYSROOT)
     return()

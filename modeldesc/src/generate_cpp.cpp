@@ -62,8 +62,8 @@ std::string element_type(const Field& field) {
   return {};
 }
 
-/// Returns the item that an enumeration output has before the model writes it. This is the item with the value 0; if
-/// there is none, the first item.
+/// Returns the item that an enumeration output has before the model writes it. This is the item with the value 0, or
+/// the first item if no item has this value.
 const EnumerationItem& resting_item(const Enumeration& type) {
   const auto zero = std::ranges::find(type.items, 0, &EnumerationItem::value);
   return zero == type.items.end() ? type.items.front() : *zero;

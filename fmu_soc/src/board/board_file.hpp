@@ -76,7 +76,7 @@ struct BoardDescription {
   std::vector<BoardAbsence> absent;
   BoardSupply supply;
   /// The device, or peripheral of a uDMA (spim0, spim1), that sends set-points. Sending them ends a decision about a
-  /// picture. If there is none, the text is empty.
+  /// picture. Empty if the board has no such device.
   std::string decisions_end_with;
   /// Shared libraries with kinds of devices, by file name. They are in `folder`, next to the board file, or in folders
   /// of the program.

@@ -25,7 +25,8 @@ inline double shortest_float32(double value) {
   return shortest;
 }
 
-/// Returns a variable's value as JSON; null if empty. A Binary is pairs of hexadecimal digits.
+/// Returns a variable's value as JSON; null if the value is empty. A Binary is written as hexadecimal digits, two per
+/// byte.
 inline nlohmann::ordered_json json_of(modeldesc::Type type, const modeldesc::Value& value) {
   if (type == modeldesc::Type::uint64 && std::holds_alternative<std::int64_t>(value))
     return static_cast<std::uint64_t>(std::get<std::int64_t>(value));

@@ -59,8 +59,8 @@ class Plic final : public Device, public InterruptController {
   std::uint32_t threshold_ = 0;
 };
 
-/// Returns the enabled and pending source with the highest priority above `above`; 0 if there is none. Of sources with
-/// equal priorities, the lowest number wins.
+/// Returns the enabled and pending source with the highest priority above `above`; 0 if all priorities are lower or
+/// equal. Of sources with equal priorities, the lowest number wins.
 unsigned Plic::best(std::uint32_t above) const {
   unsigned found = 0;
   for (unsigned word = 0; word < enabled_.size(); ++word) {

@@ -55,9 +55,9 @@ struct CallbackEnvironment {
 
 /// Registers a listener for callbacks during its lifetime. A callback within a call to an instance belongs to this
 /// instance. A callback on a thread of the FMU belongs to the instance with the passed environment (FMI 1.0:
-/// component). If there is none, the passed name identifies the instance. If the name is unknown and only one instance
-/// exists, the callback belongs to it. All other callbacks are dropped. Callbacks of instances that could not be freed
-/// are dropped, too.
+/// component). If no instance has this environment, the passed name identifies the instance. If the name is unknown and
+/// only one instance exists, the callback belongs to it. All other callbacks are dropped. Callbacks of instances that
+/// could not be freed are dropped, too.
 class CallbackTarget {
  public:
   /// `listener` must outlive this object.
