@@ -3,6 +3,7 @@
 
 #include "mebots/data/csv.hpp"
 #include "mebots/input_error.hpp"
+#include "mebots/parsed_number.hpp"
 #include "record/sink/output_file.hpp"
 #include "report/page.hpp"
 
@@ -57,8 +58,8 @@ struct PageOptions {
 report::TimeSpan time_span(const std::string& text) {
   if (text == "all") return {0, std::numeric_limits<double>::max()};
   const auto colon = text.find(':');
-  const auto from_s = data::csv_number<double>(text.substr(0, colon));
-  const auto to_s = colon == std::string::npos ? std::nullopt : data::csv_number<double>(text.substr(colon + 1));
+  const auto from_s = parsed_number<double>(text.substr(0, colon));
+  const auto to_s = colon == std::string::npos ? std::nullopt : parsed_number<double>(text.substr(colon + 1));
   if (!from_s || !to_s || !(*from_s <= *to_s)) {
     throw InputError(
         ErrorCode::invalid_value,

@@ -4,6 +4,7 @@
 #include "mebots/data/csv.hpp"
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/xml.hpp"
+#include "mebots/parsed_number.hpp"
 #include "mebots/text_file.hpp"
 
 #include <fmt/format.h>
@@ -26,7 +27,7 @@ Trace::Cell cell_numbers(const data::CsvReader& reader, std::size_t column) {
   Trace::Cell numbers;
   for (const auto& word : modeldesc::words_of(reader.cell(column))) {
     const bool is_boolean = word == "true" || word == "false";
-    const auto number = is_boolean ? std::optional(word == "true" ? 1.0 : 0.0) : data::csv_number<double>(word);
+    const auto number = is_boolean ? std::optional(word == "true" ? 1.0 : 0.0) : parsed_number<double>(word);
     if (!number || !std::isfinite(*number)) reader.fail(column, ErrorCode::syntax_error, "this is not a number");
     numbers.push_back(*number);
   }

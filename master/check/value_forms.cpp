@@ -3,11 +3,11 @@
 
 #include "mebots/error.hpp"
 #include "mebots/fmi/variable_kinds.hpp"
+#include "mebots/parsed_number.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cstdint>
 #include <span>
 
@@ -38,9 +38,7 @@ std::string either(std::span<const std::string_view> words) {
 template <typename T>
 bool is_number(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
-  T value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc{} && end == text.data() + text.size();
+  return parsed_number<T>(text).has_value();
 }
 
 /// Accepts numbers in the form of XML Schema. INF and NaN must have exactly this spelling.

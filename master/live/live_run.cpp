@@ -4,6 +4,7 @@
 #include "base/time.hpp"
 #include "mebots/data/csv.hpp"
 #include "mebots/input_error.hpp"
+#include "mebots/parsed_number.hpp"
 #include "message/message_text.hpp"
 #include "record/sink/output_file.hpp"
 #include "report/page.hpp"
@@ -219,7 +220,7 @@ std::string LiveRun::control(const std::string& order) {
     held_ = true;
     one_step_ = true;
   } else if (order.starts_with(kPaceOrder)) {
-    const auto pace = data::csv_number<double>(order.substr(kPaceOrder.size()));
+    const auto pace = parsed_number<double>(order.substr(kPaceOrder.size()));
     if (!pace || !(*pace >= 0) || *pace > kFastestPace) {
       throw InputError(ErrorCode::invalid_argument,
                        fmt::format("'{}': the pace must be from 0 (as fast as possible) to {}", order, kFastestPace));
@@ -235,7 +236,7 @@ std::string LiveRun::control(const std::string& order) {
 }
 
 std::string LiveRun::set(const std::string& variable, const std::string& value) {
-  const auto number = data::csv_number<double>(value);
+  const auto number = parsed_number<double>(value);
   if (!number) {
     throw InputError(ErrorCode::invalid_value, fmt::format("'{}' is not a number for {}", value, variable));
   }

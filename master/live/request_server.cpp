@@ -3,6 +3,7 @@
 
 #include "mebots/data/csv.hpp"
 #include "mebots/input_error.hpp"
+#include "mebots/parsed_number.hpp"
 
 #include <fmt/format.h>
 #include <sys/socket.h>
@@ -64,7 +65,7 @@ bool is_ours(const httplib::Request& request, int port) {
 std::size_t count_of(const httplib::Request& request, const char* name) {
   if (!request.has_param(name)) return 0;
   const auto text = request.get_param_value(name);
-  const auto count = data::csv_number<std::size_t>(text);
+  const auto count = parsed_number<std::size_t>(text);
   if (!count) throw InputError(ErrorCode::invalid_argument, fmt::format("{} = '{}' is not a count", name, text));
   return *count;
 }

@@ -3,6 +3,7 @@
 
 #include "mebots/assert.hpp"
 #include "mebots/error.hpp"
+#include "mebots/parsed_number.hpp"
 
 #include <fmt/format.h>
 
@@ -199,7 +200,7 @@ double CsvReader::number(std::size_t column) const {
   auto text = trimmed(cell(column));
   if (text.empty()) fail(column, ErrorCode::wrong_type, "the cell is empty; a number is needed");
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
-  const auto value = csv_number<double>(text);
+  const auto value = parsed_number<double>(text);
   if (!value) {
     fail(column, ErrorCode::wrong_type,
          fmt::format(

@@ -29,7 +29,8 @@ std::size_t count_of(const std::vector<std::uint64_t>& sizes) {
   return count;
 }
 
-/// Returns the name of an element, such as "y[2,3]". `index` is its index in row-major order.
+}  // namespace
+
 std::string element_name(const std::string& array, const std::vector<std::uint64_t>& sizes, std::size_t index) {
   std::vector<std::size_t> places(sizes.size());
   for (std::size_t i = sizes.size(); i-- > 0;) {
@@ -38,6 +39,8 @@ std::string element_name(const std::string& array, const std::vector<std::uint64
   }
   return fmt::format("{}[{}]", array, fmt::join(places, ","));
 }
+
+namespace {
 
 /// Returns value references that no variable has, in ascending order from the upper half on.
 class FreeReferences {

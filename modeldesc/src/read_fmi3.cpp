@@ -10,12 +10,6 @@
 namespace mebots::modeldesc {
 namespace {
 
-std::optional<Type> type_of_word(std::string_view word) {
-  const auto* const found = std::ranges::find(fmi::kTypeWords3, word);
-  if (found == std::end(fmi::kTypeWords3)) return std::nullopt;
-  return static_cast<Type>(found - std::begin(fmi::kTypeWords3));
-}
-
 /// Returns the start value of a number or Boolean; empty if the text is not a value of the type.
 std::optional<Value> parse_value(Type type, std::string_view text) {
   if (fmi::is_float(type)) {
@@ -97,7 +91,7 @@ class Fmi3Reader {
     std::string_view word = element.name();
     if (!word.ends_with("Type")) element.fail("a type definition is expected, such as <Float64Type>");
     word.remove_suffix(4);
-    const auto type = type_of_word(word);
+    const auto type = fmi::type_of_word3(word);
     if (!type) element.fail(fmt::format("\"{}\" is not a type of FMI 3.0", word));
     TypeDefinition definition;
     definition.name = element.required_text("name");
@@ -117,7 +111,7 @@ class Fmi3Reader {
     const Element variables = root_.child("ModelVariables");
     if (!variables) root_.fail("the element <ModelVariables> is missing");
     variables.each_child([&](const Element& element) {
-      const auto type = type_of_word(element.name());
+      const auto type = fmi::type_of_word3(element.name());
       if (!type) element.fail(fmt::format("<{}> is not a type of FMI 3.0", element.name()));
       read_variable(element, *type);
     });

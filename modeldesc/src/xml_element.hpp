@@ -4,12 +4,12 @@
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/model_description.hpp"
 #include "mebots/modeldesc/xml.hpp"
+#include "mebots/parsed_number.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <iterator>
 #include <optional>
 #include <pugixml.hpp>
@@ -37,10 +37,7 @@ template <typename T>
 std::optional<T> parse_number(std::string_view text) {
   text = trimmed(text);
   if (text.starts_with('+')) text.remove_prefix(1);
-  T value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
+  return parsed_number<T>(text);
 }
 
 /// A parsed document, with the lines of its elements for messages. The document uses `text` only in its constructor.

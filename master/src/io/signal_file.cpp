@@ -5,6 +5,7 @@
 #include "base/time.hpp"
 #include "mebots/modeldesc/units.hpp"
 #include "mebots/nearest_names.hpp"
+#include "mebots/parsed_number.hpp"
 #include "model/resolved_system.hpp"
 
 #include <fmt/format.h>
@@ -50,9 +51,9 @@ WrittenValue as_written(std::string_view cell, Type type) {
     if (word == "true" || word == "false") return word == "true";
   }
   if (fmi::is_whole(type)) {
-    if (const auto whole = data::csv_number<std::int64_t>(text)) return *whole;
+    if (const auto whole = parsed_number<std::int64_t>(text)) return *whole;
   }
-  const auto number = data::csv_number<double>(text);
+  const auto number = parsed_number<double>(text);
   constexpr double kMostWhole = 1e15;
   if (!number || std::floor(*number) != *number || std::abs(*number) > kMostWhole) {
     return UntypedText{std::string(text)};

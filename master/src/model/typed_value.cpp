@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mebots/hexadecimal.hpp"
 #include "mebots/nearest_names.hpp"
+#include "mebots/parsed_number.hpp"
 #include "model/resolved_system.hpp"
 #include "model/value_kind.hpp"
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <limits>
 
@@ -18,11 +18,8 @@ using modeldesc::Variable;
 
 template <typename T>
 std::optional<T> parsed(const std::string& text) {
-  T value{};
-  const char* first = text.data() + (text.size() > 1 && text[0] == '+' && text[1] != '-' ? 1 : 0);
-  const auto result = std::from_chars(first, text.data() + text.size(), value);
-  if (result.ec != std::errc{} || result.ptr != text.data() + text.size()) return std::nullopt;
-  return value;
+  const bool has_plus = text.size() > 1 && text[0] == '+' && text[1] != '-';
+  return parsed_number<T>(std::string_view(text).substr(has_plus ? 1 : 0));
 }
 
 /// Builds an error message from the problem, the place of the value and the variable's type.

@@ -4,6 +4,7 @@
 #include "base/input_text.hpp"
 #include "mebots/assert.hpp"
 #include "mebots/data/csv.hpp"
+#include "mebots/parsed_number.hpp"
 
 #include <fmt/format.h>
 
@@ -79,7 +80,7 @@ ResultTable read_rows(data::CsvReader& reader, std::size_t rows, const std::vect
     row[0] = reader.number(0);
     for (std::size_t i = 1; i < width; ++i) {
       if (is_text[i]) continue;  // the column is dropped
-      const auto value = data::csv_number<double>(reader.cell(i));
+      const auto value = parsed_number<double>(reader.cell(i));
       is_text[i] = !value;
       row[i] = value.value_or(0);
     }

@@ -6,6 +6,7 @@
 #include "base/input_text.hpp"
 #include "base/packed.hpp"
 #include "mebots/data/csv.hpp"
+#include "mebots/parsed_number.hpp"
 #include "run/system_file.hpp"
 
 #include <fmt/format.h>
@@ -48,7 +49,7 @@ PictureSeries read_series(const fs::path& folder, std::size_t known) {
   PictureSeries series;
   series.name = folder.filename().string();
   for (const auto& file : sorted_entries(folder)) {
-    const auto time_s = data::csv_number<double>(file.stem().string());
+    const auto time_s = parsed_number<double>(file.stem().string());
     if (file.extension() != ".png" || !time_s) continue;
     if (known > 0) {
       --known;

@@ -3,10 +3,9 @@
 
 #include "base/time.hpp"
 #include "mebots/input_error.hpp"
+#include "mebots/parsed_number.hpp"
 
 #include <fmt/format.h>
-
-#include <charconv>
 
 namespace mebots::master {
 namespace {
@@ -19,13 +18,12 @@ struct TypedTime {
 TypedTime read_typed(const std::string& option, const std::string& text) {
   const auto place = fmt::format("{} {}", option, text);
   if (const auto ratio = read_ratio(text)) return {text, *ratio};
-  double seconds = 0;
-  const auto result = std::from_chars(text.data(), text.data() + text.size(), seconds);
-  if (result.ec != std::errc{} || result.ptr != text.data() + text.size()) {
+  const auto seconds = parsed_number<double>(text);
+  if (!seconds) {
     throw InputError(ErrorCode::syntax_error,
                      fmt::format("{}: this is neither a number of seconds nor a ratio such as 1/60", place));
   }
-  const auto time = exact_time(seconds);
+  const auto time = exact_time(*seconds);
   if (!time) {
     throw InputError(
         ErrorCode::value_out_of_range,
@@ -33,7 +31,7 @@ TypedTime read_typed(const std::string& option, const std::string& text) {
             "{}: this is not a whole number of nanoseconds, or it is longer than {} s; a ratio such as 1/60 is allowed",
             place, kLongestTimeS));
   }
-  return {seconds, *time};
+  return {*seconds, *time};
 }
 
 TypedTime read_above_zero(const std::string& option, const std::string& text) {

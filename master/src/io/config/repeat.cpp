@@ -8,6 +8,7 @@
 #include "mebots/data/mistakes.hpp"
 #include "mebots/file_kind.hpp"
 #include "mebots/input_error.hpp"
+#include "mebots/parsed_number.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -93,9 +94,9 @@ bool has_leading_zero(std::string_view cell) {
 /// Returns a JSON value: numbers and Booleans for cells that contain them, text for all others.
 Json json_of(std::string_view cell) {
   if (has_leading_zero(cell)) return std::string(cell);
-  if (const auto whole = data::csv_number<std::int64_t>(cell)) return *whole;
-  if (const auto whole = data::csv_number<std::uint64_t>(cell)) return *whole;
-  if (const auto number = data::csv_number<double>(cell); number && std::isfinite(*number)) return *number;
+  if (const auto whole = parsed_number<std::int64_t>(cell)) return *whole;
+  if (const auto whole = parsed_number<std::uint64_t>(cell)) return *whole;
+  if (const auto number = parsed_number<double>(cell); number && std::isfinite(*number)) return *number;
   if (cell == "true" || cell == "false") return cell == "true";
   return std::string(cell);
 }
@@ -292,7 +293,7 @@ class Filler {
                                                             fmt::join(known, ", ")));
     }
     if (sign == std::string_view::npos) return found->second;
-    const auto offset = data::csv_number<std::int64_t>(expression.substr(sign + 1));
+    const auto offset = parsed_number<std::int64_t>(expression.substr(sign + 1));
     const auto& number = found->second.value;
     if (!offset || !number.is_number_integer()) {
       throw InputError(ErrorCode::invalid_value,

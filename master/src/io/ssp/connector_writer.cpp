@@ -3,10 +3,11 @@
 
 #include "model/value_kind.hpp"
 
+#include "xml_file.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <sstream>
 
 namespace mebots::master::ssp {
 namespace {
@@ -43,8 +44,7 @@ std::string indices_of(const modeldesc::Variable& element) {
 }
 
 void write_dimensions(pugi::xml_node node, const std::string& sizes) {
-  std::istringstream stream(sizes);
-  for (std::string size; stream >> size;) node.append_child("ssc:Dimension").append_attribute("size") = size.c_str();
+  for (const auto& size : words_of(sizes)) node.append_child("ssc:Dimension").append_attribute("size") = size.c_str();
 }
 
 ConnectorWriter::ConnectorWriter(const ResolvedSystem& system)

@@ -2,12 +2,12 @@
 #include "model.hpp"
 
 #include "mebots/input_error.hpp"
+#include "mebots/parsed_number.hpp"
 #include "model/unit_rule.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 namespace mebots::master::ssp {
@@ -106,12 +106,10 @@ Json Course::apply(const Json& value, const std::string& name) const {
     const auto* target = target_of(*map_, text_in_map(value));
     if (target == nullptr) return value;
     if (map_->kind == ValueMap::Kind::boolean) return is_true(*target);
-    std::int64_t number = 0;
-    const auto* const end = target->data() + target->size();
-    const bool is_number = std::from_chars(target->data(), end, number).ptr == end && !target->empty();
     if (map_->kind == ValueMap::Kind::enumeration) return *target;
-    if (!is_number) throw InputError(fmt::format("{}: \"{}\" is not a whole number of 64 bits", name, *target));
-    return number;
+    const auto number = parsed_number<std::int64_t>(*target);
+    if (!number) throw InputError(fmt::format("{}: \"{}\" is not a whole number of 64 bits", name, *target));
+    return *number;
   }
   if (factor_ == 1 && offset_ == 0) return value;
   if (!value.is_number()) {

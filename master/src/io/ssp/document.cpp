@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <iterator>
 #include <set>
-#include <sstream>
 
 namespace mebots::master::ssp {
 namespace {
@@ -169,9 +168,7 @@ class SystemReader {
     ConnectionEnd end{node.attribute((side + "Element").c_str()).value(),
                       file_.required(node, (side + "Connector").c_str())};
     if (const auto indices = node.attribute((side + "Indices").c_str())) {
-      std::istringstream stream(indices.value());
-      const std::vector<std::string> words{std::istream_iterator<std::string>(stream), {}};
-      end.connector += fmt::format("[{}]", fmt::join(words, ","));
+      end.connector += fmt::format("[{}]", fmt::join(words_of(indices.value()), ","));
       end.has_indices = true;
     }
     if (!end.element.empty() && !names.contains(end.element)) {

@@ -18,7 +18,8 @@ std::string join(const std::string& path, const std::string& name) {
   return path.empty() ? name : path + "." + name;
 }
 
-/// Returns the variable of this name; for an element of an array such as `y[2]`, the array. Null if there is none.
+/// Returns the variable of this name; for an element of an array such as `y[2]`, the array. Null if the model has
+/// neither.
 const modeldesc::Variable* named_variable(const modeldesc::ModelDescription& model, const std::string& name) {
   const auto* variable = model.find(name);
   if (variable != nullptr || !name.ends_with(']')) return variable;
@@ -26,7 +27,7 @@ const modeldesc::Variable* named_variable(const modeldesc::ModelDescription& mod
   return array == nullptr || array->fmi3->dimensions.empty() ? nullptr : array;
 }
 
-/// Returns the variable of a connector; for an OSMP binary, the first of its three.
+/// Returns the variable of a connector; for an OSMP binary, the first of its three variables.
 const modeldesc::Variable* variable_of(const modeldesc::ModelDescription& model, const std::string& connector) {
   const auto* variable = named_variable(model, connector);
   return variable != nullptr ? variable : model.find(connector + kOsmpEndings[0]);

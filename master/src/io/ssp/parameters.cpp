@@ -7,22 +7,22 @@
 #include "mebots/input_error.hpp"
 #include "mebots/modeldesc/archive_reader.hpp"
 #include "mebots/modeldesc/array_elements.hpp"
+#include "mebots/parsed_number.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <functional>
-#include <iterator>
 #include <map>
 #include <memory>
 #include <numeric>
-#include <sstream>
 
 namespace mebots::master::ssp {
 namespace {
+
+using modeldesc::Type;
 
 constexpr std::string_view kParameterSet = "application/x-ssp-parameter-set";
 constexpr std::string_view kParameterMapping = "application/x-ssp-parameter-mapping";
@@ -80,38 +80,24 @@ Part part(const BindingContext& context, pugi::xml_node node, const char* inline
   return {&context.ssd, found, nullptr};
 }
 
-/// The types of numbers in an SSV, and the values that they can have.
-struct WholeType {
-  std::string_view name;
-  modeldesc::Type type;
-};
-constexpr WholeType kWholeTypes[] = {
-    {"Integer", modeldesc::Type::integer}, {"Int8", modeldesc::Type::int8},     {"UInt8", modeldesc::Type::uint8},
-    {"Int16", modeldesc::Type::int16},     {"UInt16", modeldesc::Type::uint16}, {"Int32", modeldesc::Type::integer},
-    {"UInt32", modeldesc::Type::uint32},   {"Int64", modeldesc::Type::int64},   {"UInt64", modeldesc::Type::uint64}};
-
-template <typename T>
-std::optional<T> parsed(std::string_view text) {
-  T value{};
-  const auto* const end = text.data() + text.size();
-  const auto read = std::from_chars(text.data(), end, value);
-  return read.ec == std::errc{} && read.ptr == end ? std::optional(value) : std::nullopt;
+/// Returns the type that the element of a value names: a type of SSP 1.0 or of FMI 3.0. Empty if the name is unknown.
+std::optional<Type> type_named(std::string_view name) {
+  if (name == "Real") return Type::real;
+  if (name == "Integer") return Type::integer;
+  return fmi::type_of_word3(name);
 }
 
-/// Reads a whole number in the range of the type; it may be written as "7.0".
-Json whole_number(const XmlFile& file, pugi::xml_node node, std::string_view text, modeldesc::Type type) {
+/// Reads a whole number in the range of the type. A number such as "7.0" is also accepted.
+Json whole_number(const XmlFile& file, pugi::xml_node node, std::string_view text, Type type) {
   const auto limits = fmi::limits_of(type);
   const auto fits = [&](std::int64_t value) {
     return value >= limits.low && (value < 0 || static_cast<std::uint64_t>(value) <= limits.high);
   };
   const auto digits = text.substr(text.starts_with('+') ? 1 : 0);
-  if (const auto value = parsed<std::uint64_t>(digits); value && *value <= limits.high) return *value;
-  if (const auto value = parsed<std::int64_t>(digits); value && fits(*value)) return *value;
-  constexpr double kExact = 9007199254740992.0;  // 2^53
-  // The range is checked first, because a number out of range, or NaN, must not be converted.
-  const auto number = parse_number(text).value_or(HUGE_VAL);
-  if (std::abs(number) <= kExact && number == std::floor(number) && fits(static_cast<std::int64_t>(number)))
-    return static_cast<std::int64_t>(number);
+  if (const auto value = parsed_number<std::uint64_t>(digits); value && *value <= limits.high) return *value;
+  if (const auto value = parsed_number<std::int64_t>(digits); value && fits(*value)) return *value;
+  const auto number = parse_number(text);
+  if (const auto value = number ? exact_whole(*number) : std::nullopt; value && fits(*value)) return *value;
   file.fail(node, fmt::format("\"{}\" is not a whole number from {} to {}", text, limits.low, limits.high));
 }
 
@@ -125,36 +111,30 @@ pugi::xml_node type_of(pugi::xml_node parameter) {
 
 /// Reads one value, or one element of an array, of the type that the element `node` names.
 Json read_value(const XmlFile& file, pugi::xml_node node, const std::string& text) {
-  const auto type = local_name(node);
-  if (type == "Real" || type == "Float64" || type == "Float32") {
+  const auto type = type_named(local_name(node));
+  if (!type || *type == Type::clock) {
+    file.fail(node,
+              "this type is unknown; use Real, Integer, Boolean, String, Enumeration, Binary or a type of FMI 3.0");
+  }
+  if (fmi::is_float(*type)) {
     const auto value = parse_number(text);
     if (!value) file.fail(node, fmt::format("\"{}\" is not a finite number", text));
     return *value;
   }
-  const auto* const whole = std::ranges::find(kWholeTypes, type, &WholeType::name);
-  if (whole != std::end(kWholeTypes)) return whole_number(file, node, text, whole->type);
-  if (type == "Boolean") {
-    if (text == "true" || text == "1") return true;
-    if (text == "false" || text == "0") return false;
-    file.fail(node, fmt::format("the attribute value is \"{}\", but true or false is expected", text));
-  }
   // The text may be the number of an enumeration's item, because some tools do not support the names of items.
-  if (type == "Enumeration" && parse_number(text)) return whole_number(file, node, text, modeldesc::Type::int64);
-  if (type == "Binary") {
+  if (*type == Type::enumeration) return parse_number(text) ? whole_number(file, node, text, Type::int64) : Json(text);
+  if (fmi::is_whole(*type)) return whole_number(file, node, text, *type);
+  if (*type == Type::boolean) {
+    const auto value = parse_flag(text);
+    if (!value) file.fail(node, fmt::format("the attribute value is \"{}\", but true or false is expected", text));
+    return *value;
+  }
+  if (*type == Type::binary) {
     const auto bytes = bytes_of_hexadecimal(text);
     if (!bytes) file.fail(node, fmt::format("\"{}\" are not pairs of hexadecimal digits", text));
     return hexadecimal(*bytes);
   }
-  if (type != "String" && type != "Enumeration") {
-    file.fail(node,
-              "this type is unknown; use Real, Integer, Boolean, String, Enumeration, Binary or a type of FMI 3.0");
-  }
   return text;
-}
-
-std::vector<std::string> words_of(const std::string& text) {
-  std::istringstream stream(text);
-  return {std::istream_iterator<std::string>(stream), {}};
 }
 
 /// Returns the texts of all values of a parameter: one, or one for each element of an array in row-major order.
@@ -174,19 +154,12 @@ std::vector<std::uint64_t> sizes_of(const XmlFile& file, pugi::xml_node paramete
   std::uint64_t product = 1;
   for (const auto dimension : children(parameter, "Dimension")) {
     const auto text = file.required(dimension, "size");
-    sizes.push_back(whole_number(file, dimension, text, modeldesc::Type::uint32).get<std::uint64_t>());
+    sizes.push_back(whole_number(file, dimension, text, Type::uint32).get<std::uint64_t>());
     product *= sizes.back();
     if (product > modeldesc::kMostElements)
       file.fail(dimension, fmt::format("the array has more than {} elements", modeldesc::kMostElements));
   }
   return sizes;
-}
-
-/// Returns the indices "[2,3]" of an element, which is number `index` in row-major order.
-std::string indices_text(const std::vector<std::uint64_t>& sizes, std::uint64_t index) {
-  std::vector<std::uint64_t> indices(sizes.size());
-  for (auto i = sizes.size(); i-- > 0; index /= sizes[i]) indices[i] = index % sizes[i] + 1;
-  return fmt::format("[{}]", fmt::join(indices, ","));
 }
 
 /// Reads the values of a parameter, by their names relative to that of the parameter: "" for a scalar, or "[2,3]".
@@ -199,7 +172,8 @@ std::vector<std::pair<std::string, Json>> values_of(const XmlFile& file, pugi::x
   if (texts.size() != count) file.fail(node, fmt::format("it has {} values, but {} are expected", texts.size(), count));
   std::vector<std::pair<std::string, Json>> values;
   for (std::uint64_t i = 0; i < count; ++i) {
-    values.emplace_back(sizes.empty() ? std::string() : indices_text(sizes, i), read_value(file, node, texts[i]));
+    values.emplace_back(sizes.empty() ? std::string() : modeldesc::element_name({}, sizes, i),
+                        read_value(file, node, texts[i]));
   }
   return values;
 }

@@ -2,6 +2,7 @@
 #include "io/fmu_archive.hpp"
 #include "io/ssp/ssp.hpp"
 #include "mebots/data/document.hpp"
+#include "mebots/parsed_number.hpp"
 
 #include "network.hpp"
 #include "ssp.hpp"
@@ -11,7 +12,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <set>
 
@@ -24,31 +24,25 @@ using namespace ssp;
 /// 2.0, 4.5.2.3).
 bool may_give(const Port& port, const std::string& source) {
   if (port.variable == nullptr || port.variable->type == modeldesc::Type::boolean) return true;
-  std::int64_t number = 0;
-  const auto* const end = source.data() + source.size();
-  const bool is_number = !source.empty() && std::from_chars(source.data(), end, number).ptr == end;
+  const auto number = parsed_number<std::int64_t>(source);
   if (port.variable->type != modeldesc::Type::enumeration) {
-    const auto value = static_cast<double>(number);
-    return is_number && (!port.variable->min || value >= *port.variable->min) &&
-           (!port.variable->max || value <= *port.variable->max);
+    return number && (!port.variable->min || static_cast<double>(*number) >= *port.variable->min) &&
+           (!port.variable->max || static_cast<double>(*number) <= *port.variable->max);
   }
   const auto* type = port.model->type_definition(port.variable->declared_type);
   if (type == nullptr) return false;
-  return std::ranges::any_of(type->items, [&](const modeldesc::EnumerationItem& item) {
-    return item.name == source || (is_number && item.value == number);
-  });
+  return std::ranges::any_of(
+      type->items, [&](const modeldesc::EnumerationItem& item) { return item.name == source || item.value == number; });
 }
 
 Json map_json(const ValueMap& map, const Port& from) {
   Json json = Json::object();
   for (const auto& [source, target] : map.entries) {
     if (!may_give(from, source)) continue;
-    std::int64_t number = 0;
-    const auto* const end = target.data() + target.size();
     if (map.kind == ValueMap::Kind::boolean) {
       json[source] = target == "true";
-    } else if (!target.empty() && std::from_chars(target.data(), end, number).ptr == end) {
-      json[source] = number;
+    } else if (const auto number = parsed_number<std::int64_t>(target)) {
+      json[source] = *number;
     } else {
       json[source] = target;
     }

@@ -95,14 +95,18 @@ std::vector<std::string> ValueNotices::texts() const {
   return texts;
 }
 
+std::optional<std::int64_t> exact_whole(double number) {
+  constexpr double kExact = 9007199254740992.0;  // 2^53
+  // The range is checked first, because a number out of range, or NaN, must not be converted.
+  if (!(std::abs(number) <= kExact) || number != std::floor(number)) return std::nullopt;
+  return static_cast<std::int64_t>(number);
+}
+
 Json fitting(Json value, const Port& port) {
   if (!value.is_number_float() || port.variable == nullptr) return value;
   if (kind_of(port.variable->type) != ValueKind::integer) return value;
-  constexpr double kExact = 9007199254740992.0;  // 2^53
-  const auto number = value.get<double>();
-  // The range is checked first, because a number out of range must not be converted.
-  if (!(std::abs(number) <= kExact) || number != std::floor(number)) return value;
-  return static_cast<std::int64_t>(number);
+  if (const auto number = exact_whole(value.get<double>())) return *number;
+  return value;
 }
 
 std::map<Endpoint, StartingValue> starting_values(const Network& network, ValueNotices& notices) {

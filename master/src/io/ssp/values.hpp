@@ -41,6 +41,10 @@ std::map<Endpoint, StartingValue> starting_values(const Network& network, ValueN
 /// Converts a value to the type of the variable: whole numbers of type Real become Integers.
 Json fitting(Json value, const Port& port);
 
+/// Returns the number as a whole number; empty if it is not whole, or so large that doubles do not hold all whole
+/// numbers.
+std::optional<std::int64_t> exact_whole(double number);
+
 /// The files and definitions to which an element's bindings may refer.
 struct BindingContext {
   const Source& source;

@@ -124,6 +124,7 @@ class SspWriter {
   /// True if SSP cannot express the connection. It is then written into the annotation.
   static bool is_own(const ConnectionDescription& connection) { return connection.sum || connection.narrow; }
 
+  /// Writes each connection of the config. A connection between OSMP binaries becomes three connections of SSP.
   void write_connections(pugi::xml_node system) {
     if (system_.description->connections.empty()) return;
     auto connections = system.append_child("ssd:Connections");

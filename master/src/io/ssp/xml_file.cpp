@@ -4,13 +4,14 @@
 #include "files.hpp"
 #include "mebots/input_error.hpp"
 #include "mebots/modeldesc/xml.hpp"
+#include "mebots/parsed_number.hpp"
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
-#include <limits>
+#include <iterator>
 #include <set>
+#include <sstream>
 
 namespace mebots::master::ssp {
 
@@ -49,10 +50,8 @@ double XmlFile::number(pugi::xml_node node, const char* attribute, double fallba
 bool XmlFile::flag(pugi::xml_node node, const char* attribute, bool fallback) const {
   const auto found = node.attribute(attribute);
   if (!found) return fallback;
-  const std::string_view text = found.value();
-  if (text == "true" || text == "1") return true;
-  if (text == "false" || text == "0") return false;
-  fail(node, fmt::format("the attribute {} is \"{}\", but true or false is expected", attribute, text));
+  if (const auto value = parse_flag(found.value())) return *value;
+  fail(node, fmt::format("the attribute {} is \"{}\", but true or false is expected", attribute, found.value()));
 }
 
 std::string_view local_name(pugi::xml_node node) {
@@ -78,10 +77,19 @@ std::optional<double> parse_number(std::string_view text) {
   if (first == std::string_view::npos) return std::nullopt;
   text = text.substr(first, text.find_last_not_of(kSpace) - first + 1);
   if (text.starts_with('+')) text.remove_prefix(1);
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
+  const auto value = parsed_number<double>(text);
+  return value && std::isfinite(*value) ? value : std::nullopt;
+}
+
+std::optional<bool> parse_flag(std::string_view text) {
+  if (text == "true" || text == "1") return true;
+  if (text == "false" || text == "0") return false;
+  return std::nullopt;
+}
+
+std::vector<std::string> words_of(const std::string& text) {
+  std::istringstream stream(text);
+  return {std::istream_iterator<std::string>(stream), {}};
 }
 
 namespace {
@@ -110,12 +118,9 @@ std::vector<modeldesc::EnumerationItem> read_items(const XmlFile& file, pugi::xm
   std::vector<modeldesc::EnumerationItem> items;
   for (const auto item : children(node, "Item")) {
     const std::string_view text = item.attribute("value").as_string("0");
-    const auto* const end = text.data() + text.size();
-    std::int64_t value = 0;
-    if (const auto read = std::from_chars(text.data(), end, value); read.ec != std::errc{} || read.ptr != end) {
-      file.fail(item, fmt::format("the value \"{}\" is not a whole number of 64 bits", text));
-    }
-    items.push_back({file.required(item, "name"), value, ""});
+    const auto value = parsed_number<std::int64_t>(text);
+    if (!value) file.fail(item, fmt::format("the value \"{}\" is not a whole number of 64 bits", text));
+    items.push_back({file.required(item, "name"), *value, ""});
   }
   return items;
 }

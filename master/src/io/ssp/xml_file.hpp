@@ -46,6 +46,10 @@ std::vector<pugi::xml_node> children(pugi::xml_node node, std::string_view name)
 
 /// Returns the text as a number; empty if the text is not a finite number.
 std::optional<double> parse_number(std::string_view text);
+/// Returns the text as a Boolean of XML Schema: true, false, 1 or 0; empty if the text is none of these.
+std::optional<bool> parse_flag(std::string_view text);
+/// Returns the parts of the text between white space.
+std::vector<std::string> words_of(const std::string& text);
 
 }  // namespace mebots::master::ssp
 

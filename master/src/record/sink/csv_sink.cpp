@@ -3,6 +3,7 @@
 
 #include "mebots/data/csv.hpp"
 #include "mebots/error.hpp"
+#include "mebots/parsed_number.hpp"
 
 #include <fmt/format.h>
 
@@ -55,14 +56,14 @@ bool is_text(modeldesc::Type type) {
 
 /// Returns the cell for a number's text; empty if it is not a number of the type.
 std::optional<std::uint64_t> cell_of(modeldesc::Type type, std::string_view text) {
-  if (type == modeldesc::Type::uint64) return data::csv_number<std::uint64_t>(text);
+  if (type == modeldesc::Type::uint64) return parsed_number<std::uint64_t>(text);
   if (kind_of(type) == ValueKind::real) {
-    const auto value = data::csv_number<double>(text);
+    const auto value = parsed_number<double>(text);
     if (!value) return std::nullopt;
     const bool is_narrow = type == modeldesc::Type::float32;
     return std::bit_cast<std::uint64_t>(is_narrow ? static_cast<double>(static_cast<float>(*value)) : *value);
   }
-  const auto value = data::csv_number<std::int64_t>(text);
+  const auto value = parsed_number<std::int64_t>(text);
   return value ? std::optional(static_cast<std::uint64_t>(*value)) : std::nullopt;
 }
 
@@ -123,7 +124,7 @@ void copy_csv_rows(const std::filesystem::path& file, std::uint64_t bytes, const
   RowBlock block;
   block.cells_per_row = columns.size() + 1;
   while (reader.next()) {
-    const auto time_s = data::csv_number<double>(reader.cell(0));
+    const auto time_s = parsed_number<double>(reader.cell(0));
     if (!time_s) fail();
     block.cells.push_back(std::bit_cast<std::uint64_t>(*time_s));
     for (std::size_t i = 0; i < columns.size(); ++i) {

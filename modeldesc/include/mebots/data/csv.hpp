@@ -3,7 +3,6 @@
 
 #include "mebots/error_code.hpp"
 
-#include <charconv>
 #include <cstddef>
 #include <deque>
 #include <optional>
@@ -58,15 +57,6 @@ class CsvReader {
   std::size_t next_line_ = 1;
   std::size_t line_ = 0;
 };
-
-/// Returns the number in `text`; empty if the text contains anything else.
-template <typename T>
-std::optional<T> csv_number(std::string_view text) {
-  T value{};
-  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (result.ec != std::errc{} || result.ptr != text.data() + text.size()) return std::nullopt;
-  return value;
-}
 
 /// Returns the text without blanks and tabs at both ends.
 std::string_view trimmed(std::string_view text);

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -62,6 +65,12 @@ inline constexpr std::string_view kInitialWords[] = {"exact", "approx", "calcula
 constexpr std::string_view to_string(Type type) {
   const auto place = static_cast<std::size_t>(type);
   return place < std::size(kTypeWords2) ? kTypeWords2[place] : kTypeWords3[place];
+}
+/// Returns the type with this name in FMI 3.0; empty if the name is unknown.
+constexpr std::optional<Type> type_of_word3(std::string_view word) {
+  const auto* const found = std::ranges::find(kTypeWords3, word);
+  if (found == std::end(kTypeWords3)) return std::nullopt;
+  return static_cast<Type>(found - std::begin(kTypeWords3));
 }
 constexpr std::string_view to_string(Causality causality) {
   return kCausalityWords3[static_cast<std::size_t>(causality)];

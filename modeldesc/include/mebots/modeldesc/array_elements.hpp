@@ -22,6 +22,10 @@ using StructuralValues = std::map<std::uint32_t, std::uint64_t>;
 /// or if a derivative and its state have different numbers of elements.
 ModelDescription with_elements(const ModelDescription& description, const StructuralValues& values = {});
 
+/// Returns the name of an element of an array with these sizes, such as "y[2,3]". `index` is in row-major order, from
+/// 0.
+std::string element_name(const std::string& array, const std::vector<std::uint64_t>& sizes, std::size_t index);
+
 /// Returns the sizes of an array's dimensions; empty for a scalar.
 std::vector<std::uint64_t> sizes_of(const ModelDescription& description, const Variable& variable,
                                     const StructuralValues& values = {});
