@@ -25,7 +25,7 @@ constexpr std::size_t kLongestBinary = std::size_t{1} << 30;
 /// read and set with fewer lists.
 constexpr std::size_t kMostPlans = 32;
 
-/// The bytes after the numbers of a call. If they change, the FMU wrote too many values.
+/// The bytes after the numbers that a get function writes. If they change, the FMU wrote too many values.
 constexpr auto kGuard = [] {
   std::array<std::byte, 256> bytes{};
   bytes.fill(std::byte{0xA5});
@@ -123,14 +123,19 @@ Fmi3Values::Whole Fmi3Values::whole(std::span<const ValueReference> references) 
 
 template <typename T>
 T* Fmi3Values::buffer(std::size_t count) {
-  buffer_.resize(count * sizeof(T) + kGuard.size());
-  std::memcpy(buffer_.data() + count * sizeof(T), kGuard.data(), kGuard.size());
+  guard_ = count * sizeof(T);
+  if (buffer_.size() < guard_ + kGuard.size()) buffer_.resize(guard_ + kGuard.size());
   return reinterpret_cast<T*>(buffer_.data());
+}
+
+/// Writes the guard bytes after the numbers in the buffer, before a call of a get function.
+void Fmi3Values::put_guard() {
+  std::memcpy(buffer_.data() + guard_, kGuard.data(), kGuard.size());
 }
 
 /// Throws SlaveError if the FMU wrote beyond the values that the call requested.
 void Fmi3Values::check_guard(const Call& call, const char* function) const {
-  if (std::memcmp(buffer_.data() + buffer_.size() - kGuard.size(), kGuard.data(), kGuard.size()) == 0) return;
+  if (std::memcmp(buffer_.data() + guard_, kGuard.data(), kGuard.size()) == 0) return;
   const auto* const variable = call.variables[call.moves.back().value];
   const auto& element = variable->fmi3->element;
   calls_->fail(function, fmt::format("wrote more than the {} values of '{}' that were requested", call.value_count,
@@ -173,6 +178,7 @@ Fmi3Values::CallResult Fmi3Values::get_numbers(const Plan& plan, std::span<Value
       using Number = typename decltype(functions)::Number;
       calls_->require_function(functions.get_name, functions.get);
       auto* const numbers = buffer<Number>(call.value_count);
+      put_guard();
       result = {calls_->call(functions.get_name, functions.get, call.references.data(), call.references.size(), numbers,
                              call.value_count),
                 functions.get_name};
@@ -198,6 +204,7 @@ Fmi3Values::CallResult Fmi3Values::set_numbers(const Plan& plan, std::span<const
       calls_->require_function(functions.set_name, functions.set);
       auto* const numbers = buffer<Number>(call.value_count);
       if (call.moves.size() < call.value_count) {  // the other elements of the arrays keep their values
+        put_guard();
         calls_->require(functions.get_name, functions.get, call.references.data(), call.references.size(), numbers,
                         call.value_count);
         check_guard(call, functions.get_name);

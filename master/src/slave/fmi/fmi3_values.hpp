@@ -85,6 +85,7 @@ class Fmi3Values {
   void with_functions(modeldesc::Type type, Action action);
   template <typename T>
   T* buffer(std::size_t count);
+  void put_guard();
   void check_guard(const Call& call, const char* function) const;
   template <typename Value>
   CallResult get_numbers(const Plan& plan, std::span<Value> values);
@@ -99,7 +100,8 @@ class Fmi3Values {
   const Fmi3Functions* functions_;
   std::unordered_map<ValueReference, Place> places_;
   std::array<std::vector<Plan>, 6> plans_;  // by kind
-  std::vector<std::byte> buffer_;           // of the current call, with guard bytes at its end
+  std::vector<std::byte> buffer_;           // numbers of the current call, then guard bytes
+  std::size_t guard_ = 0;                   // where the guard bytes begin
 };
 
 }  // namespace mebots::master
