@@ -137,7 +137,18 @@ class Expansion {
     return place.first + (derivative.fmi3->element ? derivative.fmi3->element->index : 0);
   }
 
-  std::vector<Unknown> moved(const std::vector<Unknown>& unknowns) const {
+  void count_dependencies(const Unknown& unknown, const Unknown& element, std::size_t elements) {
+    if (!element.dependencies) return;
+    dependencies_ += element.dependencies->size() * elements;
+    if (dependencies_ <= kMostDependencies) return;
+    throw Error(
+        ErrorCode::value_out_of_range,
+        fmt::format("\"{}\": the elements of the arrays have more than {} dependencies in total. Choose smaller "
+                    "sizes, or leave out \"dependencies\" in modelDescription.xml",
+                    description_->variables[unknown.variable].name, kMostDependencies));
+  }
+
+  std::vector<Unknown> moved(const std::vector<Unknown>& unknowns) {
     std::vector<Unknown> result;
     for (const auto& unknown : unknowns) {
       Unknown one;
@@ -152,6 +163,7 @@ class Expansion {
         }
       }
       const auto& place = places_[unknown.variable];
+      count_dependencies(unknown, one, place.count);
       for (std::size_t k = 0; k < place.count; ++k) {
         one.variable = place.first + k;
         result.push_back(one);
@@ -164,6 +176,7 @@ class Expansion {
   const StructuralValues* values_;
   FreeReferences free_;
   std::vector<Place> places_;
+  std::size_t dependencies_ = 0;
 };
 
 }  // namespace

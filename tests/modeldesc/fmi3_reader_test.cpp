@@ -113,6 +113,22 @@ TEST(ArrayElements, FollowTheStructuralParameter) {
   EXPECT_THROW(with_elements(description, {{1, UINT64_MAX}}), Error);
 }
 
+TEST(ArrayElements, TheNumberOfDependenciesIsLimited) {
+  const std::string variables =
+      R"(<UInt64 name="n" valueReference="1" causality="structuralParameter" variability="tunable" start="2"/>
+         <Float64 name="u" valueReference="2" causality="input" start="0 0"><Dimension valueReference="1"/></Float64>
+         <Float64 name="y" valueReference="3" causality="output"><Dimension valueReference="1"/></Float64>)";
+  const auto some = read_fmi3_text(variables, R"(<Output valueReference="3" dependencies="2"/>)");
+  EXPECT_EQ(with_elements(some, {{1, 100}}).outputs[99].dependencies->size(), 100U);
+  EXPECT_THAT(
+      [&] {
+        with_elements(some, {{1, 20'001}});
+      },
+      ThrowsMessage<Error>(HasSubstr("\"y\": the elements of the arrays have more than 400000000 dependencies")));
+  const auto all = read_fmi3_text(variables, R"(<Output valueReference="3"/>)");
+  EXPECT_EQ(with_elements(all, {{1, 20'001}}).outputs.size(), 20'001U);
+}
+
 TEST(ArrayElements, ADerivativeHasAsManyElementsAsItsState) {
   const auto description = read_fmi3_text(
       R"(<UInt64 name="n" valueReference="1" causality="structuralParameter" variability="tunable" start="2"/>

@@ -11,6 +11,10 @@ namespace mebots::modeldesc {
 /// The maximum number of array elements in total. A description with more elements is refused.
 inline constexpr std::size_t kMostElements = 1'000'000;
 
+/// The maximum number of dependencies between elements of arrays in total. If each element of an array depends on each
+/// element of another one, the number is the product of both sizes.
+inline constexpr std::size_t kMostDependencies = 400'000'000;
+
 /// Values of structural parameters, by value reference.
 using StructuralValues = std::map<std::uint32_t, std::uint64_t>;
 
@@ -18,8 +22,8 @@ using StructuralValues = std::map<std::uint32_t, std::uint64_t>;
 /// element has a value reference that no other variable has. `Variable::fmi3->element` states the array to which it
 /// belongs, the array's value reference in the FMU, and its index in the array. Sizes come from `values`, or else from
 /// the start values of the structural parameters. If an array has another size than its declared start value, the start
-/// value is left out, and the FMU uses its internal value. Throws Error if there are more than kMostElements elements,
-/// or if a derivative and its state have different numbers of elements.
+/// value is left out, and the FMU uses its internal value. Throws Error if there are more than kMostElements elements
+/// or more than kMostDependencies dependencies, or if a derivative and its state have different numbers of elements.
 ModelDescription with_elements(const ModelDescription& description, const StructuralValues& values = {});
 
 /// Returns the name of an element of an array with these sizes, such as "y[2,3]". `index` is in row-major order, from
