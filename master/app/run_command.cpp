@@ -192,7 +192,7 @@ void add_run(CLI::App& app, Action& action) {
       app.add_subcommand("run", "Run the ensemble of FMUs that a config or an SSP describes, or an FMU alone");
   command
       ->add_option("config", run->config,
-                   "Config (.json), FMU (.fmu), SSP 1.0 (.ssp, .ssd or its folder) or OspSystemStructure.xml")
+                   "Config (.json), FMU (.fmu), SSP (.ssp, .ssd or its folder) or OspSystemStructure.xml")
       ->type_name("FILE")
       ->required();
   command

@@ -29,7 +29,7 @@ namespace mebots {
 /// any thread.
 class Mission {
  public:
-  /// Reads and checks a config (.json), an FMU (.fmu) or an SSP 1.0 (.ssp). Starts no FMU yet. If the mission is a
+  /// Reads and checks a config (.json), an FMU (.fmu) or an SSP (.ssp). Starts no FMU yet. If the mission is a
   /// single FMU, names of variables need no instance.
   explicit Mission(const std::filesystem::path& config, const RunOptions& options = {});
   /// Returns a mission that resumes from the last checkpoint in a results folder.

@@ -32,7 +32,7 @@ class Mission:
     If the mission is used as a context manager, it is closed at the end of the block, even after an exception. Use a mission from one
     thread at a time; several missions may run on several threads, because stepping releases the interpreter's lock.
 
-    :param config: config (.json), FMU (.fmu) or SSP 1.0 (.ssp), or the content of a config as a dict, whose paths are relative
+    :param config: config (.json), FMU (.fmu) or SSP (.ssp), or the content of a config as a dict, whose paths are relative
         to the working folder. If the mission is a single FMU, names of variables need no instance.
     :param set: values for parameters and start values, by "instance.variable", in place of the config's.
     :param record: names of variables to record (* and ? allowed), in place of the config's choice.
