@@ -222,7 +222,7 @@ def mistakes_of_modules(root, description):
 
 def table(part):
     """Returns the layers of a part as a table for the page, the top layer first."""
-    lines = ["| layer | what lives there |", "|---|---|"]
+    lines = ["| layer | contents |", "|---|---|"]
     for layer in reversed(part.layers):
         folders = ", ".join(f"`{folder}/`" for folder in layer["folders"])
         lines.append(f"| {folders} | {layer['what']} |")
