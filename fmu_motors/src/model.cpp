@@ -132,11 +132,11 @@ void Model::warn_of_double_sag(double bus_v) {
   if (warned_of_double_sag_ || !is_surge || sag_v < kLeastSag_v || fall_v < sag_v / 2) return;
   warned_of_double_sag_ = true;
   if (!log_) return;
-  log_(
-      fmt::format("bus.voltage fell by {:.3g} V together with the last step's current of {:.3g} A, so that "
-                  "bus.resistance = {} Ohm counts the sag twice. Set it to 0, or step motors and battery at the same "
-                  "time (algorithm jacobi)",
-                  fall_v, last_current_a_, bus_resistance_ohm_));
+  log_(fmt::format(
+      "bus.voltage fell by {:.3g} V together with the last step's current of {:.3g} A, so that "
+      "the voltage drop of bus.resistance = {} Ohm counts twice. Set bus.resistance to 0, or step motors and "
+      "battery at the same time (algorithm jacobi)",
+      fall_v, last_current_a_, bus_resistance_ohm_));
 }
 
 RotorDrive Model::drive_of(const Inputs& inputs, double supply_v, std::size_t i) const {

@@ -14,7 +14,7 @@ std::span<NodeVariables> present(const Parameters& parameters, std::span<NodeVar
   const auto count = parameters.node_count;
   if (count >= 1 && static_cast<std::size_t>(count) <= nodes.size())
     return nodes.first(static_cast<std::size_t>(count));
-  throw Error(fmt::format("node.count = {} must be 1 to {}: this FMU has no more", count, nodes.size()));
+  throw Error(fmt::format("node.count = {} must be 1 to {}: this FMU has no more nodes", count, nodes.size()));
 }
 
 void check(std::span<const NodeVariables> nodes) {

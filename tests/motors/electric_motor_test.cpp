@@ -248,7 +248,7 @@ TEST(BusResistance, WarnsWhereTheVoltageContainsTheLastStepsCurrentAlready) {
   EXPECT_TRUE(warnings_with_delay(2).empty()) << "jacobi";
   const auto warnings = warnings_with_delay(1);  // gauss-seidel
   ASSERT_EQ(warnings.size(), 1U);
-  EXPECT_THAT(warnings.front(), testing::HasSubstr("bus.resistance = 0.15 Ohm counts the sag twice"));
+  EXPECT_THAT(warnings.front(), testing::HasSubstr("bus.resistance = 0.15 Ohm counts twice"));
 }
 
 }  // namespace

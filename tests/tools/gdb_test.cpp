@@ -411,9 +411,9 @@ TEST_F(Gdb, MonitorGoesToSavedPlacesAndToTheStart) {
   EXPECT_THAT(run.gdb, HasSubstr("$1 = 2"));
   EXPECT_THAT(run.gdb, HasSubstr("$2 = 3"));
   EXPECT_THAT(run.gdb, HasSubstr("$3 = 10"));
-  EXPECT_THAT(run.gdb, HasSubstr("there is no saved place 'second'"));
+  EXPECT_THAT(run.gdb, HasSubstr("there is no saved state 'second'"));
   EXPECT_THAT(run.gdb, HasSubstr("$4 = 0x80000000"));
-  EXPECT_THAT(run.gdb, HasSubstr("there is no saved place 'first'")) << "a reset forgets them";
+  EXPECT_THAT(run.gdb, HasSubstr("there is no saved state 'first'")) << "a reset forgets them";
   EXPECT_EQ(run.exit_code, 2) << run.err;
 }
 

@@ -153,7 +153,7 @@ TEST(HostConsole, NamesACommandThatIsNotServed) {
       "_start: la t0, tohost\nli t1, 0x01000000\nsw t1, 4(t0)\n1: lw t2, 4(t0)\nbnez t2, 1b\nsw t1, 4(t0)\n"
       "2: lw t2, 4(t0)\nbnez t2, 2b\nli t1, 1\nsw t1, 0(t0)\n1: j 1b");
   EXPECT_EQ(run.exit_code, 0);
-  EXPECT_THAT(run.err, HasSubstr("command 0 to device 1 through tohost is not served"));
+  EXPECT_THAT(run.err, HasSubstr("command 0 to device 1 through tohost is not supported"));
   EXPECT_EQ(run.err.find("command 0"), run.err.rfind("command 0")) << "once";
 }
 

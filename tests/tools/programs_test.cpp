@@ -183,7 +183,7 @@ buffer: .space 16)";
 TEST(User, NamesACallThatIsNotServed) {
   const auto run = run_user("_start: call 220\nneg a0, a0\nli a7, 93\necall");
   EXPECT_EQ(run.exit_code, ENOSYS);
-  EXPECT_THAT(run.err, HasSubstr("system call 220 (clone) is not served and answers ENOSYS"));
+  EXPECT_THAT(run.err, HasSubstr("system call 220 (clone) is not supported and returns ENOSYS"));
 }
 
 TEST(User, WithoutTheOptionAnEcallIsAnExceptionAndTheOptionIsNamed) {
@@ -246,7 +246,7 @@ TEST(Limits, OfTheHostsTimeEndTheRun) {
   const auto start = std::chrono::steady_clock::now();
   const auto run = run_program("_start: addi a0, a0, 1\nj _start", "--timeout 300ms");
   EXPECT_EQ(run.exit_code, 101);
-  EXPECT_THAT(run.err, HasSubstr("limit of 300ms of the host's time reached (--timeout)"));
+  EXPECT_THAT(run.err, HasSubstr("limit of 300ms of wall time reached (--timeout)"));
   EXPECT_GE(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(300));
 }
 

@@ -36,7 +36,7 @@ TEST(Run, PrintsCountsEnergyByComponentAndSpeed) {
   EXPECT_THAT(run.out,
               ContainsRegex("fabric_controller +[0-9.]+ pJ +[0-9.]+ mW +[0-9.]+ %  instructions of the fabric"));
   EXPECT_THAT(run.out,
-              ContainsRegex("chip +[0-9.]+ [np]J +[0-9.]+ [mu]W +100.0 %  the parts above; [0-9]+ checks would say"));
+              ContainsRegex("chip +[0-9.]+ [np]J +[0-9.]+ [mu]W +100.0 %  the parts above; range by [0-9]+ checks: "));
   EXPECT_THAT(run.out, ContainsRegex("no energy: .*cluster_cores"));
   EXPECT_THAT(run.out, ContainsRegex("host [0-9.]+ MIPS\n"));
   EXPECT_THAT(run.out, HasSubstr("tohost 1\n"));

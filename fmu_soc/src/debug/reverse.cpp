@@ -56,7 +56,8 @@ std::optional<GdbServer::Resume> GdbServer::travel(std::string_view command) {
   }
   if (command == "reset") {
     if (!history_->has_start()) {
-      return reply("the start of the run is before a state that the co-simulation has restored\n");
+      return reply(
+          "gdb cannot go back to the start of the run, because the co-simulation has restored a state since then\n");
     }
     names_.clear();
     replay_ = Replay{.phase = Replay::Phase::restarting, .place = {.position = 1}};
@@ -66,7 +67,7 @@ std::optional<GdbServer::Resume> GdbServer::travel(std::string_view command) {
   if (!command.starts_with(kRestore)) return std::nullopt;
   const auto name = std::string(command.substr(kRestore.size()));
   const auto found = names_.find(name);
-  if (found == names_.end()) return reply(fmt::format("there is no saved place '{}'\n", name));
+  if (found == names_.end()) return reply(fmt::format("there is no saved state '{}'\n", name));
   const auto from = state_before(found->second);
   if (!from) {
     return reply(

@@ -168,7 +168,7 @@ void Model::start(std::int64_t start_ns) {
   origin_ns_ = start_ns;
   const auto& checks = soc_.energy_checks();
   variables_.outputs.energy_checks =
-      fmt::format("{} checks of {}: silicon took {:.2f} to {:.2f} times, no confidence interval", checks.count,
+      fmt::format("{} checks of {}: silicon / model is {:.2f} to {:.2f}; not a confidence interval", checks.count,
                   energies_, checks.least, checks.most);
   take_inputs();
   write(0);

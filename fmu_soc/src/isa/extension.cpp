@@ -38,15 +38,15 @@ struct Absent {
   std::string_view why;
 };
 constexpr auto kAbsent = std::to_array<Absent>({
-    {"d", "the cores have no double precision: take f, and compile with -mabi=ilp32f"},
+    {"d", "the cores have no double precision: use f, and compile with -mabi=ilp32f"},
     {"g", "this is imafd, and the cores have no d: write imaf"},
     {"e", "the cores have 32 registers: write i"},
-    {"s", "the cores have no supervisor mode: take u, and physical memory protection"},
-    {"q", "the cores have no quad precision: take f"},
+    {"s", "the cores have no supervisor mode: use u, and physical memory protection"},
+    {"q", "the cores have no quad precision: use f"},
     {"v", "the cores have no vectors"},
     {"h", "the cores have no hypervisor"},
     {"p", "the cores have no packed SIMD of the standard; ri5cy has that of Xpulp"},
-    {"zdinx", "the cores have no double precision: take zfinx"},
+    {"zdinx", "the cores have no double precision: use zfinx"},
 });
 
 [[noreturn]] void fail(std::string_view text, std::string_view what) {
@@ -65,7 +65,7 @@ std::vector<std::string> parts_of(std::string_view text, std::string_view rest) 
     } else if (is_digit || (letter == 'p' && i > 0 && std::isdigit(static_cast<unsigned char>(rest[i - 1])) != 0)) {
       if (parts.empty()) fail(text, "a letter must follow rv32");
     } else if (letter < 'a' || letter > 'z') {
-      fail(text, fmt::format("'{}' is no letter", rest[i]));
+      fail(text, fmt::format("'{}' is not a letter", rest[i]));
     } else if (in_name) {
       parts.back() += letter;
     } else {

@@ -195,10 +195,10 @@ void HostServices::device_command(unsigned device, unsigned command, std::uint64
     files_.write(1, {&character, 1});
     return;
   }
-  calls_.report_once(
-      fmt::format("command {} to device {} through tohost is not served; device 0 (system calls) and command 1 "
-                  "of device 1 (write a character to the console) are",
-                  command, device));
+  calls_.report_once(fmt::format(
+      "command {} to device {} through tohost is not supported; use device 0 (system calls), or command 1 of "
+      "device 1 (write a character to the console)",
+      command, device));
 }
 
 }  // namespace mebots::soc::tool

@@ -59,8 +59,9 @@ void add_options(CLI::App& command, Options& options) {
                   "RAM of BASE:SIZE bytes, such as 0x80000000:64M, instead of RAM around the program's segments, or "
                   "more RAM for the board; more than once for several")
       ->type_name("BASE:SIZE");
-  command.add_flag("--user", options.user,
-                   "Serve ecall as Linux's system calls (console, files, heap, time, exit), for programs of newlib");
+  command.add_flag(
+      "--user", options.user,
+      "Execute ecall as a system call of Linux (console, files, heap, time, exit), for programs built with newlib");
   command
       .add_option("--console", options.console,
                   "Input of the console: stdio, the standard input; pty, a new pseudo terminal for input and output")
@@ -141,7 +142,7 @@ void add_options(CLI::App& command, Options& options) {
           ""));
   command.add_option("--max-time", options.max_time, "Stop at this simulated time, such as 2s or 500us")
       ->type_name("TIME");
-  command.add_option("--timeout", options.timeout, "Stop after this time of the host, such as 10s")->type_name("TIME");
+  command.add_option("--timeout", options.timeout, "Stop after this wall time, such as 10s")->type_name("TIME");
   command.footer(kFooter);
 }
 
@@ -219,8 +220,8 @@ void check(const Options& options) {
   }
   if ((options.load_state || options.save_state) && (options.user || options.host_files || options.control)) {
     throw Error(
-        "--load-state and --save-state keep the chip, not what the host does for its program: leave --user, "
-        "--host-files and --control out");
+        "a saved state contains the chip, but not the files and inputs that the host provides: use --load-state and "
+        "--save-state without --user, --host-files and --control");
   }
   if (options.load_state && (options.page || options.report)) {
     throw Error("--page and --report describe a run from its start: leave them out, or --load-state");

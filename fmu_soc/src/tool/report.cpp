@@ -166,7 +166,7 @@ void print_energy(const ChipReport& report) {
   };
   for (const auto& part : parts) add(part, true);
   auto chip = energy_row({"chip", report.chip_j, "the parts above"}, report, true);
-  chip.back() += fmt::format("; {} checks would say {} to {} (no confidence interval)", report.checks,
+  chip.back() += fmt::format("; range by {} checks: {} to {} (not a confidence interval)", report.checks,
                              quantity_text(report.least_j, "J"), quantity_text(report.most_j, "J"));
   rows.push_back(std::move(chip));
   for (const auto& device : report.devices) add(device, false);

@@ -185,7 +185,7 @@ std::string reason_text(const Soc& soc, const Options& options, Reached reached)
     case Reached::time:
       return fmt::format("limit of {} of simulated time reached (--max-time)", *options.max_time);
     case Reached::wall_time:
-      return fmt::format("limit of {} of the host's time reached (--timeout)", *options.timeout);
+      return fmt::format("limit of {} of wall time reached (--timeout)", *options.timeout);
     case Reached::none:
       break;
   }

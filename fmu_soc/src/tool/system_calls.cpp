@@ -278,10 +278,10 @@ long SystemCalls::tell_time(std::uint32_t address, std::uint64_t per_second) {
 
 long SystemCalls::refuse(std::uint32_t number) {
   const auto name = system_call_name(number);
-  report_once(
-      fmt::format("system call {}{} is not served and answers ENOSYS: link the program with a C library without "
-                  "operating system, such as newlib or picolibc",
-                  number, name.empty() ? "" : fmt::format(" ({})", name)));
+  report_once(fmt::format(
+      "system call {}{} is not supported and returns ENOSYS: link the program with a C library that needs no "
+      "operating system, such as newlib or picolibc",
+      number, name.empty() ? "" : fmt::format(" ({})", name)));
   return -ENOSYS;
 }
 

@@ -48,7 +48,7 @@ TEST(IsaString, RefusesByName) {
   EXPECT_THAT(refusal("rv32ic"), HasSubstr("'m' is missing"));
   EXPECT_THAT(refusal("rv32ima"), HasSubstr("'c' is missing"));
   EXPECT_THAT(refusal("rv32imfc_zfinx"), HasSubstr("zfinx and f exclude each other"));
-  EXPECT_THAT(refusal("rv32im-c"), HasSubstr("'-' is no letter"));
+  EXPECT_THAT(refusal("rv32im-c"), HasSubstr("'-' is not a letter"));
   EXPECT_THAT(refusal("rv32"), HasSubstr("'i' is missing"));
 }
 
