@@ -178,7 +178,7 @@ std::string uncertainty_line(const Json& uncertainty) {
   for (const auto& [outcome, count] : uncertainty["outcomes"].items())
     outcomes.push_back(fmt::format("{} {}", outcome, count.get<int>()));
   const auto time = member_of(uncertainty["intervals"], "simulated_time");
-  return fmt::format("uncertainty: 9 of 10 flights simulate {} s; their other ranges are below ({} draws: {})",
+  return fmt::format("uncertainty: 9 of 10 flights last {} s; the ranges of other values are below ({} draws: {})",
                      time.is_array() ? interval_text(time) : "nothing", uncertainty["flights"].get<int>(),
                      fmt::join(outcomes, ", "));
 }

@@ -221,7 +221,7 @@ void add_run(CLI::App& app, Action& action) {
       ->take_all();
   command
       ->add_option("--record", run->record,
-                   "Record the variables that fit this pattern (* and ?), in place of the config's choice (may be "
+                   "Record the variables that match this pattern (* and ?), in place of the config's choice (may be "
                    "repeated)")
       ->type_name("PATTERN")
       ->allow_extra_args(false)

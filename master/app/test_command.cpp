@@ -52,8 +52,8 @@ int run_cases(const TestOptions& options) {
     reports.push_back(junit_case(result));
   }
   if (reports.empty()) {
-    throw InputError(ErrorCode::unknown_name,
-                     fmt::format("{}: no case fits '{}'", options.files.back().string(), options.pattern));
+    throw InputError(ErrorCode::unknown_name, fmt::format("{}: no case has a name that matches '{}'",
+                                                          options.files.back().string(), options.pattern));
   }
   print_product(fmt::format("{} of {} cases passed\n", reports.size() - bad, reports.size()));
   if (!options.junit.empty()) write_junit(options.junit, fmu.stem().string(), reports);

@@ -280,7 +280,7 @@ void judge(const CrashRule& rule, Findings& findings, const ChildEnd& end, const
   });
   if (without.in_time && WIFSIGNALED(without.status) && without.callback.empty()) {
     findings.add(rule.severity,
-                 fmt::format("{}: it had damaged memory that it does not own: the callback {} failed on it",
+                 fmt::format("{}: it damaged memory that it does not own, which made the callback {} fail",
                              crash_text(without), end.callback),
                  rule.way_out);
     return;

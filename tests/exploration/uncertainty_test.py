@@ -46,7 +46,7 @@ class Calibration(StudyCase):
         low, high = found["intervals"]["energy"]["delivered"]
         self.assertLess(low, summary["energy"]["delivered"])
         self.assertGreater(high, summary["energy"]["delivered"])
-        self.assertRegex(text, r"flights simulate 4 to 4 s")
+        self.assertRegex(text, r"flights last 4 to 4 s")
         self.assertRegex(text, r"energy\.delivered +\S+ J \(\S+ to \S+\)")
 
     def test_the_flight_itself_keeps_its_results(self):

@@ -71,7 +71,7 @@ void FmuStates<Functions>::restore(const SlaveState& state) {
     throw Error(
         ErrorCode::wrong_call_order,
         fmt::format("instance '{}': its state of {} s cannot be restored: at {} s no state was kept, so the "
-                    "master told the FMU that no earlier state will be set (noSetFMUStatePriorToCurrentPoint). Keep a "
+                    "master set noSetFMUStatePriorToCurrentPoint, after which no earlier state may be set. Keep a "
                     "state for as long as the run may go back",
                     calls_->name(), to_seconds(saved.time_ns), to_seconds(promised_ns_)));
   }
