@@ -102,7 +102,7 @@ void check_may_set(const Instance& instance, Rows rows) {
   const auto& variables = instance.definition().variables;
   const bool configures = instance.state() == State::configuration;
   for (const fmi2ValueReference row : rows) {
-    if (row == variables.size()) throw Error("time is the independent variable, which steps move");
+    if (row == variables.size()) throw Error("time is the independent variable, which only a step changes");
     if (variables[row].is_structural == configures) continue;
     const std::string_view name = variables[row].name;
     throw Error(

@@ -179,7 +179,7 @@ void Instance::get(References references, std::span<fmi2String> values) {
     if (v.offset != kNoField) return field<std::string>(variables_.get(), v).c_str();
     if (!model_)
       throw Error(
-          fmt::format("{} does not exist: initialisation did not end well; call {}Reset", v.name, version_.prefix));
+          fmt::format("{} does not exist, because initialisation failed; call {}Reset", v.name, version_.prefix));
     return texts_made_.emplace_back(model_->on_demand_text(v.name)).c_str();
   });
 }

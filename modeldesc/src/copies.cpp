@@ -42,7 +42,7 @@ void check_unique(const Description& description) {
 Node read_repeat(const Node& node, Description& description) {
   const auto members = node.members();
   if (members.size() != 1)
-    node.fail(ErrorCode::invalid_value, "one thing can be repeated: {\"drone\": \"drone.count\"}");
+    node.fail(ErrorCode::invalid_value, "name one object to repeat, such as {\"drone\": \"drone.count\"}");
   const auto& [word, size] = members.front();
   if (!is_cpp_identifier(word)) size.fail(ErrorCode::invalid_value, fmt::format("\"{}\" is not a C++ name", word));
   description.repeat = Repeat{word, size.text(), 1};

@@ -56,7 +56,7 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember({2, 3}));
   generate_command->add_flag("--icon", has_icon, "declare the picture of the archive (pack --icon) in FMI 3.0");
   generate_command
-      ->add_option("--count", copies, "copies of the thing that the description repeats, such as drones (default 1)")
+      ->add_option("--count", copies, "copies of the object that the description repeats, such as drones (default 1)")
       ->check(CLI::Range(1, 4096));
   std::string fmi2_sources;
   std::string fmi3_sources;

@@ -112,9 +112,8 @@ std::string write_page(const ModelDescription& description, std::string_view ver
       "th {{ background: #f2f2f2; }}\n</style>\n</head>\n<body>\n<h1>{0}</h1>\n<p>{1}.</p>\n",
       escaped(description.model_name), escaped(description.text));
   out += fmt::format(
-      "<p>An FMI {} co-simulation unit. Default step {:g} s, default stop time {:g} s; any step size works, state can "
-      "be "
-      "saved, restored and serialised, and one process may hold many instances.</p>\n",
+      "<p>A co-simulation FMU for FMI {}. Default step {:g} s, default stop time {:g} s. Any step size is "
+      "possible. The state can be saved, restored and serialised. A process may contain many instances.</p>\n",
       version, description.default_experiment.step_size_s.value_or(0),
       description.default_experiment.stop_time_s.value_or(0));
   write_table(out, rows, Causality::parameter, "Parameters");

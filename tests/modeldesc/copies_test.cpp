@@ -110,7 +110,7 @@ TEST_F(CopiesTest, NamesWhatIsWrong) {
   const std::string variable = R"("variables": [{"name": "a", "causality": "output", "unit": "m", "text": "t"}])";
   EXPECT_THAT(error_of(variable, 2), HasSubstr("the description repeats nothing"));
   EXPECT_THAT(error_of(R"("repeat": {"drone": "n"}, )" + variable, 1), HasSubstr("the parameter"));
-  EXPECT_THAT(error_of(R"("repeat": {}, )" + variable, 1), HasSubstr("one thing can be repeated"));
+  EXPECT_THAT(error_of(R"("repeat": {}, )" + variable, 1), HasSubstr("name one object to repeat"));
   EXPECT_THAT(
       error_of(R"("variables": [{"name": "a", "causality": "output", "unit": "m", "copies": "shared", "text": "t"}])",
                1),
