@@ -173,11 +173,11 @@ function makeHeading(runs: Run[]): HTMLElement {
 
 const KEYS: [string, string][] = [
   ["space", "play, pause"],
-  ["\u2190 \u2192", "one row back, on; with shift one second"],
-  ["home, end", "begin, end"],
+  ["\u2190 \u2192", "one row back, forward; with shift one second"],
+  ["home, end", "start, end"],
   ["+ \u2212", "faster, slower"],
   [LOOKS.map((_, i) => i + 1).join(" "), `camera: ${LOOKS.join(", ")}`],
-  ["click, shift + drag", "on a plot: choose the moment"],
+  ["click, shift + drag", "on a plot: set the present time"],
   ["drag, ctrl + wheel, two fingers", "on a plot: zoom in; double click or escape: show all"],
   ["/", "search a variable"],
   ["d", "dark or light"],

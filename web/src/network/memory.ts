@@ -35,8 +35,8 @@ export function makeMemory({ network, board }: NetworkPage): HTMLElement {
   const rest = board.l2 - inL2 - memory.picture - memory.activations;
   const whole: [string, number][] = [[memory.fetched ? "buffers for weights in HyperRAM" : "weights", inL2], ["picture", memory.picture], ["activations", memory.activations], ["program, stacks and free", rest]];
   const l1 = layers.flatMap(({ name, l1 }) => (l1 ? [[name, kib(l1.bytes), `${digits((100 * l1.bytes) / board.l1, 3)} %`]] : []));
-  const beside = memory.fetched ? "Buffers for weights in HyperRAM" : "Weights";
-  return panel("Memory over time", `Each box is a tensor, from the layer that writes it to the last one that reads it. ${beside}, ${kib(inL2)}, and the picture, ${kib(memory.picture)}, lie beside them.`,
+  const beside = memory.fetched ? "the buffers for weights in HyperRAM" : "the weights";
+  return panel("Memory over time", `Each box is a tensor, from the layer that writes it to the last one that reads it. L2 also contains ${beside} (${kib(inL2)}) and the picture (${kib(memory.picture)}).`,
     plot.root, element("h3", {}, `L2 of board ${board.name}: ${kib(board.l2)}`),
     makeSmallTable(["content", "size", "of L2"], whole.map(([name, bytes]) => [name, kib(bytes), `${digits((100 * bytes) / board.l2, 3)} %`])),
     element("h3", {}, `L1, ${kib(board.l1)}, of ${counted(l1.length, "layer")}`), makeSmallTable(["layer", "buffers in L1", "of L1"], l1));

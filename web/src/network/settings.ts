@@ -36,7 +36,7 @@ export function makeSettings({ network }: NetworkPage, measured: Measured): HTML
   });
   const rows = [...settings].sort((a, b) => a.energy - b.energy).map(({ cores, cluster_clock, time, energy }) => [
     cores, shown(cluster_clock, "Hz"), shown(time, "s"), shown(energy, "J"), shown(energy / time, "W"), (macs / (time * cluster_clock)).toFixed(2)]);
-  const made = panel("Clocks and numbers of cores", "All at 1.0 V. The results are the same bits in each setting, so the accuracy is the same. The table begins with the least energy.",
+  const made = panel("Clocks and numbers of cores", "All at 1.0 V. The results have the same bits in each setting, so the accuracy is the same. The table begins with the least energy.",
     plot.root, makeSmallTable(["cores", "clock", "time", "energy", "mean power", "MAC/cycle"], rows));
   made.classList.add("settings");
   return made;

@@ -37,7 +37,7 @@ export function makeChip(run: Run): HTMLElement {
   const chip: Json = run.header.chip;
   return element("div", { class: "chip scroll" },
     element("h3", {}, "Energy"), makeEnergy(chip),
-    element("p", { class: "faint" }, `${chip.checks.count} measured programs would put the chip between ${shown(chip.checks.least_j, "J")} and ${shown(chip.checks.most_j, "J")}; this is no confidence interval.`),
+    element("p", { class: "faint" }, `Range of the chip's energy by ${chip.checks.count} measured programs: ${shown(chip.checks.least_j, "J")} to ${shown(chip.checks.most_j, "J")}. This is not a confidence interval.`),
     element("h3", {}, "Instructions"), makeCounts(chip),
     element("h3", {}, "Time"), makeShares(chip.states_s, chip.time_s, "s"));
 }
