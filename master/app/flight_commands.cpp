@@ -120,7 +120,7 @@ void add_replay(CLI::App& app, Action& action) {
   command->add_flag("--hover", options->hover,
                     "The drone hovered, and the log has no motion: compare thrust with weight");
   command->footer(
-      help_footer({"0 replayed", "1 a model or the disk failed", "2 the input cannot be used"},
+      help_footer({"0 replayed", "1 a model failed, or a file could not be written", "2 the input cannot be used"},
                   {"mebots replay log00 --airframe configs/airframes/crazyflie_21.json --mass 0.0347 --out replay",
                    "mebots replay flight.csv --mapping columns.json --airframe my_drone.json --out replay"}));
   command->callback([options, &action] {
@@ -159,7 +159,7 @@ void add_identify(CLI::App& app, Action& action) {
       ->check(positive());
   command->add_flag("--hover", options->hover, "The drone hovered, and the logs have no motion");
   command->footer(help_footer(
-      {"0 fitted", "1 a model or the disk failed", "2 the input cannot be used"},
+      {"0 fitted", "1 a model failed, or a file could not be written", "2 the input cannot be used"},
       {"mebots identify log00 log01 --airframe configs/airframes/crazyflie_21.json --mass 0.0347 --out mine.json",
        "mebots identify log00 --airframe mine.json --fit mass --out heavier.json"}));
   command->callback([options, &action] {
@@ -192,10 +192,11 @@ void add_new_cell(CLI::App& app, Action& action) {
   command->add_option("--mapping", options->mapping, "Which column of that log is which signal")
       ->type_name("FILE.json")
       ->check(not_empty());
-  command->footer(help_footer({"0 written", "1 the model or the disk failed", "2 the input cannot be used"},
-                              {"mebots new-cell my_cell.json --name 'Maker 300' --capacity 300 --mass 8.1 --c-rate 25",
-                               "mebots new-cell my_cell.json --name 'Maker 300' --capacity 300 --mass 8.1 --c-rate 25 "
-                               "--discharge bench.csv --mapping columns.json"}));
+  command->footer(
+      help_footer({"0 written", "1 the model failed, or the file could not be written", "2 the input cannot be used"},
+                  {"mebots new-cell my_cell.json --name 'Maker 300' --capacity 300 --mass 8.1 --c-rate 25",
+                   "mebots new-cell my_cell.json --name 'Maker 300' --capacity 300 --mass 8.1 --c-rate 25 "
+                   "--discharge bench.csv --mapping columns.json"}));
   command->callback([options, &action] {
     action = [options] {
       return guarded([&] { become_python("mebots new-cell", "mebots.flight.command", words_of(*options)); });

@@ -88,7 +88,8 @@ void add_link(CLI::App& app, Action& action) {
   add_options(*command, *options);
   command->footer(help_footer(
       {"0 the run has ended, or Ctrl-C ended it",
-       "1 a model or the disk failed, or a replay gave other bits than the recorded run", "2 the input cannot be used"},
+       "1 a model failed, a file could not be written, or a replay gave other bits than the recorded run",
+       "2 the input cannot be used"},
       {"mebots link configs/link.json --out results/link", "mebots link configs/link.json --drones 2 --idle 5",
        "mebots link configs/link.json --replay results/link/link.jsonl"}));
   command->callback([options, &action] {

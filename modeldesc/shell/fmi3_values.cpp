@@ -91,7 +91,7 @@ void write(Instance& instance, Rows rows, std::span<const T> values) {
   std::vector<fmi2Integer> own;
   for (const T value : values) {
     if (!std::in_range<fmi2Integer>(value))
-      throw Error(fmt::format("{} = {}: it holds numbers of 32 bits",
+      throw Error(fmt::format("{} = {}: this variable holds numbers of 32 bits",
                               instance.definition().variables[rows[own.size()]].name, value));
     own.push_back(static_cast<fmi2Integer>(value));
   }

@@ -234,7 +234,7 @@ TEST(Fmi3Shell, ConfigurationModeSetsStructuralParametersOnlyAndChecksThem) {
   EXPECT_EQ(bank.set<std::uint64_t>(CALL(fmu, fmi3SetUInt64), "lines", {5}), fmi3Error);
   EXPECT_THAT(bank.last_message(), HasSubstr("lines = 5 is above its maximum of 4"));
   EXPECT_EQ(bank.set<std::uint64_t>(CALL(fmu, fmi3SetUInt64), "lines", {~std::uint64_t{0}}), fmi3Error);
-  EXPECT_THAT(bank.last_message(), HasSubstr("it holds numbers of 32 bits"));
+  EXPECT_THAT(bank.last_message(), HasSubstr("this variable holds numbers of 32 bits"));
   EXPECT_EQ(bank.step(0, 1), fmi3Error);
   EXPECT_THAT(bank.last_message(), HasSubstr("not allowed in state 'configuration mode'"));
   Instance3 lag(Fmu3::lag());

@@ -208,10 +208,10 @@ TEST(Run, ControlRefusesAddressesAndSizesBeyond32Bits) {
 {"read": 2147483648, "size": 2}
 )");
   const auto run = run_tool(fmt::format("run {} --control < {}", program, folder / "commands"));
-  EXPECT_THAT(run.out, HasSubstr("read: 6442450944 is not an address"));
-  EXPECT_THAT(run.out, HasSubstr("read: 4294967300 is not a size"));
-  EXPECT_THAT(run.out, HasSubstr("read: -1 is not a size"));
-  EXPECT_THAT(run.out, HasSubstr("read: -4 is not an address"));
+  EXPECT_THAT(run.out, HasSubstr("read: 6442450944 must be an address"));
+  EXPECT_THAT(run.out, HasSubstr("read: 4294967300 must be a size"));
+  EXPECT_THAT(run.out, HasSubstr("read: -1 must be a size"));
+  EXPECT_THAT(run.out, HasSubstr("read: -4 must be an address"));
   EXPECT_THAT(run.out, ContainsRegex(R"(\{"bytes":"[0-9a-f]{4}"\})"));
 }
 

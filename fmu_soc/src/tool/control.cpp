@@ -37,7 +37,7 @@ std::string hex(const std::vector<std::uint8_t>& bytes) {
 std::uint32_t whole_number(std::string_view what, const nlohmann::ordered_json& value) {
   constexpr std::uint32_t kMost = std::numeric_limits<std::uint32_t>::max();
   if (!value.is_number_unsigned() || value.get<std::uint64_t>() > kMost) {
-    throw Error(fmt::format("read: {} is not {}: that is a whole number from 0 to 0x{:x}", value.dump(), what, kMost));
+    throw Error(fmt::format("read: {} must be {}, a whole number from 0 to 0x{:x}", value.dump(), what, kMost));
   }
   return value.get<std::uint32_t>();
 }

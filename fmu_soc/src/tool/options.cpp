@@ -95,9 +95,10 @@ void add_options(CLI::App& command, Options& options) {
   command.add_option("--json", options.json, "Write the report as JSON, in SI units, into this file")
       ->type_name("FILE");
   command
-      .add_option("--report", options.report,
-                  "Write the report with the cycles of each core and function by cause, of caches and banks, as JSON "
-                  "into this file; the run is slower")
+      .add_option(
+          "--report", options.report,
+          "Write the report as JSON into this file, with the cycles of each core and function by cause, and with "
+          "the use of caches and banks; the run is slower")
       ->type_name("FILE.json");
   command
       .add_option("--coverage", options.coverage,

@@ -403,8 +403,9 @@ std::vector<ResolvedConnection> scalars_of(const ResolvedSystem& system, const C
     const auto& other = from_parts ? connection.to : connection.from;
     const auto& other_place = connection.place;
     system.find(other, other_place);  // throws if it is unknown
-    throw InputError(ErrorCode::invalid_connection, fmt::format("{}: '{}' is a binary variable (OSMP) and '{}' is not",
-                                                                connection.place, binary.text(), other.text()));
+    throw InputError(ErrorCode::invalid_connection,
+                     fmt::format("{}: '{}' is a binary variable (OSMP) and '{}' is not; connect two binary variables",
+                                 connection.place, binary.text(), other.text()));
   }
   const auto from = system.find(connection.from, connection.place + "/from");
   const auto to = system.find(connection.to, connection.place + "/to");

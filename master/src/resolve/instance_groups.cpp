@@ -58,9 +58,9 @@ void check_members(const ResolvedSystem& system, const std::vector<std::size_t>&
                       time_text(system.description->step_of(description))));
     }
     if (instance.isolation.continue_without && members.size() > 1) {
-      refuse_key(
-          system, member, "on_failure",
-          fmt::format("'{}' is in a {} with others, which cannot continue without it", description.name, words.group));
+      refuse_key(system, member, "on_failure",
+                 fmt::format("'{}' is in a {} with other instances, which cannot continue without it", description.name,
+                             words.group));
     }
   }
 }

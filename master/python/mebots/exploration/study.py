@@ -172,7 +172,7 @@ def _refuse_config(source: str | os.PathLike[str]) -> None:
         return
     if isinstance(content, dict) and "instances" in content and "mission" not in content:
         name = os.fspath(source)
-        raise InputError(f'{name}: this is the config of a run, not a study. `mebots run {name}` runs it; a study names it as "mission"') from None
+        raise InputError(f'{name}: this is the config of a run, not a study. `mebots run {name}` runs it; a study names it under the key "mission"') from None
 
 
 def _from_dict(source: dict[str, Any]) -> Study:
