@@ -30,7 +30,7 @@ SKIPPED = 77
 
 MODES = {
     "null": "writes to address 0",
-    "bus": "reads behind the end of a mapped file",
+    "bus": "reads beyond the end of a mapped file",
     "division": "divides by zero",
     "illegal": "illegal instruction",
     "abort": "abort()",
@@ -50,7 +50,7 @@ MODES = {
     "vfork_returns": "the same with vfork()",
     "throw": "a C++ exception through the C interface",
     "throw_number": "the same with a number",
-    "bad_string": "a text output at an address where nothing is",
+    "bad_string": "a text output at an unmapped address",
     "child_exit": "a process that it forks calls exit(3)",
     "hang": "a step does not return",
     "error": "fmi2Error",
@@ -59,7 +59,7 @@ MODES = {
     "infinity": "an output is infinite",
     "huge_state": "claims a state of 32 TiB",
     "log_foreign": "messages with a foreign or null environment",
-    "log_thread": "messages from a thread of its own",
+    "log_thread": "messages from a separate thread",
     "log_format": "messages with hostile formats",
     "log_bytes": "messages with control characters, not UTF-8",
     "log_errors": "the same error message in every step",
@@ -200,7 +200,7 @@ def cell(mode, outcome, good_rows):
     elif outcome.code == 0 and outcome.rows == good_rows:
         said = ["harmless"]
     elif outcome.code != "hangs":
-        said.append("nothing said")
+        said.append("no message")
     if mode == "escape":
         inside = outcome.rows and outcome.rows[-1].split(",")[-1] == "1000"
         return "refused" if inside else "succeeds"
