@@ -244,7 +244,8 @@ void add_run(CLI::App& app, Action& action) {
       ->type_name("KIND")
       ->check(CLI::IsMember({"calibration", "none"}));
   command->add_flag("--dry-run", report->dry_run,
-                    "Check everything up to t = 0, print instances, connections and columns, and write nothing");
+                    "Check everything up to t = 0, print the instances and the numbers of connections and columns, and "
+                    "write nothing");
   command->add_flag("--isolate", run->run.isolate, "Run every instance in a separate process");
   add_live_options(*command, report->live);
   add_report_options(*command, *report);
