@@ -13,8 +13,8 @@
 namespace mebots::battery {
 namespace {
 
-/// The release voltage minus the cut-off voltage if the file does not give it. In protection circuits, this is 0 to 0.7
-/// V.
+/// If the file does not give the release voltage, it is the cut-off voltage plus this value. In protection circuits,
+/// the difference is 0 to 0.7 V.
 constexpr double kUsualHysteresis_v = 0.2;
 /// Minimum hysteresis. With less, event location could open and close the protection without end.
 constexpr double kLeastHysteresis_v = 1e-3;

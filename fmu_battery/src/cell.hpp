@@ -9,8 +9,8 @@
 
 namespace mebots::battery {
 
-/// Values of the equivalent circuit's elements at one state of charge:
-/// open-circuit source, series resistance and two parallel RC pairs in one loop.
+/// Values of the elements of the equivalent circuit at one state of charge. The circuit has an open-circuit source, a
+/// series resistance and two RC pairs in series.
 struct Circuit {
   double open_circuit_v;
   double series_ohm;
@@ -43,7 +43,7 @@ struct Cell {
   Circuit circuit_at(double s) const;
 };
 
-/// The position of each quantity in its interval in the file: -1 and 1 are the ends, 0 is the value.
+/// Positions of quantities in their intervals in the file: -1 and 1 are the ends of an interval, 0 is the value itself.
 struct CellPositions {
   double resistance = 0;  // of resistance_factor; capacitances change inversely, so that time constants are unchanged
   double capacity = 0;    // of capacity_factor or, if that has no interval, of capacity

@@ -8,8 +8,8 @@
 
 namespace mebots::battery {
 
-/// A DC/DC converter between the cell's bus and a load, or between a source and the bus. Its efficiency is a table over
-/// the output current: linear between the points of the table, and constant outside.
+/// A DC/DC converter between the bus and a load, or between a source and the bus. A table gives its efficiency over the
+/// output current. The efficiency is linear between the table's points, and constant outside of them.
 class Converter {
  public:
   /// Creates a connection without a converter, which has efficiency 1.
@@ -40,8 +40,8 @@ class Converter {
 /// Reads all converters of a converters.json. Throws mebots::Error that lists all mistakes.
 std::map<std::string, Converter> load_converters(const std::filesystem::path& file);
 
-/// Reads the converter `name` of a converters.json. `variable` is the parameter that names it, for messages. Throws
-/// mebots::Error that names file, key, value and limit, or the known names.
+/// Reads the converter `name` of a converters.json. `variable` is the parameter that contains this name, for messages.
+/// Throws mebots::Error that names file, key, value and limit, or the known names.
 Converter load_converter(const std::filesystem::path& file, const std::string& name, const std::string& variable);
 
 }  // namespace mebots::battery

@@ -16,8 +16,8 @@
 namespace mebots::battery {
 namespace {
 
-// The vector that SUNDIALS integrates. The elements of the ledger start at zero in every call of advance(). So the
-// error control uses the energies of the step, not the energies since the start.
+// The vector that SUNDIALS integrates. The elements of the ledger are zero at the start of every piece. So the error
+// control uses the energies of the piece, not the energies since the start of the run.
 enum Index : int {
   kSoc,
   kPair1,
@@ -32,14 +32,15 @@ enum Index : int {
   kSize
 };
 
-// Absolute tolerances: 1e-12 of the charge, 1e-10 V, 1e-10 J in one step.
+// Absolute tolerances: 1e-12 of the charge, 1e-10 V, and 1e-10 J in one piece.
 constexpr double kSocTolerance = 1e-12;
 constexpr double kVoltageTolerance = 1e-10;
 constexpr double kEnergyTolerance = 1e-10;
-// Limits of steps and pieces per advance. A piece that has begun may exceed them.
+// Limits of the solver's steps in a piece, and of evaluations in a call of advance(). The last piece may exceed the
+// limit of evaluations.
 constexpr long kMaxSteps = 1'000'000;
 constexpr long kMaxEvaluations = 5 * kMaxSteps;
-// If a piece of an advance cannot be integrated, a tenth of it is tried, down to this minimum.
+// If a piece of the duration cannot be integrated, a tenth of the piece is tried. This is the minimum [s].
 constexpr double kPieceFactor = 10;
 constexpr double kShortestPiece = 1e-15;
 // Hysteresis of the detector of a low voltage. It must exceed the tolerance of event location.
@@ -164,7 +165,8 @@ class Integrator::Solver {
     return margin < 0 ? Event::cut_off : Event::none;
   }
 
-  /// Integrates a piece. Returns ARKODE's flag; if it is negative, `state` and `ledger` are unchanged.
+  /// Integrates a piece of the duration. Returns ARKODE's flag. If the flag is negative, `state` and `ledger` are
+  /// unchanged.
   int evolve(CellState& state, Ledger& ledger, double piece_s, double& reached_s) {
     double* y = N_VGetArrayPointer(y_);
     std::fill(y, y + kSize, 0.0);
@@ -190,7 +192,8 @@ class Integrator::Solver {
     return std::all_of(y, y + kSize, [](double value) { return std::isfinite(value); });
   }
 
-  /// Returns the event that root finding has located, and sets the state exactly to its limit.
+  /// Returns the event that root finding has located. Sets the state of charge exactly to 0 or 1 if it is empty or
+  /// full.
   Event settle(CellState& state) {
     int found[kRootCount] = {};
     check(ERKStepGetRootInfo(memory_, found), "ERKStepGetRootInfo");

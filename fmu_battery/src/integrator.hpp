@@ -46,7 +46,7 @@ struct Ledger {
   }
 };
 
-/// The load and the source at the cell's terminals, constant during a step.
+/// The powers of the loads and of the source on the bus. They are constant during a step.
 struct Demand {
   double delivered_w = 0;   // at the outputs of the loads' converters
   double drawn_w = 0;       // at their inputs
@@ -58,7 +58,7 @@ struct Demand {
   double converter_loss_w() const { return drawn_w - delivered_w + source_w - source_bus_w; }
 };
 
-/// The reason why an advance ended early.
+/// The reason why advance() returned before the end of the duration.
 enum class Event {
   none,
   cut_off,    // the terminal voltage would fall below the cut-off, or no current gives this power
@@ -76,10 +76,10 @@ enum class Protection {
   open,  // blocks discharge; a charge passes, as through the body diode of the discharge transistor
 };
 
-/// Integrates the cell's ODEs together with its ledger, with SUNDIALS (ARKODE's ERKStep, order 4): adaptive, with local
-/// error control, and events located by root finding. The integrator keeps no state between calls: its results depend
-/// on its arguments only, so a restored run gives the same bits. It is not thread-safe: use one integrator per
-/// instance.
+/// Integrates the cell's differential equations and its ledger with SUNDIALS (ERKStep of ARKODE, order 4). The steps
+/// are adaptive, with control of the local error. Events are located by root finding. The integrator keeps no state
+/// between calls, so its results depend only on its arguments, and a restored run has the same bits. It is not
+/// thread-safe: use one integrator per instance.
 ///
 ///   ds/dt  = -(i + i_sd) / Q
 ///   dvk/dt = (i - vk / Rk(s)) / Ck(s),   k = 1, 2
@@ -102,10 +102,10 @@ class Integrator {
     Event event = Event::none;
   };
 
-  /// Advances `state` by `duration_s`, or to the first event, and adds to `ledger`. If the protection is closed or low,
-  /// the cell supplies `demand`; if it is open, only a demand that charges the cell has an effect. A duration that
-  /// cannot be integrated at once is divided. If the smallest part fails, throws mebots::Error with duration, power and
-  /// remedy; `state` and `ledger` are unchanged then.
+  /// Advances `state` by `duration_s`, or to the first event, and adds the energies to `ledger`. If the protection is
+  /// closed or low, the cell supplies `demand`. If it is open, only a demand that charges the cell has an effect. If
+  /// the duration cannot be integrated at once, it is divided. If the smallest part fails, throws mebots::Error with
+  /// duration, power and a way out. In this case, `state` and `ledger` are unchanged.
   Result advance(CellState& state, Ledger& ledger, const Demand& demand, Protection protection, double duration_s);
 
   /// Returns the number of evaluations of the right-hand side, as a measure of cost.

@@ -56,7 +56,7 @@ void Model::start(const Inputs& inputs, std::int64_t start_ns, Outputs& outputs)
   if (state_.soc <= 0) {
     handle(Event::empty, seconds(start_ns));
   } else if (source_v < cell_.cut_off_voltage_v) {
-    // At t = 0, the protection opens only for a reason that no load can cause. If a load lowers the voltage below the
+    // Without a load, the cell's voltage is already below the cut-off. If only a load lowers the voltage below the
     // cut-off, the protection opens in the first step. Otherwise the initial values might not converge, because the
     // loads depend on the bus voltage, and the bus voltage depends on the loads.
     open(cut_off_text(), seconds(start_ns));
@@ -75,7 +75,8 @@ void Model::step(const Inputs& inputs, std::int64_t start_ns, std::int64_t durat
   double passed_s = 0;
   while (duration_s - passed_s > kShortest) {
     const Demand now = demand(inputs);
-    // If the delay ends within the step, the protection opens at that time.
+    // While the voltage is low, a part of the step ends at the latest at the end of the delay, when the protection
+    // opens.
     const double until_s =
         low_ ? std::min(duration_s - passed_s, cell_.cut_off_delay_s - low_s_) : duration_s - passed_s;
     const auto [reached_s, event] = integrator_.advance(state_, ledger_, now, protection(), until_s);
@@ -174,8 +175,8 @@ bool Model::over_current(double current_a) const {
   return std::abs(current_a) > cell_.continuous_current_a;
 }
 
-// The thermal model of IEC 60255-149 without its margin: a first-order mean of the squared current, here from a cold
-// cell, by the implicit Euler method.
+// Follows the thermal model of IEC 60255-149 without its margin: the mean of the squared current is a first-order lag,
+// starts at 0 (a cold cell), and is integrated by the implicit Euler method.
 void Model::watch_current(double current_a, std::int64_t now_ns, std::int64_t duration_ns) {
   const double duration_s = seconds(duration_ns);
   mean_square_a2_ += (current_a * current_a - mean_square_a2_) * duration_s / (kHeatingTimeConstant_s + duration_s);

@@ -15,7 +15,7 @@
 
 namespace mebots::battery {
 
-/// Cell, protection, converters, loads and source of one power bus. Plain C++; fmu.cpp binds it to FMI.
+/// A power bus with its cell, protection, converters, loads and source. Plain C++; fmu.cpp binds it to FMI.
 ///
 /// Inputs are powers and are constant during a step; outputs are values at the end of the step.
 ///
@@ -31,11 +31,13 @@ class Model {
  public:
   static constexpr double kResumeChargingBelow = 0.999;
   /// Time constant of the cell's heating. The continuous limit is thermal: the log warns only if the mean square of the
-  /// current over this time exceeds the square of the limit. Heat capacity over heat transfer is 100 to 600 s for cells
-  /// of 5 to 10 g, with 1000 J/(kg K), 16 cm^2 and 10 to 30 W/(m^2 K). The least value gives the earliest warning.
+  /// current over this time exceeds the square of the limit. Heat capacity divided by heat transfer is 100 to 600 s for
+  /// cells of 5 to 10 g, with 1000 J/(kg K), 16 cm^2 and 10 to 30 W/(m^2 K). The constant is the smallest of these
+  /// values, which gives the earliest warning.
   static constexpr double kHeatingTimeConstant_s = 100;
 
-  /// An event is the model's normal behaviour (protection, full cell, time over the limit). A warning needs an action.
+  /// An event is normal behaviour of the model: the protection opens or closes, the cell is full, or the current
+  /// exceeded the limit for some time. A warning requires an action of the user.
   enum class Message { event, warning };
   /// Receives the messages in the order of time.
   using Log = std::function<void(Message, std::string_view)>;
