@@ -14,12 +14,12 @@
 namespace mebots::motors {
 namespace {
 
-/// Products of a few inputs are finite up to this limit. The world's forces and motion have the same limit.
+/// The maximum magnitude of an input, so that products of a few inputs are finite. fmu_world has the same limit.
 constexpr double kMost = 1e40;
 constexpr double kLeastDensity = 1 / kMost;
-/// The current is a surge if the current of the previous step was less than this share of the present current.
+/// The last step's current is a surge if the current of the step before it was less than this share.
 constexpr double kEarlierShare = 0.1;
-/// A smaller drop of the voltage is harmless, and other loads may have caused it.
+/// The least sag for a warning. A smaller sag of the voltage is harmless, and other loads may have caused it.
 constexpr double kLeastSag_v = 0.02;
 
 void check(double value, std::string_view name, std::string_view unit, const data::Limits& limits) {
@@ -106,8 +106,9 @@ void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& output
   write(inputs, outputs);
 }
 
-/// Motors and battery step at the same time, so bus.voltage belongs to the current of the step before the last one. The
-/// increase of the current since that step, times bus.resistance, is subtracted from the voltage.
+/// Returns the bus voltage at the present current. Motors and battery step at the same time, so bus.voltage belongs to
+/// the current of the step before the last one. The result is bus.voltage minus bus.resistance times the increase of
+/// the current since that step.
 double Model::supply_voltage_v(const Inputs& inputs) const {
   const double bus_v = inputs.bus_voltage_v;
   if (!rotor_.motor || bus_resistance_ohm_ == 0 || bus_v == 0) return bus_v;
@@ -121,8 +122,8 @@ double Model::supply_voltage_v(const Inputs& inputs) const {
          (1 + bus_resistance_ohm_ * all.conductance_s);
 }
 
-/// Warns if bus.resistance counts a change of current that bus.voltage already contains. This is the case if
-/// bus.voltage falls by the surge of the last step: battery and motors then do not step at the same time.
+/// Warns if bus.resistance counts a sag that bus.voltage already contains. This is the case if bus.voltage falls at the
+/// same time as the last step's current rises. Then battery and motors do not step at the same time.
 void Model::warn_of_double_sag(double bus_v) {
   const double surge_a = last_current_a_ - earlier_current_a_;
   const bool is_surge = earlier_current_a_ < kEarlierShare * last_current_a_;
@@ -151,8 +152,9 @@ RotorDrive Model::drive_of(const Inputs& inputs, double supply_v, std::size_t i)
   return drive;
 }
 
-/// Returns the power of the driven rotors at the thrust at the end of the step. Propeller and motor take more than the
-/// power of the air.
+/// Returns the electrical power that the inflow adds to that of hovering, for the driven rotors and their thrust at the
+/// end of the step. Propeller and motor need more than the power of the air, so the air's power is divided by their
+/// efficiency.
 double Model::inflow_power_w(const Inputs& inputs) const {
   const double coefficient = rotor_.thrust_coefficient_at(inputs.air_density_kg_per_m3);
   double power_w = 0;

@@ -22,8 +22,9 @@ struct RotorStep {
 
 /// Advances one rotor by `duration_s`. The electrical power is
 /// P = max(0, a w + b F + J w dw/dt)
-/// the power on the bench at that speed, plus the power into the rotor's inertia. A decelerating rotor covers part of
-/// its losses with its kinetic energy, but never supplies the bus. Integrated in closed form, without a step size.
+/// The first two terms are the power on the bench at that speed, and the third is the power into the rotor's inertia. A
+/// decelerating rotor covers part of its losses with its kinetic energy, but never supplies the bus. Speed and energy
+/// are computed in closed form, without a step size.
 RotorStep advance_rotor(const RotorData& rotor, const RotorDrive& drive, double speed_rad_per_s, double duration_s);
 
 }  // namespace mebots::motors

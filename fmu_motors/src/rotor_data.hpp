@@ -21,7 +21,7 @@ struct ElectricMotor {
   double ripple_conductance_s = 0;  // loss by the current ripple of the PWM [A/V]
 };
 
-/// A rotor with its motor, as its data file describes it (fmu_motors/README.md documents the format).
+/// The data of a rotor with its motor, from a data file (fmu_motors/README.md documents the format).
 struct RotorData {
   std::string name;
   double power_factor = 1;        // multiplies the electrical power

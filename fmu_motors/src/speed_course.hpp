@@ -5,9 +5,10 @@
 
 namespace mebots::motors {
 
-/// The speed of a rotor over time at a constant steady speed u, in closed form:
+/// The speed w of a rotor over time at a constant steady speed u:
 /// dw/dt = a (u - w) + b (u^2 - w^2)
-/// With e = u - w this is Bernoulli's equation de/dt = -k e + b e^2, k = a + 2 b u. There is no step size.
+/// With e = u - w, this is Bernoulli's equation de/dt = -k e + b e^2 with k = a + 2 b u. Its solution has a closed
+/// form, so there is no step size.
 class SpeedCourse {
  public:
   /// Creates the course from `initial` towards `steady` [rad/s, both >= 0]. a and b must be >= 0.
