@@ -81,7 +81,7 @@ void Channel::take_requests(std::int64_t time_ns) {
   }
 }
 
-/// Returns the node with the oldest request. If several requests have the same time, the nodes take turns: the next one
+/// Returns the node with the oldest request. If several requests have the same time, the nodes take turns: the node
 /// after the last sender is first.
 Channel::Node* Channel::next_sender() {
   Node* chosen = nullptr;

@@ -37,7 +37,8 @@ class Channel {
 
   Channel(const Parameters& parameters, std::span<NodeVariables> nodes, Log log);
 
-  /// Sends, receives, and sets the outputs of all nodes. Throws mebots::Error for a packet that cannot be sent.
+  /// Sends and receives packets, and sets the outputs of all nodes. Throws mebots::Error if the size or the receiver of
+  /// a packet is out of range.
   void step(const Span& span);
 
   /// Returns the energy of a node's radio in the step.
@@ -59,7 +60,7 @@ class Channel {
 
     void visit(state::Visitor& v);
   };
-  /// Says whether a receiver gets a packet, and with which power.
+  /// The result of a packet at one node.
   struct Reception {
     std::uint64_t node = 0;  // its index
     bool lost = false;
@@ -67,7 +68,7 @@ class Channel {
 
     void visit(state::Visitor& v);
   };
-  /// A packet that is on its way to the receiving programs.
+  /// A packet after its last bit, until it reaches the outputs of its receivers.
   struct Transfer {
     Packet packet;
     std::vector<Reception> receptions;
@@ -86,7 +87,7 @@ class Channel {
   void take_requests(std::int64_t time_ns);
   void transmit(std::int64_t end_ns);
   Node* next_sender();
-  /// Decides who receives a packet, when its last bit has been sent: later movements do not change it.
+  /// Decides which nodes receive a packet when its last bit has been sent. Later movements of the nodes have no effect.
   void decide(std::int64_t end_ns);
   std::vector<Reception> receptions(const Packet& packet) const;
   void deliver(std::int64_t end_ns);

@@ -3,13 +3,13 @@
 
 #include <cstdint>
 
-/// Random numbers without a state: each is a function of the seed and of what it is for. So a restored state, other
-/// nodes and the order of events do not change it.
+/// Random numbers without a generator's state. Each number is a function of the seed and of a DrawKey. So it does not
+/// depend on earlier draws, on other nodes or on the order of events, and no state must be saved.
 namespace mebots::radio {
 
 enum class Purpose : std::uint64_t { packet = 1, ranging_loss, ranging_noise, fix_loss, fix_noise };
 
-/// `event` counts the events of the pair (from, to), or of a node alone.
+/// The purpose of a number, and its event. `event` is the number of the event at node `from`.
 struct DrawKey {
   Purpose purpose;
   std::uint64_t from;

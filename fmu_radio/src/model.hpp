@@ -7,10 +7,10 @@
 
 namespace mebots::radio {
 
-/// Packets, distances and positions of all nodes. Plain C++; fmu.cpp binds it to FMI.
+/// The packets, distances and positions of all nodes. Plain C++; fmu.cpp binds it to FMI.
 ///
-/// Inputs are constant during a step. A request that the inputs show at the begin of a step is met then, or when the
-/// channel is free. Its effect is in the outputs of the step in which it is complete.
+/// Inputs are constant during a step. A request in the inputs at the beginning of a step is processed at that time, or
+/// when the channel is free. The outputs show its result after the step in which it completes.
 class Model {
  public:
   /// The variables must outlive the model. Throws mebots::Error if there are more nodes than variables.

@@ -6,7 +6,7 @@
 namespace mebots::radio {
 
 /// Positions of the nodes from motion capture or base stations. Sample n of all nodes is taken at the first
-/// communication point at or after n / rate.
+/// communication point at or after n / rate since the start.
 class Positioning {
  public:
   Positioning(const Parameters& parameters, std::span<NodeVariables> nodes, std::int64_t start_ns);

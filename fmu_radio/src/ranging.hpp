@@ -6,12 +6,13 @@
 namespace mebots::radio {
 
 /// Distances by ultra-wideband: double-sided two-way ranging with four messages, request, answer, final and report. One
-/// exchange at a time uses the channel; others wait. A node asks for one distance at a time.
+/// exchange at a time uses the channel; other exchanges wait. A node measures one distance at a time: a second request
+/// during its exchange fails.
 class Ranging {
  public:
   Ranging(const Parameters& parameters, std::span<NodeVariables> nodes);
 
-  /// Measures, and sets the outputs of all nodes. Throws mebots::Error for a request that cannot be met.
+  /// Measures distances, and sets the outputs of all nodes. Throws mebots::Error if a request is not for another node.
   void step(const Span& span);
 
   /// Returns the energy of a node's ranging radio in the step. Both nodes of an exchange send two messages and receive
