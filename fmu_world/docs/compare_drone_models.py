@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Flies the built fmu_world and utiasDSL's drone-models on the same rotor speeds, and prints the differences.
+"""Compares the built fmu_world with utiasDSL's drone-models at the same rotor speeds, and prints the differences.
 
     python3 -m venv /tmp/compare && /tmp/compare/bin/pip install fmpy drone-models
     /tmp/compare/bin/python fmu_world/docs/compare_drone_models.py build/release/fmus/fmu_world.fmu
 
-drone-models integrates Newton's and Euler's equations of a Crazyflie (cf2x_L250) with its own drag, thrust and gyroscopic torque;
-here, a Runge-Kutta method of fourth order integrates them. The FMU gets the same thrusts, torques and speeds each
-millisecond. Its drone has the same mass, inertia, arm and drag. The comparison therefore covers the dynamics of the
-FMU: frames, signs of all torques, rotations, drag, gyroscopic torque.
+drone-models contains the equations of Newton and Euler for a Crazyflie (cf2x_L250) with drag, thrust and gyroscopic
+torque. This script integrates them with a Runge-Kutta method of fourth order. In each millisecond, the FMU gets the
+thrusts, torques and speeds of the same rotors. Its drone has the same mass, inertia, arm and drag. The comparison
+therefore covers the dynamics of the FMU: frames, signs of all torques, rotations, drag, gyroscopic torque.
 """
 import json
 import shutil
@@ -36,7 +36,7 @@ def speeds(t):
 
 
 def command(p, t):
-    """Returns the commands with which the FMU's rotors have the speeds of speeds()."""
+    """Returns the commands with which the rotors of drone-models have the speeds of speeds()."""
     rpm, change = speeds(t), SWING * TURN * np.cos(TURN * t + PHASE)
     up, _, _, down = p["rotor_dyn_coef"]
     return np.where(change > 0, rpm + change / up, np.sqrt(rpm**2 + change / down))

@@ -11,7 +11,7 @@
 /// Checks of parameters and inputs. All throw mebots::Error that names the variable.
 namespace mebots::world {
 
-/// `name` and `part` form the variable's name, which is put together only for an error.
+/// The variable's name is `name` + `part`. It is only put together for an error.
 inline void require_finite(double value, std::string_view name, std::string_view part = "") {
   if (!std::isfinite(value)) throw Error(fmt::format("{}{} = {} must be a finite number", name, part, value));
 }

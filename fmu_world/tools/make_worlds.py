@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes the two example worlds: params/scenes/warehouse.json and forest.json, with their pictures and meshes in params/things.
+"""Writes the two example worlds: params/scenes/warehouse.json and forest.json, with their pictures and meshes in
+params/things.
 
     .venv/bin/python fmu_world/tools/make_worlds.py
 
-Needs NumPy and Pillow. Same output on every run; look at it before you commit it (mebots-camera renders a scene).
-Each ground is a picture of the whole place, with painted shadows of its objects.
+Needs NumPy and Pillow. Each run writes the same bytes. Look at the worlds before you commit them (mebots-camera renders
+a scene). The ground of each world is one picture, which contains the painted shadows of the objects.
 """
 import json
 import math
@@ -165,7 +166,7 @@ def save_mesh(name, parts):
 
 
 def lathe(rings, sides, jitter=0.0):
-    """Returns a closed surface around z: rings of (radius, height); a radius of 0 is a tip."""
+    """Returns a closed surface around z from rings of (radius, height). A ring with radius 0 is a tip."""
     points, starts = [], []
     for radius, height in rings:
         starts.append(len(points))
@@ -339,7 +340,7 @@ def warehouse():
     level = lighting["to_sun"][2] / np.linalg.norm(lighting["to_sun"])
     share = (lighting["ambient"] + lighting["sun"] * level * sun) / (lighting["ambient"] + lighting["sun"] * level)
     save("warehouse_floor.png", (floor * share * corner)[::-1])
-    # A texture's origin is the world's, so the picture is shifted to its place.
+    # The texture starts at the world's origin, so the picture is shifted to its place.
     ground = {"half_size": 14.0, "texture": picture("warehouse_floor.png", edge)}
     shift_picture("warehouse_floor.png", left, bottom, edge)
     write(head("warehouse", "A hall with shelves, pillars, a ramp and a cart that drives to and fro; a rectangular gate, then a round one.",
@@ -347,8 +348,8 @@ def warehouse():
 
 
 def shift_picture(name, left, bottom, edge):
-    """Shifts a picture cyclically. When the result is repeated from the world's origin, a lower left corner of the
-    picture is at (left, bottom)."""
+    """Shifts a picture cyclically, so that its lower left corner is at (left, bottom) if it repeats from the world's
+    origin."""
     grey = np.asarray(Image.open(THINGS / name))
     size = grey.shape[0]
     save(name, np.roll(grey, (-round(bottom / edge * size), round(left / edge * size)), axis=(0, 1)))
@@ -366,7 +367,7 @@ def forest():
     # The glade in the middle is level, so that the drone starts on the ground.
     rough = 0.5 * value_noise(32, 4, 3)[: cells + 1, : cells + 1]
     glade = np.clip((np.hypot((gx - 4) / 7.5, gy / 2.6) - 1) / 0.8, 0, 1)
-    # The glade is a little above the ground, which would hide it otherwise.
+    # The glade is 8 mm above the plane z = 0, which would otherwise hide it.
     heights = np.round(0.008 + (hills + rough) * glade, 3)
 
     def height_at(px, py):

@@ -14,9 +14,9 @@
 
 namespace mebots::world::crazyflie {
 
-/// Feeds a Kalman filter with sensor values at the firmware's rates. The IMU's samples pass low-pass filters (gyroscope
-/// 80 Hz, accelerometer 30 Hz); a prediction every 10 ms uses their means. Flow and distance are used when they arrive.
-/// The filter starts with the true position and attitude.
+/// Estimates the state with a Kalman filter, with sensor values at the firmware's rates. The IMU's samples pass
+/// low-pass filters (gyroscope 80 Hz, accelerometer 30 Hz). A prediction every 10 ms uses their means. Measurements of
+/// flow and distance are used when they arrive. The filter starts with the true position and attitude.
 class Estimator {
  public:
   static constexpr std::int64_t kPredictionPeriod_ns = 10'000'000;

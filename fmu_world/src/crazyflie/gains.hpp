@@ -8,8 +8,8 @@ namespace mebots::world::crazyflie {
 /// Published gains of the Crazyflie 2.x, in the firmware's units: degrees, m, s, and 1/65535 of a motor's full command.
 /// Source: bitcraze/crazyflie-firmware, commit 2a18fc29 (August 2026), src/platform/interface/platform_defaults_cf2.h
 /// (gains, limits), platform_defaults.h (filters), src/modules/src/controller/position_controller_pid.c (the 10 %
-/// beyond a limit, 1000 per m/s). Where all kd are 0, as in velocity and position, the firmware's filter of the
-/// derivative has nothing to filter and is left out.
+/// beyond a limit, 1000 per m/s). The firmware filters derivatives. In velocity and position, all kd are 0, so this
+/// filter is left out there.
 struct Gains {
   PidGains roll_rate{.kp = 250.0, .ki = 500.0, .kd = 2.5, .integral_limit = 33.3, .output_limit = 32767.0};
   PidGains pitch_rate = roll_rate;
@@ -30,7 +30,7 @@ struct Gains {
   double thrust_base = 36000.0;
   double thrust_min = 20000.0;
 
-  /// This value is not from the firmware: the commands take-off and landing change the wanted altitude at these speeds,
+  /// These speeds are not from the firmware. While the position is held, the altitude set-point moves at these speeds,
   /// as in the ideal stabiliser.
   double climb_m_per_s = 0.5;
   double descent_m_per_s = 0.3;

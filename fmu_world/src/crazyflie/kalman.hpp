@@ -10,13 +10,13 @@
 
 namespace mebots::world::crazyflie {
 
-/// Extended Kalman filter of position, velocity in body axes and attitude error, around an attitude to which the error
-/// is added after each update: M. W. Mueller, M. Hamer, R. D'Andrea, "Fusing ultra-wideband range measurements with
-/// accelerometers and rate gyroscopes for quadrocopter state estimation", ICRA 2015; the covariance turns with the
-/// attitude as in M. W. Mueller, M. Hehn, R. D'Andrea, "Covariance correction step for Kalman filtering with an
-/// attitude", JGCD 2016. With x' = R v, v' = f - w x v - g R^T e_z, R' = R [w]x. The measurements of flow and distance
-/// are those of the Crazyflie's firmware, and so are all numbers (crazyflie-firmware, commit 2a18fc29,
-/// kalman_core_params_defaults.h, mm_flow.c, mm_tof.c, zranger2.c).
+/// Extended Kalman filter of position, velocity in body axes and attitude error. After measurements, the error is added
+/// to the attitude, as in M. W. Mueller, M. Hamer, R. D'Andrea, "Fusing ultra-wideband range measurements with
+/// accelerometers and rate gyroscopes for quadrocopter state estimation", ICRA 2015. The covariance turns with the
+/// attitude, as in M. W. Mueller, M. Hehn, R. D'Andrea, "Covariance correction step for Kalman filtering with an
+/// attitude", JGCD 2016. The equations of motion are x' = R v, v' = f - w x v - g R^T e_z, R' = R [w]x. The
+/// measurements of flow and distance, and all numbers, are those of the Crazyflie's firmware (crazyflie-firmware,
+/// commit 2a18fc29, kalman_core_params_defaults.h, mm_flow.c, mm_tof.c, zranger2.c).
 class Kalman {
  public:
   /// Starts at rest at a known position and attitude.
@@ -26,14 +26,14 @@ class Kalman {
   /// and y is ignored, because it is drag and gives no information about the attitude. On the ground, each
   /// prediction also moves the attitude a little towards the initial attitude.
   void predict(const Eigen::Vector3d& force_m_per_s2, const Eigen::Vector3d& rate_rad_per_s, bool flying, double dt_s);
-  /// Adds the process noise of dt. The deviation grows with dt, so the result depends on the interval of the calls: it
-  /// must be a millisecond.
+  /// Adds the process noise of the time dt. The deviation is proportional to dt, so the result depends on the interval
+  /// of the calls. This interval must be a millisecond.
   void add_process_noise(double dt_s);
   /// Uses a flow measurement over dt at a body rate.
   void measure_flow(const std::array<double, 2>& pixels, const Eigen::Vector3d& rate_rad_per_s, double dt_s);
   /// Uses a distance measurement.
   void measure_distance(double distance_m);
-  /// Moves the attitude error into the attitude. Must be called after measurements and before the state is read.
+  /// Adds the attitude error to the attitude. Must be called after measurements and before the state is read.
   void finish();
 
   const Eigen::Vector3d& position_m() const { return position_m_; }

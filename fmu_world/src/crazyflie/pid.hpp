@@ -8,7 +8,7 @@
 
 namespace mebots::world::crazyflie {
 
-/// A controller as in the Crazyflie's firmware: kp e + ki integral(e) - kd d(measured)/dt.
+/// Gains of the controller kp e + ki integral(e) - kd d(measured)/dt, as in the Crazyflie's firmware.
 struct PidGains {
   double kp = 0.0;
   double ki = 0.0;

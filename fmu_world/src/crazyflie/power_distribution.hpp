@@ -6,7 +6,7 @@
 
 namespace mebots::world::crazyflie {
 
-/// The demand of the cascade to the four motors together, in 1/65535 of a motor's full command.
+/// The controllers' demand on all four motors together, in 1/65535 of a motor's full command.
 struct Demand {
   double thrust = 0.0;
   double roll = 0.0;   ///< half of it for each side
@@ -14,7 +14,7 @@ struct Demand {
   double yaw = 0.0;    ///< positive = to the left
 };
 
-/// Returns shares of a motor's full thrust, before limits.
+/// Returns each motor's share of its full thrust, before limits.
 RotorValues distributed(const Demand& demand);
 
 /// Thrust of a rotor over its motor's voltage, a cubic fit that the firmware publishes.
@@ -29,8 +29,8 @@ struct ThrustOverVoltage {
 
 const ThrustOverVoltage& thrust_over_voltage(Propellers propellers);
 
-/// Returns the duty cycle for a share of the greatest thrust: above 1 if the supply voltage is too low, 0 for less than
-/// the least thrust.
+/// Returns the duty cycle for a share of the full thrust. It is above 1 if the supply voltage is too low, and 0 for
+/// less than the least thrust.
 double compensated(double share, double supply_v, const ThrustOverVoltage& rotor);
 
 /// If a motor exceeds its full command, subtracts the excess from all four. No result is below 0.

@@ -37,9 +37,9 @@ struct RigidState {
 inline constexpr int kRotors = 4;
 using RotorValues = std::array<double, kRotors>;
 
-/// Rotor positions as multiples of the arm, and the sign of the reaction torque on the body about z. The order is that
-/// of docs/architecture.md: front right, rear right, rear left, front left. 1 and 3 turn counter-clockwise seen from
-/// above, so they push the body clockwise.
+/// Rotor positions as multiples of the arm, and the sign of each rotor's reaction torque on the body about z. The order
+/// is that of docs/architecture.md: front right, rear right, rear left, front left. The first and the third rotor turn
+/// counter-clockwise seen from above, so they push the body clockwise.
 inline constexpr std::array<double, kRotors> kRotorX{1.0, -1.0, -1.0, 1.0};
 inline constexpr std::array<double, kRotors> kRotorY{-1.0, -1.0, 1.0, 1.0};
 inline constexpr std::array<double, kRotors> kRotorYawSign{-1.0, 1.0, -1.0, 1.0};

@@ -7,8 +7,8 @@
 
 namespace mebots::world {
 
-/// Returns the force [N] of a drone's air on a drone below it, along that drone's -z axis, as in gym-pybullet-drones
-/// (Panerati et al., IROS 2021), whose numbers were measured on Crazyflies:
+/// Returns the force [N] that the air of an upper drone exerts on a lower drone, along the lower drone's -z axis. The
+/// model is that of gym-pybullet-drones (Panerati et al., IROS 2021), whose numbers were measured on Crazyflies:
 ///
 ///   F = 2267.18 (r / 4 dz)^2 exp(-(dxy / (0.16 dz - 0.11))^2 / 2),   dz > 0.6875, dxy < 10
 ///

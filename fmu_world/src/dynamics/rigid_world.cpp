@@ -46,8 +46,8 @@ class OdeTables {
   return true;
 }();
 
-/// Prepares ODE's data of this thread, because each thread that steps needs its own. Has no effect if the thread has
-/// them.
+/// Prepares ODE's data of the calling thread. Each thread that steps needs its own data. Has no effect if the thread
+/// has them.
 void prepare_thread() {
   if (dAllocateODEDataForThread(dAllocateMaskAll) == 0) throw Error("ODE has no memory for a thread's data");
 }
@@ -87,7 +87,8 @@ class TriangleMesh {
   std::vector<dTriIndex> corners_;
 };
 
-/// In Debian's build, ODE's routines for triangles share working memory between all worlds of a process.
+/// ODE's routines for triangles in Debian's build share working memory between all worlds of a process. This mutex
+/// protects them.
 std::mutex mesh_collisions;
 
 }  // namespace
@@ -322,8 +323,8 @@ class RigidWorld::Impl {
 
   void collide(Drone& drone, const Obstacle& obstacle) {
     std::array<dContact, kMaxContactsPerMesh> contacts;
-    // ODE's routines for boxes, cylinders and planes only use the stack, so instances in several threads need no lock.
-    // The routines for triangles need a lock.
+    // ODE's routines for boxes, cylinders and planes use only the stack, so they need no lock. The routines for
+    // triangles need a lock.
     const bool is_mesh = obstacle.solid != nullptr && obstacle.solid->shape == scene::Solid::Shape::mesh;
     const auto lock = is_mesh ? std::unique_lock(mesh_collisions) : std::unique_lock<std::mutex>();
     const int count = dCollide(drone.geom, obstacle.geom, obstacle.most_contacts, &contacts[0].geom, sizeof(dContact));
@@ -359,8 +360,8 @@ class RigidWorld::Impl {
     }
   }
 
-  /// Finds the pairs of drones whose spheres overlap, in rising order of their numbers. Drones are sorted along x to
-  /// save work; they are nearly sorted from the step before.
+  /// Finds the pairs of drones whose spheres overlap, in rising order of their numbers. Drones are sorted along x, so
+  /// that only near ones are compared. They are nearly sorted from the previous step.
   void find_pairs() {
     pairs_.clear();
     if (drones_.size() < 2) return;

@@ -34,12 +34,14 @@ struct Touch {
 /// Obstacles on a path are kinematic bodies of ODE: at the start of each step they get the path's position and
 /// velocity, and no force changes them.
 ///
-/// The caller owns the bodies' states. Every step copies them into ODE and back. So nothing is stored in ODE between
-/// steps, and a restored state continues with the same bits. Geometries are in the scene's order, not in an ODE space,
-/// whose order depends on history. Pairs of drones that may touch are found by sorting their positions along x.
-/// dWorldStep integrates semi-implicitly: v' = v + a dt, p' = p + v' dt, first order in dt; rotations are finite,
-/// gyroscopic torque is implicit. Drones that do not touch each other are solved one by one, so that each has the same
-/// bits as in a world without the others.
+/// The caller owns the bodies' states. Every step copies them into ODE and back, so ODE stores nothing between steps,
+/// and a restored state continues with the same bits. Geometries are in the scene's order. They are not in an ODE
+/// space, because its order depends on earlier steps. Pairs of drones that may touch are found by sorting their
+/// positions along x.
+///
+/// dWorldStep integrates semi-implicitly, with first order in dt: v' = v + a dt, p' = p + v' dt. Rotations are finite,
+/// and the gyroscopic torque is implicit. Drones that do not touch each other are solved one by one, so each has the
+/// same bits as in a world without the others.
 class RigidWorld {
  public:
   /// `body_sizes_m` contains the edges of each drone's box.

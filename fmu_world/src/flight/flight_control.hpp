@@ -13,15 +13,15 @@
 
 namespace mebots::world {
 
-/// The sensors for the drone's state estimate.
+/// The sensors from which the drone's state is estimated.
 struct Senses {
   const Imu& imu;
   const FlowSensor* flow;  ///< null: the drone has none
   const RangeSensor& range;
 };
 
-/// The drone's controller and its input: the ideal stabiliser or the Crazyflie's own controller, with the true state or
-/// an estimate from the sensors.
+/// The drone's controller: the ideal stabiliser or the Crazyflie's own controller. Its input is the true state, or an
+/// estimate from the sensors.
 class FlightControl {
  public:
   /// Creates the control. An estimate needs a flow sensor in the drone's file.

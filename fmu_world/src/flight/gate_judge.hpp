@@ -57,28 +57,28 @@ struct GateEvent {
 ///   before --the centre crosses the plane forwards, inside the opening--> crossed
 ///   crossed --the whole drone is in front of the frame again--> before
 ///
-/// The plane is the middle of the frame's thickness; the opening's border belongs to the opening. "The whole drone" is
+/// The plane is the middle of the frame's thickness. The opening's border belongs to the opening. "The whole drone" is
 /// its contact box. Along the gate's x axis n, the box extends e = (|n.x_B| l_x + |n.y_B| l_y + |n.z_B| l_z) / 2 to
-/// both sides of its centre; l are the box's edges. The box is before the gate if x + e <= -thickness / 2, and after it
-/// if x - e >= thickness / 2. Between these two positions, the drone cannot leave the opening sideways. So a drone that
-/// moves back and forth in the plane neither crosses twice nor crosses back.
+/// both sides of its centre, where l are the box's edges. The box is before the gate if x + e <= -thickness / 2, and
+/// after it if x - e >= thickness / 2. Between these two positions, the drone cannot leave the opening sideways. So a
+/// drone that moves back and forth in the plane crosses only once.
 ///
-/// A course may lead around a gate. Therefore a crossing only becomes invalid if the drone flies back through the
-/// gate's frame while the next gate is not crossed yet. A crossing of the last gate becomes invalid at any return
-/// before its plane, because the flight must end after the gate.
+/// The way to the next gate may lead around a gate. Therefore a crossing only becomes invalid if the drone flies back
+/// through the gate's frame while the next gate is not crossed yet. A crossing of the last gate becomes invalid at any
+/// return before its plane, because the flight must end after the gate.
 class GateJudge {
  public:
   /// `body_size_m` contains the edges of the drone's contact box along its body axes.
   GateJudge(std::vector<GateFrame> gates, const Eigen::Vector3d& body_size_m);
 
-  /// Reports a straight motion from one state to the other.
+  /// Judges a straight motion from one state to the next. Returns the event at a gate, if there is one.
   std::optional<GateEvent> move(const RigidState& from, const RigidState& to);
 
-  /// Reports a touch of a gate. Touches less than half a second apart are one contact. After a contact of ten seconds,
-  /// the drone is stuck (the slowest of the paper's flights slides through a frame in 6 s).
+  /// Judges a touch of a gate. Touches at most half a second apart are one contact. After a contact of ten seconds, the
+  /// drone is stuck. This is longer than the 6 s for which the slowest flight of examples/paper slides through a frame.
   std::optional<GateEvent> touch(std::size_t gate, std::int64_t time_ns);
 
-  /// Reports a landing. The drone is stuck if it rests on a gate, or in the plane of the last gate after crossing it.
+  /// Judges a landing. The drone is stuck if it rests on a gate, or in the plane of the last gate after crossing it.
   std::optional<GateEvent> land(const RigidState& at, std::int64_t time_ns);
 
   /// True if every gate was crossed at some time, in their order.
@@ -92,7 +92,8 @@ class GateJudge {
   /// True if the drone has crossed the plane of a gate. Only then is there a lateral error.
   bool reached() const { return reached_; }
   double lateral_error_m() const { return lateral_error_m_; }
-  /// Returns the distance before the next gate's plane; negative after the last gate; 0 in a scene without gates.
+  /// Returns the distance from a point to the plane of the next gate, or of the last gate after its crossing. The
+  /// distance is negative after the plane. In a scene without gates, it is 0.
   double distance_m(const Eigen::Vector3d& p_W_m) const;
 
   /// Visits the state. Throws mebots::Error if the state is of a scene with another number of gates.

@@ -6,9 +6,10 @@
 namespace mebots::world {
 namespace {
 
-/// A drone above this height (about its own width) has left the ground.
+/// A drone has left the ground if its height exceeds that of the first touch by more than this. The value is about the
+/// drone's width.
 constexpr double kHop_m = 0.1;
-/// After this time without a touch, the drone flies, at any height.
+/// If no touch occurs for longer than this, the drone flies, at any height.
 constexpr std::int64_t kLongestHop_ns = 5'000'000'000;
 
 }  // namespace

@@ -7,12 +7,12 @@
 
 namespace mebots::world {
 
-/// Tracks the drone's contact with surfaces below it. A drone that sinks with almost enough thrust hops. Because its
-/// weight minus its thrust is small, a hop is low but takes seconds. Hops below 10 cm belong to the contact.
+/// Tracks the drone's contact with surfaces below it. If the thrust is a little less than the weight, a sinking drone
+/// hops after its touch. A hop is then low, but takes seconds. Hops of at most 10 cm and 5 s belong to the contact.
 class GroundContact {
  public:
-  /// `hold_ns` is the duration of a contact after which the drone has landed. If a drone starts on the ground, with its
-  /// centre at `start_height_m`, its first contact did not begin in the air.
+  /// A contact of the duration `hold_ns` is a landing. If a drone starts on the ground, with its centre at
+  /// `start_height_m`, its first contact did not begin in the air, and is no landing.
   GroundContact(bool starts_on_ground, double start_height_m, std::int64_t start_ns, std::int64_t hold_ns)
       : hold_ns_(hold_ns),
         in_contact_(starts_on_ground),
@@ -22,8 +22,7 @@ class GroundContact {
 
   /// Reports whether the drone touches a surface below it, and the height of its centre. Times must not decrease.
   void update(bool touches, double height_m, std::int64_t time_ns);
-  /// Reports that the drone rests at the place where it started or landed. Then this contact does not count as a
-  /// landing.
+  /// Reports that the drone is at rest where it started or landed. This contact does not count as a landing.
   void stand() { from_air_ = false; }
 
   /// True if a contact that began in the air has lasted for the hold time.

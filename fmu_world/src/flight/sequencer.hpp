@@ -18,7 +18,7 @@ struct Situation {
 
 /// Determines the next phase of take-off and landing from the mode and the situation, and whether the motors may turn.
 ///
-///   on_ground, landed --take_off--> climbing --altitude reached--> flying
+///   on_ground, landed, descending --take_off--> climbing --altitude reached--> flying
 ///   on_ground, landed, climbing, descending --fly--> flying
 ///   climbing, flying --land or off--> descending --at rest on something--> landed
 ///   climbing, flying --come down without land or off--> grounded
@@ -36,7 +36,7 @@ class Sequencer {
 
   FlightPhase phase() const { return phase_; }
   bool motors_on() const { return motors_on_; }
-  /// True if the drone stands where it started or landed.
+  /// True if the drone is at rest where it started or landed.
   bool stands() const { return phase_ == FlightPhase::on_ground || phase_ == FlightPhase::landed; }
 
   void visit(state::Visitor& v);

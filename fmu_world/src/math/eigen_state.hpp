@@ -5,7 +5,7 @@
 
 #include <Eigen/Geometry>
 
-/// Eigen's types as numbers for a state's visitor.
+/// Views of Eigen's types as numbers, for state::Visitor.
 namespace mebots::world {
 
 inline std::span<double, 3> numbers(Eigen::Vector3d& v) {

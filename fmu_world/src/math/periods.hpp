@@ -6,7 +6,7 @@
 
 namespace mebots::world {
 
-/// The number of a period before the first one. It contains no time.
+/// Means that there was no period yet. No time is in this period.
 inline constexpr std::int64_t kNoPeriod = std::numeric_limits<std::int64_t>::min();
 
 /// Returns the number of the period that contains a time. Period 0 begins at time 0; earlier periods have negative

@@ -5,8 +5,8 @@
 
 namespace mebots::world {
 
-/// Angles [rad] of rotations: yaw about z, then pitch about the new y, then roll about the new x. All are right-handed,
-/// so that pitch is positive nose down and yaw is positive to the left.
+/// Angles [rad] of three rotations: yaw about z, then pitch about the new y, then roll about the new x. All are
+/// right-handed: pitch is positive with the nose down, and yaw is positive to the left.
 struct Attitude {
   double roll_rad = 0.0;
   double pitch_rad = 0.0;

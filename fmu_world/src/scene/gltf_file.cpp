@@ -30,10 +30,10 @@ constexpr int kDeepest = 64;
 /// Maximum number of nodes of a scene. A node counts as often as it is referenced, because a small file can reference
 /// nodes exponentially often.
 constexpr int kMostNodes = 10'000;
-/// A position or size above this is taken for a mistake in units.
+/// A position or size above this is refused, because its unit is probably wrong.
 constexpr double kFarthest_m = 1e4;
 
-/// Keeps the bytes of a picture that tinygltf passes. They are decoded when a material needs them.
+/// Keeps the encoded bytes of a picture that tinygltf passes. They are decoded when a material needs them.
 bool keep_bytes(tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* bytes, int size,
                 void*) {
   image->image.assign(bytes, bytes + size);

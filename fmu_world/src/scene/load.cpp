@@ -105,7 +105,8 @@ Path::Point read_point(const Node& node) {
   return point;
 }
 
-/// Checks the points of a path against each other.
+/// Checks that a path has two points or more, that its times rise from 0, and that a path that repeats ends where it
+/// begins.
 void check_path(const Node& node, const Path& path) {
   const auto points = node.at("points").elements();
   if (path.points.size() < 2) {
@@ -218,7 +219,7 @@ Heights read_heights(const Node& node) {
   return rows;
 }
 
-/// Returns heights from a picture. White is `height_m` high; the picture's upper edge is north.
+/// Returns the heights of a terrain from a picture. White is `height_m` high. The picture's upper edge is north.
 Heights heights_of(const Picture& picture, double height_m) {
   Heights heights(static_cast<std::size_t>(picture.height));
   for (int row = 0; row < picture.height; ++row) {
@@ -265,7 +266,7 @@ auto terrain_in(const File& folder) {
   };
 }
 
-/// Reads one number for both edges, or [width, height] for a rectangle.
+/// Reads one number for both edges. For a rectangle, reads [width, height].
 auto edge_of(Gate::Shape shape) {
   return [shape](const Node& node) {
     if (shape == Gate::Shape::rectangle) return Eigen::Vector2d(vector<2>(Limits::positive())(node));

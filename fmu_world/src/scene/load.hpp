@@ -8,9 +8,9 @@
 
 namespace mebots::world::scene {
 
-/// Reads and checks a scene file (JSON, SI units, angles in rad; fmu_world/docs/scenes.md lists its keys) and the drone
-/// file that it names. Throws mebots::Error that names file, place in the file, value and limit if a key is missing or
-/// unknown, or if a value has the wrong type or is out of range.
+/// Reads and checks a scene file (JSON, SI units, angles in rad; fmu_world/docs/scenes.md lists its keys), and the
+/// drone file whose name it contains. Throws mebots::Error that names file, place in the file, value and limit if a key
+/// is missing or unknown, or if a value has the wrong type or is out of range.
 Scene load_scene(const std::filesystem::path& file);
 
 /// Reads and checks a drone file.

@@ -16,8 +16,8 @@ namespace mebots::world::scene {
 
 using Picture = GreyPicture;
 
-/// How a surface reflects. Grey levels are 0 (black) to 255 (white) as the camera sees the surface
-/// under a light of 1.
+/// The reflection of a surface. Grey levels are from 0 (black) to 255 (white), as the camera sees the surface under a
+/// light of 1.
 struct Texture {
   enum class Kind {
     uniform,  ///< `light` everywhere
@@ -41,7 +41,7 @@ struct Texture {
   }
 };
 
-/// A surface of triangles in a frame of its own (x forward, y left, z up, metres).
+/// A surface of triangles in its own frame (x forward, y left, z up, metres).
 struct Mesh {
   struct Triangle {
     std::array<std::uint32_t, 3> corners{};  ///< indices of `points_m`, counter-clockwise seen from outside
@@ -64,9 +64,9 @@ struct Mesh {
 /// Maximum number of triangles of a mesh or a terrain. With more triangles, a picture would take many milliseconds.
 inline constexpr std::size_t kMostTriangles = 20'000;
 
-/// Returns a frame around an opening with `sides` equal sides, one of them at the bottom. Opposite flat sides of the
-/// opening are `inner_m` apart, those of the frame `outer_m`. The gate frame has its origin in the middle of the
-/// opening, x in the direction of flight.
+/// Returns a frame around an opening with `sides` equal sides, one of them at the bottom. The distance between opposite
+/// sides is `inner_m` at the opening, and `outer_m` at the outside of the frame. The origin is in the middle of the
+/// opening, and x is the direction of flight.
 Mesh ring(int sides, double inner_m, double outer_m, double thickness_m, const Texture& texture);
 
 /// Returns a surface over a grid: `heights_m[row][column]` is the height at the point (column, row) x `spacing_m`; rows

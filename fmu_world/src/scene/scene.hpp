@@ -18,7 +18,7 @@
 
 namespace mebots::world::scene {
 
-/// Displacement and velocity of an object on a path at a time, relative to its position without a path.
+/// Displacement and velocity of an object on a path at a time, relative to its position in the scene.
 struct Displacement {
   Eigen::Vector3d offset_W_m = Eigen::Vector3d::Zero();
   double turn_rad = 0.0;  ///< about the vertical through the thing's own origin, positive to the left
@@ -50,8 +50,7 @@ struct Path {
 /// north, z up). load_scene() in load.hpp reads and checks them.
 namespace mebots::world::scene {
 
-/// The plane z = 0. It is unlimited for contact. The camera draws it up to `half_size_m` from the origin, if that is
-/// set.
+/// The plane z = 0. For contacts, it is unlimited. The camera draws it up to `half_size_m` from the origin in x and y.
 struct Ground {
   double half_size_m = 10.0;  ///< > 0
   Texture texture;
@@ -100,9 +99,9 @@ Eigen::Quaterniond attitude_of(const Thing& thing) {
   return rotation_of({thing.roll_rad, thing.pitch_rad, thing.yaw_rad});
 }
 
-/// A frame to fly through. Gate frame G: origin in the middle of the opening, x in the direction of flight, y left, z
-/// up; rotated like a box. A square or a rectangle consists of four beams; the two vertical ones have the full outer
-/// height. A circle is treated as a polygon of 32 sides.
+/// A frame through which the drone flies. Its frame of reference G has the origin in the middle of the opening, x in
+/// the direction of flight, y left, z up. It is rotated like a box. A square or a rectangle consists of four beams; the
+/// two vertical beams have the full outer height. A circle is treated as a polygon of 32 sides.
 struct Gate {
   enum class Shape { square, rectangle, circle, polygon };
 
@@ -184,7 +183,7 @@ struct FlowData {
   double fastest_rad_per_s = 0.0;  ///< faster motion is invisible
 };
 
-/// The drone as a body, and the data in its stabiliser.
+/// The drone's body, and the data that its stabiliser contains.
 struct Drone {
   std::string name;
   Eigen::Vector3d body_size_m{0.092, 0.092, 0.029};  ///< contact box, centred at the body frame's origin
@@ -219,7 +218,7 @@ struct Scene {
   Drone drone;
 };
 
-/// A solid for contact and range measurement, other than the ground. One list contains all shapes.
+/// A solid for contacts and for measurements of distance. The ground is not included.
 struct Solid {
   enum class Shape { box, cylinder, mesh };
   static constexpr std::size_t kNoGate = SIZE_MAX;

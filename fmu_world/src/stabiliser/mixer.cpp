@@ -53,7 +53,7 @@ RotorValues mix(const scene::Drone& drone, double max_thrust_n, double collectiv
   for (std::size_t i = 0; i < kRotors; ++i) thrust[i] = each_n + tilt[i];
   const double share = largest_share(thrust, yaw, max_thrust_n);
   MEBOTS_ASSERT(share >= 0 && share <= 1);
-  // The last clamp only removes rounding: every value is within the limits except for about 1e-17 N.
+  // The clamp only removes the rounding error, which is about 1e-17 N.
   for (std::size_t i = 0; i < kRotors; ++i) thrust[i] = std::clamp(thrust[i] + share * yaw[i], 0.0, max_thrust_n);
   return thrust;
 }

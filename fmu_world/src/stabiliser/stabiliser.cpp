@@ -41,8 +41,8 @@ void Stabiliser::start(const RigidState& state, double yaw_rad) {
   memory_.last_rate_B_rad_per_s = state.body_rate_rad_per_s();
 }
 
-/// Returns the greatest thrust of one rotor. It is limited, because full commands at standstill would draw more current
-/// than a cell can give.
+/// Returns the greatest thrust of one rotor. During the start, it is limited, because full commands at standstill would
+/// draw more current than a cell can deliver.
 double Stabiliser::greatest_thrust_n(double dt_s) {
   if (!memory_.starting) return curve_.max_thrust_n();
   const double share = memory_.since_start_s / drone_.start_time_s;
@@ -73,8 +73,8 @@ Eigen::Vector3d Stabiliser::wanted_velocity(const StabiliserGoal& goal, const Ri
 
 Eigen::Vector3d Stabiliser::wanted_acceleration(const StabiliserGoal& goal, const RigidState& state, double yaw_rad,
                                                 double dt_s) {
-  // The reference velocity follows the wanted velocity as fast as the closed loop can. So the integrator only has to
-  // compensate wind, voltage sag and errors of the model's constants.
+  // The reference velocity approaches the wanted velocity as fast as the closed loop can follow. So the integrator only
+  // has to compensate wind, voltage sag and errors of the model's constants.
   const Eigen::Vector3d follow_per_s{gains_.velocity_p_per_s, gains_.velocity_p_per_s, gains_.climb_p_per_s};
   const Eigen::Vector3d pull_H = limited_horizontally(
       follow_per_s.cwiseProduct(wanted_velocity(goal, state, yaw_rad) - memory_.velocity_H_m_per_s),
@@ -93,7 +93,7 @@ Eigen::Vector3d Stabiliser::wanted_acceleration(const StabiliserGoal& goal, cons
   integral.z() =
       std::clamp(integral.z(), -gains_.max_vertical_integral_m_per_s2, gains_.max_vertical_integral_m_per_s2);
 
-  // In still air, the drag at the reference velocity is known, so the integrator need not find it.
+  // The drag at the reference velocity in still air is known, so it is added here and not by the integrator.
   const Eigen::Vector3d drag_H = drone_.drag_n_s_per_m.cwiseProduct(memory_.velocity_H_m_per_s) / mass_kg_;
   const Eigen::Vector3d wanted_W = R_WH * (pull_H + turn_H + drag_H) + follow_per_s.cwiseProduct(error_W) + integral;
   return limited_horizontally(wanted_W, kGravity_m_per_s2 * std::tan(gains_.max_tilt_rad));
@@ -107,7 +107,7 @@ Eigen::Vector3d Stabiliser::wanted_torque(const StabiliserGoal& goal, const Rigi
   memory_.acceleration_B_rad_per_s2 +=
       dt_s / (gains_.acceleration_filter_s + dt_s) * (measured_B - memory_.acceleration_B_rad_per_s2);
 
-  // Shortest rotation from the body's z to the wanted direction, as a vector in the body frame.
+  // The shortest rotation from the body's z axis to the wanted direction, as a vector in the body frame.
   const Eigen::Vector3d up_B = state.q_WB.conjugate() * up_W;
   const Eigen::Vector3d axis_B = Eigen::Vector3d::UnitZ().cross(up_B);
   const double sine = axis_B.norm();
@@ -116,8 +116,8 @@ Eigen::Vector3d Stabiliser::wanted_torque(const StabiliserGoal& goal, const Rigi
       sine > 1e-12 ? Eigen::Vector3d(axis_B * (angle / sine)) : Eigen::Vector3d::Zero();
 
   const double turn_rad_per_s = goal.hold_place ? 0.0 : goal.yaw_rate_rad_per_s;
-  // The loop follows a wanted rate with the lag 1 / pole. If the heading reference were ahead of that, the heading
-  // would overshoot.
+  // The loop follows a wanted rate with the lag 1 / pole. The rate of the heading reference has the same lag, so that
+  // the heading does not overshoot.
   memory_.yaw_rate_rad_per_s += dt_s * gains_.yaw_pole_per_s * (turn_rad_per_s - memory_.yaw_rate_rad_per_s);
   const double lead_rad = std::clamp(wrapped_rad(memory_.heading_rad + dt_s * memory_.yaw_rate_rad_per_s - yaw_rad),
                                      -gains_.max_yaw_lead_rad, gains_.max_yaw_lead_rad);

@@ -31,8 +31,8 @@ struct Gains {
     double rate_per_s;    ///< rad/s2 of wanted acceleration per rad/s of error
     double acceleration;  ///< rad/s2 subtracted per rad/s2 measured
   };
-  /// Places the three poles of (angle, rate, acceleration) at -pole_per_s, for a torque lag of lag_s. Feedback of the
-  /// acceleration is never negative: a rotor faster than 1 / (3 pole) needs none.
+  /// Places the three poles of (angle, rate, acceleration) at -pole_per_s, for a torque lag of lag_s. The feedback of
+  /// the acceleration is never negative. It is 0 if the lag is less than 1 / (3 pole).
   static Rotation rotation(double pole_per_s, double lag_s);
 
   double tilt_pole_per_s = 12.0;
@@ -70,7 +70,7 @@ RotorValues mix(const scene::Drone& drone, double max_thrust_n, double collectiv
                 const Eigen::Vector3d& torque_B_n_m);
 
 /// The stabiliser's curve of thrust over command of one rotor: a table that was measured on a bench, linear between its
-/// rows. The true thrust also depends on the bus voltage, which the stabiliser does not measure; the altitude
+/// rows. The true thrust also depends on the bus voltage, which the stabiliser does not measure. The altitude
 /// integrator compensates the difference.
 class ThrustCurve {
  public:
@@ -87,9 +87,9 @@ class ThrustCurve {
   std::vector<scene::ThrustPoint> points_;
 };
 
-/// Cascaded flight controller: position -> velocity -> acceleration -> tilt and thrust; tilt -> rate ->
-/// angular acceleration -> rotor thrusts -> commands. It uses mass and inertia, but neither the bus voltage nor the
-/// wind. fmu_world/docs/stabiliser.md has the equations.
+/// Cascaded flight controller. The first cascade is position -> velocity -> acceleration -> tilt and thrust. The second
+/// is tilt -> rate -> angular acceleration -> rotor thrusts -> commands. The controller uses mass and inertia, but
+/// neither the bus voltage nor the wind. fmu_world/docs/stabiliser.md has the equations.
 class Stabiliser {
  public:
   explicit Stabiliser(const scene::Drone& drone);

@@ -33,7 +33,7 @@ Json texture_json(const camera::Tile& tile) {
   return {{"size", size}, {"grey", encode_base64(grey)}};
 }
 
-/// Returns the corners of a face with their texture coordinates (u, v), in tiles.
+/// Returns a face with its corners, and their texture coordinates (u, v) in tiles.
 Json face_json(const camera::Face& face, const camera::Tile& tile) {
   Json corners = Json::array();
   Json coordinates = Json::array();
@@ -62,7 +62,7 @@ Json mover_json(const camera::Mover& mover) {
   return {{"origin", json_of(mover.origin_W_m)}, {"repeat", mover.path.repeat}, {"points", points}};
 }
 
-/// Returns the rotors in the FMU's order: front right, rear right, rear left, front left. 1 and 3 turn
+/// Returns the rotors in the FMU's order: front right, rear right, rear left, front left. The first and the third turn
 /// counter-clockwise.
 Json rotors_json(const scene::Drone& drone, const std::string& prefix) {
   constexpr std::array<std::pair<int, int>, 4> kSides{{{1, -1}, {-1, -1}, {-1, 1}, {1, 1}}};
