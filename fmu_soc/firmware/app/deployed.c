@@ -35,8 +35,8 @@ typedef struct {
 
 static job_t job;
 
-// Returns the first of the two source rows (or columns) for row (or column) `index` of `count`. The source rows (or
-// columns) are spread evenly from edge to edge.
+// Returns the first of the two source rows (or columns) that are averaged for row (or column) `index` of `count`. The
+// source rows (or columns) are spread evenly from edge to edge.
 static int place_of(int index, int count, int length) {
   return count < 2 ? (length - 2) / 2 : index * (length - 2) / (count - 1);
 }
@@ -58,7 +58,7 @@ static uint32_t store_rows(buffers_t* buffers, int stripe) {
                       (uint32_t)(rows_of(stripe) * NETWORK_COLUMNS));
 }
 
-// Each pixel is the rounded mean of 2 x 2 pixels.
+// Reduces one row. Each pixel is the rounded mean of 2 x 2 source pixels.
 static void reduce_row(const uint8_t* upper, int width, const uint16_t* columns, uint8_t* to) {
   const uint8_t* lower = upper + width;
 #pragma GCC unroll 4

@@ -25,8 +25,8 @@ typedef struct {
 // Starts in PILOT_APPROACH with a copy of the policy. `yaw_rate_scale_urad_s` is the yaw rate at network output 127.
 void follower_init(follower_t* follower, const policy_t* policy, int32_t yaw_rate_scale_urad_s);
 
-// Processes one picture. The arguments are the network's output, whether the gate is crossed, the present velocity
-// along the heading, and the time since the last call.
+// Processes one picture. `yaw` is the network's output. `crossed` is true after the gate is crossed. The velocity is
+// along the heading, and the time is since the last call.
 pilot_command_t follower_step(follower_t* follower, int8_t yaw, bool crossed, int32_t forward_velocity_um_s,
                               int32_t elapsed_us);
 

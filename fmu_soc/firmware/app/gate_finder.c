@@ -14,7 +14,8 @@
 // contrast.
 #define LEAST_WHILE_SCANNING_Q4 (LEAST_SCORE_Q4 / 2)
 #define LEAST_WHILE_REFINING_Q4 (LEAST_SCORE_Q4 / 4)
-// After a frame was found, other positions only count if their score is at least 1 / PART_OF_BEST of the frame's score.
+// After a frame was found, other positions only count if their contrast is at least 1 / PART_OF_BEST of the frame's
+// score.
 #define PART_OF_BEST 4
 
 // The camera is about level and near the height of the gate's middle. So the frame's middle is near the picture's
@@ -58,7 +59,7 @@ typedef struct {
   int spread_q4;   // brightest beam less darkest
 } fit_t;
 
-// Returns the score of a frame. The score is high if the beams have contrast and are alike.
+// Returns the score of a frame. It is high if the beams have contrast to their surroundings and similar brightness.
 static inline int score_q4(const fit_t* fit) {
   return fit->weakest_q4 - fit->spread_q4 / 2;
 }
@@ -151,8 +152,8 @@ static inline bool add_beam(beams_t* beams, int beam_q4, int inner_q4, int outer
   return beams->outer_next >= least_q4;
 }
 
-// Tests the template at the position of `frame`. Stops as soon as the contrast of a beam is below `least_q4`. The
-// frame, and a margin of a border's width around it, must be inside the picture.
+// Tests the template at the position of `frame`. Returns zeros as soon as add_beam() refuses a beam. The frame, and a
+// margin of a border's width around it, must be inside the picture.
 static fit_t fit_at(const frame_t* frame, const sizes_t* sizes, int least_q4) {
   const fit_t none = {0, 0, 0};
   const ptrdiff_t pitch = work.width + 1;
@@ -210,7 +211,8 @@ static void sum_columns(int32_t* columns, const uint32_t* top, const uint32_t* b
   }
 }
 
-// Scan of a row: its positions from `at` to `last` in steps of `step`. A position is a pointer to its first column.
+// A row of positions that are scanned in steps of `step`, up to `last`. A position is a pointer to the first column of
+// the left beam.
 typedef struct {
   const int32_t* last;
   ptrdiff_t step;

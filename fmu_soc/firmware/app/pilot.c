@@ -3,7 +3,7 @@
 
 // Minimum confidence of a sighting.
 #define LEAST_CONFIDENCE 64
-// Numbers of consecutive pictures: with a gate to start an approach, and without a gate to end it.
+// Number of consecutive pictures with a gate that start an approach, and of pictures without a gate that end it.
 #define SIGHTINGS_TO_APPROACH 3
 #define MISSES_TO_SEARCH 20
 // If a gate that is nearer than this distance is no longer seen, it has left the view. In this case, the approach

@@ -48,8 +48,8 @@ typedef struct {
 // Starts in PILOT_SEARCH with a copy of the policy. `yaw_rate_scale_urad_s` is the yaw rate at navigator output 127.
 void pilot_init(pilot_t* pilot, const policy_t* policy, int32_t yaw_rate_scale_urad_s);
 
-// Processes one picture. The arguments are the navigator's output, the present velocity along the heading, and the time
-// since the last call.
+// Processes one picture. `seen` is the navigator's output. The velocity is along the heading, and the time is since the
+// last call.
 pilot_command_t pilot_step(pilot_t* pilot, const navigator_output_t* seen, int32_t forward_velocity_um_s,
                            int32_t elapsed_us);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/policy.h"
 
-// 0.05 km/h.
+// The reduction of the speed by one output: 0.05 km/h.
 #define SPEED_STEP_UM_S 13889
 
 void policy_init(policy_t* policy, bool adaptive, int32_t cruise_um_s, int32_t first_um_s) {

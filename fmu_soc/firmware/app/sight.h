@@ -10,9 +10,9 @@ extern "C" {
 
 // All values are in 127ths. If the picture could not be processed, visible is -127.
 typedef struct {
-  int8_t yaw;      // middle of the opening, left of the picture's middle, over half the picture's width
-  int8_t rise;     // the same upwards, over half the picture's height
-  int8_t size;     // half the frame's edge over half the picture's width, over SIGHT_MOST_SIZE
+  int8_t yaw;      // middle of the opening: distance to the left of the picture's middle / half the picture's width
+  int8_t rise;     // middle of the opening: distance above the picture's middle / half the picture's height
+  int8_t size;     // half the frame's edge / half the picture's width / SIGHT_MOST_SIZE
   int8_t visible;  // above 0: there is a gate
 } sight_t;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sight firmware with a deployed network, which has the outputs of sight.h in the same order.
+// The function of sight.h for a deployed network, which has the same outputs in the same order.
 #include "app/deployed.h"
 #include "app/sight.h"
 

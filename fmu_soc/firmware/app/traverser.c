@@ -3,9 +3,9 @@
 
 #include "app/calibration.h"
 
-// Evidence for a gate: the integral of `visible` - 32 over time [ms]. A clear gate (127) starts an approach within 0.11
-// s, and a gate with 64 within 0.31 s. A value below 32 never starts one. In pictures without a gate, every fourth has
-// a positive value, and every tenth a value above 32. Without a sighting, all evidence is lost in 1.25 s.
+// Evidence for a gate is the integral of `visible` - 32 over time [ms]. A clear gate (127) starts an approach within
+// 0.11 s, and a gate with 64 within 0.31 s. A value below 32 never starts an approach. In pictures without a gate,
+// every fourth value is positive, and every tenth is above 32. Without a sighting, all evidence is lost in 1.25 s.
 #define DOUBTFUL 32
 #define LEAST_SIGN (-16)
 #define EVIDENCE_TO_APPROACH 10000
@@ -13,8 +13,8 @@
 // A near gate with enough evidence counts as entered after it was invisible for this time.
 #define ENTERED_US 200000
 #define EVIDENCE_TO_ENTER 6500
-// If the drone flies slower than a quarter of its command for this time, it leans against an object. In this case,
-// there was no gate.
+// If the drone flies slower than a quarter of its command for this time, it leans against an object. In this case, the
+// sighted object was not a gate.
 #define STALLED_US 2000000
 // After an object has stopped the drone, the drone has this time to fly back.
 #define STUCK_US 6000000
@@ -31,9 +31,9 @@
 // the network was trained (0.82 rad). With a shorter lens, a frame of the same size is nearer. So the longest lens
 // gives the greatest distance of a gate.
 #define LONGEST_FOCAL_MILLI 2301
-// Time constant with which the drone's altitude approaches the altitude of a gate. Greatest difference between this
-// altitude and the mission's altitude. Sizes below the minimum (0.13, a gate at 5 m with a lens of 50 degrees) are too
-// small to divide by, and count as the minimum.
+// The drone's altitude approaches the altitude of a gate with this time constant. MOST_CLIMB_UM is the greatest
+// difference from the mission's altitude. Sizes below LEAST_SIZE (0.13, a gate at 5 m with a lens of 50 degrees) are
+// too small to divide by, and count as LEAST_SIZE.
 #define ALTITUDE_US 400000
 #define MOST_CLIMB_UM 700000
 #define LEAST_ALTITUDE_UM 250000
@@ -45,8 +45,8 @@
 #define DEAD_END_URAD 450000
 #define HALF_VIEW_URAD 410000
 #define HALF_TURN_URAD 3141593
-// After a full turn without success, the drone flies this far in a free direction, deletes the other stored headings,
-// and turns again.
+// After a full turn without success, the drone flies this far in a free direction, deletes the stored headings that
+// need not be kept, and turns again.
 #define ELSEWHERE_UM 1000000
 
 static int32_t limited(int32_t value, int32_t low, int32_t high) {
@@ -104,8 +104,8 @@ static traverser_command_t command(const traverser_t* t, int32_t velocity_um_s, 
   return order;
 }
 
-// Moves the altitude towards that of the gate's middle. Half the frame's edge divided by its size in the picture is the
-// length of half the picture at the gate's distance. This holds for any lens.
+// Moves the altitude towards that of the gate's middle. Half the frame's edge divided by its size in the picture is
+// half the picture's width at the gate's distance. This holds for any lens.
 static void follow_altitude(traverser_t* t, const sight_t* sight, const traverser_state_t* state) {
   const int32_t size = sight->size < LEAST_SIZE ? LEAST_SIZE : sight->size;
   const int32_t half_frame_um = GATE_OUTER_MM * 1000 / 2;
@@ -130,7 +130,7 @@ static int32_t farthest_um(int32_t size_q8) {
   return (int32_t)((int64_t)GATE_OUTER_MM * LONGEST_FOCAL_MILLI * 127 * 256 / (2 * SIGHT_MOST_SIZE * divisor_q8));
 }
 
-// Called when the frame leaves the picture. From now on, only the flown distance is used.
+// Called when the frame leaves the picture. After this call, only the flown distance is used.
 static traverser_command_t enter(traverser_t* t) {
   t->phase = TRAVERSER_THROUGH;
   t->left_um = farthest_um(t->most_q8) + PILOT_BEHIND_MM * 1000;
@@ -181,7 +181,7 @@ static traverser_command_t search(traverser_t* t, const sight_t* sight, bool sig
   if (sighted && t->evidence >= EVIDENCE_TO_APPROACH) {
     t->phase = TRAVERSER_APPROACH;
     begin_way(t);
-    // After its first picture, a gate does not count as near yet.
+    // A gate does not count as near after only one picture.
     t->size_q8 = limited(sight->size, LEAST_SIZE, NEAR_SIZE - 1) * 256;
     return command(t, 0, sight->yaw);
   }
@@ -210,7 +210,7 @@ static void fly_on(traverser_t* t, const traverser_state_t* state) {
   }
 }
 
-// Called if there was no gate. Flies straight back by the distance of the approach, to search elsewhere.
+// Called if there was no gate. The drone flies straight back by the distance of the approach, and then searches again.
 static traverser_command_t leave(traverser_t* t) {
   remember_dead_end(t, t->way_urad);
   return t->flown_um > 0 ? go_elsewhere(t, -t->flown_um) : search_again(t);
@@ -313,7 +313,8 @@ static traverser_command_t next(traverser_t* t, const sight_t* sight, const trav
       return t->stalled_us > STALLED_US ? leave(t) : approach(t, sight, sighted, state);
     case TRAVERSER_THROUGH:
       fly_on(t, state);
-      // The drone may have crossed a gate near a wall. A picture of a gate on that wall would look the same.
+      // An object has stopped the drone. It may be a wall near a crossed gate, or a wall with the picture of a gate.
+      // The drone cannot distinguish them, so it flies back.
       return t->stalled_us > STALLED_US ? leave(t) : through(t, state);
     case TRAVERSER_ELSEWHERE:
       return elsewhere(t, state);

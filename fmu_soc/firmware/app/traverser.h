@@ -30,7 +30,7 @@ typedef struct {
   int32_t yaw_urad;     // heading; not limited to one turn
 } traverser_state_t;
 
-// Number of stored sizes, and the distance in flight from one to the next [um].
+// Number of stored sizes. A size is stored each time the drone has flown this distance [um].
 #define TRAVERSER_MARKS 3
 #define TRAVERSER_MARK_UM 250000
 

@@ -6,8 +6,8 @@
 #define LEAST_EDGE 64
 #define MOST_REDUCTION 4
 
-// Computes one row of the integral image; `block_row` points to the first pixels of the row of blocks. The reduction is
-// a constant in each call, so that the compiler unrolls the sum over a block.
+// Computes one row of the integral image. `block_row` points to the first pixels of the row of blocks. `reduction` is a
+// constant in each call, so that the compiler unrolls the sum over a block.
 static inline __attribute__((always_inline)) void sum_row(const uint32_t* above, uint32_t* row,
                                                           const uint8_t* block_row, int blocks, int pitch,
                                                           int reduction) {

@@ -7,8 +7,8 @@
 static setpoint_t last;
 static uint8_t number;
 
-// Reports a transmit FIFO that is too small. If a frame does not fit while the UART transmits nothing, it never fits,
-// because the FIFO is already empty.
+// Reports a transmit FIFO that is smaller than a frame. The FIFO is empty if the UART transmits nothing. If a frame
+// does not fit then, it never fits.
 static void report_small_fifo(unsigned places) {
   static bool reported;
   if (reported || (UART_STATUS & UART_STATUS_TRANSMITS) != 0) {

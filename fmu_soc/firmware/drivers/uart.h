@@ -13,7 +13,7 @@
 static inline unsigned uart_received(void) {
   return UART_STATUS & UART_STATUS_RECEIVED;
 }
-// Returns the number of bytes that the transmit FIFO can take.
+// Returns the number of bytes that fit into the transmit FIFO.
 static inline unsigned uart_places(void) {
   return (UART_STATUS >> UART_STATUS_PLACES_SHIFT) & UART_STATUS_RECEIVED;
 }

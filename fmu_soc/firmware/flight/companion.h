@@ -4,8 +4,8 @@
 
 #include <stdint.h>
 
-// Reads the bytes that have arrived, and stores the set-points to follow into the registers of the commander. Call it
-// in each loop, with the time since reset, modulo 2^32 us.
+// Reads the bytes that have arrived. Stores the set-points of valid frames into the registers of the commander. Must be
+// called in each loop, with the time since reset modulo 2^32 us.
 //
 // Between frames, the last set-points remain valid. If a drone that takes off or flies receives no valid frame for
 // COMPANION_TIMEOUT_MS, it starts to land. It continues to land until a valid frame arrives.

@@ -28,7 +28,7 @@ static const uint32_t kRangePeriod_ms = 25;
 static const uint32_t kBarometerPeriod_ms = 40;
 // Beyond this distance, the barometer measures the height.
 static const float kLongestRange_m = 3.5F;
-// If the height changes by a larger step, the surface below has an edge.
+// If the measured height differs from the estimate by more than this, the surface below has an edge.
 static const float kEdge_m = 0.25F;
 // Slope of the standard atmosphere at the ground: 101325 Pa * 5.25588 * 0.0065 K/m / 288.15 K.
 static const float kPascalPerMetre = 12.013F;
@@ -99,7 +99,7 @@ static void use_range(void) {
   float error = surface_m + height - state.position.z;
   if (fabsf(error) > kEdge_m) {
     surface_m -= error;
-    // After a step back down to the ground, the stored height of the surface is deleted.
+    // A surface that is less than kEdge_m above the ground is the ground itself.
     if (fabsf(surface_m) < kEdge_m) {
       surface_m = 0.0F;
     }

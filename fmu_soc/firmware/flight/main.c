@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Flight controller: a loop of 1 ms that each sample of the IMU starts.
+// Flight controller. The loop runs once for each sample of the IMU, every millisecond.
 #include "board.h"
 #include "drivers/imu.h"
 #include "drivers/rotors.h"

@@ -45,7 +45,7 @@ static float limited(float value, float most) {
   return value < -most ? -most : value > most ? most : value;
 }
 
-// The derivative is that of `measured`, so that a step of the goal causes no jump of the output.
+// The derivative is computed from `measured`, so that a step of the goal causes no peak of the derivative.
 static float pid(const gains_t* gains, memory_t* memory, float error, float measured, float dt) {
   memory->integral = limited(memory->integral + error * dt, gains->most_integral);
   const float slope = (measured - memory->last) / dt;

@@ -27,7 +27,7 @@ nn_output_t nn_cluster_infer(const uint8_t* frame, int width, int height, unsign
 // 128). Used for comparison with golden vectors.
 nn_output_t nn_cluster_infer_shrunk(const int8_t picture[NN_PICTURE_BYTES], unsigned cores);
 
-// Returns the hash of the output of layer 0 to 6 of the last inference, while the cluster is on.
+// Returns the hash of the output of layer 0 to 6 of the last inference. The cluster must still be on.
 uint32_t nn_cluster_checksum(int layer);
 
 #ifdef __cplusplus

@@ -37,7 +37,7 @@ static int border_of(int layer) {
   return layer == NN_CONVOLUTIONS - 1 ? 0 : 1;
 }
 
-// Start of the weights of layers 1 to 3 in the small weights, and of layers 4 to 7 in the large weights [words].
+// Positions of the weights [words]: of layers 1 to 3 in the small weights, and of layers 4 to 7 in the large weights.
 static const uint16_t kSmall[] = {0, 0, NN_BYTES_1 / 4, (NN_BYTES_1 + NN_BYTES_2) / 4};
 static const uint16_t kLarge[] = {0, NN_BYTES_4 / 4, (NN_BYTES_4 + NN_BYTES_5) / 4,
                                   (NN_BYTES_4 + NN_BYTES_5 + NN_BYTES_6) / 4};

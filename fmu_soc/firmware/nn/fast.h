@@ -41,8 +41,8 @@ typedef struct {
 #define NN_STRIPE_BYTES (18 * 324)
 #define NN_STRIPES (SHRUNK_EDGE / NN_STRIPE_ROWS)
 
-// True if more tensors share memory than for the navigator network. Without this sharing, the tensors would not fit
-// into L1.
+// True if more tensors share memory than in the navigator network. Without this, the tensors of the sight network would
+// not fit into L1.
 #define NN_SHARES_PLACES (NN_CHANNELS_FIRST > 4)
 
 // The data of an inference, in the cores' shared memory. Data that are not needed at the same time share memory: the
@@ -126,7 +126,7 @@ void nn_fast_convolution(nn_arena_t* arena, int layer, nn_share_t share);
 void nn_fast_dense(nn_arena_t* arena, nn_share_t share);
 nn_output_t nn_fast_output(const nn_arena_t* arena, unsigned cores);
 
-// Positions of the weights of layers 4 to 7 in the file and in the arena, and the words to copy before layer 4.
+// The copy of the weights of one layer, 4 to 7, from the file to the arena. It must be done before layer 4.
 typedef struct {
   const void* from;
   void* to;

@@ -16,7 +16,7 @@ enum {
   EXIT_EXCEPTION = 255      // exception without a handler
 };
 
-// Reports the end to the power manager; the core does not run again.
+// Ends the program with an exit code. The core does not run again.
 __attribute__((noreturn)) void firmware_exit(int code);
 
 #ifdef __cplusplus

@@ -29,7 +29,7 @@ static inline void interrupts_on(void) {
 // Sets the clock of the core during a sleep [Hz]. If this clock is not below the core's present clock, or was never
 // set, the clock does not change.
 void sleep_clock_set(uint32_t hz);
-// Lowers the clock to the clock of a sleep. Returns the previous clock [Hz].
+// Sets the clock of a sleep if it is lower than the present clock. Returns the clock before this call [Hz].
 uint32_t sleep_clock_lower(void);
 
 // Sleeps until an attached interrupt is pending, then runs its handler. Interrupts must be off, and are off at return.

@@ -6,7 +6,7 @@
 #include "runtime/interrupt.h"
 #include "runtime/registers.h"
 
-// A count is NS / COUNTS nanoseconds: 1e9 / 32768.
+// A count is NS / 2^COUNTS_LOG2 nanoseconds: 1e9 / 32768.
 #define NS 1953125
 #define COUNTS_LOG2 6
 
@@ -23,7 +23,7 @@ static uint64_t count(void) {
   }
 }
 
-// Ignores an event of an earlier alarm.
+// Sets alarm_came if the time of the alarm is past. The event of an earlier alarm has no effect.
 static void check_alarm(void) {
   if (count() >= alarm_count) {
     alarm_came = true;
@@ -39,7 +39,7 @@ int64_t timer_now_ns(void) {
 }
 
 void timer_set_alarm(int64_t time_ns) {
-  // The count is computed in two parts, because the time in units of 1 / NS ns does not fit into 64 bits.
+  // The count is computed in two parts, because the product of time and 2^COUNTS_LOG2 does not fit into 64 bits.
   const uint64_t groups = time_ns <= 0 ? 0 : (uint64_t)time_ns / NS;
   const uint32_t rest_ns = time_ns <= 0 ? 0 : (uint32_t)((uint64_t)time_ns - groups * NS);
   alarm_count = (groups << COUNTS_LOG2) + ((rest_ns << COUNTS_LOG2) + NS - 1) / NS;

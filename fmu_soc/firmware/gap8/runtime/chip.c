@@ -10,7 +10,7 @@
 #define MULTIPLIER_MASK 0xFFFFu
 #define DIVIDER_SHIFT 26
 #define DIVIDER_MASK 0xFu
-// The frequency of the loop's oscillator is kept near this power of two, as gap_sdk does.
+// The frequency of the loop's oscillator is kept near this power of two, as in gap_sdk.
 #define OSCILLATOR_LOG2_HZ 29
 #define REFERENCE_LOG2_HZ 15
 

@@ -33,8 +33,8 @@ void soc_event_attach(unsigned number, interrupt_handler_t handler) {
   store(mask, load(mask) & ~(UINT32_C(1) << number % 32));
 }
 
-// Interrupts must be off here. If they were on, an interrupt between the check of `note` and the sleep would clear the
-// event that ends the sleep. p.elw ends its wait at the event, even with interrupts off.
+// Switches interrupts off during the wait. Otherwise an interrupt between the check of `note` and the sleep would clear
+// the event that ends the sleep. p.elw ends its wait at the event, even with interrupts off.
 void soc_event_wait(const volatile unsigned* note) {
   uint32_t status;
   __asm__ volatile("csrrci %0, mstatus, 8" : "=r"(status)::"memory");

@@ -9,6 +9,6 @@
 void soc_events_start(void);
 // Unmasks event `number`, and sets its handler, which runs like an interrupt handler.
 void soc_event_attach(unsigned number, interrupt_handler_t handler);
-// Sleeps until `note` is not zero; the handler of an event sets it. Handlers of other events run during the sleep. No
-// interrupts are taken during it, even if they are on.
+// Sleeps until `note` is not zero. The handler of an event sets it. Handlers of other events run during the sleep. No
+// interrupts are taken during the sleep, even if they are on.
 void soc_event_wait(const volatile unsigned* note);
