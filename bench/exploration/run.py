@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Measures missions per second of one FMU: mebots sweep with one and two jobs, a shell loop of mebots run, FMPy with
-dask.bag.
+"""Measures missions per second of one FMU with four programs: mebots sweep with one and two jobs, a shell loop of
+mebots run, and FMPy with dask.bag.
 
 Usage: run.py BUILD_DIR [MISSIONS]
 
-Each way runs the battery's FMU with the same draws of its load. The ways alternate, and the fastest of three rounds
-counts. Processor time is the sum of all processes, which does not depend on other work on the machine.
+Each program runs the battery's FMU with the same draws of its load. The programs alternate, and the fastest of three
+rounds counts. Processor time is the sum of all processes. It does not depend on other work on the machine.
 """
 
 import json

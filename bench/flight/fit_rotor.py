@@ -17,8 +17,8 @@ import flight_data as data
 
 TORQUE_PER_THRUST = 0.007350863  # m, utiasDSL/drone-models, cf2x_L250
 TORQUE_DOUBT = 0.15
-LEAST_THRUST_G = 24              # of four rotors: below the weight of the lightest drone, k decreases and the load
-                                 # Cells drift noticeably.
+LEAST_THRUST_G = 24              # of four rotors: below the weight of the lightest drone, k decreases and load cells
+                                 # drift noticeably
 LEAST_DUTY = 0.35                # below, the ripple of the current reaches zero, which the equations neglect
 LOG_DELAY_S = 0.004              # from command to logged speed, by cross correlation on jana04
 ENDS_S = 1.0

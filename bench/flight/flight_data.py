@@ -41,7 +41,7 @@ def digest(path):
 
 
 def distinct(paths):
-    """Returns the first of each group of files with equal content, by name."""
+    """Returns the paths without those whose file has the same content as an earlier file, in the order of names."""
     found = {}
     for path in sorted(paths):
         found.setdefault(digest(path), path)

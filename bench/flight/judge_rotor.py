@@ -25,7 +25,7 @@ GRAMS = ((15, 20), (20, 25), (25, 30), (30, 35), (35, 40), (40, 45))
 
 
 def spread(errors):
-    """Returns the mean, the standard deviation, and the 5th and 95th percentile, in percent."""
+    """Returns a text with the mean, the standard deviation, and the 5th and 95th percentile, in percent."""
     e = 100 * np.asarray(errors)
     return f"{e.mean():+.1f} (sd {e.std():.1f}, 5 to 95 %: {np.percentile(e, 5):+.1f} to {np.percentile(e, 95):+.1f})"
 
@@ -92,8 +92,7 @@ def stand_table(stand, models):
 
 
 def stands_table(judged, fitted):
-    """Returns the power of one stand divided by that of another at the same thrust. Directions of both sweeps are
-    averaged."""
+    """Prints, for ranges of thrust, the power of one stand divided by that of the other at the same thrust, minus 1."""
     print("| power of stock-prop / stock2 - 1 | up and down averaged | up | down |\n|---|---|---|---|")
     rising = np.arange(len(judged.duty)) < np.argmax(judged.duty)
     order = np.argsort(fitted.grams)

@@ -56,7 +56,8 @@ def known(word, rs1, rs2, rd):
 
 
 def rounded_sum_overflows(word, rs1, rs2, rd):
-    """True if the sum of accumulator and product of halves exceeds 32 bits, with or without half a unit.
+    """True if the sum of accumulator and product of halves exceeds 32 bits, with or without the half unit of the
+    rounding.
 
     >>> rounded_sum_overflows(0xA28E5DDB, 0xFFFFFF60, 4, 0x80000000)   # the half unit brings it back
     True
@@ -73,8 +74,9 @@ def rounded_sum_overflows(word, rs1, rs2, rd):
 
 
 def records(log):
-    """Yields the words of a log as ("segment", number, registers), ("watched", word, rs1, rs2, rd before, rd after),
-    ("trap", pc)."""
+    """Yields the entries of a log: ("segment", number, registers), ("watched", word, rs1, rs2, rd before, rd after),
+    ("trap", pc).
+    """
     words = struct.unpack(f"<{len(log) // 4}I", log)
     at = 0
     while at < len(words):

@@ -72,7 +72,7 @@ def computed(simulator, done, folder):
 
 
 def measure(soc, program, board, read, repeats, folder):
-    """Returns the fastest run of mebots-soc and that of GVSoC, by processor time, and the number of instructions."""
+    """Returns the run of each simulator with the least processor time, and the number of instructions."""
     command = [soc, "run", program, "--board", ROOT / f"configs/boards/{board}.json", "--host-files", folder]
     ours, its = [], []
     for _ in range(repeats):

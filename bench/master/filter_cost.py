@@ -88,8 +88,9 @@ def below(pid):
 
 
 def check_the_filter(*what):
-    """Exits if an FMU's process has a filter where it must not, or lacks one where it must. Ignores filters of this
-    process, which a container may have added."""
+    """Exits if an FMU's process lacks the filter, or if it has one without the filter's set-up. Does not count the
+    filters of this process, which a container may have added.
+    """
     def filters(of):
         return int(of.get("Seccomp_filters", 0))
     own = status("self")

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures the master's cost in addition to the FMU calls. Steps the same FMU by a bare loop over its C functions and
-// by Simulation, alternating, in one process; also measures the cost of every single call. Usage: bench_master_overhead
+// Measures the master's cost in addition to the FMU calls. In one process, it alternates between a bare loop over the
+// FMU's C functions and Simulation. It also measures the cost of single calls. Usage: bench_master_overhead
 // PASSTHROUGH.fmu [REPEATS]
 #include "fmi/call/foreign_call.hpp"
 #include "fmi/fmu.hpp"
@@ -111,8 +111,8 @@ double by_master(const Shape& shape, const std::filesystem::path& fmu, FmuLibrar
   return time * 1e9 / static_cast<double>(steps * shape.instances);
 }
 
-/// Measures the ns per call of fmi2GetReal: the bare call; with the check of the floating-point environment; and by the
-/// master, which also sets the instance for callbacks and checks the result.
+/// Times of a call of fmi2GetReal [ns]: the bare call; the call with the check of the floating-point environment; and
+/// the call by the master, which also sets the instance for callbacks and checks the result.
 struct CallCosts {
   double bare, watched, by_master;
 };

@@ -59,7 +59,7 @@ class Ring {
   std::optional<Simulation> simulation_;
 };
 
-/// Steps only.
+/// Measures steps without recording.
 void steps(benchmark::State& state) {
   Ring ring;
   const Recorder watched(ring.system(), ring.simulation().ensemble());  // reads the same values
@@ -67,7 +67,7 @@ void steps(benchmark::State& state) {
   for ([[maybe_unused]] auto _ : state) ring.simulation().step();
 }
 
-/// Steps with results.csv of every step. The difference to `steps` is the cost of recording.
+/// Measures steps that are recorded to results.csv. The difference to `steps` is the cost of recording.
 void steps_with_csv(benchmark::State& state) {
   Ring ring;
   OutputFile file(ring.folder() / "results.csv");

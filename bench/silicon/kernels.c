@@ -191,7 +191,7 @@ void pool_vector(const job_t* shared, unsigned core) {
   }
 }
 
-// Implements the layer for both forms. A pixel takes 8 and 7 cycles, like the published values.
+// Implements the layer for both forms. They take 8 and 7 cycles per pixel, as in the published values.
 // clang-format off
 #define AVERAGE(name, instructions, body)                                                                    \
   void name(const job_t* shared, unsigned core) {                                                            \
@@ -222,7 +222,7 @@ static unsigned bit_of(const int8_t* bits, unsigned at) {
   return (uint8_t)bits[at / 8] >> at % 8 & 1;
 }
 
-// Returns the number of a window's bits that equal the filter's bits.
+// Computes for each window the number of bits that equal the filter's bits.
 void xnor_plain(const job_t* shared, unsigned core) {
   const job_t job = *shared;  // it lies in L2
   const unsigned end = first_of(kOut, &job, core + 1);

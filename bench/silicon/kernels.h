@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Kernels of GreenWaves' CNN benchmark of GAP8 (gap_sdk, benchmarks/gap8/cnn), rewritten from the description in its
-// README and code. A 5 x 5 convolution has 100 x 100 pixels of a byte (docs/chip/silicon.md explains why not 112 x
-// 112). Another one has the same number of bits. The 2 x 2 pools have 112 x 112 pixels, the linear layer is 1024 to 16.
-// Each kernel has some of these forms with the same result: plain RV32IMC, with Xpulp's scalar instructions, with its
-// vectors of bytes. These kernels are used for power only; for cycles, the published values apply.
+// Kernels of GreenWaves' CNN benchmark of GAP8 (gap_sdk, benchmarks/gap8/cnn), written from the description in its
+// README and code. The convolution is 5 x 5 on 100 x 100 pixels of a byte (docs/chip/silicon.md explains why not 112 x
+// 112), and the xnor convolution on the same number of bits. The pools are 2 x 2 on 112 x 112 pixels. The linear layer
+// has 1024 inputs and 16 outputs. Each kernel has some of these forms with the same result: plain RV32IMC, Xpulp's
+// scalar instructions, Xpulp's vectors of bytes.
 #pragma once
 
 #include <stdint.h>

@@ -27,7 +27,7 @@ static void fill(void* argument) {
   for (unsigned i = 0; i < sizeof pixels; ++i) pixels[i] = (int8_t)((noise = noise * 1664525u + 1013904223u) >> 24);
   for (unsigned i = 0; i < sizeof weights; ++i) weights[i] = (int8_t)((noise = noise * 1664525u + 1013904223u) >> 24);
   for (unsigned i = 0; i < sizeof filter; ++i) filter[i] = (int8_t)(i < kTaps ? weights[i] : 0);
-  // Computes four columns of each row, then the fifth column, and its corner last.
+  // Stores four columns of each row, then the fifth column.
   for (unsigned row = 0; row < 5; ++row) {
     for (unsigned column = 0; column < 4; ++column) filter_by_words[row * 4 + column] = filter[row * 5 + column];
     filter_by_words[20 + row] = filter[row * 5 + 4];
@@ -42,7 +42,7 @@ static void run(void* argument) {
   }
 }
 
-// The sum of all results, so that the forms of a kernel can be compared.
+// The hash of all results, so that the forms of a kernel can be compared.
 static uint32_t checksum;
 static void add_up(void* argument) {
   (void)argument;

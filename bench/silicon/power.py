@@ -118,9 +118,10 @@ def figure(model, point, rail_v, dronet):
 
 
 def extremes(model, points, rail_v, dronet):
-    """Returns the least and the greatest ratio of silicon to model, over all currents and energies that were not used
-    for the calibration and whose program was run. The leakage of a chip in reset is left out. These values are few, so
-    the result is not a confidence interval."""
+    """Returns a text with the least and the greatest ratio of silicon to model. It covers all currents and energies
+    that were not used for the calibration and whose program was run. The leakage of a chip in reset is left out. These
+    values are few, so the result is not a confidence interval.
+    """
     fixed = {"gap8": (), "gap8_silicon": ("calibration",)}[model.name]
     ratios = {}
     for point in points:

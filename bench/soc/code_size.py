@@ -33,7 +33,7 @@ CACHED_BASE = 0x1C000000
 
 
 def build_programs(size, instructions, folder):
-    """Returns (long, kind of program) -> ELF file; the kind is "bare", "qemu" or "cached"."""
+    """Returns the ELF files as (long, kind of program) -> file. The kind is "bare", "qemu" or "cached"."""
     source = folder / f"branchy-{size}.c"
     code = folder / f"branchy-{size}.o"
     source.write_text(branchy.source(size * 1024))
@@ -56,7 +56,7 @@ def build_programs(size, instructions, folder):
 
 
 def contenders(build):
-    """Returns for each simulator's name the beginning of its command line, and its kind of program."""
+    """Returns the simulators as name -> (beginning of the command line, kind of program)."""
     found = {name: (command, "qemu" if for_qemu else "bare") for name, (command, for_qemu) in simulators(build).items()
              if name != "mebots interpreter"}
     soc, _ = found.pop("mebots translated")

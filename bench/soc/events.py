@@ -8,9 +8,8 @@
 | case | what is measured |
 |---|---|
 | start | a run of exactly a million instructions of programs/mixed.c, from the start of the process to its end |
-| profile, power trace | a long run with `--profile`, `--power-trace`, divided by the same run without; mixed code and
-the cluster | | patch | a run with 200,000 stores into code (programs/patches.c) minus one with 100,000, here and on
-Spike |
+| profile, power trace | a long run with `--profile` or `--power-trace`, divided by the same run without; mixed code and cluster |
+| patch | a run with 200,000 stores into code (programs/patches.c) minus one with 100,000, here and on Spike |
 
 Processor time; medians of alternating pairs. Exit code 1 if a program's checksums differ.
 """

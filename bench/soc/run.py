@@ -50,8 +50,8 @@ def spike_path():
 
 
 def simulators(build):
-    """Returns for each simulator's name the beginning of its command line, and if it runs QEMU's version of the
-    program."""
+    """Returns the simulators as name -> (beginning of the command line, True if it runs QEMU's version of the program).
+    """
     soc = str(build / "bin" / "mebots-soc")
     qemu = ["qemu-system-riscv32", "-M", "virt", "-cpu", "rv32", "-m", "16", "-bios", "none", "-display", "none",
             "-serial", "none", "-monitor", "none"]
@@ -73,7 +73,7 @@ def simulators(build):
 
 
 def build_programs(names, scale, folder):
-    """Returns (program, long, for QEMU) -> ELF file."""
+    """Returns the ELF files as (program, long, for QEMU) -> file."""
     files = {}
     for name in names:
         for is_long in (False, True):
@@ -102,7 +102,7 @@ def build_cluster_program(build, source, options, path):
 
 
 def build_cluster_programs(build, scale, folder):
-    """Returns (cores, long) -> ELF file of programs/cluster.c with the firmware's runtime."""
+    """Returns the ELF files of programs/cluster.c with the firmware's runtime as (cores, long) -> file."""
     files = {}
     for cores in CLUSTER_CORES:
         for is_long in (False, True):

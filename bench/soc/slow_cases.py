@@ -8,14 +8,15 @@
 | case | what is measured |
 |---|---|
 | hot code | the rate of code of 5.7, 11, 44 and 175 KiB behind GAP8's cache, and of QEMU -icount (code_size.py) |
-| device register, mcycle, trap | the time of a load from a register of the PLIC, of a read of mcycle, and of ecall with a handler of four
-instructions: a loop with the event minus the same loop without it (programs/events.c, board virt and QEMU's machine virt) |
+| device register, mcycle, trap | the time of a load from a register of the PLIC, of a read of mcycle, and of ecall with a handler (below) |
 | barrier, DMA | the time of a barrier of eight cores, and of a DMA copy of 256 bytes with its wait (programs/cluster_events.c) |
 | RAM | processor time and memory of a short run with 128 MiB of RAM |
 | Embench | the rate of nettle-sha256, the slowest program (embench.py), with --embench |
 
-Processor time; simulators and builds alternate. Times are the least of the repeats, rates the median. With `--before`, the times of another build of
-mebots-soc follow. Exit code 1 if a program's checksums differ.
+The time of an event is that of a loop with the event minus that of the same loop without it (programs/events.c, on board virt and on
+QEMU's machine virt). The trap's handler has four instructions. All times are processor time; simulators and builds alternate. Times are
+the least of the repeats, and rates are the median. With `--before`, the times of another build of mebots-soc follow. The exit code is 1
+if a program's checksums differ.
 """
 
 import argparse

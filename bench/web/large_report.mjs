@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Usage: node bench/web/large_report.mjs PAGE.html [CHROMIUM]
-// Measures how long a study's page takes to open, and to follow a brush. tests/web/make_studies.py writes large.html: 1,000 designs, 10,000 missions.
+// Measures the time to open a study's page, and the time of the page's panels to follow a brush.
+// tests/web/make_studies.py writes large.html with 1,000 designs and 10,000 missions.
 import { resolve } from "node:path";
 import { launch, open } from "../../tests/web/browser.mjs";
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compiles unmodified sources from a checkout of crazyflie-firmware into a library, together with a file of this folder
-that calls them."""
+"""Compiles unmodified sources from a checkout of crazyflie-firmware into a library. A file of this folder, which calls
+them, is part of the library.
+"""
 import subprocess
 from pathlib import Path
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The Kalman filter of a crazyflie-firmware checkout as a function, called each millisecond in the order of its
-// estimator's task: bench/world/firmware_estimate.py compiles this file with the checkout's sources.
+// The Kalman filter of a crazyflie-firmware checkout as a function. It is called each millisecond, in the order of the
+// firmware's estimator task. bench/world/firmware_estimate.py compiles this file with the checkout's sources.
 #include "axis3fSubSampler.h"
 #include "filter.h"
 #include "kalman_core.h"

@@ -27,8 +27,9 @@ LONGEST_DELAY = 1.0
 
 
 def measured(path, least_height):
-    """Returns times from 0 on, requested velocities and positions of the first flight: from its height to its
-    descent from there, or to the end of the log."""
+    """Returns times from 0 on, requested velocities and positions of the log's first flight. The flight begins when the
+    height of the set-point exceeds ``least_height``, and ends when it is below it, or at the end of the log.
+    """
     log = np.genfromtxt(path, delimiter=",", names=True)
     level = log["posCtltargetZ"] > least_height
     if not level.any():

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// TURNS times the event that EVENT names: 1 is a barrier of eight cores, 2 a DMA copy of 256 bytes with its wait.
+// Executes an event TURNS times. EVENT selects the event: 1 is a barrier of eight cores, 2 a DMA copy of 256 bytes with
+// its wait.
 #include <stdint.h>
 
 #include "runtime/cluster.h"

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the firmware's Kalman filter calls of CMSIS-DSP, in plain C, so that a checkout without submodules is enough. */
+/* The functions of CMSIS-DSP that the firmware's Kalman filter calls, in plain C. So a checkout without submodules
+ * is enough. */
 #pragma once
 
 #include <math.h>
