@@ -6,6 +6,6 @@
 #include "stabilizer_types.h"
 
 void crazyflie_init(void);
-// Calls the controller with what the firmware's stabilizer loop would pass; one tick is 1 ms.
+// Calls the controller with the arguments that the firmware's stabilizer loop passes. One tick is 1 ms.
 void crazyflie_step(control_t* control, const setpoint_t* setpoint, const sensorData_t* sensors, const state_t* state,
                     uint32_t tick);

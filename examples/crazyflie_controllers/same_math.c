@@ -50,7 +50,7 @@ float asinf(float x) {
 float acosf(float x) {
   return (float)arc_tangent_of(sqrt(1.0 - (double)x * x), x);
 }
-// The controllers only need squares.
+// Computes squares, which are all that the controllers need. For other exponents, returns NaN.
 float powf(float x, float y) {
   return y == 2.0F ? x * x : NAN;
 }

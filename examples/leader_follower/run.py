@@ -68,7 +68,7 @@ def check_loss(summary):
 def check_energy(summary):
     for name, energy in summary["energy"]["radio"]["each"].items():
         given = summary["energy"]["radio_of_the_battery"]["each"][name]
-        # Loads report a step late.
+        # The battery gets the power of a load one step late.
         require(abs(given / energy - 1) < 1e-3, f"the battery gave radio {name} {given} J, it took {energy} J")
     print(f"the radios took {summary['energy']['radio']['least']:.2f} to {summary['energy']['radio']['most']:.2f} J")
 

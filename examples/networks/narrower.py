@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Derives narrower networks from the sight network, without training: in each layer, it keeps the channels from which
-the next layer can be computed best. It then fits the remaining weights by least squares to the layers of the whole
+"""Derives narrower networks from the sight network, without training. In each layer, it keeps the channels from which
+the next layer can be computed best. Then it fits the remaining weights by least squares to the layers of the whole
 network.
 
 Usage: python examples/networks/narrower.py PICTURES TEST...

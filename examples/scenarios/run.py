@@ -40,7 +40,7 @@ def fly(build, scenario, out):
 
 
 def running_mean(values, count):
-    """Returns the mean over the last `count` steps, because the stabiliser works at every step."""
+    """Returns the moving mean over `count` steps. It hides the changes by the stabiliser from step to step."""
     total, result = 0.0, []
     for k, value in enumerate(values):
         total += value - (values[k - count] if k >= count else 0.0)

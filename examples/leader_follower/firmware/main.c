@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Node 1 flies a square and broadcasts its position. All others keep their distance to it: they measure it by
-// ultra-wideband, and take the direction from the two positions.
+// Node 1 flies a square and broadcasts its position. The other nodes keep their distance to node 1. They measure it by
+// ultra-wideband, and compute the direction from the two positions.
 #include "board.h"
 #include "drivers/timer.h"
 #include "radio.h"

@@ -24,7 +24,7 @@ struct OperatingPoint {
   double fabric_hz;
 };
 
-/// The resolution of the energy. The error of all inferences together is one step of it.
+/// The interval at which the energy is read. It limits the error of the energy of all inferences together.
 constexpr std::int64_t kLookNs = 5'000;
 
 void measure(const OperatingPoint& point, const std::string& board_path, const mebots::soc::Elf& program) {

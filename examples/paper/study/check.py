@@ -8,7 +8,7 @@ from run import fly_all
 
 
 def _speeds(published, count, place):
-    """Returns the hard flights, fastest (and shortest) first."""
+    """Yields (name, values now, published values) of `count` hard flights, the fastest (and shortest) first."""
     names = list(reversed(experiments.HARD_SPEEDS))[:count]
     flights = [flight for flight in experiments.speeds() if flight.speed_km_h in names and not flight.adaptive]
     for flight, summary in zip(flights, fly_all(flights, place).values()):

@@ -160,7 +160,7 @@ def scenarios_of_both(first, second):
 
 
 def of_starts(both):
-    """Returns the starts that both chips ran."""
+    """Yields the counts over the starts that both chips ran, as rows for each scenario and chip."""
     first, second = both
     for name in scenarios_of_both(both[first], both[second]):
         flights = min(data["robustness"][name]["flights"] for data in both.values())

@@ -38,7 +38,7 @@ def decisions(summaries):
 
 
 def outcomes(summaries):
-    """{outcome: flights}"""
+    """Returns {outcome: number of flights}."""
     values = [s["outcome"] for s in summaries.values()]
     return {outcome: values.count(outcome) for outcome in sorted(set(values))}
 

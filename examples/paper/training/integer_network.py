@@ -78,7 +78,7 @@ def to_bytes(layers):
 
 
 def from_bytes(packed, like):
-    """Reads layers from such a file; `like` contains the shapes of the layers' weights."""
+    """Returns the layers from the bytes of to_bytes(). `like` contains the shapes of the layers' weights."""
     layers, at = [], 0
 
     def take(kind, count):

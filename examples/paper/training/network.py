@@ -82,10 +82,11 @@ class _Round(torch.autograd.Function):
 
 
 class IntegerNavigator(nn.Module):
-    """The network as the chip computes it, in a form that can be trained: every value is a whole number in a float,
+    """The network as the chip computes it, in a form that can be trained. Every value is a whole number in a float, and
     every sum is below 2^24 and therefore exact. An output count is clip((sum of weight x input + bias + half) >>
-    shift), with one shift per output channel: the scale of the weights is a power of two times the ratio of the steps,
-    so no multiplier is needed."""
+    shift), with one shift per output channel. The scale of the weights is a power of two times the ratio of the steps,
+    so no multiplier is needed.
+    """
 
     def __init__(self, navigator):
         super().__init__()

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Trains the sight network in floating point, then continues with the integers of the chip; with --begin, instead
-continues to train a trained network among clutter."""
+"""Trains the sight network in floating point, then with the integers of the chip. With --begin, it trains an already
+trained network further, among clutter.
+"""
 
 import argparse
 import json

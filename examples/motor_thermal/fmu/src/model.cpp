@@ -13,7 +13,8 @@ namespace {
 /// Temperature coefficient of copper's resistance at 20 degrees Celsius [1/K]: IEC 60028, annealed copper.
 constexpr double kCopper_per_k = 0.00393;
 constexpr double kReference_k = 293.15;
-/// This temperature is far above the limits of insulation and magnet. If it is reached, the parameters must be wrong.
+/// The maximum temperature, far above the limits of insulation and magnet. If it is reached, the parameters must be
+/// wrong.
 constexpr double kRunaway_k = 1000;
 constexpr double kMotors = 4;
 
@@ -44,7 +45,8 @@ void Model::start(const Inputs& /*inputs*/, Outputs& outputs) {
 void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& outputs) {
   const double t = 1e-9 * static_cast<double>(duration_ns);
   const auto& p = parameters_;
-  // The driver switches. The winding carries current all the time, but the battery only during the duty cycle.
+  // The driver switches the supply. The winding carries current at all times, but the battery supplies it only during
+  // the duty cycle. So the current of the winding is that of the battery divided by the duty cycle.
   const double effective_v = inputs.motor_command * inputs.bus_voltage_v;
   current_a_ = effective_v > 0 ? inputs.motor_power_w / kMotors / effective_v : 0;
   const double loss_w = current_a_ * current_a_ * p.winding_resistance_ohm;
@@ -59,7 +61,7 @@ void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& output
   const double x = winding_k_ - inputs.air_temperature_k;
   const double y = case_k_ - inputs.air_temperature_k;
 
-  // The matrix has two eigenvalues l1 >= l2, which are real because b c >= 0. A function of A is f(l1) P + f(l2) (1 -
+  // The matrix has two eigenvalues l1 >= l2, which are real because b c >= 0. A function f of A is f(l1) P + f(l2) (1 -
   // P), with P = (A - l2) / (l1 - l2).
   const double middle = 0.5 * (a + d);
   const double half_gap = std::hypot(0.5 * (a - d), std::sqrt(b * c));

@@ -46,7 +46,7 @@ Texture frame_paint(Random& random) {
   return texture;
 }
 
-/// More than half of the gates are squares.
+/// Sets a random shape of a gate. In more than half of the calls, the gate stays a square.
 void random_shape(Random& random, Gate& gate) {
   const double kind = random.unit();
   if (kind < 0.55) return;
@@ -115,7 +115,7 @@ double reach_m(const world::scene::MeshThing& thing) {
   return reach;
 }
 
-/// True if everything that was added to `before` is far enough from the gates.
+/// True if all objects that `with` has in addition to `before` are far enough from the gates.
 bool clear_of_gates(const Scene& before, const Scene& with) {
   const auto boxes_keep = std::all_of(
       with.boxes.begin() + static_cast<std::ptrdiff_t>(before.boxes.size()), with.boxes.end(), [&](const auto& box) {

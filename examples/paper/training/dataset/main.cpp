@@ -72,7 +72,7 @@ Disturbance random_disturbance(Random& random) {
   return d;
 }
 
-/// Stronger disturbances for the sight network.
+/// Returns a stronger disturbance, for the sight network.
 Disturbance strong_disturbance(Random& random) {
   Disturbance d;
   if (random.chance(0.4)) d.blur_px = 2 + random.below(6);
@@ -173,8 +173,8 @@ void place_before(Random& random, const mebots::world::scene::Gate& gate, double
   yaw = towards - bearing;
 }
 
-/// Returns a view like the one above, for the sight network: other heights, stronger tilt, and more pictures without a
-/// gate.
+/// Returns a random position and attitude of the drone, for the sight network. Compared with random_pose(), heights
+/// vary more, the tilt is stronger, and more pictures have no gate.
 BodyPose random_view(Random& random, const mebots::world::scene::Scene& scene, double half_view_rad) {
   double yaw = random.between(-M_PI, M_PI);
   Vector3d p{random.between(-1.5, 4.0), random.between(-2.0, 2.0), random.between(0.5, 1.6)};
@@ -185,7 +185,7 @@ BodyPose random_view(Random& random, const mebots::world::scene::Scene& scene, d
   return tilted(random, p, yaw, 0.045);
 }
 
-/// Returns the target of a camera that looks at a wall or a thing, but not at a gate.
+/// Returns the position of a random wall or object for a camera that does not look at a gate.
 Vector3d random_thing(Random& random, const mebots::world::scene::Scene& scene) {
   const int boxes = static_cast<int>(scene.boxes.size());
   const int cylinders = static_cast<int>(scene.cylinders.size());
@@ -195,7 +195,8 @@ Vector3d random_thing(Random& random, const mebots::world::scene::Scene& scene) 
   return scene.meshes[static_cast<std::size_t>(which - boxes - cylinders)].p_W_m;
 }
 
-/// Like random_view(), in a cluttered hall: any of its gates, and many pictures without a gate.
+/// Returns a random position and attitude of the drone in a cluttered hall. The camera may look at any gate. Many
+/// pictures have no gate.
 BodyPose view_of_clutter(Random& random, const mebots::world::scene::Scene& scene, double half_view_rad) {
   double yaw = random.between(-M_PI, M_PI);
   Vector3d p{random.between(-1.5, 4.0), random.between(-2.0, 2.0), random.between(0.5, 1.6)};
@@ -299,7 +300,7 @@ bool has_answer(const mebots::world::scene::Scene& scene, const std::vector<mebo
   return hidden_part(things, scene.gates[static_cast<std::size_t>(seen.gate)], p_W) <= kMostHidden;
 }
 
-/// The outermost walls bound the room: the first four boxes of every scene.
+/// True if the point is more than 0.3 m inside the outermost boxes, which are the walls of the room.
 bool in_room(const mebots::world::scene::Scene& scene, const Vector3d& p_W) {
   Vector3d low = Vector3d::Constant(1e9);
   Vector3d high = -low;
@@ -344,11 +345,11 @@ class Writer {
   std::string path_;
 };
 
-/// Lenses between those of Webots' Crazyflie and of Stargate's recordings.
+/// Range of the field of view: between the lens of Webots' Crazyflie and that of Stargate's recordings.
 constexpr double kNarrowest_rad = 0.87;
 constexpr double kWidest_rad = 1.51844;
 
-/// For the sight network, the range is wider and includes both lenses.
+/// Range of the field of view for the sight network. It is wider and includes both lenses.
 constexpr double kNarrowestSight_rad = 0.82;
 constexpr double kWidestSight_rad = 1.56;
 

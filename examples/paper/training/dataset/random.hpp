@@ -12,15 +12,15 @@ class Random {
  public:
   explicit Random(std::uint64_t seed) : bits_(seed) {}
 
-  /// Uniform in [0, 1).
+  /// Returns a number that is uniformly distributed in [0, 1).
   double unit() { return static_cast<double>(bits_() >> 11) * 0x1p-53; }
   double between(double low, double high) { return low + (high - low) * unit(); }
-  /// Uniform among 0 .. count - 1.
+  /// Returns a whole number from 0 to count - 1, uniformly distributed.
   int below(int count) { return static_cast<int>(unit() * count); }
   bool chance(double probability) { return unit() < probability; }
-  /// Uniform in the logarithm.
+  /// Returns a number whose logarithm is uniformly distributed.
   double log_between(double low, double high) { return low * std::pow(high / low, unit()); }
-  /// Normal with mean 0, limited to three standard deviations.
+  /// Returns a normally distributed number with mean 0, limited to three standard deviations.
   double normal(double deviation) {
     for (;;) {
       const double x = std::sqrt(-2.0 * std::log(1.0 - unit())) * std::cos(2.0 * M_PI * unit());

@@ -10,8 +10,8 @@ namespace mebots::training {
 /// The position of the nearest gate in a picture, which the sight network learns.
 struct Sight {
   /// enough: the gate is in the picture. none: not even a corner of the gate is in the picture. sliver: the visible
-  /// part is too small or too flat for a correct answer; also a gate that the camera is about to fly through, whose
-  /// inner edges are all outside of the picture.
+  /// part is too small or too flat for a correct answer. A gate that the camera is about to fly through is also a
+  /// sliver, if the inner edges are all outside of the picture.
   Visibility visibility = Visibility::none;
   /// Centre of the opening relative to the picture's centre, in [-1, 1]. yaw: distance to the left, divided by half the
   /// picture's width. rise: distance upwards, divided by half its height.
