@@ -21,7 +21,8 @@ const scripts = await build({
   target: "es2022",
   legalComments: "none", // their licences are in LICENSES.txt
 });
-// After the scripts: packages that these import bring style sheets, which esbuild writes as page.css.
+// The style sheets are built after the scripts. Packages that the scripts import have style sheets, too, which esbuild writes as
+// page.css.
 const styles = await build({ ...common, entryPoints: { page: "src/page.css", report: "src/report/report.css" } });
 copyFileSync(join(here, "page.html"), join(out, "page.html"));
 

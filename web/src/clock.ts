@@ -17,7 +17,7 @@ export class Clock {
     return this.last;
   }
 
-  /** The run has continued to a later end. */
+  /** Sets a later end, because the run has continued. */
   extend(end: number): void {
     this.last = end;
     this.notifyState();

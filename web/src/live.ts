@@ -20,7 +20,7 @@ const PAGE = String(Math.random()).slice(2);
 /** The run has answered that it cannot send the data now, because the present step takes long. */
 class Busy extends Error {}
 
-/** Fetches all data. While the run is busy, tries again. From now on, the run counts this page as open until it closes. */
+/** Fetches all data. While the run is busy, tries again. After this, the run counts this page as open until it closes. */
 export async function fetchAll(): Promise<Payload> {
   addEventListener("pagehide", () => navigator.sendBeacon("control", new URLSearchParams({ order: `leave=${PAGE}` })));
   for (;;) {

@@ -30,7 +30,7 @@ export function readMessages(log: string): Message[] {
   return messages;
 }
 
-/** The text of an event, without time and place, which the mark's position shows. */
+/** Returns the text of an event without its time and place, which the position of the mark shows. */
 export function shortText(message: Message): string {
   const text = message.text.replace(/^t = [\d.]+ s(, at \([^)]*\) m)?: /, "");
   const said = /^([\d.]+) s /.exec(text); // firmware that prints its own clock

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The panels of a run. If the config has no panels, they show all variables that change, grouped by instance and unit. The first panel of each
-// instance precedes the second panel of any.
+// The panels of a run. If the config has no panels, they show all variables that change, grouped by instance and unit. The first panels
+// of all instances precede the second panels.
 import type { CurveInfo, PanelInfo } from "./payload";
 import type { Run } from "./run";
 import { meaningOf } from "./units";

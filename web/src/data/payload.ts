@@ -35,7 +35,7 @@ export interface SystemInfo {
   connections: { from: string; to: string; type: string; unit?: string }[];
   variables: Record<string, VariableInfo>;
   view: { panels: PanelInfo[]; marks: string[]; scene?: { file: string; instance: string };
-    /** Variables of like things in the summary, by the names of these. */
+    /** Groups of variables in the summary. `members` maps the name of an object, such as a drone, to its variable. */
     groups?: { label: string; members: Record<string, string> }[] };
 }
 

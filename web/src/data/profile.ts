@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A speedscope profile as call trees of the whole run. If fmu_soc wrote windows, also of a span of the run.
+// Computes call trees from a speedscope profile: of the whole run and, if fmu_soc wrote windows, of a time span.
 import type { Json } from "./payload";
 
 export interface Call {

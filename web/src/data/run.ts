@@ -36,7 +36,7 @@ export function rowAt(times: Float64Array, time: number): number {
   return low;
 }
 
-/** If a run in progress has more values than this, they are fetched thinned out. */
+/** If a run in progress has more values than this, the server sends a reduced number of them. */
 const MOST_NUMBERS = 4e6;
 
 export class Run {
@@ -93,7 +93,7 @@ export class Run {
     return { rows: this.header.rows, pictures: this.pictures.length, log: this.header.live?.log ?? 0 };
   }
 
-  /** Above this count, the server thins the numbers out. */
+  /** True if the run has so many values that the server reduces their number. Then all data are fetched each time. */
   get isLong(): boolean {
     return this.kept * this.places.size > MOST_NUMBERS;
   }
@@ -194,7 +194,7 @@ export class Run {
     return shown(value, this.unit(name));
   }
 
-  /** Interpolates between two rows: for motion, not for displayed numbers. */
+  /** Returns a value that is interpolated between two rows. Used for motion, not for displayed numbers. */
   between(name: string, time: number): number {
     const values = this.values(name);
     if (!values) return NaN;
@@ -227,7 +227,7 @@ export class Run {
     };
   }
 
-  /** Returns the sum of the recorded ones of these variables; null if there are none. */
+  /** Returns the sum of the curves that the run recorded; null if it recorded none of them. */
   sum(infos: CurveInfo[]): Curve | null {
     const curves = infos.map((info) => this.curve(info)).filter((curve) => curve !== null);
     if (curves.length === 0) return null;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table of layers. A row without cost is that of a network which was not measured.
+// The table of layers. If the network was not measured, the rows have no costs.
 import { shown } from "../data/units";
 import { element } from "../dom";
 import { percent } from "../report/format";
 import { panel } from "../report/widgets";
 import { sumOf, type Cost, type NetworkPage } from "./content";
 
-/** The cores' cycles that executed no instruction, although the core was awake. */
+/** Returns the cycles in which the cores were awake, but executed no instruction. */
 function stalledOf({ causes }: Cost): number {
   return Object.entries(causes).reduce((sum, [cause, cycles]) => (cause === "base" ? sum : sum + cycles), 0);
 }

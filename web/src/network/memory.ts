@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tensors in L2 over the layers, or over time if that was measured; L1 of each layer.
+// Shows the tensors in L2 over the layers, or over time if the times were measured. Also shows the use of L1 by each layer.
 import { element } from "../dom";
 import { counted, digits } from "../report/format";
 import { Plot } from "../report/plot";

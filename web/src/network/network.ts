@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page of a deployed network: what an inference costs, and which layers, causes and parts of the chip the cost has.
+// Makes the page of a deployed network. It shows the cost of an inference, and its division by layer, cause and part of the chip.
 import { shown } from "../data/units";
 import { element } from "../dom";
 import { digits, percent } from "../report/format";

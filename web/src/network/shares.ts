@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stacked bars, one a layer: the cores' cycles by cause, and the energy by part of the chip.
+// Stacked bars, one for each layer: the cores' cycles by cause, and the energy by part of the chip.
 import { shown } from "../data/units";
 import { element } from "../dom";
 import { digits, percent } from "../report/format";

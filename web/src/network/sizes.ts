@@ -28,7 +28,7 @@ export function makeSizes({ network }: NetworkPage, measured: Measured): HTMLEle
   return made;
 }
 
-/** The columns of the labels come first; with labels, differences from float only show the loss by rounding. */
+/** Returns the quantities to plot: first those of the labels, then the differences from the model in float. */
 function quantitiesOf({ float, labels }: Accuracy): Quantity[] {
   const judged = Object.entries(labels?.outputs ?? {}).flatMap(([name, { int8 }]) => [
     { title: int8.share === undefined ? `error of ${name}` : `right: ${name}`, of: (row: SizeRow) => row.accuracy.labels?.outputs[name]?.int8 },

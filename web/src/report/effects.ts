@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Main effects: the mean at each level of each factor, over the designs' values. With a selection, also its own means.
+// Shows main effects: the mean of the designs' values at each level of each factor. If designs are selected, also shows their means.
 import { element } from "../dom";
 import { colour, onTheme, styleColour } from "../theme";
 import type { Factor, Objective, Study } from "./content";

@@ -192,7 +192,7 @@ function tickText(value: number, all: number[]): string {
   return text.replace("e+", "e").replaceAll("-", "\u2212");
 }
 
-/** From the least to the greatest number, with a margin; of equal numbers, a range around them. Shares stay between 0 and 1. */
+/** Returns the least and the greatest number, with a margin. Equal numbers give a range around them. Shares stay between 0 and 1. */
 export function extent(values: Iterable<number | null>, { margin = 0.05, isShare = false } = {}): [number, number] {
   let [low, high] = [Infinity, -Infinity];
   for (const value of values) {

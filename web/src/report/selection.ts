@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The choice of designs and missions that the panels show: filters from brushes, one chosen design, and missions to compare. Designs are named by
-// their places in the page.
+// The choice of designs and missions that the panels show: filters from brushes, one chosen design, and missions to compare. A design is
+// identified by its index in the page.
 
 const FRAME_MS = 10;
 

@@ -51,7 +51,7 @@ export class Surfaces {
     for (const wall of this.walls) wall.mesh.visible = wall.normal.dot(target) - wall.offset > -1e-6;
   }
 
-  /** Multiplies all light. */
+  /** Sets a factor of the brightness of all faces. */
   setExposure(exposure: number): void {
     for (const { material } of this.batches) material.color.setScalar(exposure);
   }

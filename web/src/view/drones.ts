@@ -6,7 +6,7 @@ import { shown } from "../data/units";
 import { element } from "../dom";
 import type { Stage } from "../scene/stage";
 
-/** The variable of a group for a body: the member whose name is the body's, or the index in it. */
+/** Returns the variable of a group for a body: the member with the body's name, or with the index in this name. */
 function memberFor(members: Record<string, string>, body: string): string | undefined {
   return members[body] ?? members[/\[(\d+)\]$/.exec(body)?.[1] ?? ""];
 }

@@ -25,8 +25,7 @@ interface Lane {
   height: number;
 }
 
-/** The area of the lanes is aligned with that of the plots, so that a time is at the same place in all of them.
- * */
+/** Lanes below each other. Their area is aligned with that of the plots, so that a time is at the same place in all of them. */
 export class Lanes implements Drawing {
   readonly root = element("div", { class: "lanes" });
   private readonly canvas = element("canvas", {});
@@ -93,7 +92,7 @@ export class Lanes implements Drawing {
     for (const lane of this.lanes) this.drawLane(context, lane, most.get(lane.entry.curve.unit) ?? 1, area.clientWidth);
   }
 
-  /** The greatest value of each unit in the lanes of shades, so that lanes of one unit can be compared. */
+  /** Returns the greatest value of each unit in the lanes of shades, so that lanes of one unit can be compared. */
   private greatest(): Map<string, number> {
     const most = new Map<string, number>();
     for (const { entry: { curve } } of this.lanes.filter(({ entry }) => !isWords(entry))) {
@@ -135,7 +134,7 @@ export class Lanes implements Drawing {
     }
   }
 
-  /** The darkness of a pixel is the mean over its time, relative to the greatest mean. */
+  /** Draws a lane of shades. The darkness is the mean over the time between rows, relative to the greatest mean. */
   private drawShades(context: CanvasRenderingContext2D, { entry, top, height }: Lane, x: (time: number) => number, most: number): void {
     const values = entry.curve.values(this.window.mean);
     const times = entry.run.times;

@@ -70,7 +70,7 @@ function isShares(info: PanelInfo, run: Run): boolean {
   return info.kind === "stack" && info.curves.every((wanted) => run.curve(wanted)?.unit === SHARE);
 }
 
-/** The time over which a shown value is a mean. */
+/** Makes a note with the time over which the shown values are means. */
 function meanNote(window: Window): HTMLElement {
   const note = element("span", { class: "unit" });
   const show = () => (note.textContent = ` mean over ${shown(Number(window.mean.toPrecision(2)), "s")}`);
@@ -99,7 +99,7 @@ function curvesOf(info: PanelInfo, runs: Run[]): RunCurve[] {
   return curves;
 }
 
-/** The mark before a curve's name looks like the curve. */
+/** Gives the mark before a curve's name the look of the curve. */
 function paintSwatch(swatch: HTMLElement, tone: string, dash: [number, number] | undefined): void {
   swatch.classList.toggle("dashed", dash !== undefined);
   swatch.style.background = dash

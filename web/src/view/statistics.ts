@@ -15,7 +15,7 @@ export interface FinalValue {
   unit: string;
 }
 
-/** The values of the config's `summary`. Labels inside a label are written after it. `members`: with those of groups. */
+/** Returns the values of the config's `summary`. A nested label follows its outer label. `members`: includes the members of groups. */
 export function finalValues(summary: Json, members = true): FinalValue[] {
   const found: FinalValue[] = [];
   const walk = (values: Json, units: Json, path: string[]) => {
@@ -31,7 +31,7 @@ export function finalValues(summary: Json, members = true): FinalValue[] {
   return found;
 }
 
-/** The same without the members of groups, whose statistics remain. */
+/** Returns the values like finalValues(), without the members of groups. The statistics of groups remain. */
 export function mainValues(summary: Json): FinalValue[] {
   return finalValues(summary, false);
 }

@@ -76,15 +76,15 @@ export function makeStory(run: Run): HTMLElement {
 
 const MOST_STORIES = 4; // more would leave no space for the scene
 
-/** A sentence on each of several runs. */
+/** Makes one sentence for each of several runs. */
 export function makeStories(runs: Run[]): HTMLElement {
   const lines = runs.slice(0, MOST_STORIES).filter((run) => storyOf(run) !== "").map((run) => element("p", { class: "happened" }, `${run.name}: ${storyOf(run)}`));
   return element("div", { class: "story" }, ...lines);
 }
 
 /**
- * The moment at which the page opens: of a flight that of its first picture or, without pictures, one in which the body
- * moves; of another run the end, where its results are.
+ * Returns the time at which the page opens. For a flight, it is the later of two times: that of the first picture, and that at which
+ * the body is first farther away than half its greatest distance from the start. For another run, it is the end, where the results are.
  */
 export function openingTime(run: Run): number {
   const names = (run.scene?.bodies?.[0]?.position ?? []) as string[];
