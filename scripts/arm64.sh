@@ -25,7 +25,8 @@ cmake --preset release -B build/arm64 "-DCMAKE_TOOLCHAIN_FILE=$PWD/cmake/arm64.c
   -DMEBOTS_SOC_TRANSLATE=OFF -DMEBOTS_EXAMPLES=OFF -DMEBOTS_PYTHON=OFF -DMEBOTS_PAGES=OFF
 cmake --build build/arm64
 
-# A fused multiply-add has other bits than the two operations on x86-64, so computing code must not contain one.
+# A fused multiply-add gives other bits than a multiplication and an addition, which x86-64 uses. So the binaries must
+# not contain one.
 mapfile -t binaries < <(find build/arm64/fmu_binaries -name "*.so")
 ((${#binaries[@]} > 0)) || { echo "arm64.sh: build/arm64/fmu_binaries has no *.so to check for fused products and sums" >&2; exit 1; }
 for binary in "${binaries[@]}" "$sysroot/usr/lib/aarch64-linux-gnu/libccd.so.2.0"; do

@@ -21,10 +21,10 @@ python=${PYTHON:-.venv/bin/python}
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 
-# The exit code: 0 unless an available program misses its milestone.
+# The exit code is 0 unless an available program misses its milestone.
 failed=0
 row() { printf '%-34s %-12s %s\n' "$1" "$2" "$3"; }
-# run NAME ELF REQUIRED-OUTPUT [OPTIONS...] runs the given number of instructions, or until the program ends.
+# milestone NAME ELF REQUIRED-OUTPUT [OPTIONS...] runs a program, and prints whether it printed the required output.
 milestone() {
   local name=$1 elf=$2 wanted=$3
   shift 3
@@ -64,7 +64,7 @@ else
   row PULPDroNet_GAPuino "not there" "$image, $pictures"
 fi
 bins=$folder/gap_sdk/utils/openocd_tools/gap_bins
-# COMMAND NAME [MORE]: runs the program NAME with its host at JTAG.
+# with_host COMMAND NAME [MORE...] runs the program NAME with a host at its JTAG, and prints whether this succeeded.
 with_host() {
   local command=$1 name=$2
   shift 2

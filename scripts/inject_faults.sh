@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Makes calls fail that write a file of a run, a page or a study, each call in turn: full disk, failing disk, interrupted call, short write. A fault
-# affects one call, or that call and all later ones. Prints a table of the outcomes, and exits with 1 if a fault did not end as docs/exploration.md
-# requires.
+# Makes each call that writes a file of a run, a page or a study fail, one call after the other. The faults are a full
+# disk, a failing disk, an interrupted call and a short write. A fault affects one call, or that call and all later
+# ones. Prints a table of the outcomes, and exits with 1 if a fault did not end as docs/exploration.md requires.
 #
 # Usage: scripts/inject_faults.sh [BUILD_FOLDER]   build/ci by default; 8 minutes on a busy machine
 set -euo pipefail

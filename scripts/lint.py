@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs clang-tidy with the rules of .clang-tidy over all C++ sources, tests and benchmarks included.
 
-The build folder must have been built by a preset with unity builds: most of clang-tidy's time is spent in library headers, so sources
-that share them are checked together. A group is checked only if it, one of its headers or a rule has changed since it was last clean;
-the clean groups are remembered in ~/.cache/mebots-lint. clang-tidy comes from PyPI: Debian's also checks library headers, which takes
-four times as long. The build folder is GCC's; clang-tidy does not support all of GCC's warnings.
+The build folder must have been built by a preset with unity builds. Most of clang-tidy's time is spent in library
+headers, so sources that share them are checked together. A group is checked only if the group, one of its headers or a
+rule has changed since the group was last clean; the clean groups are stored in ~/.cache/mebots-lint. clang-tidy comes
+from PyPI: Debian's also checks library headers, which takes four times as long. The build folder is GCC's; clang-tidy
+does not support all of GCC's warnings.
 
 Usage: scripts/lint.py [BUILD_DIR]
 """
@@ -60,7 +61,7 @@ def version():
 
 
 def key(build, entry, options, files):
-    """Returns a hash of all that the result depends on. The folder of the checkout does not count."""
+    """Returns a hash of everything that affects the result. The folder of the checkout has no effect on it."""
     text = [version(), digest(ROOT / ".clang-tidy"), *options, entry["command"]]
     text += [f"{file} {digest(build / file)}" for file in files if not file.endswith("_cxx.cxx")]
     text += [pathlib.Path(entry["file"]).read_text()]

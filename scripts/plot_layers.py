@@ -21,7 +21,7 @@ import structure  # noqa: E402
 
 
 def short(folder, part):
-    """Returns the name of the folder that a reader knows: `engine` for master/src/engine/algorithm."""
+    """Returns the name of the folder that is known to readers: `engine` for master/src/engine/algorithm."""
     steps = folder.relative_to(part).parts
     return "/".join(steps[1:2] if steps[0] == "src" and len(steps) > 1 else steps[:1]) or "."
 

@@ -50,7 +50,8 @@ def draw_gates(axes, scene):
 
 def mean_power(time, energy, window=1.0):
     """Returns the mean power over the last `window` seconds, from the energy since the start. Chip and camera switch
-    many times between two rows. Samples of their power would miss this, but the energy includes everything."""
+    many times between two rows. Samples of the power would miss this, but the energy includes it.
+    """
     first = np.searchsorted(time, time - window)
     first[0] = 0
     span = time - time[first]

@@ -77,7 +77,7 @@ for file in "${python_requirements[@]}"; do
   fi
 done
 
-# The page's packages, by the lock file. The copy marks a complete installation.
+# Installs the page's packages by the lock file. The copy of the lock file marks a complete installation.
 if ! cmp -s web/package-lock.json web/node_modules/.mebots-lock.json; then
   (cd web && npm ci --silent --no-audit --no-fund)
   cp web/package-lock.json web/node_modules/.mebots-lock.json
