@@ -3,7 +3,7 @@
 # Functions that read and write the JSON of a board.
 
 # mebots_board_devices(<board as JSON> <variable for the names> <variable for the kinds>)
-# Lists the devices of a board. A device without a kind has "none".
+# Lists the devices of a board. The kind of a device without a kind is "none".
 function(mebots_board_devices board names kinds)
   set(found_names)
   set(found_kinds)
@@ -74,7 +74,7 @@ function(mebots_board_add variable device)
 endfunction()
 
 # mebots_board_with(<file> NAME <name> TEXT <text> BOARD <board file> DEVICES <file of one device>...)
-# Generates a board that is another one with more devices. A device of the same name is replaced.
+# Generates a board from another board and additional devices. A device of the same name is replaced.
 function(mebots_board_with file)
   cmake_parse_arguments(ARG "" "NAME;TEXT;BOARD" "DEVICES" ${ARGN})
   if(ARG_UNPARSED_ARGUMENTS OR NOT ARG_NAME OR NOT ARG_TEXT OR NOT ARG_BOARD OR NOT ARG_DEVICES)

@@ -232,7 +232,7 @@ function(_mebots_fmi_versions result description)
   set(${result} "${versions}" PARENT_SCOPE)
 endfunction()
 
-# Adds the shared library of the FMU `name` for one version of FMI. It exports the functions of that version alone.
+# Adds the shared library of the FMU `name` for one version of FMI. It exports only the functions of that version.
 function(_mebots_fmu_library target name model identifier version folder)
   add_library(${target} MODULE $<TARGET_OBJECTS:${name}_binding>)
   mebots_target(${target})

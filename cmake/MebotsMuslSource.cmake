@@ -63,7 +63,7 @@ function(mebots_musl_source folder_variable files_variable)
 endfunction()
 
 # mebots_musl_part(<variable>)
-# Returns the functions' line for the list of parts (modeldesc/src/pack_fmu.hpp).
+# Returns the line for musl's functions in the list of parts (modeldesc/src/pack_fmu.hpp).
 function(mebots_musl_part variable)
   set(${variable} "linked|musl|${MEBOTS_MUSL_VERSION}|MIT|pkg:generic/musl@${MEBOTS_MUSL_VERSION}|${PROJECT_BINARY_DIR}/musl/math/COPYRIGHT"
     PARENT_SCOPE)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Third-party software in the build: the source of the licence files and of the bills of materials.
 
-# Debian's packages, as regular expressions, and their licences as SPDX expressions. A package that is not listed has none
-# (NOASSERTION); the text of its licence is included in any case.
+# Debian's packages, as regular expressions, and their licences as SPDX expressions. A package that is not listed gets
+# NOASSERTION. The text of its licence is included in any case.
 set(MEBOTS_PACKAGE_LICENSES
   "libstdc\\+\\+-.*-dev|GPL-3.0-or-later WITH GCC-exception-3.1"
   "g\\+\\+-mingw-w64-.*|GPL-3.0-or-later WITH GCC-exception-3.1"

@@ -31,9 +31,9 @@ function(mebots_find_rustc)
 endfunction()
 
 # mebots_rust_library(<variable>)
-# Adds the target mebots_rust_core and returns the compiler options with which a crate finds `core`. If the compiler has only the sources of `core`,
-# the target builds it (about ten seconds). The functions of compiler_builtins are those of libgcc and of the firmware's runtime, so that this crate
-# is empty.
+# Adds the target mebots_rust_core, and returns the compiler options with which a crate finds `core`. If the compiler
+# has only the sources of `core`, the target builds it (about ten seconds). The crate compiler_builtins is built empty,
+# because libgcc and the firmware's runtime define its functions.
 function(mebots_rust_library result)
   mebots_find_rustc()
   if(IS_DIRECTORY ${MEBOTS_RUST_SYSROOT}/lib/rustlib/${mebots_rust_target}/lib)

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 #
-# Functions for a board: headers, firmware, and the chip's FMU with this board. A folder that calls these three adds a board with
-# its sensors; no other file changes.
+# Functions for a board: headers, firmware, and the chip's FMU with this board. A folder that calls mebots_soc_board(),
+# mebots_add_firmware() and mebots_soc_fmu() adds a board with its sensors. No other file must be changed.
 
-# They work inside this tree and after find_package(mebots), which sets the folder with the chip's sources, the firmware's runtime
-# and drivers in fmu_soc/, and the boards in configs/boards/.
+# These functions work inside this tree and after find_package(mebots), which sets the folder with the chip's sources,
+# the firmware's runtime and drivers in fmu_soc/, and the boards in configs/boards/.
 if(NOT MEBOTS_ROOT)
   get_filename_component(MEBOTS_ROOT ${CMAKE_CURRENT_LIST_DIR}/.. ABSOLUTE)
 endif()
@@ -23,8 +23,8 @@ function(mebots_find_riscv_gcc)
   if(MEBOTS_RISCV_LIBGCC)
     return()
   endif()
-  # GCC has no rv32imc library, so that of rv32im is used. The -march for linking has no _zicsr, because GCC 12 would not find its
-  # 32-bit libraries.
+  # GCC has no library for rv32imc, so that for rv32im is used. The -march for linking has no _zicsr, because GCC 12
+  # would otherwise not find its 32-bit libraries.
   execute_process(
     COMMAND ${MEBOTS_RISCV_GCC} -march=rv32im -mabi=ilp32 -print-libgcc-file-name
     OUTPUT_VARIABLE libgcc OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
@@ -88,7 +88,8 @@ function(mebots_add_firmware name)
   if(board_text MATCHES "\"kind\"[ \t\r\n]*:[ \t\r\n]*\"gap8_event_unit\"")
     set(overlay ${firmware_dir}/gap8)
   endif()
-  # On a board whose core has floats, programs use them and pass them in its registers.
+  # If the board's core has floating-point registers, programs use floating-point instructions, and pass floats in these
+  # registers.
   set(isa rv32imc)
   set(abi ilp32)
   set(libgcc ${MEBOTS_RISCV_LIBGCC})
@@ -248,7 +249,7 @@ function(mebots_add_flight_controller name)
   endif()
   set(flight estimator.c goal.c main.c)
   set(drivers imu)
-  # On a board with a UART, set-points come from there.
+  # On a board with a UART, the flight controller receives its set-points by UART.
   get_target_property(board_file ${ARG_BOARD}_headers MEBOTS_BOARD_FILE)
   mebots_board_has_companion(has_companion ${board_file})
   if(has_companion)
