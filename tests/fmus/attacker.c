@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An FMU that attacks the user who runs it. Each attack tries to access something outside of the FMU; if it succeeds,
-// it reverts its effect. `targets` lists what the test has set up: "key=value;key=value". After the first step,
+// An FMU that attacks the user who runs it. Each attack tries to access something outside of the FMU, and undoes its
+// effect if it succeeds. `targets` lists what the test has set up: "key=value;key=value". After the first step,
 // `report` has a line per attack: "name<tab>reached|held<tab>what it tries".
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE
@@ -82,7 +82,7 @@ static pid_t victim(void) {
   return (pid_t)atoi(target("process"));
 }
 
-/// Returns true for a valid descriptor, which it closes.
+/// Opens a file, and closes it again. Returns true if it could be opened.
 static int opens(const char* path, int flags) {
   const int file = open(path, flags | O_CLOEXEC, 0600);
   if (file >= 0) close(file);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An FMU of FMI 3.0 that integrates its input, and commits the fault in its instantiation token: {culprit3:crime}.
+// An FMU of FMI 3.0 that integrates its input. It commits the fault that its instantiation token names:
+// {culprit3:crime}.
 #include "mebots/fmi3/functions.hpp"
 
 #include <cmath>

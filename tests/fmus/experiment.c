@@ -4,9 +4,10 @@
 //
 //   x' = -x, by explicit Euler in internal steps of `tolerance` (0.125 if none is passed)
 //   clock = the time that the FMU has reached: the end of the step, or the stop time if one is passed. FMUs of some
-//   OpenModelica versions do the same: they compute up to the stop time in their first step start, stop, tolerance,
-//   has_stop and has_tolerance are the arguments; 0 for what is not passed flag_out = true as the number -1, flag_seen
-//   = the number that flag_in was set to text = "caf" and the byte 0xE9, which is Latin-1
+//   OpenModelica versions do the same: they compute up to the stop time in their first step.
+//   start, stop, tolerance, has_stop and has_tolerance are the arguments; 0 for what is not passed
+//   flag_out = true as the number -1, flag_seen = the number that flag_in was set to
+//   text = "caf" and the byte 0xE9, which is Latin-1
 #include "fmi2.h"
 
 #include "frame.h"

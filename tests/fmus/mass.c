@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// A foreign FMU for model exchange: a mass on a spring, with a grip on another one.
+// A foreign FMU for model exchange: a mass on a spring. A second spring, the grip, connects it to another mass.
 //
 //   x' = v,   v' = -stiffness x + force - grip (x - other_x)       (mass 1)
 //   pull = grip (x - other_x), the force on the other mass
 //
-// A state event turns the velocity at `wall`, and counts `hits`; the `last_hit` ends the simulation. A time event adds
-// `kick` to the velocity at `kick_time`. The discrete input `brake` stops the mass. After `nan_time` the derivative of
-// v is not a number. With the GUID "{mass:nan}", "{mass:endless}", "{mass:forgets}" or "{mass:kicked}", the derivative
-// is not a number, events do not end, a restored state lacks the speed, or a kick of 1 is at 0.15 s. `calls` counts
-// evaluations, but only if `impure` is true does a derivative depend on them.
+// A state event reverses the velocity at `wall`, and counts `hits`. The hit with the number `last_hit` ends the
+// simulation. A time event adds `kick` to the velocity at `kick_time`. The discrete input `brake` stops the mass. After
+// `nan_time`, the derivative of v is not a number. Four GUIDs select a fault: with "{mass:nan}", the derivative is not
+// a number; with "{mass:endless}", events do not end; with "{mass:forgets}", a restored state lacks the speed; with
+// "{mass:kicked}", a kick of 1 is at 0.15 s. `calls` counts evaluations. Only if `impure` is true does a derivative
+// depend on them.
 #include "fmi2.h"
 
 #include "frame.h"

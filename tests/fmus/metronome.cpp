@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// An FMU of FMI 3.0 with clocks: `beat` ticks every 0.3 s from 0.15 s on. At each beat it starts the countdown `echo`
-// of `delay` s. At each echo the output clock `tock` ticks, with the time in `tock_time`. When `tap` ticks, the FMU
-// adds `heard` to `sum` and counts `taps`. With `endless`, an echo starts the next one after 0 s.
+// An FMU of FMI 3.0 with clocks. `beat` ticks every 0.3 s from 0.15 s on. Each beat starts the countdown `echo` of
+// `delay` s. At each echo, the output clock `tock` ticks, and `tock_time` is its time. At each tick of the input clock
+// `tap`, the FMU adds `heard` to `sum`, and `taps` counts the ticks. With `endless`, an echo starts the next one after
+// 0 s.
 #include "fmi3_states.hpp"
 
 namespace {

@@ -310,7 +310,7 @@ static void take_all_memory(void) {
   }
 }
 
-// Passes an environment to the callback that is not the instance's, as FMUs of some tools do.
+// Calls the logger with an environment that is not the instance's, as FMUs of some tools do.
 static void say_for(Probe* p, void* environment, const char* name, const char* text) {
   p->callbacks.logger(environment, name, fmi2Warning, "logStatusWarning", text);
 }
@@ -323,7 +323,7 @@ static void* say_from_a_thread(void* argument) {
   return NULL;
 }
 
-// Misuses the logger in one of many ways; the test contains the resulting text.
+// Misuses the logger in one of many ways. The tests contain the resulting messages.
 static int abuse_logger(Probe* p, const char* fault) {
   void* own = p->callbacks.componentEnvironment;
   if (strcmp(fault, "log_foreign") == 0) {
@@ -427,8 +427,8 @@ static int is_not_changed(pid_t process) {
          refused(fcntl(0, F_SETOWN, process)) && refused(fcntl(0, F_SETSIG, SIGKILL));
 }
 
-/// Tries every way to harm its parent and a process named by the test; a way that is not refused ends the run. In a
-/// separate process namespace, neither process is visible.
+/// Tries every way to harm its parent and a process whose number the test passes. If a way is not refused, the run
+/// ends. In a separate process namespace, neither process is visible.
 static void harm_others(void) {
   const char* bystander = getenv("MEBOTS_TEST_BYSTANDER");
   if (getppid() == 1) return;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // An FMU of FMI 3.0 for model exchange: an integrator x' = slope + drive with clocks.
 //
-// `sample`, periodic, takes `measured` and returns `control` = -gain measured. `crossed` ticks whenever x has risen by
-// another 0.3, with `crossing_time`; `echo` is a countdown of `delay` from there. `tap` adds `heard` to `sum`. With
-// `endless`, an echo starts the next one without delay.
+// At each tick of the periodic clock `sample`, the FMU sets `control` to -gain measured. Each time x has risen by
+// another 0.3, `crossed` ticks, sets `crossing_time`, and starts the countdown `echo` of `delay`. When `tap` ticks,
+// `heard` is added to `sum`. With `endless`, an echo starts the next one without delay.
 //
 // The FMU returns fmi3Error for calls that the standard does not allow: clocks outside of event mode, and clocked
 // variables while their clocks do not tick.

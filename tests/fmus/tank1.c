@@ -6,8 +6,8 @@
 //   offset_seen is the number that the FMU was given for `offset`, whose negated alias is minus_offset
 //   start, stop and has_stop are the arguments of fmiInitializeSlave, location that of fmiInstantiateSlave
 //   behaviour: "discard" ends at 0.5 s, "pending" finishes its steps later, "fatal" fails at 0.5 s, "wordy" logs,
-//   "hang" sleeps,
-//     "callback" reports the end of its steps from a thread; so does "unknown_callback", with an unknown component
+//   "hang" sleeps, "callback" reports the end of its steps from a thread, and so does "unknown_callback", but with an
+//   unknown component
 //   TANK1_WITHOUT_STATUS: the library lacks fmiGetStatus and fmiCancelStep
 #include <pthread.h>
 #include <stdlib.h>

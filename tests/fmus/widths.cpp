@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An FMU of FMI 3.0 whose outputs `*_out` are its inputs of five types of numbers.
+// An FMU of FMI 3.0 with inputs of five types of numbers. The outputs `*_out` are equal to these inputs.
 #include "mebots/fmi3/functions.hpp"
 
 namespace {

@@ -11,7 +11,8 @@
 
 namespace mebots::soc::test {
 
-/// GAP8 with a program of assembly text, which can use the registers of the firmware's headers. RESULTS is kResults.
+/// GAP8 with a program of assembly text. The program can use the registers of the firmware's headers, and RESULTS,
+/// which is kResults.
 class Gap8System : public BoardSystem {
  public:
   explicit Gap8System(std::string_view text, const Settings& settings = {}, const BoardDescription& board = gap8())

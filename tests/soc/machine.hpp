@@ -35,7 +35,7 @@ class Machine : private Bus {
   Machine(const Elf& program, CoreKind kind) : Machine(program, MachineSettings{.kind = kind}) {}
   explicit Machine(std::string_view text, CoreKind kind = CoreKind::rv32imc) : Machine(assemble(text), kind) {}
 
-  /// Runs until tohost is stored, the core faults or sleeps, or `limit` cycles.
+  /// Runs until the program stores into tohost, the core faults or sleeps, or `limit` cycles have passed.
   Stop run(std::uint64_t limit = 10'000'000) { return hart_.run(limit); }
 
   Hart& hart() { return hart_; }

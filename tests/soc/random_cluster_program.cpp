@@ -126,7 +126,7 @@ class ClusterAuthor : RandomText {
     return fmt::format("    {} {}, {}({})\n", any(kStores), source(), offset, base);
   }
 
-  /// A branch over some code: taken at random, never, always, or rarely.
+  /// Returns a branch over some code. It is taken at random, never, always, or rarely.
   std::string forward(int depth) {
     const auto label = labels_++;
     const auto body = items(1 + (below(4) == 0 ? below(50) : below(6)), depth - 1);
@@ -170,7 +170,7 @@ class ClusterAuthor : RandomText {
                          : fmt::format("    addi {}, {}, 1\n", target(), source());
   }
 
-  /// A block of maximum length, which takes long.
+  /// Returns a block of maximum length whose execution takes long.
   std::string straight() {
     std::string text;
     const auto kind = below(3);
@@ -211,14 +211,14 @@ class ClusterAuthor : RandomText {
     }
   }
 
-  /// `body` in one of `mask` + 1 iterations.
+  /// Returns code that executes `body` in one of `mask` + 1 iterations.
   std::string sometimes(std::string_view body, unsigned mask) {
     const auto label = labels_++;
     return fmt::format("    srli t0, s4, {}\n    andi t0, t0, {}\n    bnez t0, .L{}\n{}.L{}:\n", below(12), mask, label,
                        body, label);
   }
 
-  /// Code that other cores change: a word, or two halves of a word.
+  /// Returns code that other cores change: a word, or two halves of a word.
   std::string slot() {
     if (below(2) == 0)
       return fmt::format("    .option push\n    .option norvc\n.Lword{}: addi a0, a0, 1\n    .option pop\n", words_++);
@@ -371,7 +371,7 @@ handler: csrr gp, mepc
                        one_bank_ ? 0 : 2 + below(2) * 2, 4 * (routines_ - 1));
   }
 
-  /// Actions of the fabric controller only.
+  /// Returns an action that only the fabric controller executes.
   std::string chip_item() {
     switch (below(5)) {
       case 0:

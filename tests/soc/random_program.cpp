@@ -67,7 +67,7 @@ stack_top:
                                                                "s4", "s5", "s6", "s7", "s8", "s9", "s10", "s11", "tp"};
   static constexpr std::array<std::string_view, 3> kShifts{"slli", "srli", "srai"};
 
-  /// A source register; sometimes x0.
+  /// Returns a source register, which is sometimes x0.
   std::string_view source() { return below(12) == 0 ? "zero" : any(kRegisters); }
   std::string_view target() { return below(25) == 0 ? "zero" : any(kRegisters); }
 

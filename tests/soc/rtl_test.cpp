@@ -31,7 +31,8 @@ std::ostream& operator<<(std::ostream& out, const Measured& value) {
 
 using Table = std::vector<std::pair<std::string, Measured>>;  // in the order of the programs
 
-/// Columns of micro.csv: name; then instructions, cycles and both per repetition for CV32E40P; the same for RI5CY.
+/// Returns the reference of a core from micro.csv. Its columns are the name; then instructions, cycles and both per
+/// repetition for CV32E40P; then the same for RI5CY.
 Table reference(CoreKind kind) {
   const auto first = kind == CoreKind::cv32e40p ? 1U : 5U;
   std::ifstream file(MEBOTS_RTL_DIR "/micro.csv");
@@ -48,7 +49,8 @@ Table reference(CoreKind kind) {
   return table;
 }
 
-/// Records of the micro programs: after a count, 64 bytes each: name, cycles, instructions, repetitions.
+/// Returns the records that the micro programs have stored. After a count, each record has 64 bytes: name, cycles,
+/// instructions, repetitions.
 Table measured(const Machine& machine) {
   Table table;
   const auto count = machine.word("results");

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <string>
 
-/// Shared by the tests of the battery and of the motors.
+/// Code that the tests of the battery and of the motors share.
 namespace mebots::test {
 
 /// The folder params/ of the FMU under test.

@@ -14,7 +14,7 @@ namespace {
 constexpr std::uint32_t kRam = 0x80000000;
 constexpr std::uint32_t kDevice = 0x00204000;
 
-/// Loads the device's first word; an interrupt loads the second one.
+/// The program loads the device's first word. Its interrupt handler loads the second word.
 constexpr const char* kProgram = R"(
     .option norvc
 vectors: .rept 32

@@ -75,7 +75,8 @@ class Comparison {
     settings_.translate = true;
   }
 
-  /// The test ends early if the program ends with a repeated trap.
+  /// Advances all runs to about `end_ns` in `stops` pieces, and compares them after each piece. Ends early if the
+  /// program ends with a repeated trap.
   void run(std::int64_t end_ns, unsigned stops) {
     watch(true);
     for (unsigned stop = 0; stop < stops && straight_->soc.running(); ++stop) {
@@ -110,7 +111,7 @@ class Comparison {
     }
   }
 
-  /// Advances to the present time in separate steps.
+  /// Advances a system to the time `now_`, sometimes in several steps.
   void continue_run(BoardSystem& system) {
     auto time = system.soc.now() / 1000;
     for (auto cuts = below(3) == 0 ? below(20) : 0; cuts-- > 0;) {

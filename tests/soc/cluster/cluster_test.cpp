@@ -19,7 +19,8 @@ namespace {
 
 constexpr double kClusterHz = 87e6;  // at the start
 
-/// Checks two runs of one program at the same time: their states and energies are equal at every step up to `end_ns`.
+/// Checks two runs of one program at the same time. Their states and energies must be equal at every step up to
+/// `end_ns`.
 void expect_same_bits(Soc& one, Soc& other, std::int64_t step_ns, std::int64_t end_ns) {
   for (auto t = one.now() / 1000 + step_ns; t < end_ns; t += step_ns) {
     one.advance(t);
@@ -29,8 +30,8 @@ void expect_same_bits(Soc& one, Soc& other, std::int64_t step_ns, std::int64_t e
   }
 }
 
-/// The fabric controller switches the cluster on and sleeps. Each core runs `body` with its number in s0, and stores
-/// its cycles in result(number).
+/// Returns a system whose fabric controller switches the cluster on and sleeps. Each core runs `body` with its number
+/// in s0, and stores its cycles in result(number).
 BoardSystem cores_run(std::string_view body, unsigned cores, bool translate = true,
                       const BoardDescription& board = BoardSystem::without_caches()) {
   Settings settings;
@@ -73,7 +74,7 @@ std::vector<std::uint32_t> cycles_of(std::string_view body, unsigned cores,
   return cycles;
 }
 
-/// The store waits for the power manager's latency; the cluster is on when it ends.
+/// The store that switches the cluster on waits for the power manager's latency. The cluster is on when the store ends.
 TEST(ClusterEnergy, CanBeReadDuringTheInstructionThatSwitchesItOn) {
   auto system = cores_run("", 1);
   double last_j = 0;
@@ -194,8 +195,8 @@ TEST(ClusterCore, AddsTheLatencyOfL2) {
   EXPECT_EQ(far, near + 20 * 14) << "14 cycles each: cluster router 2, AXI 12";
 }
 
-/// The fabric controller forks `body` on two cores, and sleeps until both are done. Returns the time of this in
-/// nanoseconds of the timer. Registers for the body: a0 = argument, s2 = event unit, s3 = DMA, s1 = L1.
+/// The fabric controller forks `body` on two cores, and sleeps until both are done. Returns the time that this takes,
+/// in nanoseconds of the timer. Registers for the body: a0 = argument, s2 = event unit, s3 = DMA, s1 = L1.
 std::uint32_t job_ns(std::string_view body, std::uint32_t argument, std::uint32_t cluster_hz = 87'000'000) {
   Settings settings;
   settings.cluster_clock_hz = cluster_hz;
@@ -262,7 +263,8 @@ TEST(Fork, TakesHalfTheTimeAtTwiceTheClock) {
 }
 
 TEST(Barrier, LetsTheFastWaitForTheSlow) {
-  // Core 0 runs 1 iteration and waits, core 1 `argument` iterations; after the barrier both run as many again.
+  // Core 0 runs 1 iteration and waits. Core 1 runs `argument` iterations. After the barrier, each runs `argument`
+  // iterations.
   constexpr std::string_view kMeet =
       "mv a1, a0\n bnez s0, 1f\n li a0, 1\n1: addi a0, a0, -1\n bnez a0, 1b\n"
       ".insn i 0x03, 6, a2, EVENT_UNIT_BARRIER_WAIT_OFFSET(s2)\n2: addi a1, a1, -1\n bnez a1, 2b\n";
@@ -298,12 +300,14 @@ TEST(Dma, MovesEightBytesACycle) {
 }
 
 TEST(Dma, TakesTwoCyclesForAShortRow) {
-  // 64 rows of 4 bytes are half a beat each, but the latency of 16 over 8 bursts in flight is 2 cycles.
+  // Each of the 64 rows of 4 bytes is half a beat. But with a latency of 16 cycles and 8 bursts in flight, a row takes
+  // 2 cycles.
   const auto longer = job_ns(copy("512", "4"), 0) - job_ns(copy("256", "4"), 0);
   EXPECT_NEAR(longer, 128 / kClusterHz * 1e9, 10 + 1);
 }
 
-/// Core 0 starts a copy of 16 KiB into L1 and waits for it; core 1 loads 256 words from one bank meanwhile.
+/// Busy cycles of core 1 and of the DMA. Core 1 loads 256 words from one bank, while core 0 waits for a copy of 16 KiB
+/// into L1.
 struct Rivals {
   std::uint32_t core_cycles = 0;
   std::uint64_t dma_cycles = 0;
@@ -350,7 +354,7 @@ TEST(Dma, TakesCyclesOfTheBanksFromTheCores) {
   EXPECT_NEAR(static_cast<double>(core_waited + dma_waited), 256.0 / 8, 4) << "a cycle shifts which words meet";
 }
 
-/// Two cores poll for each other's stores: a core sees a store one quantum later.
+/// Two cores poll for each other's stores. A core sees a store one quantum later.
 TEST(Cluster, SharesStoresOncePerQuantum) {
   constexpr std::uint32_t kTimes = 30;
   const auto body = fmt::format(R"(
@@ -371,7 +375,8 @@ TEST(Cluster, SharesStoresOncePerQuantum) {
   }
 }
 
-/// Reads the order of the cluster's next quantum from its state: first core, and whether the DMA is before the cores.
+/// Reads the order of the cluster's next quantum from its state: the first core, and whether the DMA is before the
+/// cores.
 class Order final : public state::Visitor {
  public:
   explicit Order(Soc& soc) : Visitor(Purpose::save) { soc.visit(*this); }
@@ -449,7 +454,7 @@ _start: li s0, POWER_MANAGER_BASE
   EXPECT_EQ(system.result(0), 1U) << "refused";
 }
 
-/// Runs the runtime's self-test on boards with MEbots' devices and with GAP8's.
+/// A board, and the program of the runtime's self-test for this board.
 struct RuntimeOn {
   std::string_view board;
   std::string_view program;
@@ -505,8 +510,9 @@ TEST_P(ClusterRuntimeOn, ContinuesWithTheSameBitsFromAStateDuringAJob) {
   EXPECT_TRUE(mebots::test::same_state(other.soc, straight.soc));
 }
 
-/// Eight cores on one bank whose code has different blocks in different runs: entered in the middle of straight code,
-/// with a jump directly after other code, after the return from a trap, and over the end of a former hardware loop.
+/// A program for eight cores that use one bank. Its code has different blocks in different runs. A block may begin in
+/// the middle of straight code, directly after other code at the target of a jump, after the return from a trap, or
+/// over the end of a former hardware loop.
 constexpr std::string_view kMixed = R"(
     mv a0, s1
     la s2, late
@@ -556,8 +562,8 @@ handler: csrr a5, mepc
     mret
 )";
 
-/// Saves a run of `cores` on `board` repeatedly, and continues from each state, translated and interpreted, with the
-/// same bits.
+/// Compares a run of `cores` on `board` with an interpreted run, and with runs that continue from its saved states. All
+/// must have the same bits.
 void expect_same_turns(unsigned cores, const BoardDescription& board) {
   auto straight = cores_run(kMixed, cores, true, board);
   auto interpreted = cores_run(kMixed, cores, false, board);
@@ -599,7 +605,8 @@ TEST(ClusterRuntime, ContinuesWithTheSameBitsFromStatesDuringAnInference) {
   }
 }
 
-/// Eight cores in a loop. In every 997th iteration, one of them changes an instruction, and changes it back.
+/// In this program, eight cores run a loop. In every 997th iteration, one of them changes an instruction, and changes
+/// it back.
 constexpr std::string_view kPatching = R"(
     la s2, patched
     lw s3, 0(s2)
@@ -642,8 +649,8 @@ TEST(ClusterRuntime, TranslatedCoresFollowStoresIntoCode) {
   EXPECT_TRUE(translated.faults.empty());
 }
 
-/// Blocks of 64 divisions and of loads from L2 run for thousands of ticks past the end of a quantum, where other cores
-/// use banks.
+/// In this test, blocks of 64 divisions and of loads from L2 run for thousands of ticks past the end of a quantum,
+/// where other cores use banks.
 TEST(ClusterRuntime, TranslatedCoresWaitAsInterpretedInTheLongestBlocks) {
   std::string body = "mv a0, s1\nli a1, 0x1C050000\nli a2, 0x7fffffff\nadd a3, s0, s0\nadd a3, a3, s1\nagain:\n";
   for (int i = 0; i < 60; ++i) body += "divu a4, a2, s0\n";
@@ -669,7 +676,8 @@ class Watcher final : public Observer {
   std::uint64_t retired_ = 0;
 };
 
-/// Both systems run the same program at the same time; only one is observed from now on.
+/// Checks that an observer does not change the bits. Both systems run the same program up to `end_ns`; only `watched`
+/// is observed.
 void expect_same_bits_watched(Soc& plain, Soc& watched, std::int64_t step_ns, std::int64_t end_ns) {
   const auto unseen = watched.instructions();
   const Watcher watcher(watched);

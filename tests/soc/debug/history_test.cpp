@@ -21,7 +21,7 @@ using testing::ElementsAre;
 constexpr int kNo = ConsolePort::kNothingYet;
 constexpr int kEnd = ConsolePort::kEnded;
 
-/// A chip whose time does not advance, its history, and a console whose input arrives late.
+/// A chip whose time does not advance, the history of the chip, and a console whose input arrives late.
 class HistoryTest : public testing::Test {
  protected:
   /// Calls input() `count` times and returns the results.
@@ -80,7 +80,7 @@ TEST_F(HistoryTest, AReplayRepeatsTheEndOfTheInput) {
   EXPECT_EQ(reads_, 2);
 }
 
-/// The bytes cannot be read again from the host.
+/// The host provides each byte only once. So the program must get the recorded bytes again.
 TEST_F(HistoryTest, AfterAChangeInThePastTheProgramStillGetsTheBytesThatWereRead) {
   live_ = {'a', kNo, kNo, 'b', 'c'};
   history_.record(soc_);
@@ -105,7 +105,7 @@ TEST_F(HistoryTest, ARestartReadsTheLogThenTheHost) {
   EXPECT_THAT(poll(3), ElementsAre(kNo, 'a', 'b'));
 }
 
-/// If a run is being stopped, its state is not used any more, so a byte that the run read would be lost.
+/// If a run is being stopped, its state is discarded. So a byte that the run reads would be lost.
 TEST_F(HistoryTest, ReadsNothingWhileTheRunIsBeingStopped) {
   live_ = {'a'};
   history_.record(soc_);
@@ -156,7 +156,7 @@ TEST_F(HistoryTest, StaysBelowItsLimitOfBytes) {
   EXPECT_GE(history.snapshots().size(), 3U) << "no more are dropped than needed";
 }
 
-/// A way back remembers the number of a state, which must not change meanwhile.
+/// The way back to a state identifies the state by its number, which must not change during the replay.
 TEST_F(HistoryTest, AReplaySavesNoStates) {
   history_.record(soc_);
   for (int i = 0; i < 3; ++i) history_.advance();

@@ -174,7 +174,7 @@ core: wfi
   EXPECT_EQ(system.soc.energy()[Part::cluster_background], ledger[Part::cluster_background]);
 }
 
-/// Counts of one core at some time.
+/// Adds the counts of one core at some time to those of the cluster.
 void add(Activity& all, unsigned core, const CoreActivity& one) {
   auto& sum = all.of_cores[core];
   sum.instruction_fj += one.instruction_fj;

@@ -60,7 +60,7 @@ std::unique_ptr<Machine> trap_of(const std::string& machine_mode, const std::str
   return machine;
 }
 
-/// U mode has all rights.
+/// Gives U mode all rights.
 constexpr auto kOpen = "li t0, -1\n csrw pmpaddr0, t0\n li t0, 0x1f\n csrw pmpcfg0, t0\n";
 
 TEST(UserMode, CallsMachineMode) {

@@ -21,7 +21,7 @@ using testing::HasSubstr;
 
 constexpr std::int64_t kMs = 1'000'000;
 
-/// A resources folder as in the FMU: the board and the gate firmware of the build.
+/// Returns a resources folder as in the FMU, with the board and the gate firmware of the build.
 std::filesystem::path resources() {
   static const auto folder = [] {
     const auto path = std::filesystem::temp_directory_path() / fmt::format("mebots-soc-model-{}", getpid());
@@ -34,7 +34,7 @@ std::filesystem::path resources() {
   return folder;
 }
 
-/// Returns the file of a program in L2.
+/// Assembles a program for L2, and returns its file.
 std::string program(std::string_view name, std::string_view text) {
   const auto path = resources() / name;
   const auto bytes = assemble_file(text, 0x1C000000);
@@ -43,7 +43,8 @@ std::string program(std::string_view name, std::string_view text) {
   return path.string();
 }
 
-/// Requests a picture, waits for it, adds its bytes into the altitude set-point [um], exits with code 9.
+/// Returns a program that requests a picture and waits for it. It stores the sum of the bytes as altitude set-point
+/// [um], and exits with code 9.
 std::string picture_program() {
   return program("picture.elf", R"(
 #include "board.h"
@@ -303,7 +304,7 @@ TEST(Model, NamesTheParameterIfTheFirmwareIsMissing) {
   }
 }
 
-/// A folder as `mebots deploy` writes it, whose network.json has this member `flight`.
+/// Returns a folder as `mebots deploy` writes it. Its network.json has the member `flight`.
 std::filesystem::path network_folder(std::string_view flight) {
   const auto folder = resources() / "network";
   std::filesystem::create_directories(folder);
@@ -386,7 +387,7 @@ TEST(Model, RefusesAStepBeyondItsLongestTime) {
   }
 }
 
-/// The gate firmware with one picture repeatedly.
+/// The gate firmware gets the same picture repeatedly.
 TEST(Model, AllocatesNothingInAStepAfterItsCodeIsTranslated) {
   Variables variables;
   const std::vector<std::uint8_t> picture(320 * 240, 100);

@@ -17,8 +17,8 @@ namespace {
 
 using Counts = std::array<std::uint32_t, 17>;
 
-/// Counts the events of `body`: from the instruction after the one that starts the counters up to the instruction that
-/// stops them.
+/// Returns a program that counts the events of `body`. The count begins with the instruction after the one that starts
+/// the counters, and ends with the instruction that stops them.
 std::string program_of(std::string_view body) {
   auto text = fmt::format(R"(
 _start: .option norvc

@@ -14,7 +14,8 @@
 namespace mebots::soc::test {
 namespace {
 
-/// A handler that stores mcause, mepc and mtval in s2, s3, s4, and continues after an instruction of 4 bytes.
+/// Returns a program with a handler that stores mcause, mepc and mtval in s2, s3, s4, and continues after an
+/// instruction of 4 bytes.
 std::string with_handler(std::string_view body) {
   return fmt::format(R"(
 _start: .option norvc
@@ -193,7 +194,7 @@ end: {}
   EXPECT_EQ(machine.hart().csr_remarks().read_stopped_counter, csr::kMinstret);
 }
 
-/// A handler that leaves without mret, `count` times, after executing `step`.
+/// Returns a program whose handler leaves without mret, `count` times, after executing `step`.
 std::string leaves_without_mret(unsigned count, std::string_view step) {
   return fmt::format(R"(
 _start: la t0, handler
@@ -371,7 +372,8 @@ TEST(Code, LargerThanTheBlockCacheRuns) {
   EXPECT_EQ(machine.reg(10), 160000U);
 }
 
-/// 1500 functions with a branch, an if with else, and a loop, all called `turns` times: 25,501 instructions.
+/// Returns a program with 1500 functions of a branch, an if with else, and a loop. All are called `turns` times: 25,501
+/// instructions.
 std::string branchy_program(int turns) {
   return fmt::format(R"(
 _start: .option norvc
@@ -473,7 +475,7 @@ TEST(Run, EndsAtTheStoreIntoTohost) {
   EXPECT_EQ(machine.reg(10), 3U) << "nothing later is executed";
 }
 
-/// Runs a program at once and in pieces. In small pieces, most instructions run alone.
+/// Compares a run of a program without interruption with runs in pieces. In small pieces, most instructions run alone.
 void expect_the_same_in_pieces(const Elf& program, CoreKind kind) {
   Machine straight(program, kind);
   ASSERT_EQ(straight.run(), Stop::watch);

@@ -11,7 +11,8 @@ namespace {
 constexpr unsigned kTimer = 7;
 constexpr unsigned kExternal = 11;
 
-/// The program increments a0 in a loop. A handler stores mcause in s2 and mepc in s3, masks all interrupts and returns.
+/// Returns a program that increments a0 in a loop. Its handler stores mcause in s2 and mepc in s3, masks all interrupts
+/// and returns.
 std::string counting(unsigned mode, std::string_view enable) {
   return fmt::format(R"(
 _start: .option norvc

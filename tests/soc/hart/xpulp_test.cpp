@@ -66,7 +66,7 @@ struct Example {
   std::uint32_t result;
 };
 
-/// Operand a is in a1, b in a2, and rd is a0. One program contains all operations.
+/// Executes all operations in one program, and compares the results. Operand a is in a1, b in a2, and rd is a0.
 void expect_examples(const std::vector<Example>& examples) {
   std::string body = "la s0, results\n";
   for (const auto& example : examples) {

@@ -34,7 +34,7 @@ TEST(IsaString, NamesTheOptionsOfACore) {
   }
 }
 
-/// Each refusal names the mistake and what to write.
+/// Each message names the mistake and what to write.
 TEST(IsaString, RefusesByName) {
   using testing::HasSubstr;
   EXPECT_THAT(refusal("rv64imac"), HasSubstr("write rv32"));

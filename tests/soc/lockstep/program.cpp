@@ -295,7 +295,7 @@ class Maker {
     }
   }
 
-  /// A branch or jump over some instructions.
+  /// Writes a branch or jump over some instructions.
   void skip() {
     const auto at = here();
     const auto kind = below(6);
@@ -325,7 +325,7 @@ class Maker {
     count(1);
   }
 
-  /// A backward branch, taken a few times.
+  /// Writes a loop: a backward branch that is taken a few times.
   void loop() {
     emit(addi(kCounter, 0, 1 + below(4)));
     const auto body = here();

@@ -24,7 +24,8 @@ struct Factors {
   std::uint32_t cluster;
 };
 
-/// Switches the cluster on; each of the cores in `who` loads 256 words of L2, and sleeps.
+/// Returns a program that switches the cluster on. Each core whose bit is set in `who` loads 256 words of L2, and
+/// sleeps.
 std::string cores_that_load_from_l2(std::uint32_t who, const Factors& factors) {
   const auto clocks = fmt::format(R"(
     li s0, FLL_BASE

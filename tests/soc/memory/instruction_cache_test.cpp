@@ -101,7 +101,7 @@ TEST(InstructionCache, IsEmptyAfterAFlush) {
   for (std::uint32_t line = 0; line < 256; ++line) EXPECT_FALSE(cache.holds(line));
 }
 
-/// 64 instructions of 4 bytes: 16 lines, executed `turns` times.
+/// Returns straight code of 64 instructions of 4 bytes, which are 16 lines. It is executed `turns` times.
 std::string straight_code(int turns, std::string_view end_of_turn = "") {
   return fmt::format(R"(
     .option norvc
@@ -173,7 +173,7 @@ _start: li s0, 50
   EXPECT_LT(refills, 50U * 513U);
 }
 
-/// Branches over cold code, calls, loads and stores to memory, 32-bit instructions across lines.
+/// A program with branches over cold code, calls, loads and stores to memory, and 32-bit instructions across lines.
 constexpr std::string_view kWanderer = R"(
 _start: li s0, 30
     la s1, data

@@ -97,8 +97,8 @@ TEST(Decisions, RefuseTimesOutOfOrder) {
   }
 }
 
-/// Requests a picture and sleeps until it arrives. Then the fabric controller runs 20,000 iterations, and two cores of
-/// the cluster run 40,000 while it sleeps. Then the program sends.
+/// This program requests a picture and sleeps until it arrives. Then the fabric controller runs 20,000 iterations, and
+/// two cores of the cluster run 40,000 while it sleeps. Then the program sends.
 constexpr std::string_view kDecides = R"(
 _start: li s0, CAMERA_BASE
     li s2, FLIGHT_BASE

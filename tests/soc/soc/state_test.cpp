@@ -9,7 +9,7 @@
 namespace mebots::soc::test {
 namespace {
 
-/// A busy program: timer interrupts, pictures, sleeps, divisions, printing, voltage changes.
+/// Returns a program with timer interrupts, pictures, sleeps, divisions, printing and voltage changes.
 const Elf& busy_program() {
   static const auto program = BoardSystem::assembled(R"(
 _start: la t0, handler

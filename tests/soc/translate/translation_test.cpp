@@ -31,7 +31,7 @@ std::string text_of(Machine& machine) {
   return text;
 }
 
-/// The cache is small, so that lines are often evicted.
+/// Returns settings of a cache that is so small that lines are often evicted.
 InstructionCacheSettings small_cache(std::uint32_t bytes) {
   return {bytes, 16, 2, 7};
 }

@@ -36,7 +36,7 @@ class Random {
   explicit Random(std::uint64_t seed) : engine_(seed) {}
   std::uint32_t word() { return static_cast<std::uint32_t>(engine_()); }
   std::uint32_t below(std::uint32_t count) { return word() % count; }
-  /// Random numbers, and special values.
+  /// Returns a random number, or a special value.
   std::uint32_t operand() {
     constexpr std::array<std::uint32_t, 12> kCorners{0,          1,          0xffffffff, 0x80000000, 0x7fffffff, 0x8000,
                                                      0x80007fff, 0x7fff8000, 0x80808080, 0x7f7f7f7f, 0x00ff00ff, 31};
@@ -162,7 +162,7 @@ class Generator {
  private:
   static constexpr std::uint32_t kFirstDot = 24;  // x24 to x31
   std::uint32_t dot_register() { return kFirstDot + random_.below(32 - kFirstDot); }
-  /// A pointer, or an offset.
+  /// Returns a register of a pointer or of an offset.
   std::uint32_t address_register() { return kFirstPointer + random_.below(kLastOffset - kFirstPointer + 1); }
   /// If a register in this field is used by dot products, returns the word with another register in its place.
   static std::uint32_t off_dots(std::uint32_t word, unsigned low) {

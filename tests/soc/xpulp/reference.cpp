@@ -267,7 +267,7 @@ bool XpulpReference::alu(std::uint32_t word) {
   }
 }
 
-/// Bit manipulation: from `first`, `width` bits.
+/// Executes an instruction of bit manipulation. It handles `width` bits from `first`.
 bool XpulpReference::bits(std::uint32_t word) {
   const auto kind = bits_of(word, 14, 12);
   if (kind > 4) return false;
@@ -308,7 +308,7 @@ bool XpulpReference::bits(std::uint32_t word) {
   return true;
 }
 
-/// Additions and multiplications with a shift, which may round.
+/// Executes an addition or multiplication with a shift, which may round.
 bool XpulpReference::shifted(std::uint32_t word) {
   const auto kind = bits_of(word, 13, 12);
   const bool rounds = bits_of(word, 14, 14) == 1;

@@ -21,7 +21,7 @@ std::uint32_t addi(unsigned rd, unsigned rs1, std::uint32_t imm) {
   return 0x13U | rd << 7 | rs1 << 15 | imm << 20;
 }
 
-/// The iterations of a random program, then its end, followed by a trap handler that only returns.
+/// Returns the iterations of a random program, then its end, followed by a trap handler that only returns.
 std::vector<std::uint32_t> hot_program(Generator& generator) {
   std::vector<std::uint32_t> words;
   for (auto pointer = kFirstPointer; pointer <= kLastPointer; ++pointer) {

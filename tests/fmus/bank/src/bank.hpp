@@ -10,7 +10,7 @@
 
 namespace mebots::bank {
 
-/// Independent integrators; the parameter `lines` is their number.
+/// A number of independent integrators. The parameter `lines` is this number.
 class Bank {
  public:
   explicit Bank(const Parameters& parameters);

@@ -183,8 +183,8 @@ TEST(DescribedDevice, SendsWhatIsStoredIntoARegister) {
   EXPECT_EQ(device.output("range_finder.power"), nullptr) << "no register sends it";
 }
 
-/// A link to a flight controller. It shows an input and a parameter in registers, and sends all set-points at the same
-/// time.
+/// Returns a link to a flight controller. It shows an input and a parameter in registers, and sends all set-points at
+/// the same time.
 BoardDevice link() {
   return parse_board(R"({
     "name": "b", "memories": [{"name": "ram", "base": "0x1000", "size": 4096}],

@@ -286,7 +286,7 @@ TEST(Board, IsRefusedIfALibraryHasAnotherLayoutOfRegisters) {
   }
 }
 
-/// gap8_bare with another timer and no cluster.
+/// Returns board gap8_bare with a second timer and without a cluster.
 BoardDescription with_two_timers() {
   auto board = read_board(MEBOTS_SOURCE_DIR "/configs/boards/gap8_bare.json");
   auto second = board.devices[1];

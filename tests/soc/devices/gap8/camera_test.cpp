@@ -39,7 +39,7 @@ std::uint8_t get(Himax& sensor, std::uint32_t at) {
   return sensor.read();
 }
 
-/// Pixel (row, column) has the value row + column.
+/// Returns a picture in which pixel (row, column) has the value row + column.
 std::vector<std::uint8_t> picture_of(std::size_t rows) {
   std::vector<std::uint8_t> pixels(rows * Himax::kWidth);
   for (std::size_t i = 0; i < pixels.size(); ++i) {
@@ -337,7 +337,7 @@ void expect_row_is_missed(BoardSystem& system) {
   }
 }
 
-/// The system after the request of a transfer, during the frame of this transfer.
+/// A system after the request of a transfer, during the frame of this transfer.
 struct InItsFrame : BoardSystem {
   InItsFrame() : BoardSystem(takes_a_picture(), {}, gap8_board_of_camera()) {
     *soc.devices().input("camera.frame_height") = Himax::kWindowHeight;
@@ -352,7 +352,7 @@ std::vector<std::uint8_t> stored_by(const BoardSystem& system) {
   return taken;
 }
 
-/// A black picture, which differs from the other one.
+/// Returns a black picture, which differs from that of picture_of().
 std::vector<std::uint8_t> night() {
   return std::vector<std::uint8_t>(picture_of(Himax::kWindowHeight).size());
 }
@@ -371,8 +371,8 @@ TEST_P(Gap8CameraCommand, StoresALateFrameWithTheSensorsSettingsOfItsReadOut) {
   EXPECT_EQ(stored_by(system), picture_of(Himax::kWindowHeight));
 }
 
-/// Stores a window of RGB565, weighted by the filter. One register of the interface is cleared after the window's last
-/// row.
+/// Returns the frame of a window in RGB565, weighted by the filter. If a register of the interface is given, it is
+/// cleared after the window's last row.
 std::vector<std::uint8_t> stored_frame_of_a_window(std::optional<std::uint32_t> cleared_behind_it) {
   BoardSystem system(takes_a_picture(), {}, gap8_board_of_camera());
   *system.soc.devices().input("camera.frame_height") = Himax::kWindowHeight;
@@ -513,8 +513,8 @@ TEST(Gap8Camera, WaitsAfterTheLastPictureOfTheRoll) {
   EXPECT_TRUE(system.soc.devices().wait_for_picture());
 }
 
-/// Runs 70 ms with an action of a scenario after each; at some time, another system continues from the state of the
-/// first.
+/// Runs 70 ms, with an action of the scenario after each millisecond. At some time, another system continues from the
+/// state of the first. All runs must be equal.
 template <typename Scenario>
 void expect_same_run_from_states(const Settings& settings, int mode, const Scenario& scenario) {
   const auto run = [&](std::int64_t saved_at_ms) {

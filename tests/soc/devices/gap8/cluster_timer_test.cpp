@@ -188,8 +188,6 @@ TEST(Gap8Cluster, InterruptsInTimeTheOnlyAwakeCore) {
   EXPECT_LE(system.result(0), 116U);
 }
 
-/// Cores 0 and 1 loop; the end of a transfer interrupts core 0, which starts the next transfer, 16 times.
-
 TEST(Gap8Cluster, KeepsTheTimersEventInAState) {
   const auto program = fmt::format("{}{}{}", kBegin, start_cluster(0b11), kTimed);
   Gap8System straight(program);

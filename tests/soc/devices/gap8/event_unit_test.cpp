@@ -133,8 +133,8 @@ TEST_F(EventUnitOfFour, ShowsAllCoresRegistersOnThePeripheralBus) {
   EXPECT_EQ(unit.shared(4 * 0x40, nullptr).kind, BusReply::Kind::none) << "there is no fifth core";
 }
 
-/// Switches the cluster on, starts eight cores, and waits for core 0's result. Each core copies 64 bytes of L2 into L1,
-/// adds them, and waits for the others; core 0 adds all results and sends the sum.
+/// Returns a program that switches the cluster on, starts eight cores, and waits for core 0's result. Each core copies
+/// 64 bytes of L2 into L1, adds them, and waits for the others. Core 0 adds all results and sends the sum.
 std::string eight_cores() {
   return fmt::format("{}{}", kBegin, R"(
     li s1, RESULTS

@@ -28,7 +28,7 @@ struct Others {
   Meanwhile of_cores = Meanwhile::sleeps;
 };
 
-/// Core 0 loops 200,000 times, executes `change`, and loops again. Then it stores into tohost.
+/// Returns a program whose core 0 loops 200,000 times, executes `change`, and loops again. Then it stores into tohost.
 std::string core_that_changes(std::string_view change, const Others& others) {
   return fmt::format(R"({}{}
 2:  {}

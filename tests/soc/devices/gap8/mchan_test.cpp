@@ -136,7 +136,8 @@ TEST_F(MchanTest, TakesTheTimeOfItsBeatsInTheSlowerClock) {
   EXPECT_EQ(ticks_for(4), 16U + 512 * 2);
 }
 
-/// Cores 0 and 1 loop; the end of a transfer interrupts core 0, which starts the next transfer, 16 times.
+/// In this program, cores 0 and 1 loop. The end of a transfer interrupts core 0, which starts the next transfer, 16
+/// times.
 constexpr std::string_view kTransfers = R"(
 2:  wfi
     j 2b

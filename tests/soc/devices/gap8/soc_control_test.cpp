@@ -102,7 +102,7 @@ ends: j ends
   EXPECT_TRUE(system.faults.empty());
 }
 
-/// Core 0 loads 256 times and stores once at `base` + `offset`, and sleeps.
+/// Returns a system whose core 0 loads 256 times from `base` + `offset`, stores once to it, and sleeps.
 Gap8System core_that_reads(std::string_view base, std::string_view offset) {
   const auto reads = fmt::format(R"(
 2:  wfi

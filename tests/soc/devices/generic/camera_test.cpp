@@ -88,7 +88,7 @@ TEST(Camera, StoresThePictureAfterTheDelayAndRaisesItsInterruptOnce) {
   EXPECT_EQ(found, bytes);
 }
 
-/// A camera with an HM01B0's lines.
+/// Returns a board whose camera has the line timing of an HM01B0.
 BoardDescription with_lines(double frame_lines, double exposure_lines) {
   auto board = BoardSystem::narrow();
   for (auto& device : board.devices) {
