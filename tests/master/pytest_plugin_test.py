@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The plug-in of pytest collects the cases of FMUs and reports where they diverge.
+"""Tests that the plug-in of pytest collects the cases of FMUs, and reports where they diverge.
 
 Usage: pytest_plugin_test.py PROBE.fmu CASES_OF_MOTORS MOTORS.fmu (with PYTHONPATH set to the package)
 """

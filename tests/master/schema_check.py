@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The shipped JSON schemas and the readers must accept and reject the same files.
+"""Tests that the shipped JSON schemas and the readers accept and reject the same files.
 
 Usage: schema_check.py MEBOTS PROBE.fmu SOURCE_DIR
 
-Every shipped file names its schema and is valid for both. The test then checks configs with one manual change each, for
-which both must give the expected verdict. It also checks shipped files of each kind with one systematic change each.
-Readers check more than schemas, for example that names exist and that the values of a table rise. Therefore two
-conditions apply to systematic changes: the reader rejects whatever the schema rejects, and if the reader reports a
-missing key, an unknown key or a wrong type, the schema rejects the file too.
+Every shipped file names its schema, and is valid for both. The test then checks configs with one manual change each,
+for which both must give the expected verdict. It also checks shipped files of each kind with one systematic change
+each. Readers check more than schemas, for example that names exist and that the values of a table rise. Therefore two
+conditions apply to systematic changes. The reader must reject whatever the schema rejects. If the reader reports a
+missing key, an unknown key or a wrong type, the schema must reject the file, too.
 """
 
 import copy

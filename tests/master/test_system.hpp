@@ -21,7 +21,7 @@
 #include <string_view>
 #include <vector>
 
-/// Shared by the master's tests: configs that use the probe FMU (tests/fmus/probe.c).
+/// Code that the master's tests share, mostly for configs that use the probe FMU (tests/fmus/probe.c).
 namespace mebots::test {
 
 /// Returns `text` with every "PROBE" replaced by the path of the FMU made from tests/fmus/probe.c, and "COUPLING" by

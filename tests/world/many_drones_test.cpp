@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Several drones in one world.
+// Tests several drones in one world.
 #include "dynamics/downwash.hpp"
 #include "mebots/error.hpp"
 #include "support/fleet.hpp"
@@ -21,7 +21,7 @@ using test::shipped_scene;
 using testing::Contains;
 using testing::HasSubstr;
 
-/// Take-off, flight forward, landing.
+/// Sets the set-points of a take-off, a flight forward and a landing.
 template <typename Input>
 void script(Input& in, double t) {
   in.setpoint_mode = t < 4.0 ? FlightMode::take_off : t < 8.0 ? FlightMode::fly : FlightMode::land;

@@ -60,8 +60,8 @@ TEST(CameraDevice, ReportsTheSettingsOfThePicture) {
 }
 
 TEST(CameraDevice, ShowsTheViewAtTheBeginningOfTheStep) {
-  // Falling from 1.3 m for half a second would change the picture considerably; a picture requested at the start shows
-  // the start.
+  // A fall from 1.3 m for half a second would change the picture considerably. A picture that is requested at the start
+  // shows the start.
   const auto picture_of_start = [] {
     test::RigParameters p = parameters();
     p.start_offset_m = {2.0, 0.0, 1.3};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Flights that try to be counted as a passage, in the complete world with its contacts.
+// Tests which flights count as a passage of the gate, in the complete world with its contacts.
 #include "support/flight_rig.hpp"
 
 #include <gmock/gmock.h>
@@ -85,7 +85,7 @@ TEST_F(Referee, ThroughAndBackAroundTheFrameIsNotPassed) {
 }
 
 TEST_F(Referee, HangingOnTheFrameIsStuck) {
-  // Straight into the left upright, and continuing to push for twenty seconds.
+  // The drone flies straight into the left upright, and continues to push for twenty seconds.
   FlightRig rig(shipped_scene("gate_easy"), start(0.5, 0.25));
   rig.take_off_and_fly();
   fly(rig, 0.2, 22.0);

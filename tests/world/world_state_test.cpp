@@ -124,7 +124,7 @@ TEST(WorldState, OneStepAndTwoHalvesGiveTheSameBits) {
 }
 
 TEST(WorldState, AFinerInnerStepConvergesWithFirstOrder) {
-  // Two seconds of climb and turn under constant, slightly uneven thrust and wind, without a stabiliser.
+  // The drone climbs and turns for two seconds under constant, slightly uneven thrust and wind, without a stabiliser.
   const auto end_of = [](double inner_step_s) {
     test::RigParameters p = FlightRig::small_camera();
     p.physics_step_s = inner_step_s;

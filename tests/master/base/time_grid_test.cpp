@@ -114,7 +114,7 @@ std::string probe_system(const std::string& times, const std::string& instance =
                      more);
 }
 
-/// Checks what an FMU received: in every step of p / q the nearest doubles of t_k and of the step.
+/// Checks that an FMU received the nearest doubles of t_k and of the step, in every step of p / q.
 void expect_exact_steps(TestRun& run, std::int64_t p, std::int64_t q, std::size_t points) {
   const auto times = run.column("time");
   const auto ends = run.column("a.last_end");

@@ -16,7 +16,7 @@ namespace {
 using test::TestRun;
 using testing::HasSubstr;
 
-/// Two metronomes, "a" and "b". `parameters` and `more` are of "a".
+/// Returns a system of two metronomes, "a" and "b". `parameters` and `more` belong to "a".
 std::string metronomes(const std::string& connections = "", const std::string& parameters = "",
                        const std::string& more = "") {
   return fmt::format(R"({{"step": 0.1, "stop_time": 1, "instances": {{

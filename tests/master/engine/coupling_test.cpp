@@ -27,7 +27,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-/// Two instances of the coupling FMU (tests/fmus/coupling.c), a -> b.
+/// Returns a system of two instances of the coupling FMU (tests/fmus/coupling.c), a and b.
 std::string pair(const std::string& parameters, const std::string& connections, const std::string& more = "",
                  const std::string& times = R"("step": 0.1, "stop_time": 0.2)") {
   return fmt::format(
@@ -210,7 +210,8 @@ TEST(Types, NarrowerTypesDoNotTakeWiderOnes) {
               HasSubstr("the types differ: Real and Integer"));
 }
 
-/// A loop through both instances: x = G(x) with G quadratic in a; b outputs its input.
+/// Returns a system with a loop through both instances: x = G(x). G is the quadratic function of a. b outputs its
+/// input.
 std::string loop(const std::string& parameters) {
   return fmt::format(
       R"({{"step": 0.1, "stop_time": 0.1, "instances": {{"a": {{"fmu": "COUPLING", "parameters": {{{}}}}}, "b": {{"fmu": "COUPLING", "parameters": {{"b": 1}}}}}},
@@ -384,7 +385,7 @@ TEST(Pending, APendingStepIsWaitedFor) {
   }
 }
 
-/// The thread of the first step must not read the values of the second.
+/// The callback for the first step arrives during the second step, and must not end it.
 TEST(Pending, ACallbackOfTheStepBeforeDoesNotEndAStep) {
   TestRun run(pair(R"("behaviour": "stale", "pause": 0.005)", ""));
   run.to_end();

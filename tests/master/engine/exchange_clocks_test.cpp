@@ -25,14 +25,15 @@ std::string samplers(const std::string& instances, const std::string& connection
                      connections);
 }
 
-/// `plant` starts at 1, and `controller` measures it at 0.1, 0.2, ... and drives it with -2 x until the next sample.
+/// Returns a system in which `plant` starts at 1. `controller` measures it at 0.1, 0.2, ... and drives it with -2 x
+/// until the next sample.
 std::string control_loop(const std::string& more = "") {
   return samplers(
       sampler("plant", R"("x": 1)", more) + ", " + sampler("controller", "", more),
       R"({"from": "plant.x", "to": "controller.measured"}, {"from": "controller.control", "to": "plant.drive"})");
 }
 
-/// `a` rises with slope 1. `b` hears the times at which `a` crosses 0.3, 0.6 and 0.9.
+/// Returns a system in which `a` rises with slope 1. `b` receives the times at which `a` crosses 0.3, 0.6 and 0.9.
 std::string crossings(const std::string& more = "", const std::string& parameters = "") {
   return samplers(sampler("a", R"("slope": 1)" + parameters, more) + ", " + sampler("b", "", more),
                   R"({"from": "a.crossed", "to": "b.tap"}, {"from": "a.crossing_time", "to": "b.heard"})");

@@ -20,7 +20,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-/// A config with one instance `a` of the FMU, from 1 s to 3 s in steps of 0.5 s.
+/// Returns a config with one instance `a` of the FMU, from 1 s to 3 s in steps of 0.5 s.
 std::string config_of(const std::string& keys, const std::string& fmu = EXPERIMENT_FMU) {
   return fmt::format(R"({{"step": 0.5, "start_time": 1, "stop_time": 3, "connections": [],
                          "instances": {{"a": {{"fmu": "{}"{}}}}}}})",
@@ -104,7 +104,7 @@ TEST(SetupExperiment, KeysSurviveTheWayThroughAnSsp) {
   EXPECT_EQ(summary.instances.front().tolerance, 0.25);
 }
 
-/// `b` receives the Boolean and the text of `a`.
+/// Returns a config in which `b` receives the Boolean and the text of `a`.
 std::string pair_config(const std::string& process) {
   return fmt::format(R"({{"step": 0.5, "stop_time": 1,
     "instances": {{"a": {{"fmu": "{0}", "process": "{1}"}}, "b": {{"fmu": "{0}"}}, "p": {{"fmu": "PROBE"}}}},

@@ -43,7 +43,8 @@ TEST(Fmi3ModelExchange, IntegratesArraysOfTheConfiguredSize) {
 }
 
 TEST(Fmi3ModelExchange, EvaluatesConnectionsOfArraysAtEveryStepOfTheSolver) {
-  // x = cos t of a drives b at its own frequency: y = t sin(t) / 2 for each element.
+  // The position x = cos t of a is the force on b, at b's own frequency. So b moves as y = t sin(t) / 2 in each
+  // element, times the amplitude.
   const auto a = springs("a", R"("count": 2, "x[1]": 1, "x[2]": -2)");
   const auto b = springs("b", R"("count": 2, "x[1]": 0, "x[2]": 0)");
   TestRun run(springs_system(a + ", " + b, R"({"from": "a.x", "to": "b.force", "convert_units": false})"));

@@ -22,7 +22,7 @@ using testing::AllOf;
 using testing::Each;
 using testing::HasSubstr;
 
-/// A system of masses: `instances` as members of a JSON object, `connections` as elements of a list.
+/// Returns a system of masses. `instances` are members of a JSON object, and `connections` are elements of a list.
 std::string system_of(const std::string& instances, const std::string& connections = "", const std::string& more = "",
                       const std::string& times = R"("step": 0.1, "stop_time": 2)") {
   return fmt::format(R"({{{}, "instances": {{{}}}, "connections": [{}]{}}})", times, instances, connections, more);
@@ -36,8 +36,8 @@ std::string exchange_refused(const std::string& config) {
   return test::input_error([&] { TestRun run(config); });
 }
 
-/// Two masses connected by a spring of stiffness 3, both also on a spring of stiffness 1. a receives the force of b, b
-/// the position of a.
+/// Two masses, connected by a spring of stiffness 3. Each is also on a spring of stiffness 1. a receives the force of
+/// b, and b receives the position of a.
 const std::string kPair = mass("a", R"("x": 1)") + ", " + mass("b", R"("grip": 3)");
 const std::string kOwnProcess = R"(, "process": "own")";
 const std::string kPairConnections = R"({"from": "b.pull", "to": "a.force"}, {"from": "a.x", "to": "b.other_x"})";
@@ -102,7 +102,8 @@ TEST(ModelExchange, PassesDiscreteValuesOnWithinOneEvent) {
 }
 
 TEST(ModelExchange, FollowsTheSlopesOfInputsFromFiles) {
-  // x'' = t from rest, without a spring: x = t^3 / 6, although the force is known at communication points only.
+  // The motion is x'' = t from rest, without a spring: x = t^3 / 6, although the force is known at communication points
+  // only.
   modeldesc::TemporaryFolder folder{"mebots-test"};
   test::write_file(folder.path() / "force.csv", "time,a.force\n0,0\n2,2\n");
   const auto inputs = fmt::format(R"(, "inputs": {{"file": "{}"}})", (folder.path() / "force.csv").string());

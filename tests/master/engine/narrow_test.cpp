@@ -14,7 +14,8 @@ using test::TestRun;
 using testing::AllOf;
 using testing::HasSubstr;
 
-/// Instance a has these inputs and is connected with instance b.
+/// Returns a system in which instance a has these inputs. Its output `from` is connected to the input `to` of instance
+/// b.
 std::string widths(const std::string& inputs, const std::string& from, const std::string& to,
                    const std::string& more = R"(, "narrow": true)") {
   return fmt::format(R"({{"step": 0.5, "stop_time": 1, "instances": {{

@@ -29,7 +29,7 @@ struct Settings {
   int seconds = 5;
 };
 
-/// Two masses with a spring between them, one in each FMU (fmus/coupling.c), whose inputs are held.
+/// Returns a system of two masses with a spring between them, one in each FMU (fmus/coupling.c). Their inputs are held.
 std::string masses(const Settings& settings) {
   static const test::ChangedFmu held("coupling", R"(canInterpolateInputs="true" maxOutputDerivativeOrder="2")", "");
   return fmt::format(R"({{"step": {0}, "stop_time": {1}{2}, {3} "instances": {{
@@ -41,7 +41,7 @@ std::string masses(const Settings& settings) {
                      held.path().string(), settings.of_a, settings.of_b, settings.of_record);
 }
 
-/// Root mean square of the error of a.mass_x over time.
+/// Returns the root mean square of the error of a.mass_x over time.
 double error_of(TestRun& run) {
   const auto times = run.column("time");
   const auto values = run.column("a.mass_x");
@@ -119,7 +119,7 @@ TEST(StepControl, NeedsFewerStepsThanAFixedStepWhenTheSystemComesToRest) {
   };
   TestRun exact(config("0.00001", ""));
   const auto reference = exact.to_end().column("a.x");
-  // The largest error of a.x at the run's points, from a run with steps of 1e-5 s.
+  // Returns the largest error of a.x at the run's points. The reference is a run with steps of 1e-5 s.
   const auto error = [&](TestRun& run) {
     const auto times = run.column("time");
     const auto values = run.column("a.x");
@@ -237,7 +237,8 @@ TEST(StepControl, OthersSeeATickAtTheNextPointOfTheGrid) {
   EXPECT_EQ(beats[static_cast<std::size_t>(std::ranges::find(times, 0.45) - times.begin())], 2);
 }
 
-/// The oscillator's spring rests at 0.1 m until 2.345 s, then at 0: a jump that the others cannot predict.
+/// Returns a system in which the oscillator's spring rests at 0.1 m until 2.345 s, then at 0. No other instance can
+/// predict this jump.
 std::string jump(const std::string& rollback, double tolerance = 1e-4) {
   static const test::ChangedFmu held("oscillator", R"(canInterpolateInputs="true" maxOutputDerivativeOrder="1")", "");
   return fmt::format(R"({{"step": 0.00001, "stop_time": 4,

@@ -60,7 +60,7 @@ TEST(ThreadPolicy, FollowsWhenTheCostsChange) {
 }
 
 TEST(ThreadPolicy, CheapStepsAfterDearOnesAreNotTakenForAGain) {
-  // A mission in which a network computes from time to time. Threads are useful only during that time.
+  // In this mission, a network computes from time to time. Threads are useful only during that time.
   ThreadPolicy policy;
   double serial_s = 0;
   double taken_s = 0;
@@ -76,7 +76,8 @@ TEST(ThreadPolicy, CheapStepsAfterDearOnesAreNotTakenForAGain) {
   EXPECT_LT(taken_s, 1.003 * serial_s) << "1.0095 when only the last serial run counted";
 }
 
-/// A ring of four with steps long enough to be tried in parallel: 60 steps are at least three windows.
+/// Returns a ring of four instances whose steps are long enough to be tried in parallel. 60 steps are at least three
+/// windows.
 std::string ring(const std::string& threads) {
   const auto instance = [](const char* name, const char* more) {
     return fmt::format(R"("{}": {{"fmu": "{}", "parameters": {{"sum": 0.1, "work": 30000}}{}}})", name, PASSTHROUGH_FMU,

@@ -27,7 +27,7 @@ std::string fmu_path(const std::string& name) {
   return fmt::format("{}/tenant_{}.fmu", TENANT_FMUS, name);
 }
 
-/// Instances i0, i1 ... of these FMUs, each with u = 0.5, so that a gain of 2 gives 1.
+/// Returns a config with instances i0, i1 ... of these FMUs. Each has u = 0.5, so that a gain of 2 gives 1.
 std::string config_of(const std::vector<std::string>& fmus, const std::string& keys = "") {
   std::vector<std::string> instances;
   for (std::size_t i = 0; i < fmus.size(); ++i)

@@ -206,7 +206,7 @@ TEST_F(Ssp, AnUnpackedOneRunsByItsFolderAndByItsFile) {
 
 // Rules of the standard, with their sections in SSP 2.0. The sections in SSP 1.0 are the same unless stated otherwise.
 
-/// A component `name` with one connector.
+/// Returns a component `name` with one connector.
 std::string part(const std::string& name, const std::string& connector = "", const std::string& more = "") {
   return fmt::format(R"(<ssd:Component name="{}" source="resources/coupling.fmu">{}{}</ssd:Component>)", name,
                      connector.empty() ? "" : "<ssd:Connectors>" + connector + "</ssd:Connectors>", more);
@@ -626,7 +626,7 @@ TEST_F(Osp, ReportsUnsupportedElementsWithTheirLine) {
   EXPECT_THAT(test::input_error([&] { load_system(osp("", "")); }), HasSubstr("set it with --stop-time"));
 }
 
-/// Connections from outputs of `a` through functions to inputs of `b`.
+/// In this test, outputs of `a` are connected through functions to inputs of `b`.
 TEST_F(Osp, FunctionsAreComputedAtTheCommunicationPoints) {
   const auto variable = [](const std::string& simulator, const std::string& name) {
     return fmt::format(R"(<Variable simulator="{}" name="{}"/>)", simulator, name);
@@ -747,7 +747,7 @@ TEST_F(Ssp, AnEmptyElementNameMeansTheSystemItself) {
   EXPECT_EQ(loaded.config["instances"]["a"]["parameters"]["bare_in"], 4.0);
 }
 
-/// A value of a connector of the root system, with the variable connected to it.
+/// Returns a system whose connector has a value, and is connected to a variable.
 std::string with_value(const std::string& value, const std::string& transformation) {
   return fmt::format(
       R"(<ssd:Connectors><ssd:Connector name="u" kind="input"/></ssd:Connectors>

@@ -19,8 +19,8 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-/// Two masses (fmus/oscillator.c): b, at the end of the spring between them, receives a's velocity and outputs its
-/// force.
+/// Returns a system of two masses (fmus/oscillator.c). b, at the end of the spring between them, receives a's velocity
+/// and outputs its force.
 std::string two_masses(double step_s, const std::string& algorithm, const std::string& coupling, bool derivatives) {
   static const test::ChangedFmu held("oscillator", R"(canInterpolateInputs="true" maxOutputDerivativeOrder="1")", "");
   const auto fmu = derivatives ? std::filesystem::path(OSCILLATOR_FMU) : held.path();
@@ -52,15 +52,15 @@ std::vector<std::string> warnings_of(const nlohmann::ordered_json& summary) {
 }
 
 TEST(BondEnergy, IsWhatBothHalvesTogetherGained) {
-  // Only the work of its force increases the energy of a, and only the work of its pull increases that of b. So the sum
-  // of both energies is the energy that the coupling creates.
+  // Only the work of its force increases the energy of a, and only the work of its pull increases that of b. So the
+  // increase of both energies together is the energy that the coupling creates.
   constexpr double kEnergyAtStart = 5 + 5;  // 10/2 x^2 of a and 10/2 (x - y)^2 of b, in J
   for (const bool derivatives : {false, true}) {
     const double step_s = derivatives ? 0.001 : 0.01;
-    // Between points, outputs are parabolas through the last three points. In each second, their error is h^3 / 24
-    // times the third derivative of one output times the value of the other. Here that is 10 N times w^3 with w^2 = 30
-    // / s^2, and 5 m/s: at most 340 h^3, in 5 s 1700 h^3; about half of it, because they are not in phase. Measured:
-    // 360 to 1300 h^3, of third order.
+    // Between points, outputs are parabolas through the last three points. The error per second is h^3 / 24 times the
+    // third derivative of one output, times the value of the other. Here, the third derivative is 10 N times w^3 with
+    // w^2 = 30 / s^2, and the value is 5 m/s. This gives at most 340 h^3 per second, and 1700 h^3 in 5 s. About half of
+    // it is expected, because the two are not in phase. Measured: 360 to 1300 h^3, of third order.
     const double unknown_j = 1000 * step_s * step_s * step_s;
     for (const char* algorithm : {"jacobi", "gauss-seidel"}) {
       const auto summary = summary_of(two_masses(step_s, algorithm, kBond, derivatives));
@@ -101,7 +101,7 @@ TEST(BondEnergy, ABondIsAnEffortOneWayAndAFlowTheOther) {
   EXPECT_THAT(refused("a.force", "b.other_velocity", R"(, "limit": 0)"), HasSubstr("limit"));
 }
 
-/// Transfers t^2 from a to b, with derivatives or held.
+/// Returns a system that transfers t^2 from a to b, with derivatives or held.
 std::string ramp(const std::string& coupling, bool derivatives, const std::string& algorithm = "jacobi") {
   static const test::ChangedFmu held("coupling", R"(canInterpolateInputs="true" maxOutputDerivativeOrder="2")", "");
   const auto fmu = derivatives ? std::filesystem::path(COUPLING_FMU) : held.path();

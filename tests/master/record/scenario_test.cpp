@@ -16,7 +16,7 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// a feeds b; b's integral shows b's input. `scenario` is the content of the list.
+/// Returns a system in which a feeds b, and b's integral shows b's input. `scenario` is the content of the list.
 std::string system_with(const std::string& scenario, const std::string& more = "") {
   return R"({"step": 0.1, "stop_time": 1, "instances": {
       "a": {"fmu": "PROBE", "parameters": {"real_in": 2, "integer_in": 4}}, "b": {"fmu": "PROBE")" +

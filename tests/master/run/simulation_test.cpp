@@ -86,7 +86,7 @@ TEST(Simulation, AnInitialLoopThatDivergesIsReportedWithItsPath) {
   }
 }
 
-/// A ring of three instances with different parameters, in the order of `names`.
+/// Returns a ring of three instances with different parameters, in the order of `names`.
 std::string ring(const std::vector<std::string>& names) {
   const auto instance = [](const std::string& name) {
     const int number = name[0] - 'a' + 1;

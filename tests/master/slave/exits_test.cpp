@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An FMU in the master's process can change the calling thread, end the run, or duplicate it by a fork. Each case is
-// reported with the instance's name, and a failed run has an exit code other than 0.
+// Tests an FMU in the master's process that changes the calling thread, ends the run, or duplicates it by a fork. Each
+// case must be reported with the instance's name, and a failed run must have an exit code other than 0.
 #include "fmi/call/exit_guard.hpp"
 #include "fmi/call/forked_copies.hpp"
 #include "fmi/process/process_state.hpp"
@@ -396,7 +396,7 @@ TEST(PendingInAProcessOfItsOwn, OthersContinueWithoutAnInstanceThatIsLostWhileIt
   EXPECT_TRUE(summary["lost_instances"].contains("a"));
 }
 
-/// A mission in an embedding program: if the mission is ended, the program ends with a code other than 0.
+/// Runs a mission in an embedding program. If the mission is ended, the program must end with a code other than 0.
 class ExitsOfPrograms : public testing::Test {
  protected:
   void fly(const std::string& fault) const {

@@ -75,7 +75,7 @@ class Isolation : public testing::Test {
     }
     return found;
   }
-  /// True if all of them end within ten seconds: on a busy machine, a killed process takes some time to end.
+  /// True if all these processes end within ten seconds. On a busy machine, a killed process takes some time to end.
   bool all_end() const {
     for (int i = 0; i < 500 && !processes_left().empty(); ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(20));

@@ -18,14 +18,14 @@ namespace {
 using Laws = PlainModel::Laws;
 using Values = PlainModel::Values;
 
-/// The model x' = -rate (x - input), whose second variable is the input, with x as output.
+/// Returns the model x' = -rate (x - input). x is its output, and its second variable is the input.
 Laws decay(double rate) {
   return {.states = 1, .values = 2, .derivatives = [rate](double, const Values& v, auto d) {
             d[0] = -rate * (v[0] - v[1]);
           }};
 }
 
-/// A ball that falls from a height and bounces with a coefficient of restitution.
+/// Returns a ball that falls from a height and bounces with a coefficient of restitution.
 Laws bouncing_ball(double restitution, double rest_below) {
   return {.states = 2,
           .values = 2,
@@ -92,7 +92,8 @@ TEST(ContinuousSystem, KeepsOrderAndStepOverCommunicationPoints) {
 }
 
 TEST(ContinuousSystem, EvaluatesConnectionsInsideTheRightHandSide) {
-  // Two coupled decays: x' = -(x - y), y' = -(y - x); the sum is constant, the difference decays with rate 2.
+  // The two coupled decays are x' = -(x - y) and y' = -(y - x). Their sum is constant, and their difference decays with
+  // rate 2.
   PlainModel a("a", decay(1), {1, 0});
   PlainModel b("b", decay(1), {0, 0});
   const std::vector<Wire> wires = {{.from = {0, 0}, .to = {1, 1}, .dependencies = std::vector<ValueReference>{}},

@@ -70,8 +70,8 @@ TEST(CameraCoverage, TrianglesOfAMeshCoverEachPixelExactlyOnce) {
   std::uniform_real_distribution<double> jitter(-2.8, 2.8);
   std::uniform_real_distribution<double> depth(0.5, 3.0);
   for (int round = 0; round < 50; ++round) {
-    // A grid of points around and across the picture, each at a different depth, and displaced too little to fold the
-    // grid.
+    // A grid of points around and across the picture. Each point has a different depth, and its displacement is too
+    // small to fold the grid.
     std::array<std::array<Vector3d, 11>, 11> mesh;
     for (int j = 0; j < 11; ++j) {
       for (int i = 0; i < 11; ++i) {
@@ -96,8 +96,8 @@ TEST(CameraCoverage, TrianglesOfAMeshCoverEachPixelExactlyOnce) {
 }
 
 TEST(CameraCoverage, TrianglesThroughTheCamerasPlaneLeaveNoHole) {
-  // The ground from far behind the camera to far in front of it, cut into random strips and triangles. All pixels below
-  // the horizon must be covered once, none above.
+  // The ground reaches from far behind the camera to far in front of it, and is cut into random strips and triangles.
+  // All pixels below the horizon must be covered once, and no pixel above it.
   std::mt19937 random(5);
   std::uniform_real_distribution<double> anywhere(-3.0, 3.0);
   for (int round = 0; round < 50; ++round) {
@@ -191,7 +191,7 @@ TEST(CameraCoverage, AFaceCutIntoRandomTrianglesLooksTheSameToTheByte) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> anywhere(-1.0, 1.0);
   for (int round = 0; round < 30; ++round) {
-    // A wall seen from any place in front of it. A part of the wall may be behind the camera.
+    // The wall is seen from any place in front of it. A part of the wall may be behind the camera.
     Face wall;
     wall.normal_W = -Vector3d::UnitX();
     wall.offset_m = -1.0;
@@ -242,7 +242,7 @@ TEST(CameraCoverage, AGateCoversThePixelsOfItsFourBeams) {
 }
 
 TEST(CameraCoverage, NoCornerOfAGateLiesInTheMiddleOfAnotherFacesEdge) {
-  // Such a corner is rounded off the edge, and the background is sometimes visible.
+  // A corner in the middle of another face's edge is rounded off this edge, and the background is sometimes visible.
   scene::Scene scene = testing::room();
   scene.boxes.clear();
   const Geometry geometry = make_geometry(scene);

@@ -16,7 +16,8 @@ using Eigen::Vector3d;
 using testing::Picture;
 using testing::pose;
 
-/// The gate's front is white and everything else black: the sun is in front of the gate and is the only light.
+/// Returns a scene in which the gate's front is white and everything else is black. The sun is in front of the gate,
+/// and is the only light.
 scene::Scene white_front(const scene::Gate& gate) {
   scene::Scene scene = testing::dark_scene();
   scene.lighting.ambient = 0.0;

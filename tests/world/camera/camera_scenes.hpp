@@ -27,7 +27,7 @@ inline scene::Texture patterned(scene::Texture::Kind kind, double light, double 
   return texture;
 }
 
-/// Black ground and background, with white light from all directions.
+/// Returns a scene with black ground and background, and with white light from all directions.
 inline scene::Scene dark_scene() {
   scene::Scene scene;
   scene.ground.texture = uniform(0.0);
@@ -37,8 +37,8 @@ inline scene::Scene dark_scene() {
   return scene;
 }
 
-/// A room with three walls, a pillar across a corner of the view, and two gates; each object has a different grey
-/// level.
+/// Returns a room with three walls, a pillar across a corner of the view, and two gates. Each object has a different
+/// grey level.
 inline scene::Scene room() {
   scene::Scene scene;
   scene.ground.texture = uniform(90.0);
@@ -68,7 +68,7 @@ inline scene::Scene room() {
   return scene;
 }
 
-/// The room with a pattern on every surface.
+/// Returns the room with a pattern on every surface.
 inline scene::Scene patterned_room() {
   using Kind = scene::Texture::Kind;
   scene::Scene scene = room();
@@ -88,7 +88,7 @@ inline Pose pose(const Eigen::Vector3d& p_WC_m, double yaw_rad = 0.0, double pit
                       .toRotationMatrix()};
 }
 
-/// Poses that reveal errors early: in a gate's opening, on the ground, against a wall, above, upside down.
+/// Returns poses that reveal errors early: in a gate's opening, on the ground, against a wall, above, upside down.
 inline std::vector<Pose> awkward_poses() {
   return {
       pose({0.0, 0.0, 1.0}),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lens and sensor: each effect alone, compared with its formula.
+// Tests lens and sensor: each effect alone, compared with its formula.
 #include "camera/sensor.hpp"
 #include "camera_scenes.hpp"
 #include "mebots/error.hpp"
@@ -42,7 +42,7 @@ double mean_of(const Picture& picture) {
          static_cast<double>(picture.pixels.size());
 }
 
-/// A wall of one grey level that fills the view.
+/// Returns a wall of one grey level that fills the view.
 scene::Scene grey_wall(double grey) {
   scene::Scene scene = testing::dark_scene();
   scene.boxes = {{"wall", {3.0, 0.0, 1.0}, {0.1, 40.0, 40.0}, 0.0, testing::uniform(grey)}};
@@ -50,7 +50,7 @@ scene::Scene grey_wall(double grey) {
   return scene;
 }
 
-/// A white strip on black, upright, straight ahead.
+/// Returns a white upright strip on black, straight ahead.
 scene::Scene strip(double left_m = 0.0) {
   scene::Scene scene = grey_wall(0.0);
   scene.boxes.push_back({"strip", {2.8755, left_m, 1.0}, {0.001, 0.1, 6.0}, 0.0, testing::uniform(200.0)});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pitched boxes, cylinders, meshes, picture textures and moving bodies as seen by the camera.
+// Tests pitched boxes, cylinders, meshes, picture textures and moving bodies as seen by the camera.
 #include "camera/tile.hpp"
 #include "camera_scenes.hpp"
 #include "math/rotation.hpp"
@@ -81,7 +81,7 @@ TEST(CameraShapes, AMeshLooksAsTheBoxOfItsShapeFromEverywhere) {
   }
 }
 
-/// Left half black, right half white, and the upper left quarter grey.
+/// Returns a picture whose left half is black and whose right half is white. Its upper left quarter is grey.
 std::shared_ptr<const scene::Picture> quarters() {
   scene::Picture picture{8, 4, {}};
   for (int row = 0; row < 4; ++row) {

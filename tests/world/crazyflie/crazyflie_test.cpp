@@ -49,7 +49,8 @@ TEST(CrazyfliePid, AnAngleGoesTheShortWay) {
 }
 
 TEST(CrazyflieMotors, TurnTheDroneInTheRequestedDirection) {
-  // A positive roll (to the right) requires the left rotors, 3 and 4; nose down (positive) the rear ones, 2 and 3.
+  // A positive roll (to the right) requires more thrust of the left rotors, 3 and 4. A positive pitch (nose down)
+  // requires more thrust of the rear rotors, 2 and 3.
   const auto torque_of = [](const crazyflie::Demand& demand) {
     const auto drone = shipped_scene("empty").drone;
     RotorValues thrust = crazyflie::distributed(demand);
@@ -74,7 +75,7 @@ TEST(CrazyflieMotors, AMotorBeyondFullLowersAllFour) {
   EXPECT_THAT(crazyflie::capped({0.5, -0.1, 0.5, 0.5}), ElementsAre(0.5, 0.0, 0.5, 0.5));
 }
 
-/// Thrust of a rotor at its motor's voltage, by the firmware's cubic for its propellers.
+/// Returns the thrust of a rotor at its motor's voltage, by the firmware's cubic for the propellers.
 double thrust_n(const crazyflie::ThrustOverVoltage& rotor, double v) {
   return rotor.constant_n + rotor.linear_n_per_v * v + rotor.square_n_per_v2 * v * v + rotor.cubic_n_per_v3 * v * v * v;
 }
@@ -91,7 +92,8 @@ TEST(CrazyflieMotors, CompensationGivesTheVoltageThatThePublishedCubicHasForAThr
   }
 }
 
-// Bitcraze's table for the 2.1+ (rotor file crazyflie_21plus, steady_speed and thrust_coefficient): 0.1067 N at 2.93 V.
+// Bitcraze's table for the 2.1+ has 0.1067 N at 2.93 V (rotor file crazyflie_21plus, steady_speed and
+// thrust_coefficient).
 TEST(CrazyflieMotors, PropellersOfThe21PlusNeedMoreVoltageForAThrust) {
   const auto voltage_for = [](Propellers propellers) {
     return 3.7 * crazyflie::compensated(0.1067 / 0.12, 3.7, crazyflie::thrust_over_voltage(propellers));
@@ -115,7 +117,7 @@ TEST(CrazyflieLowPass, LetsThroughWhatIsSlowAndHalvesThePowerAtItsCutoff) {
                                                        // %
 }
 
-/// The readings of a drone that flies level at v (body axes) at the height h, without noise.
+/// Passes readings without noise to the filter: those of a drone that flies level at v (body axes) at the height h.
 void fly_level(Kalman& filter, const scene::FlowData& flow, const Vector3d& v, double h_m, double seconds) {
   const Vector3d force{0.0, 0.0, kGravity_m_per_s2};
   const int count = static_cast<int>(std::lround(100.0 * seconds));
@@ -165,7 +167,7 @@ TEST(CrazyflieKalman, FollowsTheGyroscopeThroughAWholeTurn) {
   EXPECT_NEAR(filter.attitude().angularDistance(Eigen::Quaterniond::Identity()), 0.0, 1e-6);
 }
 
-/// The configuration of a real Crazyflie: the firmware's controller uses the estimate, with the noise of the IMU.
+/// Returns the parameters of a real Crazyflie: the firmware's controller uses the estimate, with the noise of the IMU.
 test::RigParameters own() {
   test::RigParameters p = FlightRig::small_camera();
   p.stabiliser_controller = FlightController::crazyflie;

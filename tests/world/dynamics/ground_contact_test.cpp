@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A drone that comes down without a landing: its phase, its event and its outputs.
+// Tests a drone that comes down without a landing: its phase, its event and its outputs.
 #include "flight/ground_contact.hpp"
 #include "support/flight_rig.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Effects that are disabled unless a parameter enables them: spinning rotors, ground effect, gusts, the link, inertial
-// sensors.
+// Tests effects that are disabled unless a parameter enables them: spinning rotors, ground effect, gusts, the link,
+// inertial sensors.
 #include "mebots/error.hpp"
 #include "support/flight_rig.hpp"
 #include "support/same_state.hpp"

@@ -154,7 +154,7 @@ TEST_F(FreeFlight, RefusesForcesThatAreNotFinite) {
   EXPECT_THROW(bodies_.step(state_, {0.0, 0.0, INFINITY}, kNone, 1e-3), Error);
 }
 
-/// Returns the state of a drone some steps after it started to fall and tumble to the ground.
+/// Returns the state of a drone some steps after it has started to fall and tumble to the ground.
 RigidState tumble(int steps, RigidState state = {}, bool fresh = true) {
   const auto scene = test::shipped_scene("gate_easy");
   test::OneBody bodies(scene);

@@ -26,7 +26,7 @@ GateFrame gate_at(double x_m, const Eigen::Matrix3d& R_WG = Eigen::Matrix3d::Ide
   return frame;
 }
 
-/// A drone moved by the test; positions are in the frame of the first gate.
+/// A drone that the test moves. Positions are in the frame of the first gate.
 class Puppet {
  public:
   explicit Puppet(const std::vector<GateFrame>& gates, const Eigen::Quaterniond& q_WB = Eigen::Quaterniond::Identity())
@@ -223,7 +223,7 @@ TEST(GateJudge, OpeningEndsAtItsEdgeToATenthOfAMillimetre) {
 
 TEST(GateJudge, JudgesThePointOnThePlaneNotTheEndOfTheMove) {
   GateJudge judge({gate_at(2.0)}, kBody_m);
-  // At the plane y is 0.1, at the end 0.5.
+  // When the drone crosses the plane, y is 0.1; at the end, y is 0.5.
   EXPECT_EQ(judge.move(state_at(1.9, 0.0, 1.0), state_at(2.4, 0.5, 1.0))->kind, Kind::crossed);
   EXPECT_NEAR(judge.lateral_error_m(), 0.1, 1e-12);
 }

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-/// The drone's box and the gate's frame, to a tenth of a millimetre. The opening is 0.40 m wide, the drone 0.092 m wide
-/// and 0.029 m high: the clearance is 0.154 m on each side and 0.1855 m above and below.
+/// Tests contacts between the drone's box and the gate's frame, to a tenth of a millimetre. The opening is 0.40 m wide.
+/// The drone is 0.092 m wide and 0.029 m high, so the clearance is 0.154 m on each side, and 0.1855 m above and below.
 namespace mebots::world {
 namespace {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests gates of all shapes: the volume of their frames, the area that counts as the opening, and that the two fit
+// Tests gates of all shapes: the volume of their frames, the area that counts as the opening, and whether the two fit
 // together.
 #include "dynamics/rigid_world.hpp"
 #include "flight/gate_judge.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// glTF and PNG files of a scene: what is read, and the messages for errors.
+// Tests glTF and PNG files of a scene: their content after reading, and the messages for errors.
 #include "mebots/base64.hpp"
 #include "mebots/error.hpp"
 #include "mebots/png_file.hpp"

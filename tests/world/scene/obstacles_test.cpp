@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Objects that the drone touches and measures: pitched boxes, cylinders, meshes, moving bodies.
+// Tests objects that the drone touches and measures: pitched boxes, cylinders, meshes, moving bodies.
 #include "dynamics/rigid_world.hpp"
 #include "math/rotation.hpp"
 #include "mebots/error.hpp"

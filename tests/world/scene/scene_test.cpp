@@ -23,7 +23,7 @@ json parsed(const fs::path& file) {
   return json::parse(stream);
 }
 
-/// Copies of the shipped files; each test damages one of them.
+/// Copies the shipped files. Each test damages one of the copies.
 class SceneFile : public testing::Test {
  protected:
   SceneFile()

@@ -10,8 +10,9 @@
 #include <tuple>
 #include <vector>
 
-/// Step responses of the closed loop: world, stabiliser and four lagging rotors, one communication step apart. The
-/// bounds are those of the design (fmu_world/docs/stabiliser.md), wide enough for every tested lag and step.
+/// Tests step responses of the closed loop of world, stabiliser and four lagging rotors, which exchange their values at
+/// each communication point. The bounds are those of the design (fmu_world/docs/stabiliser.md), and are wide enough for
+/// every tested lag and step.
 namespace mebots::world {
 namespace {
 

@@ -27,7 +27,7 @@ inline std::shared_ptr<const scene::Mesh> box_mesh(const Eigen::Vector3d& size_m
   return std::make_shared<const scene::Mesh>(std::move(mesh));
 }
 
-/// Moves along an offset and back in four seconds, repeatedly.
+/// Returns a path along an offset and back in four seconds, which repeats.
 inline scene::Path shuttle(const Eigen::Vector3d& offset_m) {
   scene::Path path;
   path.repeat = true;
