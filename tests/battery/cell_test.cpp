@@ -10,7 +10,8 @@ namespace mebots::battery {
 namespace {
 
 TEST(Cell, PublishedCellHasThePublishedElements) {
-  // Chen and Rincon-Mora 2006: an independent second implementation of the formulas.
+  // This is a second implementation of the formulas of Chen and Rincon-Mora (2006). It is independent of the product's
+  // code.
   const Cell cell = cell_named("chen_rincon_850");
   for (const double s : {0.05, 0.3, 0.7, 1.0}) {
     const Circuit c = cell.circuit_at(s);

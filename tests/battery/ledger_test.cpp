@@ -17,7 +17,7 @@ double open_circuit_integral(double from_s, double to_s) {
   return antiderivative(to_s) - antiderivative(from_s);
 }
 
-/// A simple flight: loads that change at every communication point, and a source at times.
+/// Simulates a simple flight: the loads change at every communication point, and a source delivers power at times.
 void drive(
     Bench& bench, int steps, std::int64_t step_ns, const std::function<void()>& after_step = [] {}) {
   for (int i = 0; i < steps; ++i) {
@@ -41,7 +41,8 @@ TEST(Ledger, ClosesOverAFlightWithChangingLoadsAndASource) {
   EXPECT_GT(out.energy_polarisation_j, 0.1);
   EXPECT_GT(out.energy_self_discharge_j, 0);
   EXPECT_GT(out.energy_source_j, 10);
-  // The energy must agree to 1e-6. The Runge-Kutta method conserves a sum whose rate is zero, so only rounding remains.
+  // The energy must agree to 1e-6. The Runge-Kutta method conserves the sum, because its rate is zero, so only rounding
+  // errors remain.
   EXPECT_NEAR(out.energy_imbalance_j, 0, 1e-10 * out.energy_open_circuit_j);
 }
 
@@ -75,8 +76,8 @@ TEST(Ledger, OpenCircuitEnergyIsTheChargeTimesTheVoltageIntegral) {
   const double s = bench.outputs.cell_state_of_charge;
   ASSERT_LT(s, 0.8);
   const double expected_j = bench.outputs.cell_capacity_c * open_circuit_integral(s, 0.95);
-  // The two runs take different steps to the same integral. Each step's error is controlled to 1e-10 J and 1e-12 of the
-  // charge.
+  // The two runs compute the same integral with different steps. In each step, the error is at most 1e-10 J plus 1e-12
+  // of the charge.
   EXPECT_NEAR(bench.outputs.energy_open_circuit_j, expected_j, 1e-6 * expected_j);
   EXPECT_NEAR(bench.outputs.energy_open_circuit_j, expected_j, 1e-7);
 }

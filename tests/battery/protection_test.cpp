@@ -65,8 +65,8 @@ TEST(Protection, OpensAtOnceWhenNoCurrentGivesThatPower) {
 
 constexpr double kDelay_s = 0.144;  // of bitcraze_250_flights
 
-/// A load that lowers the terminal voltage of bitcraze_250_flights below the cut-off at a state of charge of 0.3. A
-/// current for this power exists.
+/// This load lowers the terminal voltage of bitcraze_250_flights below the cut-off at a state of charge of 0.3. The
+/// cell can still deliver this power.
 constexpr double kLow_w = 20;
 
 TEST(ProtectionDelay, OpensOnceTheVoltageWasLowForTheDelayWhateverTheStep) {
@@ -131,7 +131,7 @@ TEST(Protection, OpensAtStateOfChargeZero) {
   EXPECT_FALSE(empty.outputs.cell_connected);
   EXPECT_THAT(empty.events.back(), HasSubstr("empty"));
 
-  // If the cell has no cut-off, a load uses the last charge, and the event is located.
+  // If a cell has no cut-off voltage, a load can use its last charge. The time of the event "empty" is computed.
   Cell cell = cell_named("bitcraze_250");
   cell.cut_off_voltage_v = 0;
   Integrator integrator(cell);
@@ -141,7 +141,8 @@ TEST(Protection, OpensAtStateOfChargeZero) {
   const auto [reached_s, event] = integrator.advance(state, ledger, half_watt, Protection::closed, 100);
   EXPECT_EQ(event, Event::empty);
   EXPECT_EQ(state.soc, 0);
-  // 0.9 C between 2.65 V and 2.69 V are 2.4 J, from which the loss in the resistances at 0.2 A is subtracted.
+  // Between 2.65 V and 2.69 V, 0.9 C are 2.4 J. The loss in the resistances at 0.2 A reduces the energy that the load
+  // gets.
   EXPECT_GT(reached_s, 4);
   EXPECT_LT(reached_s, 2.69 * 0.9 / 0.5);
   EXPECT_NEAR(ledger.delivered_j, 0.5 * reached_s, 1e-9);
@@ -210,7 +211,8 @@ TEST(Protection, AWarningComesWhenTheMeanSquareOfTheCurrentExceedsThatOfTheLimit
   EXPECT_EQ(bench.warnings.size(), 1U);  // once in a run
 }
 
-/// A cell whose charge with constant power has a closed form: E = 2.5 V + 1.7 V s, R0 = 0.2 Ohm, negligible RC pairs.
+/// Returns a cell whose charging with constant power has a closed form: E = 2.5 V + 1.7 V s, R0 = 0.2 Ohm, negligible
+/// RC pairs.
 Cell straight_cell() {
   Cell cell = cell_named("bitcraze_250");
   cell.capacity_c = 100;

@@ -48,7 +48,8 @@ TEST(CheckBehaviour, WrongValuesAreFound) {
 }
 
 TEST(CheckBehaviour, AnFmuThatDependsOnTheStopTimeIsFound) {
-  // The FMU has y(h) = gain (1 - e^-h), and uses the stop time as its gain: its usual value 2, or 1.
+  // The FMU computes y(h) = gain (1 - e^-h), and uses the stop time as its gain. Its usual stop time is 2; the second
+  // description has 1.
   EXPECT_THAT(of("stop"), IsEmpty());
   Workshop workshop;
   auto description = culprit_description("stop");
@@ -179,7 +180,7 @@ TEST(CheckBehaviour, MemoryThatTheFmuDamagedIsItsOwnMistakeWhereverItShows) {
               Contains(HasSubstr("error: freeMemory was called with a pointer that allocateMemory")));
 }
 
-/// Returns true if the process runs; false for a zombie.
+/// Returns true if the process runs, and false if it is a zombie.
 bool runs(pid_t process) {
   std::ifstream file("/proc/" + std::to_string(process) + "/stat");
   const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
@@ -192,7 +193,7 @@ bool ends_soon(pid_t process) {
   return !runs(process);
 }
 
-/// Memory in which child processes write results for the parent process.
+/// Memory in which child processes leave their process ids for the parent process.
 struct Left {
   std::atomic<pid_t> child;
   std::atomic<pid_t> child_of_child;

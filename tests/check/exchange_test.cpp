@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Model exchange of FMI 2.0: tests/fmus/mass.c, with a fault in its GUID.
+// Tests `mebots check` on an FMU for model exchange of FMI 2.0, tests/fmus/mass.c. The FMU's GUID names the fault that
+// it shows.
 #include "support.hpp"
 
 #include <fmt/format.h>
@@ -21,7 +22,7 @@ std::string whole_file(const char* path) {
   return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }
 
-/// Returns the findings about the mass with this fault.
+/// Returns the findings about mass.c with this fault.
 std::vector<std::string> mass_findings(const std::string& fault) {
   auto description = whole_file(MASS_DESCRIPTION);
   const std::string guid = "{mass}";

@@ -84,7 +84,7 @@ TEST(CheckFmi3, EachMistakeOfADescriptionIsNamed) {
   const auto expect = [](const std::string& piece, const std::string& other, const char* text) {
     EXPECT_THAT(of_text(replaced(piece, other)), Contains(HasSubstr(text))) << piece << " -> " << other;
   };
-  // Tests of attributes and names against the grammar of FMI 3.0.
+  // These changes break the grammar of FMI 3.0 for attributes and names.
   expect("instantiationToken=", "guid=", "line 2, <fmiModelDescription>: there is no attribute guid in FMI 3.0");
   expect("fmiVersion=\"3.0\"", "fmiVersion=\"3.x\"", "fmiVersion is \"3.x\"");
   expect("canGetAndSetFMUState", "canGetAndSetFMUstate", "there is no attribute canGetAndSetFMUstate");
@@ -96,7 +96,7 @@ TEST(CheckFmi3, EachMistakeOfADescriptionIsNamed) {
   expect("<Output valueReference=\"5\"", "<Outputs valueReference=\"5\"", "has no such child in FMI 3.0");
   expect("<Int32 name=\"count\"", "<Real name=\"r\" valueReference=\"9\"/><Int32 name=\"count\"", "line 20, <Real>");
   expect("causality=\"structuralParameter\"", "causality=\"structural\"", "causality is \"structural\"");
-  // Meaning.
+  // These changes follow the grammar, but their meaning is wrong.
   expect("modelIdentifier=\"culprit3\"", "modelIdentifier=\"3x\"", "\"3x\" is not a C identifier");
   expect("canGetAndSetFMUState=\"true\" ", "", "canSerializeFMUState without canGetAndSetFMUState");
   expect("stopTime=\"1\"", "stopTime=\"-1\"", "stopTime -1 is before startTime 0");
@@ -125,7 +125,7 @@ TEST(CheckFmi3, EachMistakeOfADescriptionIsNamed) {
   expect("\"dependent fixed\"", "\"dependent\"", "1 kinds for 2 dependencies");
 }
 
-/// Makes a folder with the content of an unpacked FMU.
+/// A folder with the files of an unpacked FMU.
 class Fmi3FolderTest : public testing::Test {
  protected:
   void write(const std::string& name, const std::string& text) {
@@ -287,7 +287,7 @@ std::vector<std::string> texts_of(const Check& check) {
 }
 
 TEST(CheckFmi3, ReferenceTracesHaveArraysOfAllTypes) {
-  // bank.fmu integrates the inputs from 0 and 10; the mode 0 holds an output.
+  // bank.fmu integrates the inputs, from the start values 0 and 10. The mode 0 holds an output.
   const std::string in = "time,line.u,line.mode\n0,1 2,1 0\n";
   const std::string out = "time,line.y,line.moving,far.bytes\n0,0 10,true true,0\n0.5,0.5 10,1 1,0\n";
   const auto good = check_of_bank(in, out);

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""riscv-arch-test: compares the result words of a program with those of Spike.
+"""Runs riscv-arch-test, and compares the result words of its programs with those of Spike.
 
-A test states in lines like this to which machines it applies:
+A test states in such lines to which machines it applies:
 
     RVTEST_CASE(0,"//check ISA:=regex(.*32.*);check ISA:=regex(.*I.*C.*);def TEST_CASE_1=True;",cadd)
 
@@ -33,7 +33,7 @@ HERE = ROOT / "tests/conformance"
 
 
 def holds(condition, isa):
-    """Returns the macros of a test case that applies to this machine; None if it does not."""
+    """Returns the macros of a test case that applies to this machine; None if the case does not apply."""
     macros = []
     for clause in filter(None, (part.strip() for part in condition.lstrip("/ ").split(";"))):
         kind, text = clause.split(maxsplit=1)
@@ -55,8 +55,9 @@ def cases(source, isa=ISA):
 
 
 def letters(source, isa, core):
-    """Returns the letters of the ISA. Contains C only for tests of compressed instructions, because an assembler would
-    otherwise compress instructions of other tests."""
+    """Returns the letters of the ISA. They contain C only for tests of compressed instructions, because an assembler
+    would otherwise compress instructions of other tests.
+    """
     name, _, others = core.partition("_")
     base = name.replace("c", "") if cases(source, isa.replace("C", "")) == cases(source, isa) else name
     return "_".join(filter(None, (base, "zicsr_zifencei", others)))

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Embench-IoT and CoreMark: programs that check their own result. Their instruction counts are compared with
-Spike's."""
+"""Runs Embench-IoT and CoreMark, whose programs check their own results. Compares their instruction counts with
+Spike's.
+"""
 
 import re
 
@@ -14,8 +15,9 @@ BASE = 0x80000000  # where start.S and Spike's memory are
 
 
 def count_of_spike(reference, program):
-    """Returns the instructions up to the store that ends the program; Spike itself detects the store some thousand
-    instructions later."""
+    """Returns the number of instructions up to the store that ends the program. Spike itself detects this store some
+    thousand instructions later.
+    """
     _, symbols = run([COMPILER.replace("-gcc", "-nm"), program])
     ended = int(re.search(r"^(\w+) \w ended$", symbols, re.MULTILINE)[1], 16)
     code, text = run([reference, "-g", "--isa=rv32imc", "--priv=m", f"-m{BASE:#x}:0x400000", program])
@@ -24,7 +26,7 @@ def count_of_spike(reference, program):
 
 
 def judge(folder, soc, work, each):
-    """Returns verdicts, each with the instructions as its note."""
+    """Returns verdicts. The note of each verdict is the number of instructions."""
     reference = spike()
     programs = embench.embench_programs(checkout(folder, "embench-iot", EMBENCH).resolve(), work)
     programs["coremark"] = embench.coremark_program(checkout(folder, "coremark", COREMARK).resolve())

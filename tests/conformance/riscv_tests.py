@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""riscv-tests: small programs of the instruction set that check themselves, in the environment "p" (one hart,
-machine mode)."""
+"""Runs riscv-tests, which are small programs that test the instruction set and check themselves, in the environment "p"
+(one hart, machine mode).
+"""
 
 import re
 
@@ -16,7 +17,7 @@ LIMIT = 10_000_000  # instructions; the longest needs some ten thousand
 
 
 def environment(folder):
-    """Returns the test environment: that inside a recursive clone, or a separate checkout next to the clone."""
+    """Returns the test environment: the one inside a recursive clone, or a separate checkout next to the clone."""
     for path in (folder / "riscv-tests/env", folder / "riscv-test-env"):
         if (path / "p/riscv_test.h").exists():
             return path

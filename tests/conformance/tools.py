@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Programs that the suites use, and their output."""
+"""Builds and runs the programs of the suites, and returns their output."""
 
 import dataclasses
 import pathlib
@@ -17,8 +17,9 @@ SECONDS = 120  # wall time for one program in one simulator
 
 
 def soc_run(soc, isa="rv32imc"):
-    """Returns the command of mebots-soc with a core that follows the specification only. The suites' handlers are
-    aligned to 4 bytes, which other cores do not allow."""
+    """Returns the command of mebots-soc with a core that has no properties beyond the specification. Other cores
+    require handlers at larger alignments than the 4 bytes of the suites' handlers.
+    """
     return [soc, "run", "--core", isa]
 
 
@@ -36,7 +37,7 @@ class CannotRun(Exception):
 
 
 def run(command, **options):
-    """Returns exit code and text; None as the code after a timeout."""
+    """Returns exit code and output. After a timeout, the code is None."""
     try:
         done = subprocess.run([str(part) for part in command], capture_output=True, text=True, errors="replace", timeout=SECONDS,
                               **options)

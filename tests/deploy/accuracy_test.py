@@ -23,7 +23,7 @@ from mebots.deploy.sizes import reason
 
 
 def pooled(shape=(1, 20, 24)):
-    """A network of three classes whose input may have any size."""
+    """Returns a network with three classes, whose input may have any size."""
     maker = Maker(3, shape)
     hidden = maker.node("Relu", maker.conv("x", 1, 8, (3, 3), strides=[2, 2], pads=[1, 1, 1, 1]))
     flat = maker.node("Flatten", maker.node("GlobalAveragePool", hidden))

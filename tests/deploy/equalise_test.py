@@ -21,7 +21,9 @@ from mebots.deploy.simplify import simplify
 
 
 def chain(seed=1):
-    """Convolution, pool, depthwise and dense layer in float. Channels have ranges from 0.1 to 10."""
+    """Returns a chain of a convolution, a pool, a depthwise convolution and a dense layer, in float. The weights of the
+    first layer's channels have ranges from 0.1 to 10.
+    """
     random = np.random.default_rng(seed)
     spread = 10.0 ** random.uniform(-1, 1, (6, 1, 1, 1))
     tensors = [Tensor("x", (2, 8, 8)), Tensor("a", (6, 8, 8)), Tensor("b", (6, 4, 4)), Tensor("c", (6, 4, 4)), Tensor("y", (3,))]
@@ -91,7 +93,8 @@ class Equalisation(DeployCase):
         for graph in graphs:
             simplify(graph)
         self.assertEqual(set(equalise(graphs[1], set())), {"t0", "t1"})
-        # Both convolutions that use the first one's output have the same products with its weights as before.
+        # Both other convolutions use the output of the first one. For each channel, the product of their weight and the
+        # first one's weight must stay the same.
         (before, *users), (after, *changed) = ([one for one in graph.nodes if one.kind == "conv"] for graph in graphs)
         self.assertEqual(len(users), 2)
         for old, new in zip(users, changed, strict=True):

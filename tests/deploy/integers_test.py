@@ -19,7 +19,9 @@ from mebots.deploy.lowering import lower
 
 
 class IntegerMaker(Maker):
-    """With ``shifts``, writes the operator RequantShift in place of Mul, Add, Div, Floor and Clip."""
+    """Writes networks of integers. With ``shifts``, they have the operator RequantShift in place of Mul, Add, Div,
+    Floor and Clip.
+    """
 
     def __init__(self, seed, shape, shifts=False):
         super().__init__(seed, shape, opset=10)
@@ -29,7 +31,7 @@ class IntegerMaker(Maker):
         return self.constant(self.random.integers(low, high + 1, shape).astype(np.float32))
 
     def requantise(self, source, channels, signed=False, factor=None):
-        """Adds a requantisation. Sums below 2^24 / 256 are exact in float."""
+        """Adds a requantisation. Its float computation is exact for sums below 2^24 / 256."""
         shape = () if factor else (1, channels, 1, 1)
         multiplier = self.constant(np.float32(factor)) if factor else self.whole(20, 200, *shape)
         addend = self.constant(np.float32(0)) if factor else self.whole(-9000, 9000, *shape)

@@ -18,7 +18,7 @@ from mebots.deploy.lowering import lower
 
 class WeightsInHyperRam(DeployCase):
     def network(self, widths):
-        """Writes a network of dense layers after a convolution without weights worth mentioning."""
+        """Writes a network of a small convolution and dense layers of these widths."""
         maker = Maker(7, (1, 10, 10))
         name = maker.node("Flatten", maker.node("Relu", maker.conv("x", 1, 4, (1, 1))))
         for before, after in zip((400, *widths), (*widths, 5), strict=True):

@@ -15,7 +15,7 @@ from mebots.deploy import chip
 
 
 class Maker:
-    """Collects nodes. Each method returns the name of the node's output."""
+    """Collects the nodes of a network. Each method for an operator returns the name of the node's output."""
 
     def __init__(self, seed, shape, opset=17):
         self.random = np.random.default_rng(seed)

@@ -48,7 +48,10 @@ class OwnNetworks(DeployCase):
         self.flies(out)
 
     def accounts_add_up(self, measured):
-        """Causes are all cycles awake, one for each instruction; parts are all joules; layers are the whole; no wait exceeds the time."""
+        """Checks that the measured costs add up. The causes are all cycles in which cores are awake, and each
+        instruction has one cycle of the cause "base". The parts are the whole energy, and the layers are the whole
+        network. No layer waits for the DMA longer than it takes.
+        """
         for one in (*measured["layers"], measured["total"]):
             self.assertEqual(one["causes"]["base"], one["instructions"])
             self.assertEqual(sum(one["causes"].values()), one["instructions"] + one["stalled"])

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Studies on a disk that fails: each call that writes a file of a study fails in turn; and a disk that is full for a
-while. With MEBOTS_FAULTS=all every call fails in turn, and a table is printed."""
+"""Tests studies on a disk that fails. In each run, another one of the calls that write files of a study fails. Also
+tests a disk that is full for a while. With MEBOTS_FAULTS=all, every call fails in some run, and a table is printed.
+"""
 
 import collections
 import concurrent.futures
@@ -89,7 +90,7 @@ def run_with_faults(study, out, faults):
 
 
 def fault_of(fault, raised, torn, again):
-    """Describes how a run did not end as required; empty if it did."""
+    """Describes how a run violated the requirements; empty if it did not."""
     if torn or again:
         return f"torn: {torn}" if torn else f"the next run: {again}"
     if fault.removesuffix(io_faults.STICKY) in io_faults.HARMLESS:
@@ -155,7 +156,7 @@ class FullDisk(StudyCase):
 
 class Killed(StudyCase):
     def test_missions_that_are_killed_three_times_stop_the_study_and_have_no_outcome(self):
-        """A fake executor loses the batches that have one mission."""
+        """The executor loses all batches that have a mission with a.gain = 1."""
         self.study()
 
         class Losing(Invented):

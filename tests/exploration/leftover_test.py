@@ -22,7 +22,9 @@ def fmu_of(place):
 
 class LeftoverCase(StudyCase):
     def mission(self, **instances):
-        """Returns a mission with these instances. The value of each is the place at which its FMU keeps data."""
+        """Writes a mission with these instances. The value of each is a pair: the place at which its FMU keeps data,
+        and further properties of the instance.
+        """
         (self.folder / "mission.json").write_text(json.dumps({
             "step": 0.125, "stop_time": 1, "connections": [], "record": [f"{name}.sum" for name in instances],
             "instances": {name: {"fmu": fmu_of(place)} | more for name, (place, more) in instances.items()},

@@ -25,7 +25,7 @@ class Batches(StudyCase):
         return Space(read_study(self.study(**sections)))
 
     def check(self, space):
-        """Checks that orders of blocks equal those of single missions, in this process and after a transfer."""
+        """Checks that orders of blocks equal the orders of single missions, in this process and after a transfer."""
         blocks = [orders for _, orders in space.orders(Flights(range(len(space.designs)), 0, 10), 4)]
         single = [space.order((design, replicate)) for design in range(len(space.designs)) for replicate in range(10)]
         self.assertEqual([orders[at] for orders in blocks for at in range(len(orders))], single)

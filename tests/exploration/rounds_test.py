@@ -88,8 +88,8 @@ class Rounds(StudyCase):
                    objectives={"out": OUT, "reach": {"expression": "min(deep.out - integral, 1.2)", "maximize": True}},
                    draws={"replicates": 30, "variables": {"a.real_in": {"uniform": [0, 3]}}})
         self.sweep()
-        # Offset 0 has the least out. 1.5 has the same reach as 2, the greatest, but less out, so it dominates 2. 1 is between 0
-        # and 1.5.
+        # Offset 0 has the least `out`. Offsets 1.5 and 2 both have the greatest `reach`, but 1.5 has less `out`, so it
+        # dominates 2. Offset 1 is between 0 and 1.5.
         front = [row["front"] for row in self.rows("designs.csv")]
         self.assertEqual(front[:2], ["on", "on"])
         self.assertEqual(front[2], "undecided")  # a tie in reach is not certain, so 2 is not certainly dominated

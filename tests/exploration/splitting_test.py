@@ -41,7 +41,7 @@ class WalkCase(StudyCase):
         return done.stdout + done.stderr
 
     def rare(self, levels, missions, estimates, seed=1, **more):
-        """Returns a study. ``levels`` is a list, or the goal if the study must find the levels."""
+        """Writes a study, and returns its file. ``levels`` is a list, or the goal if the study must find the levels."""
         way = {"levels": levels} if isinstance(levels, list) else {"above": levels}
         return self.study(
             design={"kind": "grid", "factors": {"/stop_time": [STEPS]}}, objectives=None,
@@ -49,7 +49,7 @@ class WalkCase(StudyCase):
             splitting={"score": "walk.height", "missions": missions, "reseed": ["walk.seed"]} | way | more)
 
     def counted(self, missions):
-        """Returns the design of a study that counts the walks that reach 12."""
+        """Runs a study that counts the walks that reach 12. Returns the row of its design."""
         self.study(design={"kind": "grid", "factors": {"/stop_time": [STEPS]}},
                    draws={"replicates": missions, "seed": 1, "variables": {"walk.seed": {"integer": [1, 2000000000]}}},
                    objectives={"success": {"outcome": "high"}})
@@ -203,8 +203,7 @@ class RareEventsAgainstTheory(WalkCase):
         self.assertLess(float(answer["probability: low"]), exact)
         self.assertGreater(float(answer["probability: high"]), exact)
         self.assertLess(abs(found / exact - 1), 3 * relative)
-        # This is the number of complete missions that plain counting needs for the same relative error: (1 - p) / (p
-        # e^2).
+        # Plain counting needs this number of complete missions for the same relative error: (1 - p) / (p e^2).
         plain_s = (1 - exact) / (exact * relative**2) * STEPS
         print(f"{found:.3g} ({exact:.3g}), error {relative:.2g}, {plain_s / float(answer['simulated_time [s]']):.0f} times less simulated")
         self.assertGreater(plain_s / float(answer["simulated_time [s]"]), 10)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Shared by the tests of `mebots sweep`: a small mission of the probe FMU, studies of it, and the program."""
+"""Gives the tests of `mebots sweep` a small mission of the FMU probe, studies of this mission, and the program."""
 
 import csv
 import json
@@ -43,7 +43,9 @@ class StudyCase(unittest.TestCase):
         }))
 
     def study(self, **sections):
-        """Returns a study with two designs and ten draws. ``sections`` replace sections of the study."""
+        """Writes a study with two designs and ten draws, and returns its file. ``sections`` replace sections of the
+        study.
+        """
         content = {
             "mission": "mission.json",
             "design": {"kind": "grid", "factors": {"a.gain": [0.2, 1]}},

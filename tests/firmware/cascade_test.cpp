@@ -3,9 +3,10 @@
 // Compares two cascades of PID controllers, fed with the same states and set-points: the flight controller's firmware
 // (pid_controller.c, in floats) and fmu_world's stabiliser.controller = crazyflie (in doubles).
 //
-// They do not have the same bits, because the firmware's cascade has another position control, loop and filter. The
-// reference below is one cascade in doubles with settings. It must give the commands of both, each with its settings.
-// So the settings are the whole difference, and the test prints the part of each.
+// The commands do not have the same bits, because the firmware's cascade has another position control, loop and filter.
+// The reference below is one cascade in doubles, with settings. With the settings of the firmware or of fmu_world, it
+// must give the commands of that cascade. So all differences come from the settings, and the test prints how much each
+// setting contributes.
 #include "crazyflie/controller.hpp"
 #include "flight/controller.h"
 
@@ -36,7 +37,7 @@ struct PidSettings {
   double most_output;
 };
 
-/// In rad, m, s and shares of a motor's full command.
+/// The units are rad, m, s and shares of a motor's full command.
 struct Settings {
   PidSettings rate;
   PidSettings angle;
@@ -68,8 +69,8 @@ constexpr Settings kFirmware{.rate = {0.2186, 0.4371, 0.002186, 0.58, kNone},
                              .rate_filter = 0.395,
                              .period_ms = 1};
 
-/// The Crazyflie's published gains (platform_defaults_cf2.h, commit 2a18fc29), converted. A position that is not held
-/// has no feedback.
+/// The Crazyflie's published gains (platform_defaults_cf2.h, commit 2a18fc29), converted to the units of Settings.
+/// Without a set-point for the place, the place has no feedback, so its gain is 0.
 constexpr Settings kCrazyflie{
     .rate = {250 / kFull / kDegree, 500 / kFull / kDegree, 2.5 / kFull / kDegree, 33.3 * kDegree, kNone},
     .angle = {6, 3, 0, 20 * kDegree, kNone},
@@ -85,7 +86,8 @@ constexpr Settings kCrazyflie{
     .rate_filter = 1,
     .period_ms = 2};
 
-/// Roll, yaw, height and velocities with their derivatives, at a time. Pitch is 0: it mirrors roll.
+/// The state of the drone at a time: roll, yaw, height and velocities with their derivatives. Pitch is 0, because it
+/// mirrors roll.
 struct Sample {
   double roll, yaw;
   double roll_rate, yaw_rate;  // of the body
@@ -111,7 +113,7 @@ class Pid {
   double last_ = 0;
 };
 
-/// Set-points of all flights: hold the start's yaw and place, fly forward at this speed, at this height.
+/// These are the set-points of all flights: the drone keeps its yaw, and flies forward at this speed and height.
 constexpr double kForward = 0.2;
 constexpr double kHeight = 1.0;
 
@@ -136,7 +138,8 @@ class Cascade {
   }
 
  private:
-  /// The firmware's goal moves with the drone, so that the place has no error in both.
+  /// The place is not controlled here: the firmware's goal is always at the place of the drone, and fmu_world's cascade
+  /// does not hold the place.
   void control_position(const Sample& now) {
     constexpr double kDt = 0.01;
     const double wanted_climb = height_.update(kHeight - now.height, now.height, kDt);
@@ -159,7 +162,7 @@ class Cascade {
   std::array<double, 4> command_{};
 };
 
-/// Motions of a flight: all start at rest, so that no derivative starts with a step.
+/// Returns the motion of a flight. All motions start at rest, so that no derivative starts with a step.
 Sample sample_at(int time_ms) {
   const double t = 0.001 * time_ms;
   const auto swing = [&](double size, double frequency_hz) {
@@ -173,7 +176,8 @@ Sample sample_at(int time_ms) {
   now.roll = swing(0.02, 3);
   now.yaw = swing(0.01, 0.7);
   now.roll_rate = slope(0.02, 3);
-  // Euler: with pitch 0, the body's axes turn by yaw' sin(roll) and yaw' cos(roll); the first one is left out here.
+  // From Euler's equations with pitch 0, the rates about the body's axes y and z are yaw' sin(roll) and yaw' cos(roll).
+  // The first one is left out here.
   now.yaw_rate = slope(0.01, 0.7) * std::cos(now.roll);
   now.height = kHeight - swing(0.03, 0.5);
   now.climb = -slope(0.03, 0.5);
@@ -242,7 +246,7 @@ double largest_difference(const Commands& a, const Commands& b) {
 }
 
 TEST(Cascade, FirmwareIsTheReferenceWithItsSettings) {
-  // Floats of numbers up to 2, with integrals of 4000 terms: each rounding is 6e-8 at most.
+  // All numbers are floats of up to 2, and integrals have 4000 terms. Each rounding error is at most 6e-8.
   EXPECT_LT(largest_difference(of_firmware(), of_cascade(kFirmware)), 2e-5);
 }
 
@@ -284,7 +288,8 @@ TEST(Cascade, SettingsExplainTheWholeDifference) {
   settings.velocity.ki = kCrazyflie.velocity.ki;
   settings.height.ki = kCrazyflie.height.ki;
   settings.yaw.kd = kCrazyflie.yaw.kd;
-  // What remains are constants that the firmware has with four digits: relative differences up to 5e-4 of a command.
+  // The remaining difference comes from constants that the firmware has with four digits. Their relative errors are up
+  // to 5e-4.
   EXPECT_LT(largest_difference(of_cascade(settings), of_world()), 1e-3);
 }
 

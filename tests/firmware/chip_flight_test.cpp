@@ -31,7 +31,7 @@ constexpr double kStep_s = 0.002;
 enum Phase { kOnGround, kClimbing, kFlying, kDescending, kLanded, kCrashed };
 enum Mode { kOff, kTakeOff, kFly, kLand };
 
-/// The parameters of a flight, with the names of the board's mission device.
+/// The parameters of a flight. They have the names of the inputs of the board's device "mission".
 struct FlightParameters {
   double cruise_speed_m_per_s = 0.2777778;
   double altitude_m = 1.0;
@@ -186,7 +186,7 @@ void show(const Outcome& outcome) {
   for (const auto& line : outcome.console) std::printf("[ console  ] %s\n", line.c_str());
 }
 
-/// The flight with the mission's defaults, run once.
+/// Returns the outcome of the flight with the mission's defaults, which is simulated once for all tests.
 const Outcome& easy_flight() {
   static const Outcome outcome = run(kMission, {}, 60.0);
   return outcome;
@@ -220,7 +220,7 @@ TEST(ChipFlight, OneInferenceCostsLessThanThreeMillionInstructions) {
   EXPECT_LT(most, 3'000'000U);
 }
 
-/// Returns the outcome of this flight with GAP8's own devices.
+/// Returns the outcome of the flight with the mission's defaults on GAP8's own devices.
 const Outcome& gap8_flight() {
   static const Outcome outcome = [] {
     Surroundings around;

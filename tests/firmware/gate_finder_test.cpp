@@ -62,9 +62,9 @@ bool find(const std::vector<std::uint8_t>& pixels, const Camera& camera, gate_vi
   return find_gate(pixels.data(), camera.width(), camera.height(), &view);
 }
 
-/// A drone that approaches the gate, at the distance `ahead_m` in front of the gate's plane. It is up to 20 degrees off
-/// the gate's axis, and the gate is up to 25 degrees off the centre of the picture, with 5 cm of altitude error and up
-/// to 4 degrees of tilt.
+/// Returns the pose of a drone that approaches the gate, at the distance `ahead_m` in front of the gate's plane. The
+/// drone is up to 20 degrees off the gate's axis, and the gate is up to 25 degrees off the centre of the picture. The
+/// altitude differs from 1 m by up to 5 cm, and the drone is tilted by up to 4 degrees.
 BodyPose approach_pose(Uniform& uniform, const world::scene::Gate& gate, double ahead_m) {
   BodyPose pose;
   const double off_axis = uniform(-20, 20) * kDegree;
@@ -111,8 +111,8 @@ TEST(GateFinder, FindsTheEasyGateFromRandomPosesWhileTheDroneFliesToIt) {
   }
 }
 
-/// The easy scene's room with other paint and light: walls from uniform to noisy in middle greys, and a white or a
-/// black gate.
+/// Returns the room of the easy scene with other paint and light. The walls have middle grey levels and patterns from
+/// uniform to noisy. The gate is white or black.
 world::scene::Scene repainted(Uniform& uniform) {
   using Kind = world::scene::Texture::Kind;
   auto scene = load_scene("gate_easy");
@@ -196,7 +196,8 @@ TEST(GateFinder, SeesNoGateInASolidSquare) {
   EXPECT_FALSE(find_gate(pixels.data(), 320, 320, &view));
 }
 
-/// Draws a frame whose outer edge is six borders and whose centre is at (x, y).
+/// Returns a picture of a frame with its centre at (x, y). The frame's outer edge is six times as long as its border is
+/// wide.
 std::vector<std::uint8_t> drawn_frame(int x, int y, int border, int edge_px = 320) {
   std::vector<std::uint8_t> pixels(static_cast<std::size_t>(edge_px) * edge_px, 100);
   for (int dy = -3 * border; dy < 3 * border; ++dy) {

@@ -103,7 +103,7 @@ std::vector<std::string> on_chip(const std::vector<std::vector<std::uint8_t>>& p
   return lines;
 }
 
-/// Returns the lines that the firmware prints on GAP8's own devices. The window of the camera interface is in the
+/// Returns the lines that the check firmware prints on GAP8's own devices. The window of the camera interface is in the
 /// centre of the sensor's pictures.
 std::vector<std::string> on_gap8(const std::vector<std::vector<std::uint8_t>>& pictures) {
   constexpr std::size_t kSensor = 324;
@@ -127,7 +127,7 @@ std::vector<std::string> on_gap8(const std::vector<std::vector<std::uint8_t>>& p
   return lines;
 }
 
-/// Returns the rest of the lines that start with a word, in order.
+/// Returns the lines that start with a word, in order and without this word.
 std::vector<std::string> lines_of(const std::vector<std::string>& lines, const std::string& word) {
   std::vector<std::string> found;
   for (const auto& line : lines) {

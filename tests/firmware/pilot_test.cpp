@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pilot alone, with synthetic sightings.
+// Tests the pilot alone, with synthetic outputs of the navigator.
 
 #include "app/pilot.h"
 
@@ -23,7 +23,8 @@ pilot_t new_pilot(bool adaptive = false) {
   return pilot;
 }
 
-/// Pictures of a gate, from a drone that follows its commands.
+/// Passes the same output of the navigator to the pilot for some pictures, while the drone flies at this velocity.
+/// Returns the last command.
 pilot_command_t see(pilot_t& pilot, int pictures, navigator_output_t seen, std::int32_t velocity_um_s = 0) {
   pilot_command_t command{};
   for (int i = 0; i < pictures; ++i) command = pilot_step(&pilot, &seen, velocity_um_s, kFramePeriod);

@@ -25,7 +25,7 @@ struct PlainDrone {
     pose.yaw_rad += yaw_rate_rad_s * step_s;
     pose.p_WB_m += velocity_m_s * step_s * Eigen::Vector3d(std::cos(pose.yaw_rad), std::sin(pose.yaw_rad), 0);
   }
-  /// True if the altitude is reached.
+  /// Climbs or descends for one step. Returns true if the altitude was already reached before the step.
   bool climb(double step_s, double altitude_m) {
     const double way_m = altitude_m - pose.p_WB_m.z();
     pose.p_WB_m.z() += std::clamp(way_m, -kClimbRate_m_s * step_s, kClimbRate_m_s * step_s);
@@ -33,7 +33,7 @@ struct PlainDrone {
   }
 };
 
-/// Place and angle at which a drone crossed the plane of a gate that faces along the world's x.
+/// Position and angle at which a drone crossed the plane of a gate that faces along the world's x axis.
 struct Crossing {
   bool crossed = false;
   double lateral_m = 0.0;  ///< positive = left of the middle
@@ -45,7 +45,7 @@ struct Crossing {
     lateral_m = after.p_WB_m.y() - gate.p_W_m.y();
     angle_rad = std::remainder(after.yaw_rad - gate.yaw_rad, 2.0 * M_PI);
   }
-  /// True if a Crazyflie, 9.2 cm square, fits through the opening there.
+  /// Returns true if a Crazyflie, which is 9.2 cm square, fits through the gate at this position and angle.
   bool clear_of(const world::scene::Gate& gate) const {
     const double half_drone_m = 0.046 * (std::cos(angle_rad) + std::abs(std::sin(angle_rad)));
     return crossed && std::abs(lateral_m) < 0.5 * gate.inner_m - half_drone_m;

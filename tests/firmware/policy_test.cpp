@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the paper's speed policies: mean of the last ten outputs, 0.3 as threshold, steps of 0.05 km/h, cruise at 1
-// km/h.
+// Tests the speed policies of the paper. The adaptive policy uses the mean of the last ten outputs, a threshold
+// of 0.3, and steps of 0.05 km/h. The cruise speed is 1 km/h.
 
 #include "app/policy.h"
 

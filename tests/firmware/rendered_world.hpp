@@ -15,7 +15,6 @@
 
 namespace mebots::firmware_test {
 
-/// A degree in radians.
 inline constexpr double kDegree = M_PI / 180.0;
 
 /// Uniform numbers that are the same on every machine, unlike std::uniform_real_distribution.
@@ -70,8 +69,8 @@ class Camera {
   std::uint64_t count_ = 0;
 };
 
-/// A point of the world in the camera's picture: its pixel, counted from the top left, and its distance along the
-/// optical axis.
+/// The place of a point of the world in the camera's picture: its pixel, counted from the top left, and its distance
+/// along the optical axis.
 struct Projection {
   double x_px;
   double y_px;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The traverser with perfect perception, which is its best performance with any network. It flies in a closed loop with
-// a simple model of the drone. The drone's velocity has an error while the stabiliser adapts to the wind. The drone
-// collides with the frame.
+// Tests the traverser with perfect perception, which gives its best possible performance. The traverser flies in a
+// closed loop with a simple model of the drone. The drone's velocity has an error while the stabiliser adapts to the
+// wind. A flight fails if the drone touches a frame.
 
 #include "app/traverser.h"
 
@@ -63,7 +63,7 @@ End judge(const world::scene::Gate& gate, const BodyPose& pose) {
   return clean ? End::clean : End::touched;
 }
 
-/// Flies to the plane of the last gate. All gates are passed along x, in order.
+/// Flies to the plane of the last gate. All gates are passed in order, in the direction of x.
 End fly(const world::scene::Scene& scene, const Start& start, std::uint64_t seed) {
   const auto micro = [](double value) { return static_cast<std::int32_t>(std::lround(value * 1e6)); };
   auto gate = scene.gates.begin();
@@ -240,8 +240,8 @@ TEST(Traverser, GoesStraightOnWithoutTheGateForASecondAndThenSearchesOnItsSide) 
   EXPECT_LT(search.yaw_rate_urad_s, 0);
 }
 
-/// Returns a traverser that has followed a gate straight ahead for 60 pictures, which is 0.55 m, and has come so close
-/// that the gate leaves the picture.
+/// Returns a traverser that has followed a gate straight ahead for 60 pictures, in which the drone flew 0.55 m. Then
+/// the drone stands still for 63 pictures, which are 2 s, as if something held it.
 traverser_t leaning(std::int8_t size) {
   auto traverser = new_traverser();
   see(traverser, 60, {0, 0, size, 127});
@@ -270,11 +270,11 @@ std::int8_t size_in_127ths(double size) {
   return in_127ths(size / SIGHT_MOST_SIZE);
 }
 
-/// Size of a frame of 0.6 m at one metre, with the lenses of gate_easy and gate_hard.
+/// The size in a sighting of a frame of 0.6 m at a distance of one metre, with the lenses of gate_easy and gate_hard.
 constexpr double kSizeAt1mBy87Degrees = 0.316;
 constexpr double kSizeAt1mBy50Degrees = 0.645;
 
-/// Pictures of a gate straight ahead while the drone approaches it.
+/// Passes pictures to the traverser while the drone approaches a gate straight ahead.
 void fly_to(traverser_t& traverser, double size_at_1_m, double from_m, double to_m) {
   for (double left_m = from_m; left_m > to_m; left_m -= 0.00924) {
     see(traverser, 1, {0, 0, size_in_127ths(size_at_1_m / left_m), 127});
@@ -297,7 +297,7 @@ TEST(Traverser, LeavesWhatDoesNotGrowWhereAGateWouldHaveFilledThePicture) {
 TEST(Traverser, EntersAGateWhoseEstimatedSizeFallsBeforeItsFrameIsGone) {
   auto traverser = new_traverser();
   fly_to(traverser, kSizeAt1mBy50Degrees, 2.15, 0.55);
-  // The outputs of a flight in the wind.
+  // These sizes are the network's outputs in a flight in the wind.
   for (const double size : {1.10, 1.12, 1.13, 1.26, 1.21, 1.13, 1.17, 1.06, 1.04, 1.02, 1.17,
                             1.20, 1.09, 0.98, 0.96, 0.90, 0.87, 0.83, 0.82, 0.74, 0.83, 0.71}) {
     see(traverser, 1, {0, 0, size_in_127ths(size), 60});

@@ -19,7 +19,7 @@ std::vector<std::uint8_t> random_picture(int width, int height) {
   return pixels;
 }
 
-/// Grey level of one work pixel, from four corners of the integral image.
+/// Returns the grey level of one pixel of the work picture, from four corners of the integral image.
 std::uint32_t pixel(const work_picture_t& work, int x, int y) {
   const int pitch = work.width + 1;
   const auto* at = &work.integral[y * pitch + x];

@@ -63,7 +63,7 @@ void unpack_to_disk(std::string_view bytes) {
   require(outside == 1, "nothing is written beside the folder");
 }
 
-/// True for one input in 64, chosen by its bytes; the kept corpus is small enough to use all.
+/// Returns true for one input in 64, chosen by its bytes. The kept corpus is small enough to use all inputs.
 bool chosen_for_disk(std::string_view bytes) {
   unsigned sum = 0;
   for (const char byte : bytes) sum = sum * 31U + static_cast<unsigned char>(byte);

@@ -21,7 +21,7 @@ using namespace mebots::soc;
 
 constexpr std::uint32_t kRam = 0x80000000;
 
-/// A program that loops in one instruction: an ELF header, one segment, its code.
+/// Returns a program that is a loop of one instruction. Its file consists of an ELF header, one segment and the code.
 Elf round_and_round() {
   struct [[gnu::packed]] File {
     std::array<std::uint8_t, 16> magic{0x7f, 'E', 'L', 'F', 1, 1, 1};
@@ -42,7 +42,7 @@ Soc& chip() {
   return soc;
 }
 
-/// The bytes that the debugger sends, and the number of bytes that were read.
+/// The bytes that the debugger has not yet sent, and whether it has connected.
 struct Debugger {
   std::string_view said;
   bool has_called = false;
@@ -55,7 +55,7 @@ constexpr int kLine = kListener + 1;
 
 }  // namespace
 
-// Replaces the system calls of the server's connection: the linker redirects them here (CMakeLists.txt).
+// These functions replace the system calls of the server's connection: the linker redirects the calls (CMakeLists.txt).
 // NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): the linker's names
 extern "C" {
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""`mebots.gym`: Gymnasium's own checker, seeds, saved states and ends of episodes."""
+"""Tests `mebots.gym` with Gymnasium's own checker. Also tests its seeds, saved states and ends of episodes."""
 
 import json
 import os

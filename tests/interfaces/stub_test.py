@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The stub of the C++ module declares exactly the classes, methods, properties and functions of the module."""
+"""Tests that the stub of the C++ module declares exactly the classes, methods, properties and functions of the module.
+"""
 
 import ast
 import inspect
@@ -15,7 +16,7 @@ STUB = pathlib.Path(mebots.__file__).with_name("_mebots.pyi")
 
 
 def names_of(parts):
-    """Functions and classes with their members, as the stub or the module has them."""
+    """Returns the public names among `parts`, which are the names in the stub or in the module."""
     return sorted(name for name in parts if not name.startswith("_"))
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Known solutions for FMUs of other tools. They do not come from another master (scripts/corpus.sh).
+"""Computes known solutions for FMUs of other tools. The solutions do not come from another master (scripts/corpus.sh).
 
 A truth is an analytic solution, the model's equations solved to 1e-10, or a reference file next to the FMU. The equations come
 from the documentation of the Modelica Standard Library, of the Reference FMUs, and of the FMUs' repositories. Parameters come
@@ -61,7 +61,9 @@ def is_jump(times, places):
 
 
 def sources(model, block):
-    """Modelica.Blocks.Sources, as their documentation defines them. Returns the signal and its jumps, or None."""
+    """Returns the signal and its jumps of a block of Modelica.Blocks.Sources, as the library's documentation defines
+    the block; None for other blocks.
+    """
     offset = model["offset"] if model.has("offset") else 0.0
     start = model["startTime"] if model.has("startTime") else 0.0
     frequency = model["f"] if model.has("f") else model["freqHz"] if model.has("freqHz") else 0.0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compares truths of the corpus with values computed by hand, and with results that must not agree."""
+"""Compares the corpus's truths with values computed by hand. Also checks that wrong results do not agree with them."""
 
 import math
 import types

@@ -95,7 +95,9 @@ class Two:
 
 
 class Three:
-    """The twin of FMI 3.0, with the same scalar names: its value references are the rows of the scalars."""
+    """An instance of the twin of FMI 3.0, whose values are accessed by the same scalar names. A value reference of FMI
+    3.0 is the value reference of the first scalar in FMI 2.0.
+    """
 
     def __init__(self, archive, folder, name, twin):
         self.description = fmpy.read_model_description(str(archive))
@@ -152,7 +154,7 @@ class Three:
 
 
 class Twins:
-    """Both, unpacked."""
+    """Both FMUs, unpacked."""
 
     def __init__(self, folder, name, into):
         self.archives = [folder / f"{name}.fmu", folder / f"{name}_fmi3.fmu"]
