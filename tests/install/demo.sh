@@ -3,8 +3,8 @@
 set -euo pipefail
 mebots demo --out flight --expect passed
 [[ -s flight/results.csv && -s flight/summary.json ]]
-# A copied config also works, and a user's FMUs take precedence over the shipped ones.
+# A copied config also works, and the FMUs of a user take precedence over the shipped FMUs.
 cp "$MEBOTS/share/mebots/configs/battery_motors.json" copy.json
 mebots run copy.json --quiet --out copy
-# A config that extends another finds it, and the chip with GAP8's own devices.
+# Runs a config that extends another one, in which the chip has GAP8's own devices.
 mebots run "$MEBOTS/share/mebots/configs/gate_hard_gap8.json" --stop-time 3 --quiet --out gap8

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Tests that every installed header compiles alone, includes no third-party header and exists once, and that <mebots/run.hpp> includes only a few
-# headers.
+# Tests that every installed header compiles alone, includes no third-party header and exists once. Also tests that
+# <mebots/run.hpp> includes only a few headers.
 set -euo pipefail
 include=$MEBOTS/include
 count=0

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-# Tests that no file of the installation contains paths of sources or build: no text, program or library, and no file in an FMU. Therefore the FMUs
-# have the same bytes from any folder (scripts/same_bytes.sh builds them in two). A path relative to the build folder, into which a compiler cache may
-# convert an absolute one, is rejected too.
+# Tests that no file of the installation contains paths of sources or build. This includes texts, programs, libraries,
+# and the files in an FMU. Because of this, the FMUs have the same bytes from any folder (scripts/same_bytes.sh builds
+# them in two folders). Paths relative to the build folder are rejected, too, because a compiler cache may put them in
+# place of absolute ones.
 set -euo pipefail
 mkdir unpacked
 for fmu in "$MEBOTS"/share/mebots/fmus/*.fmu; do

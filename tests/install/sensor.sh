@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Tests a sensor from a template, described by its board file, and with a device model in C++; alone, and in flight.
+# Tests a sensor from a template, alone and in flight. Its behaviour is described by its board file, or by a device
+# model in C++.
 set -euo pipefail
 try() {  # NAME OPTION...
   mebots new-sensor "$@"
@@ -17,7 +18,7 @@ mission = json.loads((pathlib.Path(name) / "mission.json").read_text())
 sensed = next(c["from"] for c in mission["connections"] if c["to"] == f"chip.{name}.value")
 summary = json.loads((folder / "summary.json").read_text())
 assert summary["exit_code"] == 0, summary["exit_code"]
-# Twenty measurements of 20 ms take 10 mA at 2.8 V. For the rest of the time, below 1 s, the current is 5 uA.
+# Twenty measurements of 20 ms take 10 mA at 2.8 V. In the rest of the run, which is below 1 s, the current is 5 uA.
 assert 0 < summary["sensor_energy"] - 20 * 2.8 * 10e-3 * 0.02 < 2.8 * 5e-6, summary["sensor_energy"]
 with (folder / "results.csv").open(newline="") as file:
     rows = list(csv.reader(file))

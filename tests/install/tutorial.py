@@ -41,13 +41,13 @@ SKIPPED = {
         "mebots sweep study.json --out results": "twelve hard missions take minutes; --dry-run before it checks the study",
     },
 }
-# Added to them if /usr/bin/python3 has no PyTorch, which is 5 GB with its libraries.
+# These commands are skipped, too, if /usr/bin/python3 has no PyTorch, which is 5 GB with its libraries.
 WITHOUT_TORCH = {"mebots deploy mine.onnx": "the export before it needs PyTorch (setup.sh training); the page names the version that it was run with"}
 SKIPPED["cflib"] = {
     "pip install cflib": "the environment has it",
     "CFLIB_URI=": "the example is cflib's; tests/link flies it. The page's own script runs in its place",
 }
-# Commands that fail on purpose: the page shows their errors.
+# These commands fail on purpose, because the page shows their errors.
 FAILING = {
     "own-fmu": ["mebots test heater/test/heater.mebots-test.json"],
 }
@@ -63,7 +63,9 @@ class Step:
 
 
 def saved_name(text):
-    """Returns the file name under which a paragraph asks to save the following block, or "replace"."""
+    """Returns the name of the file that a paragraph asks the reader to save or replace with the following block; empty
+    if there is none.
+    """
     found = re.search(r"(?:[Ss]ave this as|replace) `([^`]+)`(?: next to it| by)?[^`]*:?$|[Ss]ave this as `([^`]+)`", text.replace("\n", " ").strip())
     return (found[1] or found[2]) if found else ""
 
@@ -105,8 +107,9 @@ def read_notebook(page):
 
 
 def edit_heater(steps, blocks):
-    """Returns the changes that own-fmu asks for in the generated model: constructor, start and step, the members, and
-    one more test."""
+    """Returns the steps with the changes that own-fmu asks for in the generated model: constructor, start and step, the
+    members, and one more test.
+    """
     code, members, test = (content for _, language, content in blocks if language == "cpp")
     script = f"""
 import pathlib, re
@@ -132,7 +135,9 @@ def torch_version():
 
 
 def edit_network(steps, blocks):
-    """The lines that own-network asks for in the firmware of `mebots new-firmware mine`; the export, if there is PyTorch."""
+    """Returns the steps with the lines that own-network asks for in the firmware of `mebots new-firmware mine`, and
+    with the export if there is PyTorch.
+    """
     recipe = next(content for _, language, content in blocks if language == "cmake")
     program = next(content for _, language, content in blocks if language == "c")
     export = next(content for _, language, content in blocks if language == "python")
@@ -162,7 +167,7 @@ for i, picture in enumerate(numpy.load("networks/sight.npy")[:20]):
 
 
 def edit_cflib(steps, blocks):
-    """The drone in the background, the page's script, and the end by Ctrl-C."""
+    """Returns the steps with the drone in the background, the page's script, and the end by Ctrl-C."""
     script = next(content for _, language, content in blocks if language == "python")
     fly = [Step(file="fly.py", content=script), Step(command="python3 fly.py"), Step(command="kill -INT $drone; wait $drone")]
     waiting = [step for step in steps if step.command.startswith("mebots link") and "--replay" not in step.command]
@@ -174,7 +179,9 @@ def edit_cflib(steps, blocks):
 
 
 def edit_gap8(steps, _):
-    """The repositories that the page clones, from MEBOTS_CHECKOUTS."""
+    """Returns the steps with links to the repositories in MEBOTS_CHECKOUTS in place of the page's commands that clone
+    them.
+    """
     checkouts = os.environ.get("MEBOTS_CHECKOUTS")
     edited = []
     for step in steps:
@@ -187,7 +194,8 @@ def edit_gap8(steps, _):
 
 
 EDITS = {"own-fmu": edit_heater, "own-network": edit_network, "cflib": edit_cflib, "gap8": edit_gap8}
-# Tutorials begin where the first flight's "Install" ends.
+# This command makes the state with which the section "Install" of the first flight ends, because the tutorials begin
+# there.
 FIRST = "ln -s {package} ~/mebots && mkdir -p ~/work && cd ~/work"
 
 

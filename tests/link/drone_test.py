@@ -64,7 +64,9 @@ class Trajectories(unittest.TestCase):
                     self.assertAlmostEqual(ours.velocity_m_per_s[axis], other * forward.at(t).velocity_m_per_s[axis], delta=1e-9)
 
     def test_a_spiral_keeps_its_distance_from_the_centre(self):
-        """The path is one polynomial of degree 7. For a quarter of a circle, it stays within 0.8 % of the radius."""
+        """The path is one polynomial of degree 7. For a quarter of a circle, its distance from the centre differs from
+        the radius by at most 0.8 %.
+        """
         for clockwise, centre in ((True, (0.0, -1.0)), (False, (0.0, 1.0))):
             planner = Planner()
             planner.spiral(math.pi / 2, (1.0, 1.0), 0.5, 4.0, 0.0, sideways=False, clockwise=clockwise)
@@ -103,7 +105,7 @@ class Firmware(unittest.TestCase):
         self.run_for(0.4)
 
     def run_for(self, seconds, now=STANDING):
-        """Runs the drone for some seconds. Returns the last inputs."""
+        """Runs the drone for some seconds. Returns the inputs of the last period."""
         inputs = None
         for _ in range(round(100 * seconds)):
             inputs = self.drone.control()
@@ -160,7 +162,7 @@ class Firmware(unittest.TestCase):
         self.assertNotEqual(self.run_for(0.1).altitude_m, self.run_for(0.1).altitude_m)
 
     def test_positions_become_velocities_along_the_heading(self):
-        """The firmware's gain is 2 1/s, its limit 1.1 m/s."""
+        """The firmware's gain is 2 1/s, and its limit is 1.1 m/s."""
         turned = STANDING._replace(yaw_rad=math.pi / 2)
         self.send(7, struct.pack("<Bffff", 7, 0.2, 0.1, 0.5, 90.0))
         inputs = self.run_for(0.02, turned)
@@ -171,7 +173,9 @@ class Firmware(unittest.TestCase):
         self.assertAlmostEqual(self.run_for(0.02, turned).left_m_per_s, -1.1, delta=1e-6)
 
     def test_limits_of_log_blocks_are_the_firmwares(self):
-        """The firmware's limits are 16 blocks, 128 variables and 26 bytes. Error numbers are those of its C library."""
+        """The firmware's limits are 16 blocks, 128 variables and 26 bytes. The error numbers are those of its C
+        library.
+        """
 
         def create(number, fields, command=6):
             return self.send(5, bytes([command, number]) + bytes((1, 0, 0)) * fields, channel=1)[0].data[2]

@@ -24,7 +24,7 @@ SUPERVISOR = 9
 
 
 class Client:
-    """A socket that has received a drone's greeting."""
+    """A socket that is connected to a drone's port."""
 
     def __init__(self, port):
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)

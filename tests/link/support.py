@@ -58,7 +58,7 @@ class LinkCase(unittest.TestCase):
         return port
 
     def was_slow(self):
-        """Returns whether simulated time fell behind the wall clock."""
+        """Returns true if simulated time fell behind the wall clock."""
         return "slower than the wall clock" in self.notices.read_text()
 
     def kill(self):

@@ -29,8 +29,8 @@ void write_file(const fs::path& file, const std::string& text) {
 
 class ArchiveTest : public testing::Test {
  protected:
-  /// Returns an archive with two entries: an ordinary one, and then this one. The archive is made with libzip itself,
-  /// which accepts any name.
+  /// Returns an archive with an ordinary entry and then this entry. The archive is made with libzip itself, which
+  /// accepts any name.
   fs::path with_entry(const std::string& name, const std::string& content, mode_t kind = S_IFREG) {
     const fs::path file = folder_.path() / "evil.zip";
     fs::remove(file);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests descriptions that serve both an FMU with one copy of a part and an FMU with several copies.
+// Tests descriptions from which two FMUs are made: one with a single copy of a part, and one with several copies.
 #include "description.hpp"
 #include "fmi3_variables.hpp"
 #include "generate.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the reader of JSON files: places, kinds, and all mistakes of a file at once.
+// Tests the reader of JSON files: places, kinds, and the report of all mistakes of a file at once.
 #include "mebots/data/document.hpp"
 #include "mebots/data/find_file.hpp"
 #include "mebots/data/object.hpp"
@@ -181,7 +181,7 @@ TEST(Document, TakesTimeInProportionToItsLength) {
   };
   seconds(1000);
   // The text is 50 times as long. The bound is ten times the linear time, plus a tenth of a second, because the machine
-  // may be busy. With quadratic time, the factor would be 2500.
+  // may be busy. If the time were quadratic, it would be 2500 times as long.
   EXPECT_LT(seconds(100'000), 500 * seconds(2000) + 0.1);
 }
 

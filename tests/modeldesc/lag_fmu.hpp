@@ -12,12 +12,13 @@
 #include <string_view>
 #include <vector>
 
-/// The test FMU, used as an importing tool uses it: unpacked, loaded with dlopen, called through C.
+/// These classes use the test FMU "lag" in the way of an importing tool: it is unpacked, loaded with dlopen, and called
+/// through C.
 namespace mebots::test {
 
 using Library = fmi2::Functions;
 
-/// Unpacked once per process, into a folder with a space and an umlaut in its name.
+/// The FMU lag. It is unpacked once per process, into a folder with a space and an umlaut in its name.
 class LagFmu {
  public:
   static const LagFmu& get();
@@ -37,7 +38,7 @@ class LagFmu {
   Library library_{};
 };
 
-/// Returns the C functions of the FMU.
+/// Returns the C functions of the FMU lag.
 inline const Library& library() {
   return LagFmu::get().library();
 }
@@ -49,7 +50,7 @@ struct Message {
   std::string text;
 };
 
-/// An instance with its logged messages.
+/// An instance of the FMU lag, with its logged messages.
 class Lag {
  public:
   explicit Lag(const std::string& name = "lag", bool logging_on = false);
@@ -59,10 +60,11 @@ class Lag {
 
   fmi2Component component() const { return component_; }
   const std::vector<Message>& messages() const { return messages_; }
-  /// Text of the last message, or "".
+  /// Returns the text of the last message; empty if there is none.
   std::string last_message() const { return messages_.empty() ? "" : messages_.back().text; }
 
-  /// Sets up, enters and exits initialisation: ready to step.
+  /// Calls the functions from the set-up of the experiment to the end of initialisation. Then the instance is ready to
+  /// step.
   void start(double start_s = 0);
   fmi2Status step(double point_s, double step_s);
 

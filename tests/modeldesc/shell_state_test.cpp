@@ -16,7 +16,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Steps the lag with a changing input. Equal calls give equal bits.
+/// Steps the lag with changing inputs. Equal calls have equal results, bit for bit.
 void drive(Lag& lag, int from, int to) {
   for (int i = from; i < to; ++i) {
     ASSERT_EQ(lag.set("left.u", i % 7 - 3), fmi2OK);
@@ -39,7 +39,7 @@ void expect_same_bits(Lag& a, Lag& b) {
   EXPECT_EQ(a.string("history.text"), b.string("history.text"));
 }
 
-/// Compares a straight run with one that is transferred in the middle by `transfer`.
+/// Compares a straight run with a run whose state `transfer` gives to another instance in the middle.
 void expect_same_bits_after(const std::function<void(Lag& from, Lag& to)>& transfer) {
   Lag straight;
   prepare(straight);
@@ -174,8 +174,8 @@ TEST(ShellState, DamagedOrForeignBytesAreRefused) {
   drive(lag, 5, 6);
 }
 
-/// Returns the same bytes with another hash of the layout and a correct checksum. Another build of the description
-/// would write such bytes. The header has magic number, format, two texts with their lengths, layout and checksum.
+/// Returns the same bytes with another hash of the layout and a correct checksum, as another build of the description
+/// would write them. The header has magic number, format, two texts with their lengths, layout and checksum.
 std::vector<char> of_another_build(std::vector<char> bytes) {
   const auto number_at = [&](std::size_t at) {
     std::uint64_t number = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests third-party parts, and the bill of materials made from them.
+// Tests lists of third-party parts, and the bill of materials that is made from them.
 #include "generate.hpp"
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/archive.hpp"

@@ -46,7 +46,7 @@ TEST(Xml, KeepsNumbersToTheLastBitAndTextToTheLastCharacter) {
   expect_round_trip(x);
 }
 
-/// A description by another tool: flat names, omitted defaults, unknown attributes and elements.
+/// Returns a description as another tool writes it: with flat names, omitted defaults, unknown attributes and elements.
 std::string foreign(const std::string& variables, const std::string& structure = "") {
   return R"(<?xml version="1.0"?>
 <!DOCTYPE fmiModelDescription [<!ENTITY secret SYSTEM "file:///etc/passwd">]>
@@ -207,7 +207,7 @@ TEST(Xml, EntitiesOfADtdAreNeverExpanded) {
 constexpr const char* kUnicode =
     R"xml(<ScalarVariable name="Größe" valueReference="0" description="10 µm"><Real/></ScalarVariable>)xml";
 
-/// UTF-8 below U+0100 as code points.
+/// Returns the code points of a text in UTF-8. They must be below U+0100.
 std::u32string code_points(const std::string& text) {
   std::u32string result;
   for (std::size_t i = 0; i < text.size(); ++i) {

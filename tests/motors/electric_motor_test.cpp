@@ -39,8 +39,7 @@ double ripple_w(const RotorData& rotor, const RotorDrive& drive) {
   return rotor.motor->ripple_conductance_s * std::pow(drive.voltage_v * (1 - drive.duty), 2);
 }
 
-/// Returns the solution of the motor's equations by the Runge-Kutta method of order 4: speed, copper loss and shaft
-/// work.
+/// The solution of the motor's equations by the Runge-Kutta method of order 4: speed, copper loss and shaft work.
 struct Reference {
   double speed = 0;
   double copper_j = 0;
@@ -138,7 +137,7 @@ TEST(ElectricMotor, ResultDoesNotDependOnTheStep) {
 }
 
 TEST(ElectricMotor, DiodeBlocksBrakingCurrent) {
-  // Far below the back EMF, the rotor slows down as if the motor were switched off.
+  // If the voltage is far below the back EMF, the rotor slows down as if the motor were switched off.
   const RotorData rotor = legacy_rotor();
   const RotorStep idle = advance_motor(rotor, drive_at(rotor, 0.1, 3.6), 2000, 0.01);
   const RotorStep off = advance_motor(rotor, drive_at(rotor, 0, 3.6), 2000, 0.01);
@@ -167,7 +166,8 @@ TEST(ElectricMotor, ModelDeliversItsPowerToTheBus) {
   EXPECT_NEAR(stand.outputs.power_w, 4 * expected_w, 1e-9 * expected_w);
 }
 
-/// Bus voltage of a source of 4.1 V and 0.16 Ohm, which steps at the same time as the motors (Jacobi).
+/// Four motors on a source of 4.1 V and 0.16 Ohm. Motors and source step at the same time (Jacobi algorithm), so each
+/// of them uses the other one's output from before the step.
 struct Supplied {
   explicit Supplied(double bus_resistance_ohm) : stand(chosen(bus_resistance_ohm)) {
     stand.inputs.bus_voltage_v = kSource_v;
@@ -201,8 +201,8 @@ TEST(ElectricMotor, BusResistanceTakesTheSurgeOfTheFirstStepOff) {
     held.step();
     sagging.step();
   }
-  // At standstill, the conductance of four motors is 1.46 S. So the voltage is 3.32 V, and the power, with the loss by
-  // the ripple, is 17.5 W. With a constant 4.1 V it would be 26.5 W.
+  // At standstill, the conductance of four motors is 1.46 S. So the voltage is 3.32 V. The power, which includes the
+  // loss by the ripple, is 17.5 W. With a constant voltage of 4.1 V, it would be 26.5 W.
   EXPECT_GT(held.greatest_w, 25);
   EXPECT_LT(held.least_v, 2.8);
   EXPECT_NEAR(sagging.greatest_w, 17.5, 0.5);
@@ -225,7 +225,8 @@ TEST(ElectricMotor, RestoredRunWithBusResistanceContinuesWithTheSameBits) {
   EXPECT_EQ(state::first_difference(straight.stand.model, second.stand.model), std::nullopt);
 }
 
-/// Starts four motors on a cell of 0.15 Ohm. The voltage depends on the current `steps` steps earlier.
+/// Starts four motors on a cell of 0.15 Ohm, whose voltage depends on the current `steps` steps earlier. Returns the
+/// warnings.
 std::vector<std::string> warnings_with_delay(std::size_t steps) {
   Parameters parameters;
   parameters.rotor_data = "crazyflie_legacy";

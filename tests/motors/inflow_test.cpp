@@ -39,7 +39,8 @@ TEST(Inflow, FastForwardFlightTendsToGlauertsLimit) {
 }
 
 TEST(Inflow, TheMissionsSpeedsHardlyChangePower) {
-  // Checks the magnitude: forward flight at 1.5 km/h reduces the induced power by less than half a per cent.
+  // Checks the magnitude of the effect: forward flight at 1.5 km/h reduces the induced power by less than half a per
+  // cent.
   const double hover_w = kThrust_n * at(0, 0).hover_velocity();
   const double change = at(1.5 / 3.6, 0).power_beyond_hover_w() / hover_w;
   EXPECT_LT(change, 0);

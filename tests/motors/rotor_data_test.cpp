@@ -35,7 +35,8 @@ TEST(RotorData, ThrustCoefficientIsTheLeastSquaresFitOfTheBench) {
 }
 
 TEST(RotorData, PowerIsTheLeastSquaresFitOfTheBench) {
-  // Normal equations of P = a w + b F over the rows that turn, without avionics.
+  // These are the normal equations of P = a w + b F over all rows. The avionics' power is subtracted. Rows with a
+  // standing rotor contribute nothing.
   double ww = 0;
   double wf = 0;
   double ff = 0;

@@ -38,7 +38,7 @@ struct BenchRow {
   double speed_rad_per_s;
 };
 
-/// The rows of the bench table that the rotor file quotes, in SI.
+/// Returns the rows of the bench table that the rotor file quotes, in SI units.
 inline std::vector<BenchRow> bench_rows() {
   std::vector<BenchRow> rows;
   const auto json = read_json(rotor_file("crazyflie_bench"));
@@ -49,14 +49,14 @@ inline std::vector<BenchRow> bench_rows() {
   return rows;
 }
 
-/// Returns parameters of the rotor whose bench table the tests have.
+/// Returns parameters that choose the rotor whose file contains a bench table.
 inline Parameters bench_parameters() {
   Parameters parameters;
   parameters.rotor_data = "crazyflie_bench";
   return parameters;
 }
 
-/// A model with its variables, as in fmu.cpp.
+/// A model with its variables, which are connected to it in the way of fmu.cpp.
 struct Stand {
   explicit Stand(const Parameters& parameters = bench_parameters()) : model(parameters, kParams) {
     model.start(inputs, outputs);

@@ -27,8 +27,8 @@ NAMES = {"linux64": ("linux64", "x86_64-linux", ".so"), "win64": ("win64", "x86_
 KINDS = {"Real": "real", "Integer": "integer", "Enumeration": "integer", "Boolean": "boolean", "String": "string",
          "Float64": "real", "Int32": "integer", "UInt64": None, "Binary": None}
 
-# Inputs by the start of their names, with the mean and half of the range of the course that they follow. Other inputs
-# keep their start values.
+# The inputs follow a course. It is chosen by the start of an input's name, and has a mean and half of a range. Other
+# inputs keep their start values.
 COURSES = {"motors.power": (6.0, 2.0), "chip.power": (0.1, 0.05), "rotor": (0.55, 0.1), "bus.voltage": (3.8, 0.1), "body.speed": (1.0, 1.0)}
 THRUST_N = (0.11, 0.02)
 
@@ -38,8 +38,9 @@ def bits(value):
 
 
 def course(name, step):
-    """Return an input's value at a step: a saw tooth, which needs no library function; None for inputs that stay
-    constant."""
+    """Return an input's value at a step, as a saw tooth, which needs no library function. Return None for inputs that
+    stay constant.
+    """
     mean_range = next((value for start, value in COURSES.items() if name.startswith(start)), None)
     if name.endswith(".thrust"):
         mean_range = THRUST_N
@@ -68,7 +69,7 @@ class Fmu:
         self.items = dict(self._items(root))
 
     def _variables(self, root):
-        """Yield name, kind, causality, value reference and number of elements."""
+        """Yield name, kind, causality, value reference and number of elements of each variable."""
         structural = {node.get("valueReference"): int(node.get("start")) for node in root.find("ModelVariables")
                       if node.get("causality") == "structuralParameter"}
         for node in root.find("ModelVariables"):
@@ -83,7 +84,9 @@ class Fmu:
 
     @staticmethod
     def _items(root):
-        """Yield the value of each item of each enumeration of FMI 2.0, by variable and name of the item."""
+        """Yield the value of each item of each enumeration of FMI 2.0, with the variable and the item's name as the
+        key.
+        """
         types = {kind.get("name"): kind.findall("Enumeration/Item") for kind in root.iterfind("TypeDefinitions/SimpleType")}
         for node in root.iterfind("ModelVariables/ScalarVariable"):
             for item in types.get(node[0].get("declaredType"), []):
@@ -94,7 +97,7 @@ class Fmu:
         return self.folder / "binaries" / (fmi3 if self.is_fmi3 else fmi2) / (self.identifier + suffix)
 
     def orders(self, platform, steps=STEPS):
-        """Return the list of orders of run_fmu. Wine has the file system at Z:."""
+        """Return the list of orders for run_fmu. Under wine, the file system is at Z:."""
         drive = "Z:" if platform == "win64" else ""
         resources = f"{drive}{self.folder}/resources"
         if not self.is_fmi3:

@@ -24,7 +24,7 @@ PICTURE = ".camera.frame"  # a connection of this name carries bytes, whose addr
 
 
 class Instance:
-    """An FMU in its run_fmu."""
+    """An FMU in a separate process of run_fmu."""
 
     def __init__(self, name, fmu, platform, command):
         self.name, self.fmu = name, fmu

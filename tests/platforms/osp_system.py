@@ -44,7 +44,7 @@ class System:
         return self._directed(*((end.get("simulator"), end.get("name")) for end in (one, other)))
 
     def _directed(self, one, other):
-        """Return output and input of two connected variables."""
+        """Return the output and the input of a connection of two variables."""
         causalities = {variable: causality for variable, _, causality, _, _ in self.fmus[one[0]].variables}
         return (other, one) if causalities[one[1]] == "input" else (one, other)
 
@@ -55,7 +55,7 @@ class System:
         return [node.get("ref") for part in parts for node in part.iter() if node.get("ref")]
 
     def start(self, name, command):
-        """Return an instance in its initialisation, with the initial values of the system."""
+        """Return an instance in initialisation mode, with the initial values of the system."""
         instance = Instance(name, self.fmus[name], "win64", command)
         own = [instance.parameter(node.get("variable"), float(node[0].get("value"))) for node in self.simulators[name].iter(PLACE + "InitialValue")]
         instance.send([*instance.start, *own, "enter", *instance.reads])
@@ -66,7 +66,7 @@ class System:
         return [instance.set(target[1], values[source]) for source, target in self.links if target[0] == instance.name]
 
     def started(self, command):
-        """Return the instances and their outputs at the start."""
+        """Return the instances and their outputs after initialisation."""
         instances = [self.start(name, command) for name in self.fmus]
         values = read(instances)
         for _ in range(TURNS):
@@ -95,7 +95,7 @@ class System:
             instance.close()
 
     def time(self, step):
-        """Return a communication point, as whole nanoseconds divided by 1e9."""
+        """Return the time of a communication point, which is a whole number of nanoseconds divided by 1e9."""
         return round(step * self.step_s, 9)
 
     def number(self, variable, word):

@@ -20,7 +20,7 @@ NAME = "mebots f\u00fcr 100% \u03a9 \u30e1\u30dc"
 
 
 def forms(is_fmi3, path):
-    """Yield the ways to write `path`, such as Z:/tmp/x, with what is special about each."""
+    """Yield the ways to write `path`, such as Z:/tmp/x. Each way has a description."""
     quoted = urllib.parse.quote(path, safe="/:")
     if is_fmi3:
         yield "slashes", path

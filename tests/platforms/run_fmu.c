@@ -163,7 +163,7 @@ static int access(const char* way, const char* type, Reference reference, void* 
   return ((AccessArray)function(name))(component, &reference, 1, values, count);
 }
 
-// `values` are separated by blanks; strtok() has found the first one.
+// Sets a Real or Float64 from values that are separated by blanks. strtok() has found the first value.
 static void set_reals(Reference reference, const char* value) {
   static double reals[kMost];
   size_t count = 0;
@@ -208,7 +208,7 @@ static void print_text(Reference reference) {
   printf(" %s", text);
 }
 
-// Executes an order. `rest` is the line after its first word.
+// Executes an order. `rest` is the rest of the line after the order's name.
 static void perform(const char* order, char* rest) {
   if (strcmp(order, "library") == 0) {
     fmu = open_library(rest);

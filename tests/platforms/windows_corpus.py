@@ -79,7 +79,7 @@ def run(program, fmu, start_s, step, folder, *more):
 
 
 def try_steps(program, fmu, start_s, steps, folder):
-    """Run with the first step that works. Return rows, outcome and step."""
+    """Run with the first step that works. Return rows, outcome and this step."""
     first = None
     for step in steps:
         rows, outcome = run(program, fmu, start_s, step, folder, "--record", "*")
@@ -92,12 +92,13 @@ def try_steps(program, fmu, start_s, steps, folder):
 
 
 def values_of(rows):
-    """Return all values behind the column of time."""
+    """Return all values except those in the column of time."""
     return [value for row in rows[1:] for value in row[1:]]
 
 
 def changing_columns(rows):
-    """Return how many recorded variables change. An FMU may run to its end and compute nothing."""
+    """Return the number of recorded variables that change. It reveals an FMU that runs to its end and computes nothing.
+    """
     return sum(len(set(column)) > 1 for column in list(zip(*rows[1:]))[1:])
 
 

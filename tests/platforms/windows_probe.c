@@ -32,7 +32,8 @@ static void say(Probe* p, fmi2Status status, const char* format, double number, 
   p->callbacks.logger(p->callbacks.componentEnvironment, p->instance, status, "console", format, number, text);
 }
 
-/// Reads a file whose place is a URI with percent-encoded characters, as a caller of fmi2Instantiate states it.
+/// Reads the first line of line.txt in a folder. The folder's URI has percent-encoded characters, as in a call of
+/// fmi2Instantiate.
 static void read_line(const char* uri, char* line) {
   char path[2 * TEXT_SIZE] = "";
   size_t length = 0;

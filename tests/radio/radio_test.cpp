@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The radio against closed forms: airtime, path loss, binomial loss, energy by times and currents, noise.
+// Compares the radio with closed forms: airtime, path loss, binomial loss, energy from times and currents, noise.
 #include "link_budget.hpp"
 #include "mebots/error.hpp"
 #include "mebots/state/save.hpp"
@@ -19,7 +19,7 @@ using testing::HasSubstr;
 
 constexpr std::int64_t kStep_ns = 2'000'000;
 
-/// Nodes in a row, 1 m apart.
+/// A radio network whose nodes are in a row, 1 m apart.
 class Network {
  public:
   explicit Network(std::size_t count, Parameters p = {}) : parameters(p), nodes(count) {
@@ -105,7 +105,7 @@ Parameters late() {
   return p;
 }
 
-/// Sends a packet to node 2, and moves that node from one place to another as soon as the last bit has been sent.
+/// Sends a packet to node 2. As soon as the last bit has been sent, moves this node from one position to another.
 void send_and_move(Network& net, double from_m, double to_m) {
   net.nodes[1].inputs.position_m = {from_m, 0, 0};
   net.send(0, 2, 8);
@@ -310,7 +310,7 @@ TEST(Radio, TheSeedDeterminesEverything) {
   EXPECT_NE(trace, traffic(other, 400));
 }
 
-/// Gives a network the saved state of another one.
+/// Restores the state of a network in another one.
 void restore_from(Network& restored, Network& straight) {
   restored.nodes = straight.nodes;
   restored.restart();
@@ -336,8 +336,8 @@ TEST(Radio, ARestoredStateKnowsWhatIsUnderWay) {
   EXPECT_EQ(restored.nodes[1].outputs.rx_power_w, received_power_w(restored.parameters, 5));
 }
 
-/// Sends packets with the numbers 0, 1, ... to node 2, and returns those that it received. With a slow channel, the
-/// fifth of the first five finds no place.
+/// Sends packets with the numbers 0, 1, ... to node 2, and returns the numbers that it received. If the channel is
+/// slow, the fifth packet finds no place in the queue.
 std::vector<std::int32_t> received_numbers(double rate_hz) {
   Parameters p;
   p.packet_loss = 0.5;

@@ -81,8 +81,9 @@ class Part:
         return any(file.is_relative_to(folder) for folder in self.public)
 
     def layer(self, folder):
-        """Returns the place of a folder's layer in the order, and the entry that names the folder; None if there is
-        none."""
+        """Returns the index of a folder's layer in the order, and the entry that names the folder; None if there is
+        none.
+        """
         found = None
         for place, layer in enumerate(self.layers):
             for entry in layer["folders"]:
@@ -221,7 +222,7 @@ def mistakes_of_modules(root, description):
 
 
 def table(part):
-    """Returns the layers of a part as a table for the page, the top layer first."""
+    """Returns the layers of a part as a Markdown table, with the top layer first."""
     lines = ["| layer | contents |", "|---|---|"]
     for layer in reversed(part.layers):
         folders = ", ".join(f"`{folder}/`" for folder in layer["folders"])

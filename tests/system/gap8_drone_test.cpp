@@ -17,8 +17,8 @@ std::filesystem::path shipped(const std::string& name) {
   return std::filesystem::path(MEBOTS_SOURCE_DIR) / "configs" / (name + ".json");
 }
 
-/// Runs and checks an unchanged shipped mission. The latency of a decision is at least the 20.2 ms of its frame, and
-/// less than this time plus the time of one more frame.
+/// Runs an unchanged shipped mission and checks its result. A decision takes at least the 20.2 ms in which its frame is
+/// read out.
 void expect_passed(const std::string& mission, int least_pictures) {
   const Folder folder;
   const auto flight = fly(shipped(mission), folder / "out");
@@ -40,7 +40,7 @@ TEST(Gap8Drone, FliesTheHardMissionBySight) {
   expect_passed("gate_hard_gap8", 600);
 }
 
-/// 87 MHz at 1.2 V are the default, with which an inference takes 3.1 ms.
+/// The default of the cluster is 87 MHz at 1.2 V, with which an inference takes 3.1 ms.
 TEST(Gap8Drone, TheFirmwareSetsTheClocksAndTheVoltageThatTheMissionSays) {
   const Folder folder;
   const std::vector<std::string> short_flight{"--stop-time", "6"};
@@ -55,12 +55,13 @@ TEST(Gap8Drone, TheFirmwareSetsTheClocksAndTheVoltageThatTheMissionSays) {
   const auto chip_j = [](const auto& flight) {
     return flight.summary.at("chip_energy").at("total").template get<double>();
   };
-  // The time is almost proportional: in cycles of the cluster's clock, the latency to L2 is shorter.
+  // The time of an inference is almost inversely proportional to the cluster's clock. With the slow clock, an access to
+  // L2 takes fewer of the cluster's cycles.
   EXPECT_NEAR(inference_s(slow) / inference_s(usual), 87.0 / 25.0, 0.25);
   EXPECT_LT(chip_j(slow), 0.8 * chip_j(usual)) << "the voltage goes in squared";
 }
 
-/// Tests errors about pictures. They are reported before t = 0, with the place, both sizes and the remedy.
+/// Errors about pictures are reported before t = 0, with the place, both sizes and the remedy.
 TEST(Gap8Drone, PicturesOfAnotherSizeThanTheSensorsAreRefusedBeforeTheFlight) {
   const Folder folder;
   const auto flight =

@@ -34,7 +34,7 @@ def bench_power(mass):
 
 
 def motor_power(mass, voltage):
-    """Returns the same power by the equations of a rotor file with `motor`."""
+    """Returns the same power by the equations of a rotor file that has the section `motor`."""
     rotor = json.loads((ROOT / "fmu_motors/params/rotors/crazyflie_legacy.json").read_text())
     emf, ohm, ripple = (rotor["motor"][key]["value"] for key in ("back_emf", "resistance", "ripple_conductance"))
     square = mass * GRAVITY / 4 / rotor["thrust_coefficient"]["value"]
@@ -62,11 +62,12 @@ def main():
         loaded = hover(mebots, out, *BENCH, "world.drone.dry_mass=0.0299")
         assert loaded["outcome"] == "battery_empty", loaded["outcome"]
         near(loaded["energy"]["motors"] / loaded["simulated_time"], bench_power(0.037), 0.005, "motor power with 10 g")
-        # The loss in the cell grows with the square of the current: endurance decreases faster than power increases.
+        # The loss in the cell grows with the square of the current. So the endurance decreases faster than the power
+        # increases.
         powers = [AVIONICS + bench_power(mass) for mass in (0.027, 0.037)]
         assert loaded["simulated_time"] / seconds < powers[0] / powers[1], (loaded["simulated_time"], seconds)
 
-        # The bus falls from 3.9 to 3.0 V; the loss by the current's ripple falls with it.
+        # While the cell empties, the bus falls from 3.9 to 3.0 V. The loss by the ripple of the current falls with it.
         flown = hover(mebots, out, "world.drone.dry_mass=0.0299")
         assert flown["outcome"] == "battery_empty", flown["outcome"]
         power = flown["energy"]["motors"] / flown["simulated_time"]

@@ -74,7 +74,7 @@ TEST_F(GateEasy, DroneCruisesAtTheSpeedThatItsFirmwareCommands) {
   double sum = 0;
   int count = 0;
   for (std::size_t i = 1500; i < speed.size(); ++i) {
-    // Three seconds after a new set-point, the stabiliser's transient is over.
+    // The stabiliser's transient is over three seconds after a new set-point.
     if (mode[i] != 2 || asked[i] < 0.2 || asked[i] != asked[i - 1500]) continue;
     sum += speed[i];
     ++count;
@@ -91,7 +91,8 @@ TEST_F(GateEasy, EveryJouleOfTheCellIsAccountedFor) {
 }
 
 TEST_F(GateEasy, BatteryDeliversWhatTheLoadsReportOneStepLater) {
-  // The battery receives a load's mean power of a step in the next step: all but the last step's energy has arrived.
+  // The battery receives the mean power of a load in a step only in the next step. So all energy has arrived except
+  // that of the last step.
   const double reported = values("motors.energy").back();
   const double delivered = values("battery.motors.energy").back();
   const double under_way = values("motors.power").back() * 0.002;
@@ -184,7 +185,7 @@ TEST(Mission, DroneThatSeesNothingDoesNotPass) {
 }
 
 TEST(Mission, DroneThatHangsOnTheFrameIsStuckHoweverItsCellEnds) {
-  // The drone starts a metre in front of the left upright, and does not steer.
+  // The drone starts a metre in front of the left post of the gate, and does not steer.
   const auto flight = fly_changed({"world.start.offset.x=4", "world.start.offset.y=0.45",
                                    "soc.mission.yaw_rate_scale=0", "battery.cell.initial_state_of_charge=0.2"});
   EXPECT_EQ(flight.exit_code, 0) << flight.output;
@@ -193,7 +194,7 @@ TEST(Mission, DroneThatHangsOnTheFrameIsStuckHoweverItsCellEnds) {
 }
 
 TEST(Mission, DroneThatComesBackThroughTheGateIsTurnedBack) {
-  // Moves the drone back when it is behind the gate, and lands it at its start.
+  // Moves the drone backwards when it is behind the gate. Lands it one second after it has flown back through the gate.
   auto config = shipped_config("gate_easy");
   config["scenario"] = nlohmann::ordered_json::parse(R"([
     {"variable": "world.setpoint.velocity.x", "set": -0.3,

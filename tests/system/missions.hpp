@@ -14,7 +14,8 @@ namespace mebots::system_test {
 using mebots::test::Folder;
 using mebots::test::read_file;
 
-/// Returns a config of the repository. Programs and FMUs of a build find each other by name.
+/// Returns a config of the repository. It names FMUs without a path, because the programs of a build find the FMUs of
+/// this build by their names.
 nlohmann::ordered_json shipped_config(const std::string& name);
 
 /// Writes a config and returns its path.

@@ -13,7 +13,7 @@
 namespace mebots::system_test {
 namespace {
 
-/// During its lifetime, glibc in started programs assumes that the processor lacks these features.
+/// While this object exists, glibc assumes in started programs that the processor lacks these features.
 class PlainProcessor {
  public:
   PlainProcessor() { ::setenv("GLIBC_TUNABLES", "glibc.cpu.hwcaps=-AVX,-AVX2,-AVX512F,-FMA,-FMA4,-BMI1,-BMI2", 1); }
@@ -36,7 +36,7 @@ TEST(Processors, MissionHasTheSameBitsWithoutAvxFmaAndBmi) {
   const auto config = write(folder / "gate_easy.json", shipped_config("gate_easy"));
   const auto flight = fly(config, folder / "this");
   ASSERT_EQ(flight.exit_code, 0) << flight.output;
-  // glibc's own exp(), which has variants.
+  // Python calls exp() of glibc, which has variants for different processors.
   const std::string sum =
       "python3 -c 'from math import exp; print(hash(tuple(exp(-i / 7300) for i in range(100000))))'";
   const auto exponentials = output_of(sum);

@@ -106,8 +106,10 @@ def frames_of(line):
 
 
 def check_delays(mission, frames):
-    """The controller reads the line in its loop, which follows a sample of the IMU by 0.1 ms and takes less than 0.1 ms. So it has a
-    set-point at the end of the step that contains the first loop after the frame's arrival, one step after its end."""
+    """Checks the step in which each set-point takes effect. A frame arrives one step after the end of its last byte.
+    The controller reads the line in its loop, which follows a sample of the IMU by 0.1 ms and takes less than 0.1 ms.
+    So the controller uses the set-point at the end of the step that contains the first loop after the frame's arrival.
+    """
     for end, setpoint in frames:
         arrival = end + STEP_PS
         loop = (arrival - STEP_PS // 10 + STEP_PS - 1) // STEP_PS * STEP_PS + STEP_PS // 10
@@ -133,7 +135,7 @@ def check_line(mission):
 
 
 def check_cut(mission):
-    """From CUT_S on, no byte is whole. The controller holds its set-points for a second, then lands."""
+    """From CUT_S on, no byte arrives whole. The controller holds its set-points for a second, and then lands."""
     def changes(name):
         return [row for row in range(1, len(mission.rows)) if mission.rows[row][name] != mission.rows[row - 1][name]]
 

@@ -20,8 +20,8 @@
 namespace mebots::soc::test {
 namespace {
 
-/// A profiled program: by default the self-test of the cluster's runtime (forks, barriers, DMA, off and on again), to
-/// its end.
+/// Runs a program with a profile. By default, the program is the self-test of the cluster's runtime (forks, barriers,
+/// DMA, switching the cluster off and on), which runs to its end.
 struct ProfiledCluster {
   explicit ProfiledCluster(std::string_view file, std::string_view program = "cluster_selftest",
                            std::int64_t end_ns = 20 * kMs, bool translate = true)
@@ -50,7 +50,7 @@ struct ProfiledCluster {
   bool cluster_translates = false;
 };
 
-/// Values by name of the function, summed over all stacks.
+/// Returns the costs of each function by its name, summed over all stacks.
 std::map<std::string, observe::Cost> self_costs(observe::Profile& profile, unsigned number) {
   std::map<std::string, observe::Cost> costs;
   const auto& nodes = profile.hart(number).tree().nodes();
@@ -58,7 +58,7 @@ std::map<std::string, observe::Cost> self_costs(observe::Profile& profile, unsig
   return costs;
 }
 
-/// Values by the names of the frames, the outermost first.
+/// Returns the nodes of the call tree by the names of their frames, the outermost frame first.
 std::map<std::string, observe::CallTree::Node> stacks(observe::Profile& profile, unsigned number) {
   const auto& nodes = profile.hart(number).tree().nodes();
   std::map<std::string, observe::CallTree::Node> found;
@@ -194,7 +194,7 @@ TEST(ClusterTrace, HasALineForEveryInstructionOfEveryHart) {
   for (const auto& [number, count] : lines) EXPECT_EQ(count, soc.hart(number).counters().instructions) << number;
 }
 
-/// A profile alone leaves hot code translated.
+/// Hot code stays translated if the profile is the only observer.
 TEST(ClusterProfile, IsTheSameForTranslatedAndInterpretedCode) {
   for (const std::string_view program : {"cluster_selftest", "network_bench"}) {
     ProfiledCluster interpreted("interpreted.json", program, 12 * kMs, false);
@@ -214,7 +214,7 @@ TEST(ClusterProfile, IsTheSameForTranslatedAndInterpretedCode) {
         EXPECT_EQ(other.self.cycles, node.self.cycles) << number << ": " << stack;
         EXPECT_EQ(other.self.instructions, node.self.instructions) << number << ": " << stack;
         EXPECT_EQ(other.self.time_ps, node.self.time_ps) << number << ": " << stack;
-        // Each step rounds to the same femtojoule or to the next one.
+        // Each step is rounded to a whole number of femtojoules, up or down.
         const auto most = 2.0 * static_cast<double>(steps_of(interpreted.profile, number));
         EXPECT_NEAR(static_cast<double>(other.self.energy_fj), static_cast<double>(node.self.energy_fj), most) << stack;
       }
@@ -222,8 +222,8 @@ TEST(ClusterProfile, IsTheSameForTranslatedAndInterpretedCode) {
   }
 }
 
-/// With an observer that is attached only at times, the chip behaves as without an observer: instruction cache, banks,
-/// DMA, arbitration at devices.
+/// If observers are attached only at times, the chip has the same state as without an observer. This includes the
+/// instruction cache, banks, DMA, and the arbitration at devices.
 TEST(ClusterObservers, ComeAndGoWithoutChangingABitOfTheRun) {
   struct Case {
     bool translate;

@@ -129,7 +129,7 @@ TEST(Coverage, CountsLinesFunctionsAndBranches) {
   EXPECT_THAT(text, HasSubstr("LF:6\nLH:5\nend_of_record\n"));
 }
 
-/// Compilers write such rows for optimised code: line 10 begins at an address whose code belongs to line 30.
+/// Compilers write such a line table for optimised code: line 10 begins at an address whose code belongs to line 30.
 TEST(Coverage, CountsStatementsWithoutCodeOfTheirOwn) {
   constexpr std::string_view kOptimised = R"(
     .file 1 "main.c"
@@ -158,7 +158,7 @@ _start: .loc 1 10
 }
 
 TEST(Coverage, OfALineThatEndsBeyondAllCodeEndsWithTheProgram) {
-  // DWARF 5, 6.2, in the form of version 2: line 1 from _start to the last address.
+  // A line table by DWARF 5, section 6.2, in the form of version 2: line 1 reaches from _start to the last address.
   constexpr std::string_view kDamaged = R"(
 _start: la t0, tohost
     li t1, 1

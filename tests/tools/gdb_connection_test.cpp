@@ -24,7 +24,7 @@ Socket debugger_of(const Connection& connection) {
   return socket;
 }
 
-/// Within ten seconds.
+/// Returns true if an interrupt arrives within ten seconds.
 bool receives_interrupt(Connection& connection) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
   while (std::chrono::steady_clock::now() < end) {

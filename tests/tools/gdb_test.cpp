@@ -69,7 +69,7 @@ class Debugged {
   void obey(std::string_view commands, const std::string& elf, const std::string& options) {
     const Folder folder;
     write_file(folder / "commands", commands);
-    // The tool prints its address to stderr; then gdb starts.
+    // mebots-soc prints its address to stderr; then gdb starts.
     write_file(folder / "script", fmt::format(R"(
 export RUN_FOLDER={}
 {} run {} --gdb 0 {} > {}/out 2> {}/err &
@@ -98,7 +98,7 @@ wait $tool
   }
 };
 
-/// The self-test of the cluster's runtime on the AI-deck, quoted for a shell.
+/// The self-test of the cluster's runtime. The name is quoted for a shell.
 const std::string kClusterProgram = "'" MEBOTS_BINARY_DIR "/firmware/cluster_selftest.elf'";
 const std::string kBoard = "--board '" MEBOTS_SOURCE_DIR "/configs/boards/ai_deck.json'";
 
@@ -136,7 +136,8 @@ TEST_F(Gdb, StepsOneInstructionAtATime) {
   EXPECT_THAT(run.gdb, HasSubstr("$4 = 0x3"));
 }
 
-/// gdb itself steps through a range only if the program has source lines. Register 0x20 is the pc.
+/// gdb itself steps through a range only if the program has source lines, so this test sends the packets. Register 0x20
+/// is the pc.
 TEST_F(Gdb, StepsUntilTheProgramIsOutOfARange) {
   const Debugged run(
       "maintenance packet vCont?\nstepi 2\nprint &add_up\n"
@@ -323,7 +324,7 @@ TEST_F(Gdb, ShowsWhichCoreOfTheClusterFaulted) {
   EXPECT_EQ(run.exit_code, 101);
 }
 
-/// Without a change by gdb, the same instruction is reached again with the same state.
+/// If gdb changes nothing, the same instruction is reached again with the same state.
 TEST_F(Gdb, ReverseStepGoesBackByOneInstruction) {
   const Debugged run(
       "stepi 5\nprint/x $pc\nprint/x $sp\nstepi\nprint/x $sp\nreverse-stepi\nprint/x $pc\n"
@@ -367,7 +368,7 @@ TEST_F(Gdb, ReverseContinueUndoesTheLastStoreToAWatchedWord) {
   EXPECT_EQ(run.exit_code, 2) << run.err;
 }
 
-/// Two million instructions are more than one saved state.
+/// The run has two million instructions, so the debugger saves more than one state.
 TEST_F(Gdb, ReverseContinueReachesAPlaceFarBack) {
   const Debugged run(
       "break *early\nbreak *late\ncontinue\ncontinue\nmonitor cycles\nreverse-continue\nmonitor cycles\n"
@@ -417,7 +418,7 @@ TEST_F(Gdb, MonitorGoesToSavedPlacesAndToTheStart) {
   EXPECT_EQ(run.exit_code, 2) << run.err;
 }
 
-/// Prints A and B.
+/// This program prints A and B.
 constexpr std::string_view kPrinter = R"(
     .globl _start, finish
 _start: li s0, 0x10000000
@@ -431,7 +432,7 @@ finish: la t0, tohost
 1:  j 1b
 )";
 
-/// After a step, the output of the instruction has been printed, although the next instruction has not begun.
+/// After a step, the instruction's output has been printed, although the next instruction has not begun.
 TEST_F(Gdb, WhatAStepPrintedIsNotPrintedAgain) {
   const Folder folder;
   const auto elf = folder.program(fmt::format("{}{}", kPrinter, kTohost));
@@ -446,7 +447,7 @@ TEST_F(Gdb, WhatAStepPrintedIsNotPrintedAgain) {
   EXPECT_EQ(run.exit_code, 1) << run.err;
 }
 
-/// The console keeps what was printed, once. A change by gdb ends the history.
+/// The console keeps the text that was printed, and prints it only once. A change by gdb ends the history.
 TEST_F(Gdb, AReplayPrintsNothingAgainAndAChangeEndsTheHistory) {
   const Folder folder;
   const auto elf = folder.program(fmt::format("{}{}", kPrinter, kTohost));
@@ -462,7 +463,8 @@ TEST_F(Gdb, AReplayPrintsNothingAgainAndAChangeEndsTheHistory) {
   EXPECT_EQ(run.exit_code, 1) << run.err;
 }
 
-/// A place of the run without the change is not mistaken for the same count of instructions in the changed run.
+/// A saved place belongs to the run without the change. It is not restored in the changed run, although both have the
+/// same count of instructions there.
 TEST_F(Gdb, AChangeMakesSavedPlacesUnreachable) {
   const Debugged run(
       "break *early\nbreak *late\ncontinue\ncontinue\nmonitor save place\nreverse-continue\nset var $s1 = 99\n"
@@ -485,7 +487,8 @@ late: la t0, tohost
   EXPECT_EQ(run.exit_code, 3) << run.err;
 }
 
-/// Equal values, an empty write (with which gdb asks for packet X) and refused writes change nothing.
+/// These writes change nothing: equal values, an empty write (with which gdb asks whether packet X is supported), and
+/// refused writes.
 TEST_F(Gdb, AWriteThatChangesNothingKeepsTheHistory) {
   const Debugged run(
       "break *finish\ncontinue\nset var $s0 = $s0\nset var $pc = $pc\nset var *(int*)&counter = 16\n"
@@ -498,7 +501,7 @@ TEST_F(Gdb, AWriteThatChangesNothingKeepsTheHistory) {
   EXPECT_EQ(run.exit_code, 2) << run.gdb << run.err;
 }
 
-/// `seen` belongs to core 3 at this place. After its store, another core has its turn.
+/// The watched element of `seen` belongs to core 3. After this core's store, it is another core's turn.
 TEST_F(Gdb, ReverseContinueStopsTheCoreOfTheClusterThatStored) {
   const Debugged run(
       "watch *((int*)&seen + 3)\ncontinue\ndelete\nstepi 2\nwatch *((int*)&seen + 3)\nthread 1\nreverse-continue\n"

@@ -21,7 +21,7 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// `call N, block` of semihosting; the answer is in a0.
+/// Defines the macro `host OPERATION, BLOCK`, which makes a call of semihosting. The answer is in a0.
 constexpr std::string_view kSemihosting = R"(
     .macro host operation, block
     li a0, \operation
@@ -110,8 +110,8 @@ TEST(Semihosting, CostsNoTimeAndCountsNoInstruction) {
   EXPECT_EQ(std::stoi(counts(calls.out).substr(13)) + 1, std::stoi(counts(plain.out).substr(13)));
 }
 
-/// Prints "Wow!" to the console of riscv-isa-sim, whose characters have bit 0 set and clear. `store` is the code that
-/// stores the command in t0 and t1.
+/// Returns a program that prints "Wow!" to the console of riscv-isa-sim. All characters have bit 0 set, as a value that
+/// ends a program has. `store` is the code that stores the command, which is in t0 and t1.
 std::string console_program(std::string_view store) {
   return fmt::format(R"(
 _start: la s0, text
@@ -267,7 +267,8 @@ TEST(HostFiles, MustBeAFolder) {
   EXPECT_THAT(run.err, HasSubstr("this is not a folder"));
 }
 
-/// Debian's picolibc with its own start code, linker script and printf, optimised for size, in a separate memory map.
+/// The program uses Debian's picolibc with its own start code, linker script and printf. It is optimised for size, and
+/// has another memory map than the runtime.
 TEST(CLibrary, PrintsAndKeepsFilesBySemihosting) {
   const Folder folder;
   std::filesystem::create_directory(folder / "shared");

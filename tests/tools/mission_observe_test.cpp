@@ -28,7 +28,7 @@ namespace {
 
 constexpr std::int64_t kStep = 2'000'000;
 
-/// The FMU's resources as the archive has them.
+/// A folder with the FMU's resources, as the archive has them.
 class Resources {
  public:
   Resources() {
@@ -41,8 +41,8 @@ class Resources {
   Folder folder_;
 };
 
-/// Without a picture, the drone waits on the ground for a moment. With a picture, it flies and sees this picture
-/// repeatedly. Returns the model's state at the end.
+/// Runs the FMU's model for some steps, and returns its state at the end. Without a picture, the drone waits on the
+/// ground. With a picture, it flies and always sees this picture.
 std::vector<std::byte> state_after(const Parameters& parameters, int steps,
                                    const std::function<void(std::string_view)>& on_message = {},
                                    std::span<const std::uint8_t> picture = {}) {
@@ -99,7 +99,7 @@ TEST(MissionObserve, AnUnwritableFileIsRefusedAtTheStart) {
   }
 }
 
-/// A minimal debugger for this test: sends one packet, reads the answer.
+/// A minimal debugger for this test. It sends one packet and reads the answer.
 class Caller {
  public:
   explicit Caller(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
@@ -173,7 +173,7 @@ TEST(MissionObserve, ADebuggerPausesTheMissionWhichThenContinuesWithTheSameBits)
   EXPECT_TRUE(bytes == state_after({}, kSteps));
 }
 
-/// Steps of 2 ms. The firmware sleeps most of the time, so some steps have few instructions or none.
+/// Steps have 2 ms. The firmware sleeps most of the time, so some steps have few instructions or none.
 TEST(MissionObserve, ADebuggerGoesBackOverStepsOfTheMissionAndTheBitsStay) {
   Parameters debugged;
   debugged.gdb_port = 0;
@@ -217,9 +217,9 @@ TEST(MissionObserve, ADebuggerGoesBackOverStepsOfTheMissionAndTheBitsStay) {
   EXPECT_TRUE(bytes == state_after({}, kSteps));
 }
 
-/// In the past, the handler of the timer runs twice, which changes nothing but the number of instructions. So later
-/// steps begin at other positions than before. `monitor reset` drops this path, and the bits are those without a
-/// debugger.
+/// The debugger goes back and lets the timer's handler run a second time. This changes only the number of instructions,
+/// so later steps begin at other positions than before. `monitor reset` drops this path, and afterwards the bits are
+/// those of a run without a debugger.
 TEST(MissionObserve, AfterAChangeInThePastADebuggerGoesBackAgain) {
   Parameters debugged;
   debugged.gdb_port = 0;

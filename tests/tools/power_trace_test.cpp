@@ -16,7 +16,7 @@
 namespace mebots::soc::test {
 namespace {
 
-/// In a loop: computes, requests a picture, changes the voltage, and sleeps until the picture arrives.
+/// A program with a loop that computes, requests a picture, changes the voltage, and sleeps until the picture arrives.
 constexpr std::string_view kProgram = R"(
 _start: la t0, handler
     csrw mtvec, t0

@@ -22,7 +22,7 @@ using observe::CallTree;
 using observe::Cost;
 using observe::Profile;
 
-/// The names of the frames, the outermost first, such as "main;leaf".
+/// Returns the names of the frames of a stack, the outermost first, such as "main;leaf".
 std::string stack_text(Profile& profile, std::size_t node) {
   const auto& nodes = profile.hart(0).tree().nodes();
   std::string text;
@@ -33,7 +33,7 @@ std::string stack_text(Profile& profile, std::size_t node) {
   return text;
 }
 
-/// A program on the board, profiled to its end: inclusive cost and calls by stack.
+/// Runs a program on the board with a profile. Contains the inclusive cost and the calls of each stack.
 struct Profiled {
   explicit Profiled(std::string_view text, std::int64_t end_ns = 0, std::string_view file = "p.json",
                     bool translate = true)
@@ -157,7 +157,7 @@ TEST(Profile, HasAFrameForEveryLevelOfRecursion) {
   EXPECT_EQ(run.calls.count("_start;down;down;down;down;down"), 0U);
 }
 
-/// A timer of 1 ms.
+/// This program sleeps until its timer has reached 1 ms.
 constexpr std::string_view kSleepsUntilATimer = R"(
     .globl _start
     .type _start, @function
@@ -221,8 +221,8 @@ TEST(Profile, HearsThatACoreWokeWhichSleptInARestoredState) {
   EXPECT_NEAR(static_cast<double>(stacks.at("_start;[asleep]").time_ps), 0.5e9, 1e6) << "from 0.5 ms to 1 ms";
 }
 
-/// Calls, direct and by a register, tail calls, a jump table, code that continues into the next function, and
-/// recursion, 3000 times, with occasional interrupts.
+/// The program does the following 3000 times, with occasional interrupts: direct calls, calls by a register, tail
+/// calls, a jump table, code that continues into the next function, and recursion.
 TEST(Profile, IsTheSameForTranslatedAndInterpretedCode) {
   constexpr std::string_view kProgram = R"(
     .globl _start
@@ -303,12 +303,12 @@ table: .word leaf, tail
     EXPECT_EQ(other.cycles, cost.cycles) << stack;
     EXPECT_EQ(other.instructions, cost.instructions) << stack;
     EXPECT_EQ(other.time_ps, cost.time_ps) << stack;
-    // Each of some 100,000 steps rounds to the same femtojoule or to the next one.
+    // Each of about 100,000 steps is rounded to a whole number of femtojoules, up or down.
     EXPECT_NEAR(static_cast<double>(other.energy_fj), static_cast<double>(cost.energy_fj), 1e5) << stack;
   }
 }
 
-/// Returns the output for `steps` steps of a program that sleeps until 1 ms.
+/// Returns the profile of a program that sleeps until 1 ms. The run consists of `steps` steps.
 nlohmann::json windowed(int steps, std::int64_t step_ns, Cost& total) {
   const auto text = fmt::format("{}\n{}", kSleepsUntilATimer, Profiled::kFunctions);
   const Folder folder;

@@ -15,8 +15,7 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
 
-/// Runs a program, with its text placed before the definition of tohost. Checks that the report's first line has this
-/// count.
+/// Matches an output whose first line reports this number of instructions.
 testing::Matcher<std::string> executes(std::uint64_t instructions) {
   return ContainsRegex(fmt::format("^instructions +{}\n", instructions));
 }

@@ -27,7 +27,7 @@ nlohmann::json report_in(const std::string& path) {
   return report;
 }
 
-/// Returns what a run printed before its report.
+/// Returns the text that a run printed before its report.
 std::string console_of(const Outcome& run) {
   const auto text = run.out.substr(0, run.out.find("fabric controller"));
   return text.substr(0, text.find_last_not_of(' ') + 1);

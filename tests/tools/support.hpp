@@ -28,14 +28,14 @@ struct Outcome {
   std::string err;
 };
 
-/// Runs `mebots-soc` with these arguments (as the shell reads them).
+/// Runs `mebots-soc` with these arguments, which a shell reads.
 Outcome run_tool(const std::string& arguments);
-/// Runs a program of assembly text, which has the symbol tohost.
+/// Runs a program that is given as assembly text. The text is followed by the definition of tohost.
 Outcome run_program(std::string_view text, const std::string& options = "");
 /// Returns the path of `mebots-soc`, quoted for the shell.
 std::string tool_path();
 
-/// Ends a program with a value in tohost; `tohost` is a double word, aligned.
+/// Defines the double word `tohost`, aligned. A program ends when it stores a value in it.
 inline constexpr std::string_view kTohost = R"(
     .section .tohost, "aw"
     .balign 64

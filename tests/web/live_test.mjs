@@ -11,7 +11,7 @@ import { join, resolve } from "node:path";
 const [, , mebots, configs, out, chromium] = process.argv;
 mkdirSync(out, { recursive: true });
 
-/** A run that is long enough to be viewed: some seconds of wall time. */
+/** A run that takes some seconds of wall time, so that it can be viewed. */
 const system = join(out, "system.json");
 writeFileSync(system, JSON.stringify({
   ...JSON.parse(readFileSync(join(configs, "battery_motors.json"), "utf8")),
@@ -89,7 +89,7 @@ async function forward(live, { seen = () => {}, refusal = () => null }) {
   return { server, address: `http://127.0.0.1:${server.address().port}${live.address.pathname}` };
 }
 
-/** Polls until the condition holds, because a command takes effect between two steps. */
+/** Asks repeatedly until the condition holds, because a command takes effect between two steps. */
 async function until(live, isSo) {
   for (const end = Date.now() + 20000; Date.now() < end; await new Promise((done) => setTimeout(done, 20))) {
     const run = (await header(live)).runs[0];
@@ -98,7 +98,8 @@ async function until(live, isSo) {
   throw new Error("it was not so within 20 s");
 }
 
-/** Returns the number of steps of a paused run, and checks that several queries give the same number. A run answers between two steps, so a run that is not paused makes a step before the next query. */
+/** Returns the number of steps of a paused run. Checks that several queries give the same number: a run answers between two steps, so
+ * a run that is not paused would make a step before the next query. */
 async function stoodAt(live) {
   const looks = [];
   for (let i = 0; i < 20; ++i) looks.push((await header(live)).runs[0].summary.steps);

@@ -50,8 +50,7 @@ def large(configs, designs, replicates):
 
 
 def mission(values, lot):
-    """Returns success, energy [J] and time [s] of one mission of an invented drone. The drone crashes more often in
-    faster flights."""
+    """Returns success, energy [J] and time [s] of one mission of an invented drone. This drone crashes more often if it flies fast."""
     speed, clock = values["soc.mission.cruise_speed"], values["soc.core.clock"]
     passed = lot.random() > 0.45 * max(0.0, speed - 0.8) * (1.3 if clock < 120e6 else 0.8)
     time_s = 1.5 + 7 / speed + 0.05 * lot.gauss(0, 1)
@@ -101,7 +100,7 @@ def write_rare(file, configs):
 
 
 def cost(macs, cycles, clock=87e6, cores=8):
-    """Costs of a layer of an invented network, at 30 pJ per cycle of a core. All accounts add up."""
+    """Returns the costs of a layer of an invented network, at 30 pJ per cycle of a core. All accounts add up."""
     causes = {"base": 5 * cycles, "cache": cycles // 2, "bank_conflict": cycles // 4, "far_memory": cycles // 8, "load_use": 0, "other": 0}
     energy_j = 30e-12 * cores * cycles
     return {
@@ -112,7 +111,7 @@ def cost(macs, cycles, clock=87e6, cores=8):
 
 
 def judged(error):
-    """Accuracy of an invented network: each interval is a fifth of the error to both sides."""
+    """Returns the accuracy of an invented network. Each interval reaches from the error by a fifth of it to both sides."""
     return {"pictures": 64, "data": "pictures", "float": {"outputs": {"error": error, "interval": [0.8 * error, 1.2 * error], "deviation": 0.3}}}
 
 

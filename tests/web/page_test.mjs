@@ -21,7 +21,7 @@ function column(run, name) {
   return lines.map((line) => Number(line.split(",")[place]));
 }
 
-/** Returns the value in the last row of results.csv that is not later. */
+/** Returns the value in the last row of results.csv whose time is not later than `time`. */
 function valueAt(run, name, time) {
   const times = column(run, "time");
   return column(run, name)[times.findLastIndex((each) => each <= time)];
@@ -42,7 +42,8 @@ const colours = (page, selector) => page.evaluate((which) => {
   return new Set(pixels).size;
 }, selector);
 
-/** Finds visible texts that overlap. Each text is the box of its letters, cut to the ancestors that hide what leaves them. */
+/** Finds visible texts that overlap. The box of a text encloses its letters, and ends at the edges of ancestors that hide overflowing
+ * content. */
 const overlaps = (page) => page.evaluate(() => {
   const boxes = [];
   const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
@@ -83,7 +84,7 @@ const overlapTests = {
   },
 };
 
-/** Returns "0.2778 m/s" or "9.514 W" as a number in the unit without prefix. */
+/** Converts a text such as "0.2778 m/s" or "9.514 mW" to a number in the unit without prefix. */
 function numberOf(text) {
   const [, number, prefix] = /^([−\d.e+-]+) ?([GMkmµn]?)/.exec(text.replace(/ (m|m\/s|rad\/s)$/, ""));
   return Number(number.replace("−", "-")) * { "": 1, G: 1e9, M: 1e6, k: 1e3, m: 1e-3, "µ": 1e-6, n: 1e-9 }[prefix];

@@ -9,14 +9,14 @@ if (!chromium || chromium.endsWith("NOTFOUND")) {
   console.log("skipped: there is no Chromium; scripts/setup.sh installs it");
   process.exit(77);
 }
-// Limits of the work for 1,000 designs and 10,000 missions; 32 designs with 1,024 missions take a tenth of it. The time that this takes depends on
-// the machine: bench/web/large_report.mjs measures it.
+// Limits of the work for 1,000 designs and 10,000 missions; 32 designs with 1,024 missions take a tenth of it. The necessary time depends
+// on the machine: bench/web/large_report.mjs measures it.
 const MOST_STROKES = 60_000; // calls that draw something or extend a path, at the opening
 const MOST_STROKES_OF_A_BRUSH = 30_000;
 const TIMES_DRAWN = 1; // by a brush, for each panel
 const MOST_ELEMENTS = 1000;
 
-/** Waits until all panels have followed the last change. */
+/** Waits until all panels show the last change. */
 const frame = (page) => page.waitForFunction(() => window.mebots.selection.dirty.size === 0);
 const state = (page) => page.evaluate(() => {
   const { selection } = window.mebots;
@@ -24,7 +24,7 @@ const state = (page) => page.evaluate(() => {
 });
 const panelOf = (page, title) => page.evaluateHandle((wanted) => [...document.querySelectorAll(".panel")].find((one) => one.querySelector("h2").textContent === wanted), title);
 
-/** Drags along an axis of the parallel coordinates, between places from 0 to 1. */
+/** Drags along an axis of the parallel coordinates, from one place to another. Places are numbers from 0 to 1. */
 async function brush(page, label, from, to) {
   const canvas = await (await panelOf(page, "Parallel coordinates")).$("canvas");
   await canvas.scrollIntoView();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Built without optimisation, at a separate address.
+// Returns 23 if the program is compiled without optimisation. The program is linked to another address than usual.
 int main(void) {
 #ifdef __OPTIMIZE__
   return 1;
