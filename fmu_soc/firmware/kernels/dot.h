@@ -21,7 +21,7 @@
       : [n] "r"(words)                                                                                           \
       : "t0", "t1", "t2", "t3", "t4", "t5", "memory")
 
-// Does the same as ROW_OF_PATCH, but for one output position.
+// Adds dot products like ROW_OF_PATCH, but only for the first output position (p0).
 #define ROW_OF_ONE_PATCH                                                                                             \
   __asm__ volatile(XPULP_LOOP("x0", "%[n]", "9") XPULP_LW_POST("t4", "4", "%[p0]") XPULP_LW_POST("t0", "4", "%[w0]") \
                        XPULP_LW_POST("t1", "4", "%[w1]") XPULP_LW_POST("t2", "4", "%[w2]")                           \

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Weights in HyperRAM, which GAP8's uDMA copies to L2 while the cores compute. On another machine, copies are
-// immediate.
+// Functions for weights in HyperRAM. GAP8's uDMA copies the weights to L2 while the cores compute. On another machine,
+// copies are immediate.
 #include "kernels/l3.h"
 
 #ifdef __riscv

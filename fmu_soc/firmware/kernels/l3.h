@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Weights of a network in HyperRAM.
+// Functions for a network whose weights are in HyperRAM.
 #pragma once
 
 #include "kernels/layer.h"

@@ -45,8 +45,8 @@ Polygon clipped(const Polygon& polygon, const ClipPlane& plane) {
   return kept;
 }
 
-/// True if no plane cuts the face, which is the case for nearly all faces. This test takes less time than clipping by
-/// the planes.
+/// Returns true if no plane cuts the face, which is the case for nearly all faces. This test takes less time than
+/// clipping by the planes.
 bool all_inside(std::span<const Vector3d> corners_C_m, double side) {
   bool inside = true;
   for (const Vector3d& p : corners_C_m) {
@@ -120,7 +120,7 @@ Outline::Outline(const Picture& picture, std::span<const Vector3d> corners_C_m, 
   int begun_rows = 0;
   for (int i = 0; i < corners; ++i) {
     const int j = i + 1 < corners ? i + 1 : 0;
-    // Counter-clockwise in a picture whose y grows downwards: left edges go down, right edges go up.
+    // The polygon is counter-clockwise, and y grows downwards. So its left edges go down, and its right edges go up.
     const bool down = y[i] < y[j];
     const int a = down ? i : j;
     const int b = down ? j : i;
@@ -133,7 +133,7 @@ Outline::Outline(const Picture& picture, std::span<const Vector3d> corners_C_m, 
         first, end,  down ? 1 : -1, 1.0 / (static_cast<double>(dy) * static_cast<double>(kOne))};
     if (down) begun_rows += end - first;
   }
-  // A closed line crosses each row between its top and bottom downwards as often as upwards.
+  // Between the top and the bottom of a closed line, it crosses each row downwards as often as upwards.
   two_crossings_ = begun_rows == end_row_ - first_row_;
 }
 

@@ -12,7 +12,7 @@
 
 namespace mebots::world::camera {
 
-/// Corners nearer to the camera's plane are cut away.
+/// Parts of a face that are nearer to the camera's plane than this are cut off.
 inline constexpr double kNearPlane_m = 1e-3;
 /// Number of planes that cut a face; each can add a corner.
 inline constexpr std::size_t kClipPlanes = 5;
@@ -24,7 +24,7 @@ inline constexpr std::size_t kMaxOutlineCorners = 16;
 /// the edge is a left or top one. Therefore polygons that share an edge never share or miss a pixel.
 class Outline {
  public:
-  /// The camera's optical axis meets the picture's middle.
+  /// A picture with its middle on the camera's optical axis.
   struct Picture {
     double focal_length_px;
     int width, height;
@@ -112,7 +112,8 @@ class Outline {
     int column, winding;
   };
 
-  /// Like the function above, for one row with any number of crossings.
+  /// Calls span(row, begin, end) for each run of covered columns of a row, whose centre line may cross any number of
+  /// edges.
   template <typename Span>
   void winding_spans(int row, Span&& span) const {
     std::array<Crossing, kMaxOutlineCorners> crossings;  // of the row's centre line, from left to right
