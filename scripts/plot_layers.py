@@ -27,7 +27,7 @@ def short(folder, part):
 
 
 def graph_of(root, part):
-    """Returns {(folder, folder): number of includes} and the row of each folder."""
+    """Returns {(folder, folder): number of includes}, and for each folder the row in which it is drawn."""
     order = json.loads((REPOSITORY / "tests/structure/layers.json").read_text())
     tree = structure.Structure(root, order)
     edges, rows = Counter(), {}

@@ -58,7 +58,7 @@ docs() { scripts/docs.sh; }
 built() { scripts/setup.sh && cmake --preset release && cmake --build --preset release; }  # always, because an existing build may be of
                                                                                            # another commit
 
-# A release is possible if these tests are left out.
+# Succeeds for tests that may be left out of a proof. A release is possible without them.
 may_be_left_out() {  # may_be_left_out PROOF TEST
   case $1:$2 in
     *:Interop.*OMSimulator*) ;;  # OMSimulator has to be built from source

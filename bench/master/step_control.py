@@ -63,7 +63,7 @@ def error_of(exact, times, chassis, wheel):
 
 
 class LibcosimTruck:
-    """The FMUs of libcosim. The ground rises at the start."""
+    """A truck that consists of libcosim's FMUs. The ground rises at the start."""
 
     kerb_time = 0.0
     positions = ("chassis.position", "wheel.position")

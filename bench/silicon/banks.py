@@ -34,8 +34,9 @@ DELAYS = (0, 13, 27, 38, 51, 77)  # cycles before each run
 
 
 def any_bank(seed):
-    """Returns loads of any bank with other work between them. Each core accesses the words five after those of the
-    previous core."""
+    """Returns instructions that load from random banks, mixed with other instructions. Each core accesses the words
+    five after those of the previous core.
+    """
     pick = random.Random(seed)
     body = [pick.randrange(BANKS) for _ in range(16)] + [None] * 16
     pick.shuffle(body)

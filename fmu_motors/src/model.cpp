@@ -17,7 +17,7 @@ namespace {
 /// The maximum magnitude of an input, so that products of a few inputs are finite. fmu_world has the same limit.
 constexpr double kMost = 1e40;
 constexpr double kLeastDensity = 1 / kMost;
-/// The last step's current is a surge if the current of the step before it was less than this share.
+/// The current of the last step is a surge if the current of the step before it was less than this share of it.
 constexpr double kEarlierShare = 0.1;
 /// The least sag for a warning. A smaller sag of the voltage is harmless, and other loads may have caused it.
 constexpr double kLeastSag_v = 0.02;

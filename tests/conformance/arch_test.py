@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs riscv-arch-test, and compares the result words of its programs with those of Spike.
 
-A test states in such lines to which machines it applies:
+A test states to which machines it applies, in lines such as this one:
 
     RVTEST_CASE(0,"//check ISA:=regex(.*32.*);check ISA:=regex(.*I.*C.*);def TEST_CASE_1=True;",cadd)
 

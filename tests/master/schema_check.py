@@ -270,7 +270,7 @@ def changed(config, path, value):
     return config
 
 
-# kind of file -> pattern of the shipped files, and the files to change
+# For each kind of file: patterns of the shipped files, and the files that the test changes.
 SHIPPED = {
     "config": (["configs/*.json", "examples/*/mission.json"], None),
     "scenario": (["configs/scenarios/*.json"], "configs/scenarios/motor_loss.json"),

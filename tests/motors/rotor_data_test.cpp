@@ -13,7 +13,7 @@ using testing::HasSubstr;
 TEST(RotorData, SteadySpeedIsTheTablesAtEveryBenchPoint) {
   const RotorData rotor = bench_rotor();
   for (const BenchRow& row : bench_rows()) {
-    // The file rounds to six digits.
+    // The numbers in the file are rounded to six digits.
     EXPECT_NEAR(rotor.steady_speed_rad_per_s(row.command * row.voltage_v), row.speed_rad_per_s,
                 2e-5 * row.speed_rad_per_s + 1e-9);
   }

@@ -64,7 +64,7 @@ __attribute__((constructor)) static void read_environment(void) {
       (int)number_of("IO_FAULTS_STICKY"));
 }
 
-// The lock of a folder is not a result.
+// Returns 1 for a path in the folder. The folder's lock does not count, because it is not a result.
 static int is_inside(const char* path) {
   return folder[0] != 0 && strncmp(path, folder, strlen(folder)) == 0 && strstr(path, ".mebots.lock") == NULL;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sizes that the next page opens with. A browser may refuse to store them, for example for pages from the disk; then they are forgotten.
+// Stores sizes of parts of a page, with which the next page opens. A browser may refuse to store them, for example for
+// pages from the disk. Then they are forgotten.
 
 const PREFIX = "mebots size: ";
 

@@ -160,7 +160,7 @@ def scenarios_of_both(first, second):
 
 
 def of_starts(both):
-    """Yields the counts over the starts that both chips ran, as rows for each scenario and chip."""
+    """Yields a row for each scenario and chip: the counts of outcomes over the starts that both chips ran."""
     first, second = both
     for name in scenarios_of_both(both[first], both[second]):
         flights = min(data["robustness"][name]["flights"] for data in both.values())

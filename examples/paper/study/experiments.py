@@ -16,12 +16,13 @@ CORES = (8, 1)
 STUCK_S = 30.0
 STARTS_RECORDED = ("world.drone.position.x", "world.drone.position.y", "world.drone.position.z", "world.gate.crossed",
                    "world.gate.distance")
-# Largest offsets of a random start, each uniform in both directions: forward and sideways [m], rotation [rad].
+# Largest offsets of a random start: forward and sideways [m], rotation [rad]. Each offset is uniform between minus this
+# value and this value.
 SPREAD = {"shipped": (0.5, 0.5, 0.3), "easy": (0.5, 0.05, 0.02), "hard": (0.3, 0.1, 0.02)}
 
 
 def named(motors, name):
-    """Returns a flight's name; those with the bench's motors have no prefix."""
+    """Returns a flight's name. The names of flights with the bench's motors have no prefix."""
     return name if motors == "bench" else f"{motors}-{name}"
 
 

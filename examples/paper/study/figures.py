@@ -31,7 +31,9 @@ def svg(figure):
 
 
 def batteries(used):
-    """Draws used[battery][speed] = {real, equal}: charge used in %."""
+    """Draws the charge that the easy flight uses. `used[battery][speed]` is {"real": charge, "equal": charge} in %,
+    with real and with equal masses.
+    """
     figure, axes = plt.subplots(figsize=(8, 4.2), constrained_layout=True)
     width = 0.2
     for i, (battery, (label, _, mass)) in enumerate(BATTERIES.items()):
@@ -130,8 +132,9 @@ def clocks(rows):
 
 
 def chips(both):
-    """Draws the chip's mean energy up to the gate by chip, with one plot for eight cores and one for one core: {chip:
-    (rows, tolerance according to checks against silicon, as shares)}."""
+    """Draws the chip's mean energy up to the gate, with one plot for eight cores and one for one core. `both` is {chip:
+    (rows, tolerance)}. The tolerance comes from checks against silicon, and is a pair of shares.
+    """
     figure, plots = plt.subplots(1, 2, figsize=(8, 3.4), constrained_layout=True, sharey=True)
     for axes, cores in zip(plots, (8, 1)):
         for (chip, (rows, (low, high))), marker, colour in zip(both.items(), "os", (style.BLUE, style.VERMILION)):

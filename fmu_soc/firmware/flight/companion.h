@@ -11,5 +11,5 @@
 // COMPANION_TIMEOUT_MS, it starts to land. It continues to land until a valid frame arrives.
 void companion_update(uint32_t time_us);
 
-// The time of ten pictures, in a mission with ten pictures a second.
+// This is the time of ten pictures if a mission takes ten pictures per second.
 #define COMPANION_TIMEOUT_MS 1000

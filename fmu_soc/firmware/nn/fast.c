@@ -362,7 +362,7 @@ nn_output_t nn_fast_output(const nn_arena_t* arena, unsigned cores) {
 #endif
 }
 
-// --- All of it on one core ------------------------------------------------------------------------------------------
+// --- The whole network on one core ----------------------------------------------------------------------------------
 
 nn_output_t nn_fast_infer_alone(nn_arena_t* arena, const nn_small_weights_t* small) {
   const nn_share_t all = {0, 1};

@@ -64,7 +64,8 @@ typedef struct {
   uint8_t seventh[NN_FEATURES];
 } nn_activations_t;
 
-// The outputs, each in [-127, 127], 127 = 1. If there is only one, the type is a number, not a struct.
+// The outputs of the network. Each is in [-127, 127], where 127 means 1. If there is only one output, the type is a
+// number instead of a struct.
 #if NN_OUTPUTS == 1
 typedef int8_t nn_output_t;
 #define NN_OUTPUT(output, index) (output)

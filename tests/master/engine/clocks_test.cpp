@@ -32,7 +32,7 @@ const std::string kTapped = R"({"from": "a.tock", "to": "b.tap"}, {"from": "a.to
 
 TEST(Clocks, PeriodicClocksTickBetweenCommunicationPoints) {
   TestRun run(metronomes());
-  // Beats at 0.15, 0.45, 0.75.
+  // The periodic clock ticks at 0.15, 0.45 and 0.75.
   EXPECT_THAT(run.to_end().column("a.beats"), testing::ElementsAre(0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3));
 }
 

@@ -286,7 +286,8 @@ bool XpulpReference::bits(std::uint32_t word) {
     switch (kind) {
       case 0:
       case 1: {
-        // After the field comes its last bit (signed) or zeros. Bits beyond the word are its sign or zeros.
+        // The bits of the result after the field are copies of the field's last bit (signed), or zeros. If the field
+        // reaches beyond the word, its bits there are copies of the word's sign, or zeros.
         const auto from = std::min(i, kind == 0 ? width - 1 : i) + first;
         const bool inside = i < width || kind == 0;
         const auto bit = from < 32 ? bits_of(a, from, from) : kind == 0 ? bits_of(a, 31, 31) : 0;

@@ -146,7 +146,7 @@ TEST(CameraProjection, CheckersOnTheGroundChangeWherePerspectivePutsThem) {
   const Pose from = pose({0.13, 0.21, 1.0});
   const Picture seen = testing::picture(renderer, from);
 
-  // Along a column: lines x = k scale. The column must not be parallel to a line y = k scale.
+  // Tests a column, which crosses the lines x = k scale. The column must not be parallel to a line y = k scale.
   const int column = 165;
   const double lateral_per_depth = -(column + 0.5 - 160.0) / f;
   std::vector<double> down(320);
@@ -165,7 +165,7 @@ TEST(CameraProjection, CheckersOnTheGroundChangeWherePerspectivePutsThem) {
   }
   EXPECT_GE(checked, 5);
 
-  // Along rows: lines y = k scale.
+  // Tests rows, which cross the lines y = k scale.
   checked = 0;
   for (const int row : {200, 230, 260, 290, 319}) {
     const double depth = f * from.p_WC_m.z() / (row + 0.5 - 160.0);

@@ -24,7 +24,7 @@ TEST(CameraTexture, EveryLevelHasTheMeanOfTheTile) {
       for (int y = 0; y < 16; ++y) {
         for (int x = 0; x < 16; ++x) exact += ripmap.texel(0, 0, x, y) / 256.0;
       }
-      // Rounding to whole grey levels, twice.
+      // The tolerance allows for two roundings to whole grey levels.
       EXPECT_NEAR(sum / ((16 >> lu) * (16 >> lv)), exact, 1.0) << lu << ", " << lv;
     }
   }

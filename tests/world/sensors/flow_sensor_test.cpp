@@ -96,7 +96,8 @@ TEST(FlowSensor, HasTheNoiseOfItsData) {
     sensor.update(i * 10 * kMillisecond, still, 1.0, 1e-2);
     squares += std::pow(sensor.sample().counts[0], 2);
   }
-  // 2 counts, plus rounding: with 4000 samples it is accurate to 1.1 %; carried remainders add a little.
+  // The noise has a standard deviation of 2 counts. With 4000 samples, its estimate is accurate to 1.1 %. Rounding and
+  // the remainders that are added to the next sample increase it a little.
   EXPECT_NEAR(std::sqrt(squares / kCount), 2.0, 0.12);
 }
 

@@ -39,7 +39,7 @@ TEST(MotorThermal, SettlesWhereLossesLeaveThroughTheCase) {
   bench.run(3600, 3600);
   const double current = 2.5 / (0.58 * 3.6);
   const auto& p = bench.parameters;
-  // By hand: W = I^2 R (1 + a (T_w - 20 degC)), T_c = T_air + W / G_c, T_w = T_c + W / G_w.
+  // These equations are solved by hand: W = I^2 R (1 + a (T_w - 20 degC)), T_c = T_air + W / G_c, T_w = T_c + W / G_w.
   const double series = 1 / p.winding_conductance_w_per_k + 1 / p.case_conductance_w_per_k;
   const double loss = current * current * p.winding_resistance_ohm;
   const double heat = loss / (1 - loss * 0.00393 * series);

@@ -122,7 +122,8 @@ TEST(Gap8Himax, HasTheHighestRateOfEachFormatOfTheTable) {
     std::uint32_t height;
     double rate_hz;
   };
-  // idsia-robotics/nanocockpit, himax_supported_framerates.md: formats 0 to 3, "Max".
+  // The rates are those of the formats 0 to 3 in the column "Max" of himax_supported_framerates.md (repository
+  // idsia-robotics/nanocockpit).
   for (const auto& format :
        {Format{false, false, 344, 376, 324, 324, 46.39}, Format{false, true, 260, 376, 324, 244, 61.37},
         Format{true, false, 170, 215, 162, 162, 164.16}, Format{true, true, 128, 215, 162, 122, 218.02}}) {

@@ -211,7 +211,7 @@ TEST_F(BarometerTest, NoiseHasItsStandardDeviationAndDependsOnTheSeed) {
     sum += error;
     squares += error * error;
   }
-  // Four standard errors of the mean and of the standard deviation.
+  // The tolerances are four standard errors of the mean and of the standard deviation.
   EXPECT_NEAR(sum / kCount, 0, 4 * 2 / std::sqrt(kCount));
   EXPECT_NEAR(std::sqrt(squares / kCount), 2, 4 * 2 / std::sqrt(2.0 * kCount));
 
