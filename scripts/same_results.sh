@@ -19,7 +19,8 @@ place=$(mktemp -d)
 trap 'rm -rf "$place"' EXIT
 hashes=()
 
-# fly BUILD PROCESSOR COMMAND... runs the mission with a build.
+# fly BUILD PROCESSOR COMMAND... runs the mission with a build. COMMAND starts it on the processor that PROCESSOR
+# describes.
 fly() {
   local build=$1 processor=$2 of cache=$1/CMakeCache.txt
   shift 2

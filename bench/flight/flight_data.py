@@ -23,7 +23,7 @@ IMRC = "crazyflie-data-collection"
 FLIGHTS = f"{IMRC}/brushed_flights/data"
 STANDS = f"{IMRC}/system-id/data"
 
-# The only files used for fits.
+# Fits use only these flights and these files of stands.
 CALIBRATION_FLIGHTS = ("jana04", "jana05", "jana06")
 CALIBRATION_STANDS = ("cf21_eckart1/data.csv", "cf21_bitcraze2021/cf21_stock2.csv")
 

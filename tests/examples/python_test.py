@@ -40,7 +40,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         path = config(folder)
 
-        # Step by step, setting an input between steps.
+        # Runs a mission step by step, and sets an input between steps.
         mission = mebots.Mission(path)
         mission.record(["battery.cell.voltage", "motors.power"])
         assert mission.step_size == 0.01 and mission.stop_time == 1 and not mission.ended

@@ -147,7 +147,7 @@ Outcome run(const FlightParameters& mission, const Surroundings& around, double 
     } else if (eye->wants(picture_id)) {
       eye->offer(picture, chip.now());
     }
-    // The chip's outputs at this point, before its next step.
+    // These are the chip's outputs at this communication point, before its next step.
     const SetPoint sent(chip);
     const auto requests = static_cast<std::int32_t>(*chip.devices().output("camera.trigger"));
     chip.advance((k + 1) * kStepNs);

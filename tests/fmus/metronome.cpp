@@ -93,7 +93,7 @@ fmi3Status fmi3GetClock(fmi3Instance instance, const fmi3ValueReference[], std::
   return fmi3OK;
 }
 
-/// Handles the model partition of a clock.
+/// Handles the ticks of clocks that the importer sets.
 fmi3Status fmi3SetClock(fmi3Instance instance, const fmi3ValueReference references[], std::size_t count,
                         const fmi3Clock[]) {
   auto& metronome = of(instance);

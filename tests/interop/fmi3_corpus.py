@@ -47,7 +47,7 @@ MOST_SOLVER_ERROR = 1e-5  # difference of two solvers at TOLERANCE
 # FMUs with a known cause of an error or a larger difference, by the end of the path: the part of the message that is expected, or the
 # largest difference. docs/interop.md has the evidence.
 EXPECTED_ERROR = {
-    # It writes beyond its memory in fmi2GetDirectionalDerivative.
+    # This FMU writes beyond its memory in fmi2GetDirectionalDerivative.
     "MapleSim_2023/FMI_Export/FMI_2/ME/ControlledTemperature/ControlledTemperature.fmu": "SIGABRT",
     # Debian 12 does not have this library.
     "/Description.fmu": "libgfortran.so.3: cannot open sh",

@@ -52,7 +52,7 @@ class Run:
 
 
 class Report(Run):
-    """The report page of an existing run."""
+    """Writes the report page of an existing run."""
 
     def __init__(self, mebots, results):
         self.mebots, self.results = mebots, results

@@ -121,7 +121,7 @@ TEST(Time, SecondsOfARatioAreTheNearestDouble) {
     ASSERT_TRUE(is_nearest(numerator, denominator, x)) << x;
     ASSERT_EQ(nearest_double(-numerator, denominator), -x);
   }
-  // Half-way between two doubles: the even one.
+  // If a number is half-way between two doubles, the even one is chosen.
   constexpr std::int64_t kTwoTo53 = std::int64_t{1} << 53;
   EXPECT_EQ(nearest_double(WideInteger{kTwoTo53} + 1, 1), static_cast<double>(kTwoTo53));
   EXPECT_EQ(nearest_double(WideInteger{kTwoTo53} + 3, 1), static_cast<double>(kTwoTo53) + 4);
@@ -129,7 +129,7 @@ TEST(Time, SecondsOfARatioAreTheNearestDouble) {
 }
 
 TEST(Time, SecondsStayNearestBeyondAHundredDays) {
-  // 123456789.000000003 s: nanoseconds that no double holds exactly.
+  // 123456789.000000003 s is a time whose nanoseconds no double holds exactly.
   EXPECT_EQ(to_seconds(std::int64_t{123'456'789'000'000'003}), 123456789.000000003);
   EXPECT_EQ(to_seconds(std::int64_t{-9'007'199'254'740'993}), -9007199.254740993);
 }

@@ -121,7 +121,7 @@ TEST(Scenario, NoiseIsNormalAndTheSameEveryTime) {
     if (i > 0) neighbours += off * (values[i - 1] - 2);
     beyond_two += std::abs(off) > 1 ? 1 : 0;
   }
-  // 20001 values: four standard errors of each statistic.
+  // There are 20001 values. The tolerances are four standard errors of each statistic.
   EXPECT_NEAR(mean, 2, 4 * 0.5 / std::sqrt(count));
   EXPECT_NEAR(square / count, 0.25, 4 * 0.25 * std::sqrt(2 / count));
   EXPECT_NEAR(neighbours / square, 0, 4 / std::sqrt(count));

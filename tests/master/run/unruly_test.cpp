@@ -27,7 +27,7 @@ void PrintTo(const Case& one, std::ostream* out) {
   *out << "fault " << one.fault;
 }
 
-/// True: the instances run in their own processes.
+/// The second value is true if the instances run in their own processes.
 using FaultAndPlace = std::tuple<Case, bool>;
 
 class Unruly : public testing::Test {

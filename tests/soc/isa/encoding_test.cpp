@@ -137,7 +137,7 @@ TEST(Disassembly, AgreesWithBinutilsForEveryCompressedWord) {
     // bits; binutils prints them here, too.
     const bool long_shift =
         line.starts_with("c.s") && line.find(",0x") != std::string::npos && (words[i] & 0x1000U) != 0;
-    // Reserved by the manual (table 16.6), although binutils prints a text.
+    // The manual reserves this word (table 16.6), although binutils prints a text.
     const bool reserved = line == "c.addi16sp\tsp,0";
     const bool illegal = line.starts_with("c.fld") || line.starts_with("c.fsd") || line.starts_with(".2byte") ||
                          line.starts_with("c.unimp") || long_shift || reserved;

@@ -56,7 +56,7 @@ TEST(Camera, LightFollowsLambert) {
     Renderer renderer(scene, {}, 0.0);
     const Picture seen = testing::picture(renderer, pose({0.0, 0.0, 1.0}));
     const double cosine = std::max(0.0, std::cos(turn));
-    // Rounded to a whole grey level.
+    // The tolerance is that of rounding to a whole grey level.
     EXPECT_NEAR(seen.at(160, 160), 200.0 * (0.3 + 0.6 * cosine), 0.51) << "turn " << turn;
   }
 }

@@ -29,7 +29,7 @@ using testing::ThrowsMessage;
 TEST(CrazyfliePid, AddsUpItsThreeParts) {
   Pid pid({.kp = 2.0, .ki = 3.0, .kd = 0.5});
   pid.reset(1.0);
-  // error 4, integral 4 x 0.1, rate 10
+  // The error is 4, its integral is 4 x 0.1, and the rate is 10.
   EXPECT_NEAR(pid.update(6.0, 2.0, 0.1), 2.0 * 4.0 + 3.0 * 0.4 - 0.5 * 10.0, 1e-12);
   EXPECT_NEAR(pid.update(6.0, 2.0, 0.1), 2.0 * 4.0 + 3.0 * 0.8, 1e-12);
 }

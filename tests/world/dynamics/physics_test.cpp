@@ -75,7 +75,7 @@ TEST(Dryden, HasItsIntensityAndItsLength) {
   for (const int lag : {10, 25, 50, 100}) {
     const double t = lag * dt_s / tau_s;
     EXPECT_NEAR(correlation(0, lag) / 2.25, std::exp(-t), 0.07) << lag;
-    // Inverse transform of the lateral spectrum.
+    // The expected value is the inverse transform of the lateral spectrum.
     EXPECT_NEAR(correlation(1, lag) / 2.25, (1.0 - 0.5 * t) * std::exp(-t), 0.07) << lag;
     EXPECT_NEAR(correlation(2, lag) / 2.25, (1.0 - 0.5 * t) * std::exp(-t), 0.07) << lag;
   }

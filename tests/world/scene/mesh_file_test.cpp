@@ -85,7 +85,7 @@ TEST_F(MeshFile, PlacesWhatNodesHoldInEachOther) {
   gltf["nodes"] =
       json::parse(R"([{"children": [1], "translation": [0, 0, 10]}, {"mesh": 0, "rotation": [0, 1, 0, 0]}])");
   const Mesh mesh = read();
-  // Half a turn about the file's y axis, then 10 forward.
+  // The mesh is rotated by half a turn about the file's y axis, and then shifted forward by 10.
   EXPECT_TRUE(mesh.points_m[1].isApprox(Eigen::Vector3d(10, -1, 0), 1e-12)) << mesh.points_m[1].transpose();
   EXPECT_TRUE(mesh.points_m[2].isApprox(Eigen::Vector3d(7, 0, 2), 1e-12)) << mesh.points_m[2].transpose();
 }

@@ -44,7 +44,7 @@ TEST(FlowSensor, CountsHowFarThePictureMovesAndLosesNothingToRounding) {
   RigidState state;
   state.v_WB_m_per_s = {0.3, -0.05, 0.0};
   const Sum sum = counted(sensor, state, 1.5, 10'000);
-  // 10 s, tenths of a pixel
+  // The drone flies for 10 s. A count is a tenth of a pixel.
   EXPECT_NEAR(sum.x, 10.0 * 48.83 * 0.3 / 1.5 / 0.1, 1.0);
   EXPECT_NEAR(sum.y, 10.0 * 48.83 * -0.05 / 1.5 / 0.1, 1.0);
   EXPECT_EQ(sum.seen, 1000);

@@ -10,7 +10,7 @@ namespace {
 struct Bench {
   Bench() : model(parameters, ".") { model.start(inputs, outputs); }
 
-  /// A motor in hover: 1.2 A.
+  /// Sets the inputs for a motor of a hovering drone, whose winding carries 1.2 A.
   void hover() {
     inputs.motor_power_w = 10;
     inputs.motor_command = 0.58;

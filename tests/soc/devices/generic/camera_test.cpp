@@ -104,7 +104,7 @@ TEST(Camera, TakesTheTimeOfExposureAndRowsIfItHasLines) {
   BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 0), {}, with_lines(260, 30));
   system.soc.advance(2 * kMs);
   system.camera().offer(picture(64 * 40), system.soc.now());
-  // 30 and 40 lines of 376 clocks at 6 MHz.
+  // Exposure and rows are 30 and 40 lines of 376 clocks at 6 MHz.
   const auto ready_ns = 2 * kMs + 70 * 376 * 1000 / 6;
   system.soc.advance(ready_ns - 10);
   EXPECT_EQ(system.result(2), 0U);

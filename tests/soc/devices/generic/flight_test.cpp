@@ -132,7 +132,7 @@ TEST_F(ImuTest, ConsumesTheCurrentOfItsStates) {
 class PwmTest : public FlightDevice {
  protected:
   static constexpr std::uint32_t kControl = 0x0, kPeriod = 0x4, kStatus = 0x8, kDuty1 = 0xc, kDuty4 = 0x18;
-  /// 256 ticks of 84 MHz, rounded up to picoseconds.
+  /// The length of a PWM period is 256 ticks of 84 MHz, rounded up to picoseconds.
   static constexpr Picoseconds kLength = 3'047'620;
 
   Device& device() override { return board_.device("rotors"); }
