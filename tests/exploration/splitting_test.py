@@ -189,7 +189,7 @@ class RareEvents(WalkCase):
 
 
 class RareEventsAgainstTheory(WalkCase):
-    """Compares probabilities with closed forms and with counting: many missions."""
+    """Compares probabilities from many missions with closed forms and with counting."""
 
     def check_one_in_ten_thousand(self, levels, estimates):
         """Splitting must reach a relative error of 20 % with a tenth of the simulated time that counting needs."""

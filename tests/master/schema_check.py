@@ -24,7 +24,7 @@ import jsonschema
 
 ABSENT = object()
 
-# path in the config, new value, True if the config is still valid
+# Each entry is a path in the config, a new value, and True if the config is still valid.
 CASES = [
     ([], [], False),
     (["step"], ABSENT, False),

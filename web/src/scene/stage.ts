@@ -132,7 +132,7 @@ export class Stage {
 
   private addFlight(run: Run, index: number, count: number): void {
     const instance = run.system?.view.scene?.instance ?? "";
-    // Runs that are compared show their first body; one run shows all.
+    // If several runs are compared, each shows its first body. A single run shows all bodies.
     const infos: Json[] = (run.scene?.bodies ?? []).slice(0, count > 1 ? 1 : undefined);
     for (const [i, info] of infos.entries()) {
       const tone = colour(index + i);

@@ -179,7 +179,8 @@ class BarometerTest : public FlightDevice {
 
 TEST_F(BarometerTest, MeasuresTheStandardAtmosphere) {
   store(kControl, 1);
-  // ISO 2533 and U.S. Standard Atmosphere 1976, tables of the pressure over the geopotential altitude.
+  // The values are from ISO 2533 and the U.S. Standard Atmosphere 1976: tables of the pressure over the geopotential
+  // altitude.
   EXPECT_NEAR(pressure_pa(0), 101325, 0.01);
   EXPECT_NEAR(pressure_pa(500), 95461, 0.6);
   EXPECT_NEAR(pressure_pa(1000), 89874.6, 0.1);
