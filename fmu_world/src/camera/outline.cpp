@@ -133,7 +133,7 @@ Outline::Outline(const Picture& picture, std::span<const Vector3d> corners_C_m, 
         first, end,  down ? 1 : -1, 1.0 / (static_cast<double>(dy) * static_cast<double>(kOne))};
     if (down) begun_rows += end - first;
   }
-  // Between the top and the bottom of a closed line, it crosses each row downwards as often as upwards.
+  // Between its top and its bottom, a closed line crosses each row downwards as often as upwards.
   two_crossings_ = begun_rows == end_row_ - first_row_;
 }
 
