@@ -77,7 +77,8 @@ for file in "${python_requirements[@]}"; do
   fi
 done
 
-# Installs the page's packages by the lock file. The copy of the lock file marks a complete installation.
+# Installs the npm packages of the web page if the lock file differs from its copy. The copy is written last, so it exists only
+# if the installation is complete.
 if ! cmp -s web/package-lock.json web/node_modules/.mebots-lock.json; then
   (cd web && npm ci --silent --no-audit --no-fund)
   cp web/package-lock.json web/node_modules/.mebots-lock.json

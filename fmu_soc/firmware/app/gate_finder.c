@@ -152,8 +152,8 @@ static inline bool add_beam(beams_t* beams, int beam_q4, int inner_q4, int outer
   return beams->outer_next >= least_q4;
 }
 
-// Tests the template at the position of `frame`. Returns zeros as soon as add_beam() refuses a beam. The frame, and a
-// margin of a border's width around it, must be inside the picture.
+// Compares the picture with a gate of four beams (left, right, top, bottom) at the position of `frame`. Returns zeros
+// if add_beam() refuses a beam. The frame, and a margin of a beam's width around it, must be inside the picture.
 static fit_t fit_at(const frame_t* frame, const sizes_t* sizes, int least_q4) {
   const fit_t none = {0, 0, 0};
   const ptrdiff_t pitch = work.width + 1;

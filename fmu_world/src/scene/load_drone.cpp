@@ -90,7 +90,7 @@ RangeData read_range(const Node& node) {
 
 constexpr double kFinestFlow_pixels = 1e-3;
 
-/// Returns an upper bound of the magnitude of a sensor's sample, in counts.
+/// Returns an upper bound of a sample of the sensor, in counts.
 double most_counts(const FlowData& flow) {
   constexpr double kLongestStep_s = 1.0;  // largest physics step, by which a sample may be late
   constexpr double kLargestDeviation = 10.0;

@@ -183,7 +183,7 @@ struct FlowData {
   double fastest_rad_per_s = 0.0;  ///< faster motion is invisible
 };
 
-/// The drone's body, and the data that its stabiliser contains.
+/// The drone as a body, and the data in its stabiliser.
 struct Drone {
   std::string name;
   Eigen::Vector3d body_size_m{0.092, 0.092, 0.029};  ///< contact box, centred at the body frame's origin

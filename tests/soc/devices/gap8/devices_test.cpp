@@ -31,7 +31,7 @@ BoardDescription gap8_board() {
   return read_board(MEBOTS_SOURCE_DIR "/configs/boards/gap8.json");
 }
 
-/// Returns a system with board gap8 and a program of assembly text.
+/// Returns a system with board gap8, whose fabric controller runs the assembler program `text`.
 BoardSystem on_gap8(std::string_view text) {
   return BoardSystem(text, {}, gap8_board());
 }
