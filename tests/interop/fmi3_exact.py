@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Computes exact values of Reference FMUs whose equations can be solved in closed form, for fmi3_corpus.py.
+"""Exact values of Reference FMUs whose equations can be solved in closed form, for fmi3_corpus.py.
 
 - Dahlquist: x' = -k x.
 - StateSpace: x' = A x + B u, y = C x + D u, with constant inputs.
