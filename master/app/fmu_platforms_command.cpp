@@ -36,7 +36,7 @@ void merge(const MergeOptions& options) {
 void add_fmu_platforms(CLI::App& app, Action& action) {
   const auto options = std::make_shared<MergeOptions>();
   auto* command = app.add_subcommand("fmu-platforms", "Merge builds of one FMU for several platforms into one archive");
-  command->add_option("fmu", options->fmu, "FMU file; gets the other builds' binaries")
+  command->add_option("fmu", options->fmu, "FMU file, into which the binaries of the other builds are copied")
       ->type_name("FILE.fmu")
       ->required();
   command->add_option("others", options->others, "Builds of the same FMU for other platforms")

@@ -228,7 +228,7 @@ void check_fmi3_clocks(const Fmi3Description& description, Findings findings) {
       findings.error(fmt::format("{}: a clock with intervalVariability {} has no interval", place, kind),
                      "add intervalDecimal");
     if (!is_one_of(kind, {"constant", "fixed", "tunable"}) && has_interval)
-      findings.error(fmt::format("{}: a clock with intervalVariability {} has an interval", place, kind),
+      findings.error(fmt::format("{}: a clock with intervalVariability {} must not have an interval", place, kind),
                      "remove intervalDecimal and intervalCounter");
     if (variable.node.attribute("supportsFraction").as_bool() && !variable.node.attribute("resolution"))
       findings.error(fmt::format("{}: it supports fractions, but has no resolution", place), "add resolution");

@@ -396,7 +396,7 @@ std::vector<Probe> life_probes(const Target& target, double half_step_tolerance)
   add(standard, "a run from a restored state equals the straight run", check_state, no_state.empty() ? once : no_state);
   add(standard, "another instance continues from a serialised state", check_serialization, no_bytes);
   add(
-      pedantic, fmt::format("two half steps agree with one to {:g}", half_step_tolerance),
+      pedantic, fmt::format("half steps change no output by more than {:g} of its magnitude", half_step_tolerance),
       [half_step_tolerance](const Library& library) { check_half_steps(library, half_step_tolerance); }, fixed_step);
   add(interoperable, "an instance can be freed at any time", check_free_orders);
   add(standard, "100 instances leak nothing", check_growth);

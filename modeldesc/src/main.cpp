@@ -113,7 +113,9 @@ int main(int argc, char** argv) {
   std::string bill;
   CLI::App* sbom_command = app.add_subcommand("sbom", "Write a bill of materials (SPDX 2.3 JSON)");
   sbom_command->add_option("file", bill, "the file to write")->type_name("FILE.json")->required();
-  sbom_command->add_option("--name", product.name, "name of the product")->type_name("NAME")->required();
+  sbom_command->add_option("--name", product.name, "name of the product that the bill describes")
+      ->type_name("NAME")
+      ->required();
   sbom_command->add_option("--product-version", product.version, "version of the product")->type_name("VERSION");
   sbom_command->add_option("--license-id", product.license, "licence of the product, as an SPDX expression")
       ->type_name("EXPRESSION");

@@ -205,8 +205,8 @@ class Flights(CflibCase):
         self.check_replay()
 
     def check_replay(self):
-        """Checks that the recorded run can be repeated without the script, with the same bits. If a packet is missing
-        in the recording, the bits must differ."""
+        """Checks that a replay of the recorded packets gives the bits of the run, without the script. Then deletes the
+        packet of the take-off, and checks that the replay reports other bits."""
         printed = self.stop()
         bits = self.recording()[-1]["bits"]
         self.assertIn(bits, printed)

@@ -78,8 +78,8 @@ struct BoardDescription {
   /// The device, or peripheral of a uDMA (spim0, spim1), that sends set-points. Sending them ends a decision about a
   /// picture. Empty if the board has no such device.
   std::string decisions_end_with;
-  /// Shared libraries with kinds of devices, by file name. They are in `folder`, next to the board file, or in folders
-  /// of the program.
+  /// File names of the shared libraries that implement further kinds of devices. They are searched in `folder`, which
+  /// contains the board file, and then in Settings::library_folders.
   std::vector<std::string> libraries;
   std::filesystem::path folder;  // folder of the file; empty for a board given as text
 

@@ -207,7 +207,8 @@ void check_display(const Node& node, const BoardDevice& device, const BoardRegis
     nearest(entry, {"shows"}).complain_unknown("the device's input", reg.shows, known);
   }
   if (reg.access != "r") {
-    entry.complain(ErrorCode::invalid_value, fmt::format("{} shows a variable: its access must be r", reg.name));
+    entry.complain(ErrorCode::invalid_value,
+                   fmt::format("register {} shows a variable, so its access must be \"r\"", reg.name));
   }
 }
 

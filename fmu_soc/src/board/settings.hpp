@@ -21,7 +21,7 @@ struct Settings {
   /// Folders with libraries of the board. The folder of the board's file is searched first.
   std::vector<std::filesystem::path> library_folders = {};
   std::vector<std::uint8_t> flash = {};  // initial content of the board's flash
-  /// Pictures of the board's camera in this order. If empty, pictures come from the world.
+  /// Pictures that the board's camera takes, in this order. If empty, the camera input of the FMU supplies them.
   std::vector<std::vector<std::uint8_t>> pictures = {};
   bool translate = true;  // translate hot code; the counts are the same without
   /// Value of HartSettings::keeps_written_mtvec for the fabric controller.

@@ -77,10 +77,10 @@ class PowerBond {
   /// input in each direction.
   PowerBond(const ResolvedSystem& system, Ensemble& ensemble, const BondDescription& description);
 
-  /// The energies of one step.
+  /// The energies of the bond in one step.
   struct Energy {
-    double made = 0;
-    double passed = 0;    ///< in either direction
+    double made = 0;      ///< created by the coupling; negative if lost
+    double passed = 0;    ///< exchanged by A and B, absolute value
     double length_s = 0;  ///< of the step
   };
   /// Returns the energies of the step that ends at this point. Returns nullopt if no step of both instances ends there.

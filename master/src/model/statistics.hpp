@@ -35,10 +35,10 @@ nlohmann::ordered_json solvers_json(const std::vector<SolverStatistics>& solvers
 /// Returns the statistics of all continuous systems as lines of text.
 std::vector<std::string> solvers_table(const std::vector<SolverStatistics>& solvers);
 
-/// Returns the communication steps of a run under step control as JSON. Lengths are in seconds.
+/// Returns the statistics of step control as JSON. Lengths of steps are in seconds.
 nlohmann::ordered_json step_control_json(const ResolvedSystem& system, const StepStatistics& steps);
 
-/// Returns the communication steps of a run under step control as a line of text.
+/// Returns the statistics of step control as a line of text.
 std::string step_control_line(const ResolvedSystem& system, const StepStatistics& steps);
 
 /// Returns the statistics as JSON. Times are in seconds. `total_s` is the wall time of initialisation and stepping. The

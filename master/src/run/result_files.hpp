@@ -58,7 +58,7 @@ class ResultFiles {
   bool has_checkpoint() const;
   /// Removes the checkpoint of a run that cannot be resumed because it has ended.
   void remove_checkpoint();
-  /// Releases the folder for other runs, after everything is written.
+  /// Unlocks the folder for other runs. Nothing may be written afterwards.
   void release() { folder_.release(); }
 
  private:

@@ -93,7 +93,7 @@ bool camera_ask(void) {
   }
   stored = false;
   filling ^= 1;
-  // The transfer must start first, because the interface only takes a frame from its start.
+  // The transfer must start before the sensor: the camera interface skips a frame whose start it has missed.
   udma_start(UDMA_CAMERA_OFFSET, buffers[filling], sizeof buffers[filling]);
   write_sensor(MODE_SELECT, SOME_FRAMES);
   is_requested = true;

@@ -33,7 +33,7 @@ class Requantising:
 
 
 def to_onnx(model: Any) -> None:
-    """Replaces what quantisers add to ONNX: attributes for the numbers of bits, and the operator RequantShift."""
+    """Converts a quantiser's model to plain ONNX: deletes the attributes with numbers of bits, and replaces the operator RequantShift."""
     for node in model.graph.node:
         kept = [one for one in node.attribute if node.domain not in ("", "ai.onnx") or one.name not in _BITS]
         if len(kept) != len(node.attribute):

@@ -17,8 +17,8 @@ ON, OFF, UNDECIDED, EXCLUDED, NONE = "on", "off", "undecided", "excluded", ""
 def places(evidence: Evidence) -> list[str]:
     """Returns a word for each design. ``excluded``: the design certainly violates a constraint. ``off``: another design
     that satisfies all constraints certainly dominates it. ``on``: the design is certainly feasible, and certainly
-    better than each other design in some objective. ``undecided``: all other cases. Noise is never ranked: if the
-    difference of two designs is not certain, both are undecided."""
+    better than each other design in at least one objective. ``undecided``: all other cases. Differences within the
+    uncertainty are not ranked."""
     designs = range(len(evidence.counts))
     if not evidence.has_front:
         return [NONE] * len(designs)

@@ -42,7 +42,7 @@ class Planner:
         self.last = Goal(position_m, velocity_m_per_s, ZERO, yaw_rad, 0.0)
 
     def goal(self, time_s: float) -> Goal | None:
-        """Returns the goal of the present path; None if no path is active. The motors stop when a landing has ended."""
+        """Returns the goal of the active path at this time; None if no path is active. Sets the state to IDLE if a landing has ended."""
         if self.state == State.LANDING and self.has_finished(time_s):
             self.state = State.IDLE
         if not self.is_active or self._path is None:

@@ -31,7 +31,8 @@ class Hdf5Sink final : public RowSink {
   /// Writes all buffered rows and closes the file. No write may follow. If a write failed, the file is unreadable. In
   /// this case, deletes the file and throws Error.
   void close();
-  /// Visits the state. Restoring a state can only drop rows. Throws Error if the state has more rows than the file.
+  /// Saves or restores the number of rows. A restore deletes the rows that were written after the save. Throws Error if
+  /// the file has fewer rows than the saved state.
   void visit(state::Visitor& v) override;
   std::string_view state_name() const override { return "hdf5"; }
 
