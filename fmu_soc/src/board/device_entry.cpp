@@ -276,7 +276,7 @@ void check_names(const Node& node, const BoardDevice& device) {
   }
 }
 
-/// Checks that a device without C++ code has the required keys.
+/// Checks the states and outputs of a device without C++ code.
 void check_description(const Node& node, const BoardDevice& device) {
   if (device.initial_state.empty()) {
     if (!device.states.empty()) {

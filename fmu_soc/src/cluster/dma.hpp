@@ -39,13 +39,13 @@ struct DmaTiming {
 /// with the previous transfer.
 ///
 /// The words of a transfer claim banks of L1, as accesses of cores do. A beat waits at most one cycle for its bank;
-/// this wait delays all later beats, too. When the transfer ends, all bytes are copied, and the core that started the
-/// transfer gets an event.
+/// this wait delays all later beats, too. When the transfer ends, all bytes are copied, and a TransferListener is
+/// called, which raises the event of the transfer.
 class ClusterDma {
  public:
   static constexpr unsigned kTransfers = 16;
-  /// Status bit that is set after a refused START. A START is refused if addresses are outside L1 and L2, if there are
-  /// no bytes, if rows do not divide the size, or if all transfers are in use.
+  /// Status bit that is set after a refused START. A START is refused if its value is no direction, if addresses are
+  /// outside L1 and L2, if there are no bytes, if rows do not divide the size, or if all transfers are in use.
   static constexpr std::uint32_t kRefused = 1U << 31;
 
   ClusterDma(Memory& memory, std::size_t l1_region, const DmaTiming& timing)

@@ -54,8 +54,8 @@ class ClusterScheduler {
   unsigned awake() const { return awake_; }
   /// Returns the start of the next quantum; kNoTick while all cores sleep and no event is due.
   std::uint64_t next_tick() const;
-  /// Runs the quantum that starts at `start` and ends before `until`. `undisturbed` is true if no access from outside
-  /// the cluster has occurred since the previous quantum. Returns the start of the next quantum.
+  /// Runs a quantum from `start` to at most `until`. `undisturbed` is true if no access from outside the cluster has
+  /// occurred since the previous quantum. Returns the start of the next quantum.
   std::uint64_t run_quantum(std::uint64_t start, std::uint64_t until, bool undisturbed);
 
   /// Sets the tick of the registers' next event.

@@ -23,8 +23,8 @@ struct CsrRemarks {
 };
 
 /// The control and status registers of a core, from the table csrs.inc. Every core has those of CV32E40P's machine
-/// mode. A core with Xpulp also has RI5CY's, and a core with an event unit also has GAP8's. The registers determine
-/// whether an interrupt is taken.
+/// mode. A core with Xpulp also has RI5CY's. If such a core has GAP8's interrupts, it also has GAP8's. The registers
+/// determine whether an interrupt is taken.
 class Csrs {
  public:
   /// A core with GAP8's interrupts also has the CSRs of the stack check. In the model, programs can write and read

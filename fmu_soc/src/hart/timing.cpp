@@ -9,13 +9,14 @@
 namespace mebots::soc {
 namespace {
 
-/// True if the operation reads rs1. If the operation does not read rs1, the decoded field of rs1 is 0 or contains other
-/// data.
+/// True if the decoded field rs1 is a register: the one that the operation reads, or x0 if it reads none. Of
+/// csr_immediate operations, the field contains data.
 bool reads_rs1(Op op) {
   return traits_of(op).kind != OpKind::csr_immediate;
 }
 
-/// True if an instruction directly after a load reads or writes the register that the load writes.
+/// True if an instruction stalls directly after a load, because it reads or writes the register that the load writes.
+/// Not every write stalls, and RI5CY also stalls if the offset of a store looks like the register.
 bool load_stall(const Timing& timing, const Previous& load, const Current& current) {
   if (!is_load(load.op) || !load.writes()) return false;
   if (reads_rs1(current.op) && current.rs1 == load.rd) return true;

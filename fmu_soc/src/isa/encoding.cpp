@@ -101,7 +101,7 @@ Decoded decode(std::uint32_t word, Extensions has) {
 std::int32_t operand_value(const Decoded& decoded) {
   if (decoded.operand != Operand::immediate) return decoded.imm;
   const auto value = static_cast<std::uint32_t>(decoded.imm);
-  // Selectors of a shuffle. The selector of each part is in the lowest bits of this part.
+  // A selector of a shuffle is moved to the lowest bits of the part for which it selects.
   switch (row_of(decoded.encoding->format).value) {
     case Value::as_it_is:
       return decoded.imm;

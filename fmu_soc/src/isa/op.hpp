@@ -143,7 +143,7 @@ constexpr bool is_multiply_high(Op op) {
 constexpr bool is_divide(Op op) {
   return traits_of(op).kind == OpKind::divide;
 }
-/// True if the operation itself takes several cycles, whichever instructions come before it.
+/// True for mulh* and divisions, which take several cycles, whichever instructions come before them.
 constexpr bool is_multi_cycle(Op op) {
   return is_multiply_high(op) || is_divide(op);
 }

@@ -41,8 +41,8 @@ class Bus {
   virtual void interrupt_taken(unsigned /*line*/) {}
   /// Called after a store into a watched word. If the function returns true, the run ends with this store.
   virtual bool watched(std::uint32_t address) = 0;
-  /// Called for an exception at the core's pc, such as an ebreak or ecall. Returns true if the exception was a call of
-  /// the host, and has been served. In this case, the program continues after the four bytes at the pc.
+  /// Called for an exception at the core's pc, such as an ebreak or ecall. Returns true if the exception was a call to
+  /// the host, which has been served. In this case, the program continues after the four bytes at the pc.
   virtual bool called_host(std::uint32_t /*cause*/) { return false; }
 };
 

@@ -36,8 +36,8 @@ class ObservedRun final : private BlockWalk {
   Observer* observer() const { return observer_; }
   /// True if there is an observer that needs a call for each instruction.
   bool wants_all() const { return observer_ != nullptr && flow_ == nullptr; }
-  /// True if there is no observer, or if translated code reports enough for the observer. Translated code makes no
-  /// calls before instructions, and does not record all steps.
+  /// True if the program counts no events, and if there is no observer, or translated code reports enough for it.
+  /// Translated code makes no calls before instructions, and does not record all steps.
   bool allows_translation() const {
     if (counts_) return false;
     return observer_ == nullptr || (flow_ != nullptr && flow_ == decoded_.flow);

@@ -234,8 +234,7 @@ void Soc::report_fault() const {
   if (listeners_.faults) listeners_.faults(fault_text());
 }
 
-/// Reports that the state of the chip may have changed at `time`. If the fabric controller is awake and ahead of
-/// `time`, its time counts instead.
+/// Reports to the work account and to the listener that the state of the chip may have changed at `time`.
 void Soc::notify(Picoseconds time) {
   work_.pass(time);
   if (listener_ != nullptr) listener_->changed(time);

@@ -56,8 +56,8 @@ class Timeline {
   Picoseconds supplied_until(Picoseconds time) const {
     return end_ == End::powered_off ? std::min(time, end_time_) : time;
   }
-  /// Returns the time that a run without a time limit has reached. If a core ended the run, this is the time of that
-  /// core. If not, it is the latest time of all cores.
+  /// Returns the time that a run without a time limit has reached. If the program has ended, this is the time of the
+  /// end. If not, it is the latest time of all cores.
   Picoseconds reached(const Cluster* cluster) const;
   /// Returns the next time at which the cluster acts; kNever if there is none.
   Picoseconds next_of(const Cluster* cluster) const {

@@ -140,7 +140,8 @@ std::uint32_t Control::address_of(const Json& place) const {
   return *address;
 }
 
-/// Handles the command {"read": symbol or address, "size": bytes}. Without a size, reads the size of the symbol.
+/// Handles the command {"read": symbol or address, "size": bytes}. Without a size, reads the size of the symbol,
+/// or 4 bytes at an address without a symbol.
 Control::Json Control::read(const Json& command) const {
   const auto address = address_of(command.at("read"));
   const auto& symbols = soc_.program().symbols();

@@ -55,9 +55,9 @@ void CycleAccounting::spend(const Xbyak::Reg64& cycles) {
   }
 }
 
-/// Jumps to `leave` if the block needs more cycles than the limit allows. In `stall` of these cycles, the first
-/// instruction stalls. If the limit is loose, jumps only if the limit is already reached. Also jumps if other cores use
-/// the instruction cache and a line of the first instruction is absent.
+/// Jumps to `leave` if the block's last instruction might start at or after the limit. The first instruction stalls for
+/// `stall` cycles. If the limit is loose, jumps only if the limit is already reached. Also jumps if other cores use the
+/// instruction cache and a line of the first instruction is absent.
 void CycleAccounting::jump_at_limit(const Block& block, std::uint32_t stall, Label& leave) {
   if (!a_.options.loose_limit) {
     a_.cmp(r15, a_.blocks.fetch_bound(block) + stall);

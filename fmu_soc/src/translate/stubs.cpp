@@ -128,7 +128,7 @@ Stubs emit_stubs(Assembler& a) {
 
   stubs.prologue = a.code_memory.executable(a.getCurr());
   // The prologue is called with Execution* in rdi and the address of the code in rsi. It returns the number of the exit
-  // and an Execution*. It saves the registers of the caller (System V ABI).
+  // and an Execution*. It saves the registers that a called function must preserve (System V ABI).
   const std::array saved{rbx, rbp, r12, r13, r14, r15};
   for (const auto& reg : saved) a.push(reg);
   a.mov(rbx, rdi);

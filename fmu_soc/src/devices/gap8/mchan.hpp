@@ -15,8 +15,8 @@ namespace mebots::soc::gap8_devices {
 /// form a command (flags and size, address in L1, address in L2, and for 2D transfers step and length of rows). The
 /// bytes of a command are added to the counter that the core allocated last. The status register shows which counters
 /// have bytes left to transfer, and which counters are allocated. A store into the status register frees counters. When
-/// a counter reaches 0, a core gets event 8 or 9. This is the core that issued the counter's last command, and the
-/// command selects the event.
+/// a counter reaches 0, the command of the transfer that ended last determines the events: 8, 9 or none, for the core
+/// that issued the command or for all cores.
 ///
 /// On silicon, a core stalls if it requests a counter while all counters are allocated, or if it issues too many
 /// commands. In this model, the first case is an access fault. The second case never occurs, because the queue is

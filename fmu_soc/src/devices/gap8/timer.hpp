@@ -29,7 +29,7 @@ class TimerClock {
 };
 
 /// Registers of GAP8's timers, of the fabric controller and of the cluster: two 32-bit counters. When a counter reaches
-/// its compare value, it raises an event, restarts, or stops. The two counters can form one 64-bit counter. Source:
+/// its compare value, it can raise an event, restart and stop. The two counters can form one 64-bit counter. Source:
 /// archi/timer/timer_v2.h.
 class TimerCounters {
  public:

@@ -55,8 +55,9 @@ class ByteFifo {
 /// Sender: a store to DATA puts a byte into the transmit FIFO. The line transmits one byte after the other, at BAUD.
 /// The text .sent contains the bytes whose stop bit ended in this step.
 ///
-/// Receiver: the text .received contains the bytes of the sender's previous step. A byte has the same time since the
-/// start of the step in both steps. After its arrival, it waits in the receive FIFO until a load of DATA takes it.
+/// Receiver: the text .received contains the bytes of the sender's previous step, and the time of each byte since the
+/// start of that step. A byte arrives this time after the start of the receiver's step. It then waits in the receive
+/// FIFO until a load of DATA takes it.
 ///
 /// So a byte arrives exactly one communication step after the end of its stop bit. If the sender steps before the
 /// receiver (Gauss-Seidel), the byte arrives at the end of its stop bit.

@@ -236,7 +236,7 @@ void Uart16550::set_interrupts(std::uint8_t enabled, Picoseconds now) {
   if ((ier_ & kReceiveEnable) != 0) begin_input(now);
 }
 
-/// Writes the FIFO control register. A change of the enable bit also clears the FIFO.
+/// Writes the FIFO control register. A change of the enable bit also clears the receive FIFO.
 void Uart16550::set_fifo(std::uint8_t control, Picoseconds now) {
   const bool clears = ((control ^ fcr_) & kFifoEnable) != 0 || (control & kFifoClearReceiver) != 0;
   fcr_ = (control & kFifoEnable) != 0 ? control & 0xc9U : 0;
