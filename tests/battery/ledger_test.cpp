@@ -76,8 +76,8 @@ TEST(Ledger, OpenCircuitEnergyIsTheChargeTimesTheVoltageIntegral) {
   const double s = bench.outputs.cell_state_of_charge;
   ASSERT_LT(s, 0.8);
   const double expected_j = bench.outputs.cell_capacity_c * open_circuit_integral(s, 0.95);
-  // The two runs compute the same integral with different steps. In each step, the error is at most 1e-10 J plus 1e-12
-  // of the charge.
+  // The solver integrates the energy over time. The expected value is the integral of the voltage over the charge that
+  // the solver has computed. In each step, the solver controls the error to 1e-10 J, and to 1e-12 of the charge.
   EXPECT_NEAR(bench.outputs.energy_open_circuit_j, expected_j, 1e-6 * expected_j);
   EXPECT_NEAR(bench.outputs.energy_open_circuit_j, expected_j, 1e-7);
 }

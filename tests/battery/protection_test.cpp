@@ -131,7 +131,7 @@ TEST(Protection, OpensAtStateOfChargeZero) {
   EXPECT_FALSE(empty.outputs.cell_connected);
   EXPECT_THAT(empty.events.back(), HasSubstr("empty"));
 
-  // If a cell has no cut-off voltage, a load can use its last charge. The time of the event "empty" is computed.
+  // If a cell has no cut-off voltage, a load can use its last charge. The event "empty" is located.
   Cell cell = cell_named("bitcraze_250");
   cell.cut_off_voltage_v = 0;
   Integrator integrator(cell);

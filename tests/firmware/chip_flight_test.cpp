@@ -31,7 +31,7 @@ constexpr double kStep_s = 0.002;
 enum Phase { kOnGround, kClimbing, kFlying, kDescending, kLanded, kCrashed };
 enum Mode { kOff, kTakeOff, kFly, kLand };
 
-/// The parameters of a flight. They have the names of the inputs of the board's device "mission".
+/// The parameters of a flight. They have the names of the parameters of the board's device "mission".
 struct FlightParameters {
   double cruise_speed_m_per_s = 0.2777778;
   double altitude_m = 1.0;

@@ -241,7 +241,7 @@ TEST(Traverser, GoesStraightOnWithoutTheGateForASecondAndThenSearchesOnItsSide) 
 }
 
 /// Returns a traverser that has followed a gate straight ahead for 60 pictures, in which the drone flew 0.55 m. Then
-/// the drone stands still for 63 pictures, which are 2 s, as if something held it.
+/// the drone does not move for 63 pictures, a little longer than 2 s, as if it leans against an object.
 traverser_t leaning(std::int8_t size) {
   auto traverser = new_traverser();
   see(traverser, 60, {0, 0, size, 127});

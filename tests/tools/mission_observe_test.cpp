@@ -173,7 +173,7 @@ TEST(MissionObserve, ADebuggerPausesTheMissionWhichThenContinuesWithTheSameBits)
   EXPECT_TRUE(bytes == state_after({}, kSteps));
 }
 
-/// Steps have 2 ms. The firmware sleeps most of the time, so some steps have few instructions or none.
+/// Each step takes 2 ms. The firmware sleeps most of the time, so some steps have few instructions or none.
 TEST(MissionObserve, ADebuggerGoesBackOverStepsOfTheMissionAndTheBitsStay) {
   Parameters debugged;
   debugged.gdb_port = 0;

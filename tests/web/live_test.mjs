@@ -89,7 +89,7 @@ async function forward(live, { seen = () => {}, refusal = () => null }) {
   return { server, address: `http://127.0.0.1:${server.address().port}${live.address.pathname}` };
 }
 
-/** Asks repeatedly until the condition holds, because a command takes effect between two steps. */
+/** Polls the run until the condition holds, because a command takes effect between two steps. */
 async function until(live, isSo) {
   for (const end = Date.now() + 20000; Date.now() < end; await new Promise((done) => setTimeout(done, 20))) {
     const run = (await header(live)).runs[0];
