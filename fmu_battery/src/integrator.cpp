@@ -32,7 +32,7 @@ enum Index : int {
   kSize
 };
 
-// Absolute tolerances: 1e-12 of the charge, 1e-10 V, and 1e-10 J in one piece.
+// Absolute tolerances of the solver: 1e-12 of the charge, 1e-10 V and 1e-10 J.
 constexpr double kSocTolerance = 1e-12;
 constexpr double kVoltageTolerance = 1e-10;
 constexpr double kEnergyTolerance = 1e-10;
@@ -40,7 +40,7 @@ constexpr double kEnergyTolerance = 1e-10;
 // limit of evaluations.
 constexpr long kMaxSteps = 1'000'000;
 constexpr long kMaxEvaluations = 5 * kMaxSteps;
-// If a piece of the duration cannot be integrated, a tenth of the piece is tried. This is the minimum [s].
+// If a piece of the duration cannot be integrated, a tenth of the piece is tried, down to kShortestPiece [s].
 constexpr double kPieceFactor = 10;
 constexpr double kShortestPiece = 1e-15;
 // Hysteresis of the detector of a low voltage. It must exceed the tolerance of event location.

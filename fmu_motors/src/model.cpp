@@ -122,8 +122,8 @@ double Model::supply_voltage_v(const Inputs& inputs) const {
          (1 + bus_resistance_ohm_ * all.conductance_s);
 }
 
-/// Warns if bus.resistance counts a sag that bus.voltage already contains. This is the case if bus.voltage falls at the
-/// same time as the last step's current rises. Then battery and motors do not step at the same time.
+/// Warns if bus.resistance counts a sag that bus.voltage already contains. This is the case if bus.voltage has fallen
+/// by at least half the sag of the last step's surge. Then battery and motors do not step at the same time.
 void Model::warn_of_double_sag(double bus_v) {
   const double surge_a = last_current_a_ - earlier_current_a_;
   const bool is_surge = earlier_current_a_ < kEarlierShare * last_current_a_;

@@ -9,7 +9,8 @@ namespace mebots::radio {
 
 enum class Purpose : std::uint64_t { packet = 1, ranging_loss, ranging_noise, fix_loss, fix_noise };
 
-/// The purpose of a number, and its event. `event` is the number of the event at node `from`.
+/// The arguments of a random number in addition to the seed. `from` is a node. `to` is another node, an axis, or 0.
+/// `event` is the number of the node's packet, request or sample.
 struct DrawKey {
   Purpose purpose;
   std::uint64_t from;
