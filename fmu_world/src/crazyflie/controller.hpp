@@ -19,7 +19,7 @@ namespace mebots::world::crazyflie {
 ///
 /// A goal with velocities is the firmware's hover set-point: horizontal velocity along the heading, yaw rate, altitude.
 /// If the goal is to hold the position, the controller first brakes. It then holds the position at which the drone has
-/// stopped, and the altitude set-point moves to the wanted altitude at the speeds in Gains.
+/// stopped. With this goal, the altitude set-point moves to the wanted altitude at the speeds in Gains.
 class Controller {
  public:
   static constexpr std::int64_t kAttitudePeriod_ns = 2'000'000;

@@ -30,8 +30,8 @@ struct Gains {
   double thrust_base = 36000.0;
   double thrust_min = 20000.0;
 
-  /// These speeds are not from the firmware. While the position is held, the altitude set-point moves at these speeds,
-  /// as in the ideal stabiliser.
+  /// These speeds are not from the firmware. If the goal is to hold the position, the altitude set-point moves at
+  /// these speeds, as in the ideal stabiliser.
   double climb_m_per_s = 0.5;
   double descent_m_per_s = 0.3;
 };

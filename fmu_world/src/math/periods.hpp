@@ -6,7 +6,7 @@
 
 namespace mebots::world {
 
-/// Means that there was no period yet. No time is in this period.
+/// The value of a period's number before the first period. period_at() does not return it.
 inline constexpr std::int64_t kNoPeriod = std::numeric_limits<std::int64_t>::min();
 
 /// Returns the number of the period that contains a time. Period 0 begins at time 0; earlier periods have negative
