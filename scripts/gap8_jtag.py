@@ -192,7 +192,7 @@ def dump(chip, place, count):
 
 
 class Fuser:
-    """Asks the program gap_fuser, through its bridge in the chip's memory, to read and program fuses."""
+    """Reads and programs fuses by requests to the program gap_fuser, through its bridge in the chip's memory."""
 
     TO_CHIP, TO_HOST, COMMAND, BIT, COUNT, STATUS, BITS = 8, 12, 16, 20, 24, 28, 36
     READ, PROGRAM = 0, 1

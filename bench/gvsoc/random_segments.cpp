@@ -99,8 +99,8 @@ class Author {
     return word;
   }
 
-  /// Returns a watched instruction. Half of them are loads and stores that overwrite their own pointer, because these
-  /// are rare among random instructions.
+  /// Returns a watched instruction. Half of them are loads that overwrite their own pointer and stores of their own
+  /// pointer, because these are rare among random instructions.
   std::uint32_t any_watched() {
     switch (random_.below(4)) {
       case 0: {

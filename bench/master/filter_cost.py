@@ -88,8 +88,8 @@ def below(pid):
 
 
 def check_the_filter(*what):
-    """Exits if an FMU's process lacks the filter, or if it has one without the filter's set-up. Does not count the
-    filters of this process, which a container may have added.
+    """Exits if no process of an FMU has a filter in a run with filters, or if one has a filter in a run without them.
+    Does not count the filters of this process, which a container may have added.
     """
     def filters(of):
         return int(of.get("Seccomp_filters", 0))

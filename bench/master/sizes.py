@@ -5,8 +5,8 @@
 Usage: sizes.py MEBOTS [OTHER_MEBOTS...] [--sizes N,N,...] [--only NAME,...] [--limit SECONDS]
 
 Each run takes two steps. The programs alternate at each size. Prints processor seconds and the peak of resident memory.
-Below each value is the growth from the previous size: 4 times the size may take 5 times as long. If a program exceeds
-the limit, it is not run at larger sizes of that part.
+The last column is the growth of the time from size to size: 4 times the size may take 5 times as long. If a program
+fails or exceeds the limit, it is not run at larger sizes of that part.
 """
 from __future__ import annotations
 

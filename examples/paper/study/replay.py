@@ -64,8 +64,8 @@ class Battery:
         self.references = {v.name: v.valueReference for v in description.modelVariables}
 
     def charges(self, name, loads, steps, enough):
-        """Returns the charge after each step. `steps` are the lengths of the steps [s], `loads` is {input: array of W}.
-        Ends when `enough(charge)` is true.
+        """Returns the charge at the start and after each step. `steps` are the lengths of the steps [s], `loads` is
+        {input: array of W}. Ends when `enough(charge)` is true.
         """
         fmu = FMU2Slave(guid=self.guid, unzipDirectory=self.folder, instanceName="replay", modelIdentifier=self.model)
         fmu.instantiate()

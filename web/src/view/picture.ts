@@ -30,7 +30,7 @@ export function makePicture(run: Run, clock: Clock): HTMLElement {
   return figure;
 }
 
-/** Returns a text if the pictures of a long run are reduced in size or number. */
+/** Returns a text if the pictures of a long run are smaller. It also says if there are fewer pictures. */
 function detail(run: Run, picture: Picture): string {
   const size = picture.shrunk > 1 ? `, 1/${picture.shrunk} size` : "";
   return picture.shrunk > 1 && run.pictureEvery > 1 ? `${size}, 1 of ${run.pictureEvery}` : size;
