@@ -134,7 +134,7 @@ export class Lanes implements Drawing {
     }
   }
 
-  /** Draws a lane of shades. The darkness is the mean over the time between rows, relative to the greatest mean. */
+  /** Draws a lane of shades. The darkness between two rows is the value at the second row, relative to `most`. Rates are means. */
   private drawShades(context: CanvasRenderingContext2D, { entry, top, height }: Lane, x: (time: number) => number, most: number): void {
     const values = entry.curve.values(this.window.mean);
     const times = entry.run.times;
