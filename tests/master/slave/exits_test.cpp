@@ -396,7 +396,8 @@ TEST(PendingInAProcessOfItsOwn, OthersContinueWithoutAnInstanceThatIsLostWhileIt
   EXPECT_TRUE(summary["lost_instances"].contains("a"));
 }
 
-/// Runs a mission in an embedding program. If the mission is ended, the program must end with a code other than 0.
+/// Runs a mission in an embedding program. If an FMU ends its thread or the process, the program must end with a code
+/// other than 0.
 class ExitsOfPrograms : public testing::Test {
  protected:
   void fly(const std::string& fault) const {
