@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "drone.hpp"
 
-#include "checks.hpp"
+#include "math/arrays.hpp"
+#include "math/checks.hpp"
 #include "math/rotation.hpp"
 #include "mebots/assert.hpp"
 #include "mebots/error.hpp"
-#include "noise/counter_noise.hpp"
 
 #include <fmt/format.h>
 #include <array>
@@ -24,48 +24,6 @@ constexpr double kStartOverlap_m = 0.001;
 
 const std::string kGround = "the ground";
 
-Eigen::Vector3d vector(const std::array<double, 3>& v) {
-  return {v[0], v[1], v[2]};
-}
-std::array<double, 3> array(const Eigen::Vector3d& v) {
-  return {v.x(), v.y(), v.z()};
-}
-
-CameraDevice::Settings camera_settings(const DroneParameters& parameters, std::uint64_t seed) {
-  CameraDevice::Settings settings;
-  settings.intrinsics.width = parameters.camera_width;
-  settings.intrinsics.height = parameters.camera_height;
-  settings.intrinsics.horizontal_field_of_view_rad = parameters.camera_field_of_view_rad;
-  settings.mounting.p_BC_m = vector(parameters.camera_position_m);
-  settings.mounting.pitch_rad = parameters.camera_pitch_rad;
-  settings.lens = {parameters.camera_distortion_k1, parameters.camera_distortion_k2, parameters.camera_vignetting};
-  settings.sensor = {
-      .exposure_s = parameters.camera_exposure_s,
-      .reference_exposure_s = parameters.camera_reference_exposure_s,
-      .gain = parameters.camera_gain,
-      .automatic = parameters.camera_auto_exposure,
-      .target = parameters.camera_auto_exposure_target,
-      .most_exposure_s = parameters.camera_auto_exposure_longest_s,
-      .most_gain = parameters.camera_auto_gain_most,
-      .line_time_s = parameters.camera_line_time_s,
-      .blur_samples = parameters.camera_blur_samples,
-      .full_well = parameters.camera_full_well,
-      .noise_std = parameters.camera_noise,
-  };
-  settings.seed = seed;
-  return settings;
-}
-
-std::optional<FlowSensor> flow_sensor(const scene::Drone& drone, const DroneParameters& parameters, std::uint64_t seed,
-                                      std::int64_t start_ns) {
-  if (!parameters.flow_enabled && parameters.stabiliser_state == StateSource::truth) return std::nullopt;
-  if (!drone.flow) {
-    throw Error(fmt::format("{} needs flow_sensor in the drone file of \"{}\"; add it or leave the parameter out",
-                            parameters.flow_enabled ? "flow.enabled" : "stabiliser.state = estimate", drone.name));
-  }
-  return FlowSensor(*drone.flow, seed, start_ns);
-}
-
 Calibration calibrate(scene::Drone& drone, const DroneParameters& parameters) {
   Calibration calibration;
   const data::Placement placement("drone '" + drone.name + "'", calibration.warnings);
@@ -76,20 +34,14 @@ Calibration calibrate(scene::Drone& drone, const DroneParameters& parameters) {
   return calibration;
 }
 
-/// The first drone uses the seed unchanged, like the drone of a world with one drone.
-std::uint64_t seed_of(const Parameters& shared, std::size_t index) {
-  const std::uint64_t seed = static_cast<std::uint32_t>(shared.sensors_seed);
-  return index == 0 ? seed : noise::bits(seed, noise::Stream::drone, index);
-}
-
 RigidState start_of(const scene::Scene& scene, const Parameters& shared, const DroneParameters& parameters,
                     std::size_t index) {
   RigidState state;
   for (std::size_t i = 0; i < 3; ++i) require_finite(parameters.start_offset_m[i], "start.offset.", axis::kWords[i]);
   for (std::size_t i = 0; i < 3; ++i) require_finite(shared.start_spacing_m[i], "start.spacing.", axis::kWords[i]);
   require_finite(parameters.start_yaw_offset_rad, "start.yaw_offset");
-  state.p_WB_m = scene.start.p_WB_m + vector(parameters.start_offset_m);
-  if (index > 0) state.p_WB_m += static_cast<double>(index) * vector(shared.start_spacing_m);
+  state.p_WB_m = scene.start.p_WB_m + to_vector(parameters.start_offset_m);
+  if (index > 0) state.p_WB_m += static_cast<double>(index) * to_vector(shared.start_spacing_m);
   state.q_WB = yaw_rotation(wrapped_rad(scene.start.yaw_rad + parameters.start_yaw_offset_rad));
   return state;
 }
@@ -111,12 +63,7 @@ Drone::Drone(const Around& around, std::size_t index, DroneSetup setup, std::int
       inputs_(setup.inputs),
       outputs_(setup.outputs),
       state_(start_of(around.scene, shared_, in_, index)),
-      camera_(around.scenery, camera_settings(in_, seed_of(shared_, index))),
-      range_(around.scene, model_, {in_.range_model, in_.range_noise_m}, seed_of(shared_, index)),
-      imu_({in_.imu_acceleration_noise_m_per_s2, in_.imu_acceleration_bias_m_per_s2, in_.imu_rate_noise_rad_per_s,
-            in_.imu_rate_bias_rad_per_s},
-           seed_of(shared_, index)),
-      flow_(flow_sensor(model_, in_, seed_of(shared_, index), start_ns)),
+      sensors_(around.views, model_, shared_, in_, index, start_ns),
       link_(std::llround(checked(in_.setpoint_latency_s, 0.0, 10.0, "setpoint.latency") * 1e9)),
       contact_(is_on_ground(state_, model_), state_.p_WB_m.z(), start_ns,
                std::llround(checked(in_.drone_grounded_after_s, 0.0, 60.0, "drone.grounded_after") * 1e9)),
@@ -126,7 +73,6 @@ Drone::Drone(const Around& around, std::size_t index, DroneSetup setup, std::int
                       start_ns) {
   for (const auto& warning : calibration_.warnings) log(warning);
   require_at_least_zero(in_.drone_dry_mass_kg, "drone.dry_mass");
-  require_at_least_zero(in_.range_noise_m, "range.noise");
   checked(in_.rotors_inertia_kg_m2, 0.0, 1.0, "rotors.inertia");
   checked(in_.rotors_radius_m, 1e-3, 10.0, "rotors.radius");
   checked(in_.rotors_ground_effect, 0.0, 4.0, "rotors.ground_effect");
@@ -145,7 +91,7 @@ void Drone::start(std::int64_t start_ns, const Others& others) {
                     around_.scene.name, touch.depth_m, name_of(touch), state_.p_WB_m.x(), state_.p_WB_m.y(),
                     state_.p_WB_m.z(), touch.what == Touch::What::drone ? "start.spacing or " : ""));
   }
-  range_.update(start_ns, state_, others);
+  sensors_.start(state_, start_ns, others);
   write_outputs();
 }
 
@@ -177,10 +123,6 @@ void Drone::check_words() const {
   if (to_string(in_.stabiliser_state) == "?") {
     throw Error(fmt::format("stabiliser.state = {} is not a source of the state; truth is 0, estimate 1",
                             static_cast<std::int32_t>(in_.stabiliser_state)));
-  }
-  if (to_string(in_.range_model) == "?") {
-    throw Error(
-        fmt::format("range.model = {} is not a model; ray is 0, cone 1", static_cast<std::int32_t>(in_.range_model)));
   }
   constexpr double kAttitudePeriod_s = 1e-9 * static_cast<double>(crazyflie::Controller::kAttitudePeriod_ns);
   if (in_.stabiliser_controller == FlightController::crazyflie && shared_.physics_step_s > kAttitudePeriod_s) {
@@ -220,15 +162,6 @@ void Drone::take_mass() {
   if (mass_kg != mass_kg_) set_mass(mass_kg);
 }
 
-/// Sets the seed again. It is a tunable parameter, so a program or a restored state may have changed it.
-void Drone::reseed() {
-  const auto seed = seed_of(shared_, index_);
-  camera_.reseed(seed);
-  range_.reseed(seed);
-  imu_.reseed(seed);
-  if (flow_) flow_->reseed(seed);
-}
-
 void Drone::set_mass(double mass_kg) {
   const Eigen::Vector3d inertia_kg_m2 = inertia_for(model_, mass_kg);
   around_.bodies.set_mass(index_, mass_kg, inertia_kg_m2);
@@ -239,10 +172,9 @@ void Drone::set_mass(double mass_kg) {
 void Drone::begin_step(std::int64_t start_ns, std::int64_t duration_ns, const Others& others) {
   check_inputs();
   take_mass();
-  reseed();
   take_setpoint(start_ns, duration_ns);
   take_rotor_speeds(static_cast<double>(duration_ns) * 1e-9);
-  camera_.see_trigger(inputs_.camera_trigger, state_, start_ns, others);
+  sensors_.begin_step(inputs_.camera_trigger, state_, start_ns, others);
 }
 
 void Drone::take_setpoint(std::int64_t time_ns, std::int64_t duration_ns) {
@@ -269,7 +201,7 @@ void Drone::take_rotor_speeds(double duration_s) {
 Wrench Drone::rotors_wrench() const {
   RotorValues thrust_n = inputs_.rotor_thrust_n;
   if (in_.rotors_ground_effect > 0.0) {
-    const double height_m = range_.distance_m(state_) + 0.5 * model_.body_size_m.z();
+    const double height_m = sensors_.range().distance_m(state_) + 0.5 * model_.body_size_m.z();
     const double growth = 1.0 + in_.rotors_ground_effect * (ground_effect(height_m, in_.rotors_radius_m) - 1.0);
     for (double& thrust : thrust_n) thrust *= growth;
   }
@@ -319,10 +251,8 @@ void Drone::judge(std::int64_t end_ns, double dt_s) {
 }
 
 void Drone::control(std::int64_t end_ns, double dt_s, const Others& others) {
-  range_.update(end_ns, state_, others);
-  imu_.update(end_ns, from_, state_, dt_s);
-  if (flow_) flow_->update(end_ns, state_, range_.sight_m(state_, end_ns, others), dt_s);
-  flight_control_.update(goal(), state_, {imu_, flow_ ? &*flow_ : nullptr, range_}, end_ns, dt_s,
+  sensors_.update({from_, state_, dt_s, end_ns}, others);
+  flight_control_.update(goal(), state_, {sensors_.imu(), sensors_.flow(), sensors_.range()}, end_ns, dt_s,
                          inputs_.bus_voltage_v);
 }
 
@@ -411,12 +341,12 @@ void Drone::write_outputs() {
   const Eigen::Matrix3d R_WB = state_.rotation();
   const Attitude attitude = attitude_of(R_WB);
   outputs_.rotor_command = flight_control_.command();
-  outputs_.drone_position_m = array(state_.p_WB_m);
-  outputs_.drone_velocity_m_per_s = array(state_.v_WB_m_per_s);
+  outputs_.drone_position_m = to_array(state_.p_WB_m);
+  outputs_.drone_velocity_m_per_s = to_array(state_.v_WB_m_per_s);
   outputs_.drone_roll_rad = attitude.roll_rad;
   outputs_.drone_pitch_rad = attitude.pitch_rad;
   outputs_.drone_yaw_rad = attitude.yaw_rad;
-  outputs_.drone_angular_velocity_rad_per_s = array(state_.body_rate_rad_per_s());
+  outputs_.drone_angular_velocity_rad_per_s = to_array(state_.body_rate_rad_per_s());
   outputs_.drone_forward_velocity_m_per_s =
       std::cos(attitude.yaw_rad) * state_.v_WB_m_per_s.x() + std::sin(attitude.yaw_rad) * state_.v_WB_m_per_s.y();
   outputs_.drone_speed_m_per_s = state_.v_WB_m_per_s.head<2>().norm();
@@ -427,7 +357,7 @@ void Drone::write_outputs() {
   outputs_.drone_crashed = sequencer_.phase() == FlightPhase::crashed;
   outputs_.drone_grounded = came_down_;
   outputs_.drone_grounded_time_s = came_down_time_s_;
-  write_sensors();
+  sensors_.write(outputs_);
   write_estimate();
   outputs_.gate_reached = gates_.reached();
   outputs_.gate_crossed = gates_.crossed();
@@ -438,28 +368,14 @@ void Drone::write_outputs() {
   outputs_.gate_stuck = gates_.stuck();
   outputs_.gate_distance_m = gates_.distance_m(state_.p_WB_m);
   outputs_.gate_lateral_error_m = gates_.lateral_error_m();
-  outputs_.camera_frame = fmu::BinaryRef::to(camera_.frame());
-  outputs_.camera_frame_id = camera_.frame_id();
-  outputs_.camera_frame_exposure_s = camera_.exposure_s();
-  outputs_.camera_frame_gain = camera_.gain();
-}
-
-void Drone::write_sensors() {
-  outputs_.imu_acceleration_m_per_s2 = array(imu_.acceleration_m_per_s2());
-  outputs_.imu_angular_velocity_rad_per_s = array(imu_.rate_rad_per_s());
-  outputs_.range_down_m = range_.reading_m();
-  if (!flow_) return;
-  outputs_.flow_motion_x = flow_->sample().counts[0];
-  outputs_.flow_motion_y = flow_->sample().counts[1];
-  outputs_.flow_seen = flow_->sample().seen;
 }
 
 void Drone::write_estimate() {
   const RigidState* estimate = flight_control_.estimate();
   if (estimate == nullptr) return;
   const Attitude attitude = attitude_of(estimate->rotation());
-  outputs_.estimate_position_m = array(estimate->p_WB_m);
-  outputs_.estimate_velocity_m_per_s = array(estimate->v_WB_m_per_s);
+  outputs_.estimate_position_m = to_array(estimate->p_WB_m);
+  outputs_.estimate_velocity_m_per_s = to_array(estimate->v_WB_m_per_s);
   outputs_.estimate_roll_rad = attitude.roll_rad;
   outputs_.estimate_pitch_rad = attitude.pitch_rad;
   outputs_.estimate_yaw_rad = attitude.yaw_rad;
@@ -478,7 +394,7 @@ void Drone::log(std::string_view text) const {
 }
 
 ViewedDrone Drone::view() const {
-  const auto settings = camera_settings(in_, 0);
+  const auto& settings = sensors_.camera().settings();
   return {model_, settings.intrinsics, settings.mounting, name_};
 }
 
@@ -503,17 +419,14 @@ void Drone::visit(state::Visitor& v) {
   v("came_down", came_down_);
   v("came_down_time_s", came_down_time_s_);
   v("gates", gates_);
-  v("range", range_);
-  v("imu", imu_);
-  if (flow_) v("flow", *flow_);
   v("link", link_);
   v("setpoint", setpoint_);
   v("rotor_speed_rad_per_s", rotor_speed_rad_per_s_);
   v("rotor_acceleration_rad_per_s2", rotor_acceleration_rad_per_s2_);
-  v("camera", camera_);
+  sensors_.visit(v);
   if (!v.restores()) return;
   set_mass(mass_kg);
-  outputs_.camera_frame = fmu::BinaryRef::to(camera_.frame());
+  outputs_.camera_frame = fmu::BinaryRef::to(sensors_.camera().frame());
 }
 
 }  // namespace mebots::world

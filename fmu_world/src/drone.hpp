@@ -10,17 +10,12 @@
 #include "fmu_world/variables.hpp"
 #include "mebots/state/visitor.hpp"
 #include "scene/scene.hpp"
-#include "sensors/camera_device.hpp"
-#include "sensors/flow_sensor.hpp"
-#include "sensors/imu.hpp"
-#include "sensors/range_sensor.hpp"
+#include "sensors/drone_sensors.hpp"
 #include "view/scene_text.hpp"
 
 #include <cstdint>
 #include <functional>
 #include <limits>
-#include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -47,7 +42,7 @@ struct Around {
   const Parameters& parameters;
   RigidWorld& bodies;
   const EventLog& log;
-  std::shared_ptr<const camera::Scenery> scenery;  ///< with all drones, if there are several
+  Views views;
 };
 
 /// The effect of the calibration parameters. The drag is not included, because it is in the drone.
@@ -86,7 +81,7 @@ class Drone {
   double rotor_radius_m() const { return in_.rotors_radius_m; }
   const std::string& name() const { return name_; }
   /// Returns the last picture; empty before the first.
-  std::span<const std::uint8_t> frame() const { return camera_.frame(); }
+  std::span<const std::uint8_t> frame() const { return sensors_.camera().frame(); }
   /// Returns the drone as a solid where it is now.
   scene::Solid box() const;
   ViewedDrone view() const;
@@ -97,7 +92,6 @@ class Drone {
   void check_words() const;
   void check_inputs() const;
   void take_mass();
-  void reseed();
   void set_mass(double mass_kg);
   void take_setpoint(std::int64_t time_ns, std::int64_t duration_ns);
   void take_rotor_speeds(double duration_s);
@@ -108,7 +102,6 @@ class Drone {
   void report_phase(FlightPhase before, std::int64_t time_ns);
   void note_descent(std::int64_t time_ns);
   StabiliserGoal goal() const;
-  void write_sensors();
   void write_estimate();
   void report(std::int64_t time_ns, std::string_view what) const;
   void log(std::string_view text) const;
@@ -125,10 +118,7 @@ class Drone {
 
   RigidState state_;
   RigidState from_;  // before the last move(); not part of the saved state
-  CameraDevice camera_;
-  RangeSensor range_;
-  Imu imu_;
-  std::optional<FlowSensor> flow_;
+  DroneSensors sensors_;
   Link link_;
   GroundContact contact_;
   Sequencer sequencer_;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model.hpp"
 
-#include "checks.hpp"
 #include "dynamics/downwash.hpp"
+#include "math/checks.hpp"
 #include "mebots/assert.hpp"
 #include "mebots/error.hpp"
 #include "view/scene_text.hpp"
@@ -66,7 +66,9 @@ World::World(scene::Scene scene, const Parameters& parameters, const Inputs& inp
               static_cast<std::uint32_t>(parameters.gust_seed)}) {
   checked(in_.downwash_strength, 0.0, 10.0, "downwash.strength");
   check_wind();
-  const Around around{scene_, obstacle_names_, in_, bodies_, log_, scenery_of(scene_, drones)};
+  const Around around{scene_, obstacle_names_,
+                      in_,    bodies_,
+                      log_,   {scenery_of(scene_, drones), std::make_shared<const RayCaster>(scene_)}};
   drones_.resize(drones.size());
   for (std::size_t i = 0; i < drones.size(); ++i) {
     const std::string name = drones[i].name;

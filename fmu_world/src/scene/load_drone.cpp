@@ -3,11 +3,10 @@
 #include "mebots/data/estimate.hpp"
 #include "mebots/data/object.hpp"
 #include "scene/load.hpp"
+#include "scene/read_sensors.hpp"
 #include "scene/vector_reader.hpp"
 
 #include <fmt/format.h>
-#include <cstdint>
-#include <limits>
 #include <string_view>
 #include <vector>
 
@@ -67,58 +66,6 @@ Eigen::Vector3d read_inertia(const Node& node) {
                     j.x(), j.y(), j.z()));
   }
   return j;
-}
-
-RangeData read_range(const Node& node) {
-  const auto positive = Limits::positive();
-  Object object(node);
-  RangeData range;
-  object.read("field_of_view", range.field_of_view_rad, quantity("rad", Limits::between(0.0, 1.5)));
-  object.read("period", range.period_s, quantity("s", Limits::between(0.001, 10.0)));
-  object.read("resolution", range.resolution_m, quantity("m", Limits::at_least(0.0)));
-  object.read("near", range.near_m, quantity("m", Limits::at_least(0.0)));
-  object.read("near_noise", range.near_noise_m, quantity("m", positive));
-  object.read("far", range.far_m, quantity("m", positive));
-  object.read("far_noise", range.far_noise_m, quantity("m", positive));
-  object.finish();
-  if (object.sound() && range.far_m <= range.near_m) {
-    node.at("far").complain(ErrorCode::invalid_value,
-                            fmt::format("{} m must be greater than near, {} m", range.far_m, range.near_m));
-  }
-  return range;
-}
-
-constexpr double kFinestFlow_pixels = 1e-3;
-
-/// Returns an upper bound of a sample of the sensor, in counts.
-double most_counts(const FlowData& flow) {
-  constexpr double kLongestStep_s = 1.0;  // largest physics step, by which a sample may be late
-  constexpr double kLargestDeviation = 10.0;
-  return (flow.pixels_per_rad * flow.fastest_rad_per_s * (flow.period_s + kLongestStep_s) +
-          kLargestDeviation * flow.noise_pixels) /
-         flow.resolution_pixels;
-}
-
-FlowData read_flow(const Node& node) {
-  const auto positive = Limits::positive();
-  Object object(node);
-  FlowData flow;
-  object.read("pixels_per_rad", flow.pixels_per_rad, quantity("1/rad", positive));
-  object.read("period", flow.period_s, quantity("s", Limits::between(0.001, 10.0)));
-  object.read("resolution", flow.resolution_pixels, quantity("1", Limits::at_least(kFinestFlow_pixels)));
-  object.read("noise", flow.noise_pixels, quantity("1", Limits::at_least(0.0)));
-  object.read("nearest", flow.nearest_m, quantity("m", Limits::at_least(0.0)));
-  object.read("fastest", flow.fastest_rad_per_s, quantity("rad/s", positive));
-  object.finish();
-  if (object.sound() && most_counts(flow) > std::numeric_limits<std::int32_t>::max()) {
-    node.at("resolution")
-        .complain(
-            ErrorCode::invalid_value,
-            fmt::format("a sample could have {:.3g} counts, more than 32 bits can hold: use a coarser resolution, or "
-                        "reduce pixels_per_rad, fastest, noise or period",
-                        most_counts(flow)));
-  }
-  return flow;
 }
 
 Drone read_drone(const Node& node) {

@@ -4,6 +4,7 @@
 #include "math/rotation.hpp"
 #include "mebots/data/estimate.hpp"
 #include "scene/mesh.hpp"
+#include "scene/sensor_data.hpp"
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -159,28 +160,6 @@ struct Contact {
 struct ThrustPoint {
   double command = 0.0;   ///< duty cycle 0..1
   double thrust_n = 0.0;  ///< of one rotor
-};
-
-/// A time-of-flight sensor with a field of view: it measures the nearest surface in its cone, every `period`.
-/// Standard deviation: near_noise (1 + (far_noise / near_noise)^((d - near) / (far - near))).
-struct RangeData {
-  double field_of_view_rad = 0.0;  ///< angle of the whole cone
-  double period_s = 0.0;
-  double resolution_m = 0.0;
-  double near_m = 0.0;
-  double near_noise_m = 0.0;
-  double far_m = 0.0;
-  double far_noise_m = 0.0;
-};
-
-/// An optical flow sensor: it measures the motion of its picture of the surface below in each period.
-struct FlowData {
-  double pixels_per_rad = 0.0;  ///< of motion in the middle of the picture
-  double period_s = 0.0;
-  double resolution_pixels = 0.0;  ///< one count
-  double noise_pixels = 0.0;       ///< standard deviation of a sample
-  double nearest_m = 0.0;          ///< nearer surfaces are invisible
-  double fastest_rad_per_s = 0.0;  ///< faster motion is invisible
 };
 
 /// The drone as a body, and the data in its stabiliser.

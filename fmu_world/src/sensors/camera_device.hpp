@@ -38,6 +38,7 @@ class CameraDevice {
   /// the drones in the picture.
   void see_trigger(std::int32_t count, const RigidState& body, std::int64_t time_ns, const Others& others = {});
 
+  const Settings& settings() const { return settings_; }
   /// Returns the last picture, row by row from the top left; empty before the first.
   std::span<const std::uint8_t> frame() const;
   /// Returns the count of the last picture; 0 before the first.

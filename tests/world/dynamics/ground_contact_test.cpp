@@ -19,7 +19,7 @@ using testing::Not;
 
 constexpr std::int64_t kMs = 1'000'000;
 constexpr double kGravity_m_per_s2 = 9.80665;
-constexpr double kMass_kg = 0.04;
+constexpr double kCarriedMass_kg = 0.04;
 
 constexpr double kHeight_m = 0.0145;
 
@@ -89,7 +89,7 @@ struct WeakFlight {
     carry(1.0);
     rig.inputs.setpoint_mode = FlightMode::fly;
   }
-  void carry(double share) { rig.rotors.thrust_n.fill(0.25 * share * kMass_kg * kGravity_m_per_s2); }
+  void carry(double share) { rig.rotors.thrust_n.fill(0.25 * share * kCarriedMass_kg * kGravity_m_per_s2); }
   void run(double seconds, double share) {
     carry(share);
     rig.run(seconds, [this, share] { carry(share); });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "mebots/state/save.hpp"
 #include "model.hpp"
 #include "scene/load.hpp"
 #include "stabiliser/stabiliser.hpp"
@@ -26,7 +27,7 @@ inline scene::Scene shipped_scene(const std::string& name) {
 }
 
 inline RangeSensor sensor_in(const scene::Scene& scene, const RangeSensor::Settings& settings, std::uint64_t seed) {
-  return {scene, scene.drone, settings, seed};
+  return {std::make_shared<const RayCaster>(scene), scene.drone, settings, seed};
 }
 
 /// Four rotors that follow their commands with a first-order lag (solved exactly over a step), on a bus whose sag
@@ -101,6 +102,15 @@ class FlightRig {
     inputs.setpoint_altitude_m = altitude_m;
     run(8.0, h_ns);
     inputs.setpoint_mode = FlightMode::fly;
+  }
+
+  /// Continues from the saved state of a rig with the same scene and parameters.
+  void continue_from(const FlightRig& other) {
+    inputs = other.inputs;
+    outputs = other.outputs;
+    rotors = other.rotors;
+    time_ns = other.time_ns;
+    state::restore(world, state::save(other.world));
   }
 
   double time_s() const { return static_cast<double>(time_ns) * 1e-9; }

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/data/document.hpp"
+#include "scene/sensor_data.hpp"
+
+/// Readers for the sensors in a drone's file. Each reads one section and records errors in the document.
+namespace mebots::world::scene {
+
+RangeData read_range(const data::Node& node);
+FlowData read_flow(const data::Node& node);
+
+}  // namespace mebots::world::scene

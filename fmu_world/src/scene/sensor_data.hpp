@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// Data of a drone's sensors, from the drone's file, in SI units.
+namespace mebots::world::scene {
+
+/// A time-of-flight sensor with a field of view: it measures the nearest surface in its cone, every `period`.
+/// Standard deviation: near_noise (1 + (far_noise / near_noise)^((d - near) / (far - near))).
+struct RangeData {
+  double field_of_view_rad = 0.0;  ///< angle of the whole cone
+  double period_s = 0.0;
+  double resolution_m = 0.0;
+  double near_m = 0.0;
+  double near_noise_m = 0.0;
+  double far_m = 0.0;
+  double far_noise_m = 0.0;
+};
+
+/// An optical flow sensor: it measures the motion of its picture of the surface below in each period.
+struct FlowData {
+  double pixels_per_rad = 0.0;  ///< of motion in the middle of the picture
+  double period_s = 0.0;
+  double resolution_pixels = 0.0;  ///< one count
+  double noise_pixels = 0.0;       ///< standard deviation of a sample
+  double nearest_m = 0.0;          ///< nearer surfaces are invisible
+  double fastest_rad_per_s = 0.0;  ///< faster motion is invisible
+};
+
+}  // namespace mebots::world::scene

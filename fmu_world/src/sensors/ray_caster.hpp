@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "scene/scene.hpp"
+#include "sensors/others.hpp"
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+namespace mebots::world {
+
+/// Computes where rays meet the ground, the solids of a scene and drones. Constant after construction, so drones share
+/// one caster.
+class RayCaster {
+ public:
+  explicit RayCaster(const scene::Scene& scene);
+
+  /// Returns the distance from a point along a unit vector to the next surface at a time; infinity if there is none. A
+  /// ray that starts inside a solid does not meet this solid.
+  double distance_m(const Eigen::Vector3d& p_W_m, const Eigen::Vector3d& direction_W, std::int64_t time_ns,
+                    const Others& others) const;
+
+ private:
+  std::vector<scene::Solid> solids_;
+};
+
+}  // namespace mebots::world
