@@ -9,7 +9,16 @@ namespace mebots::world::noise {
 
 /// The sensor for which a number is drawn. `drone` makes the seed of each drone after the first one. Two streams of one
 /// seed are independent.
-enum class Stream : std::uint64_t { range = 1, camera = 2, gust = 3, imu = 4, imu_bias = 5, flow = 6, drone = 7 };
+enum class Stream : std::uint64_t {
+  range = 1,
+  camera = 2,
+  gust = 3,
+  imu = 4,
+  imu_bias = 5,
+  flow = 6,
+  drone = 7,
+  multiranger = 8
+};
 
 /// The increment of SplitMix64's Weyl sequence.
 inline constexpr std::uint64_t kGolden = 0x9E3779B97F4A7C15ULL;

@@ -18,20 +18,6 @@ using data::Node;
 using data::Object;
 using data::quantity;
 
-/// Reads the values of {"values": [x, y, z], "unit": text, "source": text}.
-auto sourced_vector(std::string_view unit, const Limits& limits) {
-  return [=](const Node& node) {
-    Object object(node);
-    Eigen::Vector3d values = Eigen::Vector3d::Zero();
-    object.read("values", values, vector<3>(limits));
-    data::read_unit(object, unit);
-    data::read_source(object);
-    object.comment("fitted_on");
-    object.finish();
-    return values;
-  };
-}
-
 std::vector<ThrustPoint> read_thrust_curve(const Node& node) {
   Object object(node);
   std::vector<double> command;
@@ -90,6 +76,7 @@ Drone read_drone(const Node& node) {
   object.read("thrust_curve", drone.thrust_curve, &read_thrust_curve);
   object.visit_if("range_sensor", [&](const Node& section) { drone.range = read_range(section); });
   object.visit_if("flow_sensor", [&](const Node& section) { drone.flow = read_flow(section); });
+  object.visit_if("multiranger", [&](const Node& section) { drone.multiranger = read_multiranger(section); });
   object.finish();
   return drone;
 }

@@ -2,6 +2,7 @@
 #include "scene/read_sensors.hpp"
 
 #include "mebots/data/object.hpp"
+#include "scene/vector_reader.hpp"
 
 #include <fmt/format.h>
 #include <cstdint>
@@ -14,26 +15,10 @@ using data::Node;
 using data::Object;
 using data::quantity;
 
-RangeData read_range(const Node& node) {
-  const auto positive = Limits::positive();
-  Object object(node);
-  RangeData range;
-  object.read("field_of_view", range.field_of_view_rad, quantity("rad", Limits::between(0.0, 1.5)));
-  object.read("period", range.period_s, quantity("s", Limits::between(0.001, 10.0)));
-  object.read("resolution", range.resolution_m, quantity("m", Limits::at_least(0.0)));
-  object.read("near", range.near_m, quantity("m", Limits::at_least(0.0)));
-  object.read("near_noise", range.near_noise_m, quantity("m", positive));
-  object.read("far", range.far_m, quantity("m", positive));
-  object.read("far_noise", range.far_noise_m, quantity("m", positive));
-  object.finish();
-  if (object.sound() && range.far_m <= range.near_m) {
-    node.at("far").complain(ErrorCode::invalid_value,
-                            fmt::format("{} m must be greater than near, {} m", range.far_m, range.near_m));
-  }
-  return range;
-}
-
 namespace {
+
+/// Allowed periods of a sensor [s].
+const Limits kPeriods = Limits::between(0.001, 10.0);
 
 constexpr double kFinestFlow_pixels = 1e-3;
 
@@ -48,12 +33,31 @@ double most_counts(const FlowData& flow) {
 
 }  // namespace
 
+RangeData read_range(const Node& node) {
+  const auto positive = Limits::positive();
+  Object object(node);
+  RangeData range;
+  object.read("field_of_view", range.field_of_view_rad, quantity("rad", Limits::between(0.0, 1.5)));
+  object.read("period", range.period_s, quantity("s", kPeriods));
+  object.read("resolution", range.resolution_m, quantity("m", Limits::at_least(0.0)));
+  object.read("near", range.near_m, quantity("m", Limits::at_least(0.0)));
+  object.read("near_noise", range.near_noise_m, quantity("m", positive));
+  object.read("far", range.far_m, quantity("m", positive));
+  object.read("far_noise", range.far_noise_m, quantity("m", positive));
+  object.finish();
+  if (object.sound() && range.far_m <= range.near_m) {
+    node.at("far").complain(ErrorCode::invalid_value,
+                            fmt::format("{} m must be greater than near, {} m", range.far_m, range.near_m));
+  }
+  return range;
+}
+
 FlowData read_flow(const Node& node) {
   const auto positive = Limits::positive();
   Object object(node);
   FlowData flow;
   object.read("pixels_per_rad", flow.pixels_per_rad, quantity("1/rad", positive));
-  object.read("period", flow.period_s, quantity("s", Limits::between(0.001, 10.0)));
+  object.read("period", flow.period_s, quantity("s", kPeriods));
   object.read("resolution", flow.resolution_pixels, quantity("1", Limits::at_least(kFinestFlow_pixels)));
   object.read("noise", flow.noise_pixels, quantity("1", Limits::at_least(0.0)));
   object.read("nearest", flow.nearest_m, quantity("m", Limits::at_least(0.0)));
@@ -68,6 +72,16 @@ FlowData read_flow(const Node& node) {
                         most_counts(flow)));
   }
   return flow;
+}
+
+MultirangerData read_multiranger(const Node& node) {
+  Object object(node);
+  MultirangerData multiranger;
+  object.read("offset", multiranger.offset_m, sourced_vector("m", Limits::at_least(0.0)));
+  object.read("period", multiranger.period_s, quantity("s", kPeriods));
+  object.read("power", multiranger.power_w, quantity("W", Limits::at_least(0.0)));
+  object.finish();
+  return multiranger;
 }
 
 }  // namespace mebots::world::scene

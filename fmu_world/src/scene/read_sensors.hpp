@@ -9,5 +9,6 @@ namespace mebots::world::scene {
 
 RangeData read_range(const data::Node& node);
 FlowData read_flow(const data::Node& node);
+MultirangerData read_multiranger(const data::Node& node);
 
 }  // namespace mebots::world::scene

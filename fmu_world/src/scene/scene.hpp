@@ -181,6 +181,7 @@ struct Drone {
   std::vector<ThrustPoint> thrust_curve;                   ///< rising, from (0, 0) to the greatest command
   std::optional<RangeData> range;                          ///< absent: not in the drone's file
   std::optional<FlowData> flow;                            ///< absent: not in the drone's file
+  std::optional<MultirangerData> multiranger;              ///< absent: not in the drone's file
 };
 
 struct Scene {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
+
 /// Data of a drone's sensors, from the drone's file, in SI units.
 namespace mebots::world::scene {
 
@@ -24,6 +26,13 @@ struct FlowData {
   double noise_pixels = 0.0;       ///< standard deviation of a sample
   double nearest_m = 0.0;          ///< nearer surfaces are invisible
   double fastest_rad_per_s = 0.0;  ///< faster motion is invisible
+};
+
+/// Range sensors to the front, back, left, right and up. Field of view, noise and resolution are those of RangeData.
+struct MultirangerData {
+  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();  ///< half the distances between opposite sensors, along the axes
+  double period_s = 0.0;
+  double power_w = 0.0;  ///< of all five
 };
 
 }  // namespace mebots::world::scene

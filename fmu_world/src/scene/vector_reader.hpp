@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "mebots/data/estimate.hpp"
 #include "mebots/data/object.hpp"
 
 #include <fmt/format.h>
 #include <Eigen/Core>
+#include <string_view>
 
 namespace mebots::world::scene {
 
@@ -20,6 +22,20 @@ auto vector(const data::Limits& limits = {}) {
     Eigen::Matrix<double, Size, 1> vector = Eigen::Matrix<double, Size, 1>::Zero();
     if (values.size() == Size) vector = Eigen::Matrix<double, Size, 1>(values.data());
     return vector;
+  };
+}
+
+/// Reads the values of {"values": [x, y, z], "unit": text, "source": text}.
+inline auto sourced_vector(std::string_view unit, const data::Limits& limits) {
+  return [=](const data::Node& node) {
+    data::Object object(node);
+    Eigen::Vector3d values = Eigen::Vector3d::Zero();
+    object.read("values", values, vector<3>(limits));
+    data::read_unit(object, unit);
+    data::read_source(object);
+    object.comment("fitted_on");
+    object.finish();
+    return values;
   };
 }
 

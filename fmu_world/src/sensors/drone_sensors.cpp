@@ -76,10 +76,16 @@ DroneSensors::DroneSensors(const Views& views, const scene::Drone& drone, const 
       camera_(views.scenery, camera_settings(parameters, seed_of(shared, index))),
       range_(views.rays, drone, ranging_settings(parameters), seed_of(shared, index)),
       imu_(imu_settings(parameters), seed_of(shared, index)),
-      flow_(flow_sensor(drone, parameters, seed_of(shared, index), start_ns)) {}
+      flow_(flow_sensor(drone, parameters, seed_of(shared, index), start_ns)) {
+  if (parameters.multiranger_enabled) {
+    multiranger_.emplace(views.rays, drone, ranging_settings(parameters), seed_of(shared, index));
+    power_w_ += drone.multiranger->power_w;
+  }
+}
 
 void DroneSensors::start(const RigidState& state, std::int64_t start_ns, const Others& others) {
   range_.update(start_ns, state, others);
+  if (multiranger_) multiranger_->update(start_ns, state, others);
 }
 
 void DroneSensors::begin_step(std::int32_t trigger, const RigidState& state, std::int64_t start_ns,
@@ -90,6 +96,7 @@ void DroneSensors::begin_step(std::int32_t trigger, const RigidState& state, std
   range_.reseed(seed);
   imu_.reseed(seed);
   if (flow_) flow_->reseed(seed);
+  if (multiranger_) multiranger_->reseed(seed);
   camera_.see_trigger(trigger, state, start_ns, others);
 }
 
@@ -98,6 +105,7 @@ void DroneSensors::update(const Motion& motion, const Others& others) {
   range_.update(end_ns, to, others);
   imu_.update(end_ns, from, to, dt_s);
   if (flow_) flow_->update(end_ns, to, range_.sight_m(to, end_ns, others), dt_s);
+  if (multiranger_) multiranger_->update(end_ns, to, others);
 }
 
 void DroneSensors::write(DroneOutputs& outputs) const {
@@ -108,6 +116,8 @@ void DroneSensors::write(DroneOutputs& outputs) const {
   outputs.camera_frame_id = camera_.frame_id();
   outputs.camera_frame_exposure_s = camera_.exposure_s();
   outputs.camera_frame_gain = camera_.gain();
+  outputs.sensors_power_w = power_w_;
+  if (multiranger_) outputs.multiranger_m = multiranger_->readings_m();
   if (!flow_) return;
   outputs.flow_motion_x = flow_->sample().counts[0];
   outputs.flow_motion_y = flow_->sample().counts[1];
@@ -119,6 +129,7 @@ void DroneSensors::visit(state::Visitor& v) {
   v("range", range_);
   v("imu", imu_);
   if (flow_) v("flow", *flow_);
+  if (multiranger_) v("multiranger", *multiranger_);
 }
 
 }  // namespace mebots::world

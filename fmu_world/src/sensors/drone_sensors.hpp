@@ -8,6 +8,7 @@
 #include "sensors/camera_device.hpp"
 #include "sensors/flow_sensor.hpp"
 #include "sensors/imu.hpp"
+#include "sensors/multiranger.hpp"
 #include "sensors/others.hpp"
 #include "sensors/range_sensor.hpp"
 #include "sensors/ray_caster.hpp"
@@ -65,6 +66,8 @@ class DroneSensors {
   RangeSensor range_;
   Imu imu_;
   std::optional<FlowSensor> flow_;
+  std::optional<Multiranger> multiranger_;
+  double power_w_ = 0.0;  ///< of the enabled sensors
 };
 
 }  // namespace mebots::world
