@@ -17,7 +17,11 @@ enum class Stream : std::uint64_t {
   imu_bias = 5,
   flow = 6,
   drone = 7,
-  multiranger = 8
+  multiranger = 8,
+  barometer = 9,
+  barometer_bias = 10,
+  magnetometer = 11,
+  magnetometer_bias = 12
 };
 
 /// The increment of SplitMix64's Weyl sequence.

@@ -77,6 +77,8 @@ Drone read_drone(const Node& node) {
   object.visit_if("range_sensor", [&](const Node& section) { drone.range = read_range(section); });
   object.visit_if("flow_sensor", [&](const Node& section) { drone.flow = read_flow(section); });
   object.visit_if("multiranger", [&](const Node& section) { drone.multiranger = read_multiranger(section); });
+  object.visit_if("barometer", [&](const Node& section) { drone.barometer = read_barometer(section); });
+  object.visit_if("magnetometer", [&](const Node& section) { drone.magnetometer = read_magnetometer(section); });
   object.finish();
   return drone;
 }

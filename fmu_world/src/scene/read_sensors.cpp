@@ -84,4 +84,31 @@ MultirangerData read_multiranger(const Node& node) {
   return multiranger;
 }
 
+BarometerData read_barometer(const Node& node) {
+  const auto at_least_zero = Limits::at_least(0.0);
+  Object object(node);
+  BarometerData barometer;
+  object.read("period", barometer.period_s, quantity("s", kPeriods));
+  object.read("resolution", barometer.resolution_pa, quantity("Pa", at_least_zero));
+  object.read("noise", barometer.noise_pa, quantity("Pa", at_least_zero));
+  object.read("bias", barometer.bias_pa, quantity("Pa", at_least_zero));
+  object.read("power", barometer.power_w, quantity("W", at_least_zero));
+  object.finish();
+  return barometer;
+}
+
+MagnetometerData read_magnetometer(const Node& node) {
+  const auto at_least_zero = Limits::at_least(0.0);
+  Object object(node);
+  MagnetometerData magnetometer;
+  object.read("period", magnetometer.period_s, quantity("s", kPeriods));
+  object.read("limit", magnetometer.limit_t, quantity("T", Limits::positive()));
+  object.read("resolution", magnetometer.resolution_t, quantity("T", at_least_zero));
+  object.read("noise", magnetometer.noise_t, sourced_vector("T", at_least_zero));
+  object.read("bias", magnetometer.bias_t, quantity("T", at_least_zero));
+  object.read("power", magnetometer.power_w, quantity("W", at_least_zero));
+  object.finish();
+  return magnetometer;
+}
+
 }  // namespace mebots::world::scene

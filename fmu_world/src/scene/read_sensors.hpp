@@ -10,5 +10,7 @@ namespace mebots::world::scene {
 RangeData read_range(const data::Node& node);
 FlowData read_flow(const data::Node& node);
 MultirangerData read_multiranger(const data::Node& node);
+BarometerData read_barometer(const data::Node& node);
+MagnetometerData read_magnetometer(const data::Node& node);
 
 }  // namespace mebots::world::scene

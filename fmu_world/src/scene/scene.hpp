@@ -182,6 +182,8 @@ struct Drone {
   std::optional<RangeData> range;                          ///< absent: not in the drone's file
   std::optional<FlowData> flow;                            ///< absent: not in the drone's file
   std::optional<MultirangerData> multiranger;              ///< absent: not in the drone's file
+  std::optional<BarometerData> barometer;                  ///< absent: not in the drone's file
+  std::optional<MagnetometerData> magnetometer;            ///< absent: not in the drone's file
 };
 
 struct Scene {

@@ -35,4 +35,23 @@ struct MultirangerData {
   double power_w = 0.0;  ///< of all five
 };
 
+/// A pressure sensor. The bias is constant and drawn from the seed.
+struct BarometerData {
+  double period_s = 0.0;
+  double resolution_pa = 0.0;
+  double noise_pa = 0.0;  ///< standard deviation of a sample
+  double bias_pa = 0.0;   ///< standard deviation of the bias
+  double power_w = 0.0;
+};
+
+/// A magnetometer with three axes. The bias is constant and drawn from the seed.
+struct MagnetometerData {
+  double period_s = 0.0;
+  double limit_t = 0.0;  ///< greatest magnitude along an axis
+  double resolution_t = 0.0;
+  Eigen::Vector3d noise_t = Eigen::Vector3d::Zero();  ///< standard deviation of a sample
+  double bias_t = 0.0;                                ///< standard deviation of the bias of each axis
+  double power_w = 0.0;
+};
+
 }  // namespace mebots::world::scene

@@ -5,6 +5,7 @@
 #include "math/checks.hpp"
 #include "mebots/error.hpp"
 #include "noise/counter_noise.hpp"
+#include "sensors/described.hpp"
 
 #include <fmt/format.h>
 
@@ -67,6 +68,17 @@ Imu::Settings imu_settings(const DroneParameters& parameters) {
           parameters.imu_rate_noise_rad_per_s, parameters.imu_rate_bias_rad_per_s};
 }
 
+Air air_of(const Parameters& shared) {
+  return {checked(shared.air_pressure_pa, 0.0, 1e7, "air.pressure"),
+          checked(shared.air_temperature_k, 1.0, 1e4, "air.temperature")};
+}
+
+Eigen::Vector3d magnetic_field_of(const Parameters& shared) {
+  for (std::size_t i = 0; i < axis::kCount; ++i)
+    require_finite(shared.magnetic_field_t[i], "magnetic.field.", axis::kWords[i]);
+  return to_vector(shared.magnetic_field_t);
+}
+
 }  // namespace
 
 DroneSensors::DroneSensors(const Views& views, const scene::Drone& drone, const Parameters& shared,
@@ -77,15 +89,36 @@ DroneSensors::DroneSensors(const Views& views, const scene::Drone& drone, const 
       range_(views.rays, drone, ranging_settings(parameters), seed_of(shared, index)),
       imu_(imu_settings(parameters), seed_of(shared, index)),
       flow_(flow_sensor(drone, parameters, seed_of(shared, index), start_ns)) {
+  enable(views, drone, parameters);
+}
+
+void DroneSensors::enable(const Views& views, const scene::Drone& drone, const DroneParameters& parameters) {
+  const std::uint64_t seed = seed_of(shared_, index_);
   if (parameters.multiranger_enabled) {
-    multiranger_.emplace(views.rays, drone, ranging_settings(parameters), seed_of(shared, index));
+    multiranger_.emplace(views.rays, drone, ranging_settings(parameters), seed);
     power_w_ += drone.multiranger->power_w;
+  }
+  if (parameters.barometer_enabled) {
+    const auto& data = described(drone.barometer, drone, "barometer");
+    barometer_.emplace(data, air_of(shared_), seed);
+    power_w_ += data.power_w;
+  }
+  if (parameters.magnetometer_enabled) {
+    const auto& data = described(drone.magnetometer, drone, "magnetometer");
+    magnetometer_.emplace(data, magnetic_field_of(shared_), seed);
+    power_w_ += data.power_w;
   }
 }
 
 void DroneSensors::start(const RigidState& state, std::int64_t start_ns, const Others& others) {
   range_.update(start_ns, state, others);
-  if (multiranger_) multiranger_->update(start_ns, state, others);
+  measure(state, start_ns, others);
+}
+
+void DroneSensors::measure(const RigidState& state, std::int64_t time_ns, const Others& others) {
+  if (multiranger_) multiranger_->update(time_ns, state, others);
+  if (barometer_) barometer_->update(time_ns, state.p_WB_m.z());
+  if (magnetometer_) magnetometer_->update(time_ns, state.q_WB);
 }
 
 void DroneSensors::begin_step(std::int32_t trigger, const RigidState& state, std::int64_t start_ns,
@@ -97,6 +130,8 @@ void DroneSensors::begin_step(std::int32_t trigger, const RigidState& state, std
   imu_.reseed(seed);
   if (flow_) flow_->reseed(seed);
   if (multiranger_) multiranger_->reseed(seed);
+  if (barometer_) barometer_->reseed(seed);
+  if (magnetometer_) magnetometer_->reseed(seed);
   camera_.see_trigger(trigger, state, start_ns, others);
 }
 
@@ -105,7 +140,7 @@ void DroneSensors::update(const Motion& motion, const Others& others) {
   range_.update(end_ns, to, others);
   imu_.update(end_ns, from, to, dt_s);
   if (flow_) flow_->update(end_ns, to, range_.sight_m(to, end_ns, others), dt_s);
-  if (multiranger_) multiranger_->update(end_ns, to, others);
+  measure(to, end_ns, others);
 }
 
 void DroneSensors::write(DroneOutputs& outputs) const {
@@ -118,6 +153,8 @@ void DroneSensors::write(DroneOutputs& outputs) const {
   outputs.camera_frame_gain = camera_.gain();
   outputs.sensors_power_w = power_w_;
   if (multiranger_) outputs.multiranger_m = multiranger_->readings_m();
+  if (barometer_) outputs.barometer_pressure_pa = barometer_->pressure_pa();
+  if (magnetometer_) outputs.magnetometer_field_t = to_array(magnetometer_->field_B_t());
   if (!flow_) return;
   outputs.flow_motion_x = flow_->sample().counts[0];
   outputs.flow_motion_y = flow_->sample().counts[1];
@@ -130,6 +167,8 @@ void DroneSensors::visit(state::Visitor& v) {
   v("imu", imu_);
   if (flow_) v("flow", *flow_);
   if (multiranger_) v("multiranger", *multiranger_);
+  if (barometer_) v("barometer", *barometer_);
+  if (magnetometer_) v("magnetometer", *magnetometer_);
 }
 
 }  // namespace mebots::world

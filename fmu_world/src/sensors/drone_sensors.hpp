@@ -5,9 +5,11 @@
 #include "fmu_world/variables.hpp"
 #include "mebots/state/visitor.hpp"
 #include "scene/scene.hpp"
+#include "sensors/barometer.hpp"
 #include "sensors/camera_device.hpp"
 #include "sensors/flow_sensor.hpp"
 #include "sensors/imu.hpp"
+#include "sensors/magnetometer.hpp"
 #include "sensors/multiranger.hpp"
 #include "sensors/others.hpp"
 #include "sensors/range_sensor.hpp"
@@ -60,6 +62,11 @@ class DroneSensors {
   void visit(state::Visitor& v);
 
  private:
+  /// Creates the sensors that are off by default.
+  void enable(const Views& views, const scene::Drone& drone, const DroneParameters& parameters);
+  /// Updates the sensors that measure the body's state, without its motion.
+  void measure(const RigidState& state, std::int64_t time_ns, const Others& others);
+
   const Parameters& shared_;
   std::size_t index_;
   CameraDevice camera_;
@@ -67,6 +74,8 @@ class DroneSensors {
   Imu imu_;
   std::optional<FlowSensor> flow_;
   std::optional<Multiranger> multiranger_;
+  std::optional<Barometer> barometer_;
+  std::optional<Magnetometer> magnetometer_;
   double power_w_ = 0.0;  ///< of the enabled sensors
 };
 

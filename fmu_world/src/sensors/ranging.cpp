@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sensors/ranging.hpp"
 
+#include "math/rounding.hpp"
 #include "mebots/error.hpp"
 
 #include <fmt/format.h>
@@ -63,9 +64,7 @@ double Ranging::nearest_m(const Eigen::Vector3d& p_W_m, const Eigen::Quaterniond
 double Ranging::reading_m(double distance_m, double gaussian) const {
   if (cone_ && distance_m >= limit_m_) return limit_m_;
   const double noise_m = (cone_ ? cone_noise_m(*cone_, distance_m) : noise_m_) * gaussian;
-  const double reading_m = std::max(0.0, distance_m + noise_m);
-  if (!cone_ || cone_->resolution_m == 0.0) return reading_m;
-  return cone_->resolution_m * std::round(reading_m / cone_->resolution_m);
+  return rounded(std::max(0.0, distance_m + noise_m), cone_ ? cone_->resolution_m : 0.0);
 }
 
 }  // namespace mebots::world
