@@ -216,8 +216,8 @@ Wrench Drone::rotors_wrench() const {
 void Drone::push(const Eigen::Vector3d& wind_W_m_per_s, double downwash_n) {
   Wrench rotors_B = rotors_wrench();
   if (downwash_n > 0.0) rotors_B.force_n.z() -= downwash_n;
-  const Eigen::Vector3d force_W_n = state_.q_WB * rotors_B.force_n + drag_force(model_, state_, wind_W_m_per_s);
-  around_.bodies.place(index_, state_, force_W_n, rotors_B.torque_n_m);
+  air_force_W_n_ = state_.q_WB * rotors_B.force_n + drag_force(model_, state_, wind_W_m_per_s);
+  around_.bodies.place(index_, state_, air_force_W_n_, rotors_B.torque_n_m);
 }
 
 void Drone::move() {
@@ -251,9 +251,18 @@ void Drone::judge(std::int64_t end_ns, double dt_s) {
 }
 
 void Drone::control(std::int64_t end_ns, double dt_s, const Others& others) {
-  sensors_.update({from_, state_, dt_s, end_ns}, others);
+  const bool touches = !around_.bodies.touches(index_).empty();
+  const Eigen::Vector3d contact_W_n = touches ? contact_force_W(dt_s) : Eigen::Vector3d::Zero();
+  sensors_.update({from_, state_, dt_s, end_ns, touches, contact_W_n}, others);
   flight_control_.update(goal(), state_, {sensors_.imu(), sensors_.flow(), sensors_.range()}, end_ns, dt_s,
                          inputs_.bus_voltage_v);
+}
+
+/// Returns the part of the momentum's change that neither gravity nor the air causes. The rigid bodies are integrated
+/// with v' = v + a dt, so this is exact.
+Eigen::Vector3d Drone::contact_force_W(double dt_s) const {
+  const Eigen::Vector3d acceleration_W = (state_.v_WB_m_per_s - from_.v_WB_m_per_s) / dt_s;
+  return mass_kg_ * (acceleration_W + kGravity_m_per_s2 * Eigen::Vector3d::UnitZ()) - air_force_W_n_;
 }
 
 void Drone::judge_touches(const std::vector<Touch>& touches, std::int64_t time_ns, Situation& situation) {

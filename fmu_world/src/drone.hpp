@@ -96,6 +96,7 @@ class Drone {
   void take_setpoint(std::int64_t time_ns, std::int64_t duration_ns);
   void take_rotor_speeds(double duration_s);
   Wrench rotors_wrench() const;
+  Eigen::Vector3d contact_force_W(double dt_s) const;
   std::string name_of(const Touch& touch) const;
   void judge_touches(const std::vector<Touch>& touches, std::int64_t time_ns, Situation& situation);
   void report_gate(std::int64_t time_ns, const GateEvent& event, double closing_speed_m_per_s = 0.0) const;
@@ -117,7 +118,9 @@ class Drone {
   DroneOutputs& outputs_;
 
   RigidState state_;
-  RigidState from_;  // before the last move(); not part of the saved state
+  // Of the present inner step; not part of the saved state.
+  RigidState from_;                // before move()
+  Eigen::Vector3d air_force_W_n_;  // of rotors, drag and downwash
   DroneSensors sensors_;
   Link link_;
   GroundContact contact_;

@@ -21,7 +21,8 @@ enum class Stream : std::uint64_t {
   barometer = 9,
   barometer_bias = 10,
   magnetometer = 11,
-  magnetometer_bias = 12
+  magnetometer_bias = 12,
+  contact = 13
 };
 
 /// The increment of SplitMix64's Weyl sequence.

@@ -108,6 +108,11 @@ void DroneSensors::enable(const Views& views, const scene::Drone& drone, const D
     magnetometer_.emplace(data, magnetic_field_of(shared_), seed);
     power_w_ += data.power_w;
   }
+  if (parameters.contact_enabled) {
+    require_at_least_zero(parameters.contact_noise_n, "contact.noise");
+    contact_.emplace(checked(parameters.contact_period_s, 0.001, 10.0, "contact.period"), parameters.contact_noise_n,
+                     seed);
+  }
 }
 
 void DroneSensors::start(const RigidState& state, std::int64_t start_ns, const Others& others) {
@@ -132,15 +137,17 @@ void DroneSensors::begin_step(std::int32_t trigger, const RigidState& state, std
   if (multiranger_) multiranger_->reseed(seed);
   if (barometer_) barometer_->reseed(seed);
   if (magnetometer_) magnetometer_->reseed(seed);
+  if (contact_) contact_->reseed(seed);
   camera_.see_trigger(trigger, state, start_ns, others);
 }
 
 void DroneSensors::update(const Motion& motion, const Others& others) {
-  const auto& [from, to, dt_s, end_ns] = motion;
+  const auto& [from, to, dt_s, end_ns, touches, contact_force_W_n] = motion;
   range_.update(end_ns, to, others);
   imu_.update(end_ns, from, to, dt_s);
   if (flow_) flow_->update(end_ns, to, range_.sight_m(to, end_ns, others), dt_s);
   measure(to, end_ns, others);
+  if (contact_) contact_->update(end_ns, touches, to.q_WB.conjugate() * contact_force_W_n, dt_s);
 }
 
 void DroneSensors::write(DroneOutputs& outputs) const {
@@ -155,6 +162,10 @@ void DroneSensors::write(DroneOutputs& outputs) const {
   if (multiranger_) outputs.multiranger_m = multiranger_->readings_m();
   if (barometer_) outputs.barometer_pressure_pa = barometer_->pressure_pa();
   if (magnetometer_) outputs.magnetometer_field_t = to_array(magnetometer_->field_B_t());
+  if (contact_) {
+    outputs.contact_touching = contact_->touching();
+    outputs.contact_force_n = to_array(contact_->force_B_n());
+  }
   if (!flow_) return;
   outputs.flow_motion_x = flow_->sample().counts[0];
   outputs.flow_motion_y = flow_->sample().counts[1];
@@ -169,6 +180,7 @@ void DroneSensors::visit(state::Visitor& v) {
   if (multiranger_) v("multiranger", *multiranger_);
   if (barometer_) v("barometer", *barometer_);
   if (magnetometer_) v("magnetometer", *magnetometer_);
+  if (contact_) v("contact_sensor", *contact_);
 }
 
 }  // namespace mebots::world

@@ -7,6 +7,7 @@
 #include "scene/scene.hpp"
 #include "sensors/barometer.hpp"
 #include "sensors/camera_device.hpp"
+#include "sensors/contact_sensor.hpp"
 #include "sensors/flow_sensor.hpp"
 #include "sensors/imu.hpp"
 #include "sensors/magnetometer.hpp"
@@ -35,6 +36,8 @@ struct Motion {
   const RigidState& to;
   double dt_s;
   std::int64_t end_ns;
+  bool touches;                       ///< true if the body touched something
+  Eigen::Vector3d contact_force_W_n;  ///< sum of all contact forces
 };
 
 /// Owns the sensors of a drone. The noise of a sensor depends on the seed, the drone's index, the sensor's own stream
@@ -76,6 +79,7 @@ class DroneSensors {
   std::optional<Multiranger> multiranger_;
   std::optional<Barometer> barometer_;
   std::optional<Magnetometer> magnetometer_;
+  std::optional<ContactSensor> contact_;
   double power_w_ = 0.0;  ///< of the enabled sensors
 };
 
