@@ -436,6 +436,7 @@ void Drone::visit(state::Visitor& v) {
   if (!v.restores()) return;
   set_mass(mass_kg);
   outputs_.camera_frame = fmu::BinaryRef::to(sensors_.camera().frame());
+  outputs_.camera_depth = fmu::BinaryRef::to(sensors_.camera().depth());
 }
 
 }  // namespace mebots::world

@@ -80,8 +80,7 @@ class Drone {
   const RigidState& state() const { return state_; }
   double rotor_radius_m() const { return in_.rotors_radius_m; }
   const std::string& name() const { return name_; }
-  /// Returns the last picture; empty before the first.
-  std::span<const std::uint8_t> frame() const { return sensors_.camera().frame(); }
+  const CameraDevice& camera() const { return sensors_.camera(); }
   /// Returns the drone as a solid where it is now.
   scene::Solid box() const;
   ViewedDrone view() const;
@@ -118,7 +117,7 @@ class Drone {
   DroneOutputs& outputs_;
 
   RigidState state_;
-  // Of the present inner step; not part of the saved state.
+  // Values of the present inner step, which are not part of the saved state.
   RigidState from_;                // before move()
   Eigen::Vector3d air_force_W_n_;  // of rotors, drag and downwash
   DroneSensors sensors_;

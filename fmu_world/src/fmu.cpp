@@ -21,7 +21,11 @@ class Binding final : public fmu::Model {
   void step(std::int64_t start_ns, std::int64_t duration_ns) override { world_.step(start_ns, duration_ns); }
   void visit(state::Visitor& v) override { world_.visit(v); }
   std::string on_demand_text(std::string_view name) const override {
-    return name == "view.scene" ? world_.view() : encode_base64(world_.frame(index_in(name)));
+    if (name == "view.scene") return world_.view();
+    const CameraDevice* camera = world_.camera(index_in(name));
+    if (camera == nullptr) return {};
+    if (name.ends_with("camera.objects")) return camera->objects_text();
+    return encode_base64(name.ends_with("camera.depth.base64") ? camera->depth() : camera->frame());
   }
 
  private:

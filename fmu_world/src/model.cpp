@@ -151,9 +151,9 @@ void World::take_states() {
   }
 }
 
-std::span<const std::uint8_t> World::frame(std::size_t drone) const {
-  if (drone >= drones_.size()) return {};  // fewer drones than the FMU has variables for
-  return drones_[drone]->frame();
+const CameraDevice* World::camera(std::size_t drone) const {
+  if (drone >= drones_.size()) return nullptr;  // fewer drones than the FMU has variables for
+  return &drones_[drone]->camera();
 }
 
 std::string World::view() const {

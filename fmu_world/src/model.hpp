@@ -33,8 +33,8 @@ class World {
 
   void step(std::int64_t start_ns, std::int64_t duration_ns);
 
-  /// Returns a drone's last picture; empty before the first.
-  std::span<const std::uint8_t> frame(std::size_t drone = 0) const;
+  /// Returns a drone's camera; null if there are fewer drones.
+  const CameraDevice* camera(std::size_t drone = 0) const;
 
   /// Returns the scene for drawing, as from scene_text().
   std::string view() const;

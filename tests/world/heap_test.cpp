@@ -49,5 +49,25 @@ TEST(WorldHeap, PicturesAllocateNothingAfterTheFirst) {
   EXPECT_EQ(allocations(), before);
 }
 
+TEST(WorldHeap, SensorsThatAreSwitchedOnAllocateNothing) {
+  auto parameters = test::FlightRig::small_camera();
+  parameters.multiranger_enabled = true;
+  parameters.barometer_enabled = true;
+  parameters.magnetometer_enabled = true;
+  parameters.contact_enabled = true;
+  parameters.camera_depth_enabled = true;
+  auto scene = test::shipped_scene("gate_easy");
+  scene.drone = test::shipped_drone("crazyflie");
+  test::FlightRig rig(scene, parameters);
+  rig.inputs.camera_trigger = 1;
+  rig.run(0.1);
+  const long before = allocations();
+  for (int i = 2; i < 20; ++i) {
+    rig.inputs.camera_trigger = i;
+    rig.run(0.05);
+  }
+  EXPECT_EQ(allocations(), before);
+}
+
 }  // namespace
 }  // namespace mebots::world

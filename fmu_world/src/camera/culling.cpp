@@ -65,7 +65,8 @@ FaceCovers::FaceCovers(const std::vector<Face>& all) {
   faces.reserve(all.size());
   for (const Face& face : all) {
     faces.push_back({face.normal_W, face.offset_m, face.light, static_cast<std::uint32_t>(corners_W_m.size()),
-                     static_cast<std::uint32_t>(face.corners_W_m.size()), static_cast<std::uint32_t>(face.tile)});
+                     static_cast<std::uint32_t>(face.corners_W_m.size()), static_cast<std::uint32_t>(face.tile),
+                     face.object});
     corners_W_m.insert(corners_W_m.end(), face.corners_W_m.begin(), face.corners_W_m.end());
   }
 }

@@ -40,6 +40,7 @@ struct FaceCover {
   double light;
   std::uint32_t first_corner, corner_count;  // in FaceCovers::corners_W_m
   std::uint32_t tile;
+  std::uint32_t object;
 };
 
 /// The covers of all faces, in their order.

@@ -241,6 +241,13 @@ void add_mesh(Geometry& geometry, const scene::Mesh& mesh, const Vector3d& p_W_m
   }
 }
 
+/// Adds an object that consists of all faces from `first_face` on.
+void add_object(Geometry& geometry, const SceneObject& object, std::size_t first_face) {
+  const auto index = static_cast<std::uint32_t>(geometry.objects.size());
+  geometry.objects.push_back(object);
+  for (std::size_t i = first_face; i < geometry.faces.size(); ++i) geometry.faces[i].object = index;
+}
+
 }  // namespace
 
 double lambert(const scene::Lighting& lighting, const Vector3d& normal_W) {
@@ -272,12 +279,14 @@ Geometry make_geometry(const scene::Scene& scene) {
     add_mesh(geometry, *thing.mesh, thing.p_W_m, R_WM, scene.lighting, add_mover(geometry, thing));
   }
   for (const scene::Gate& gate : scene.gates) {
-    if (!gate.has_beams()) {
+    const std::size_t first_face = geometry.faces.size();
+    if (gate.has_beams()) {
+      add_gate(geometry, gate, add_tile(geometry, gate.texture), scene.lighting);
+    } else {
       const Eigen::Matrix3d R_WG = scene::attitude_of(gate).toRotationMatrix();
       add_mesh(geometry, gate.frame(), gate.p_W_m, R_WG, scene.lighting, Face::kStatic);
-      continue;
     }
-    add_gate(geometry, gate, add_tile(geometry, gate.texture), scene.lighting);
+    add_object(geometry, {SceneObject::Kind::gate, gate.name, gate.p_W_m}, first_face);
   }
   return geometry;
 }
@@ -289,6 +298,7 @@ void add_drone(Geometry& geometry, const scene::Drone& drone, std::size_t body) 
   dark.light = 60.0;
   scene::Texture darker;
   darker.light = 30.0;
+  const std::size_t first_face = geometry.faces.size();
   const std::size_t mover = geometry.movers.size();
   geometry.movers.push_back({{}, Vector3d::Zero(), body});
   scene::Box box;
@@ -306,6 +316,8 @@ void add_drone(Geometry& geometry, const scene::Drone& drone, std::size_t body) 
     add_side(geometry, disc, 2, 1.0, rim);
     add_side(geometry, disc, 2, -1.0, rim);
   }
+  const std::string name = "drone[" + std::to_string(body + 1) + "]";
+  add_object(geometry, {SceneObject::Kind::drone, name, Vector3d::Zero(), body}, first_face);
 }
 
 }  // namespace mebots::world::camera

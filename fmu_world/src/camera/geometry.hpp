@@ -8,12 +8,16 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace mebots::world::camera {
 
 /// Maximum number of corners of a face.
 inline constexpr std::size_t kMaxCorners = 8;
+
+/// The index of a face that is no part of a named object.
+inline constexpr std::uint32_t kNoObject = UINT32_MAX;
 
 /// A flat convex part of a surface, visible from its front only.
 ///
@@ -29,8 +33,9 @@ struct Face {
   Eigen::Vector3d texture_origin_W_m;  ///< point where both texture coordinates are these:
   double u_origin_m = 0.0;
   double v_origin_m = 0.0;
-  double light = 1.0;           ///< grey level seen over grey level of the texture; for moving faces, at the start
-  std::size_t mover = kStatic;  ///< index in Geometry::movers
+  std::uint32_t object = kNoObject;  ///< index in Geometry::objects
+  double light = 1.0;                ///< grey level seen over grey level of the texture; for moving faces, at the start
+  std::size_t mover = kStatic;       ///< index in Geometry::movers
   static constexpr std::size_t kStatic = SIZE_MAX;
 };
 
@@ -43,11 +48,21 @@ struct Mover {
   std::size_t body = kNoBody;  ///< index of the drone in Pose::bodies
 };
 
+/// An object with a name, whose faces ground truth marks in a picture.
+struct SceneObject {
+  enum class Kind { gate, drone };
+  Kind kind = Kind::gate;
+  std::string name;
+  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();  ///< in the world; of a drone: in its body's frame
+  std::size_t body = Mover::kNoBody;                   ///< index of a drone in Pose::bodies
+};
+
 /// Everything that the camera can see.
 struct Geometry {
   std::vector<std::shared_ptr<const Tile>> tiles;
   std::vector<Face> faces;  ///< faces of movers are in their positions without a path
   std::vector<Mover> movers;
+  std::vector<SceneObject> objects;
   scene::Lighting lighting;  ///< for faces that rotate
   double background = 0.0;   ///< grey level where no face is
 };

@@ -72,6 +72,20 @@ class Lens {
   /// enough for the lens.
   const Intrinsics& pinhole() const { return pinhole_; }
 
+  /// The pixel of the undistorted picture that is nearest to a sensor pixel's ray, and the ray's distance to the right
+  /// of and below the centre of this pixel, in pixels.
+  struct Source {
+    std::size_t pixel;
+    double right, down;
+  };
+  Source source(std::size_t sensor_pixel) const {
+    if (looks_.empty()) return {sensor_pixel, 0.0, 0.0};
+    const Look& look = looks_[sensor_pixel];
+    const int right = look.right >= 0.5F ? 1 : 0;
+    const int down = look.down >= 0.5F ? 1 : 0;
+    return {static_cast<std::size_t>(look.place + right + down * pinhole_.width), look.right - right, look.down - down};
+  }
+
   /// Computes the light on the sensor from a pinhole's light, row by row from the top left, multiplied by `factor`.
   void project(std::span<const float> light, float factor, std::span<float> sensor) const;
 

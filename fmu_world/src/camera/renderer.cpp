@@ -172,7 +172,8 @@ Renderer::Workspace Renderer::make_workspace() const {
   return workspace;
 }
 
-void Renderer::find_visible(const Pose& pose, int first_row, int end_row, Workspace& workspace) const {
+void Renderer::find_visible(const Pose& pose, int first_row, int end_row, std::uint32_t only,
+                            Workspace& workspace) const {
   const double focal_length_px = intrinsics_.focal_length_px();
   const Outline::Picture picture{focal_length_px, intrinsics_.width, intrinsics_.height};
   const PictureSides sides(intrinsics_, first_row, end_row);
@@ -190,6 +191,7 @@ void Renderer::find_visible(const Pose& pose, int first_row, int end_row, Worksp
     if (sides.leave_out(R_CE * (group.middle_W_m - eye.p_WC_m), group.radius_m)) continue;
     for (std::size_t k = group.first; k < group.end; ++k) {
       const FaceCover& cover = scenery_->covers.faces[k];
+      if (only != kEveryObject && cover.object != only) continue;
       const double height_over_plane_m = cover.normal_W.dot(eye.p_WC_m) - cover.offset_m;
       if (height_over_plane_m < kEdgeOn_m) continue;  // back or edge-on
       const auto corners_W = scenery_->covers.corners_of(cover);
@@ -215,7 +217,7 @@ void Renderer::find_visible(const Pose& pose, int first_row, int end_row, Worksp
       } else {
         add_texture(scenery_->geometry.faces[k], tile, eye, focal_length_px, view);
       }
-      workspace.faces_.push_back({outline, view});
+      workspace.faces_.push_back({outline, view, cover.object});
     }
   }
   sort_by_strip(first_row, workspace);
@@ -264,7 +266,7 @@ void Renderer::see_strip(std::size_t strip, int first, int end, Workspace& works
   std::fill_n(nearest, stride * (end - first), kNothing);
   const float x_0 = left_centre(intrinsics_);
   for (const std::int32_t i : workspace.active_) {
-    const auto& [outline, view] = workspace.faces_[static_cast<std::size_t>(i)];
+    const auto& [outline, view, object] = workspace.faces_[static_cast<std::size_t>(i)];
     outline.spans(first, end, [&](int row, int from, int to) {
       MEBOTS_ASSERT(row >= first && row < end && from >= 0 && to <= width);
       const auto w = static_cast<float>(view.w_0 + view.w_y * below_middle(row, intrinsics_));
@@ -294,7 +296,7 @@ void Renderer::shade_row(int row, const std::int32_t* nearest, const Workspace& 
 
 template <typename Shaded>
 void Renderer::shade_rows(const Pose& pose, int first, int end, Workspace& workspace, Shaded&& shaded) const {
-  find_visible(pose, first, end, workspace);
+  find_visible(pose, first, end, kEveryObject, workspace);
   const std::ptrdiff_t stride = intrinsics_.width + kSpareColumns;
   std::size_t strip = 0;
   for (int top = first; top < end; top += kStripRows) {
@@ -303,6 +305,31 @@ void Renderer::shade_rows(const Pose& pose, int first, int end, Workspace& works
     for (int row = top; row < bottom; ++row) {
       shade_row(row, workspace.nearest_.data() + stride * (row - top), workspace, workspace.grey_.data());
       shaded(row);
+    }
+  }
+}
+
+void Renderer::look(const Pose& pose, int first_row, int end_row, std::uint32_t only, std::span<Sight> sights,
+                    Workspace& workspace) const {
+  find_visible(pose, first_row, end_row, only, workspace);
+  const int width = intrinsics_.width;
+  MEBOTS_ASSERT(sights.size() >= static_cast<std::size_t>(end_row) * static_cast<std::size_t>(width));
+  const std::ptrdiff_t stride = width + kSpareColumns;
+  std::size_t strip = 0;
+  for (int top = first_row; top < end_row; top += kStripRows) {
+    const int bottom = std::min(top + kStripRows, end_row);
+    see_strip(strip++, top, bottom, workspace);
+    for (int row = top; row < bottom; ++row) {
+      const std::int32_t* const nearest = workspace.nearest_.data() + stride * (row - top);
+      for (int column = 0; column < width; ++column) {
+        Sight& sight = sights[static_cast<std::size_t>(row) * width + column];
+        sight = {};
+        if (nearest[column] == kNothing) continue;
+        const auto& [outline, view, object] = workspace.faces_[static_cast<std::size_t>(nearest[column])];
+        const double x = column + 0.5 - 0.5 * width;
+        const double inverse = view.w_0 + view.w_x * x + view.w_y * below_middle(row, intrinsics_);
+        sight = {inverse, view.w_x, view.w_y, object};
+      }
     }
   }
 }

@@ -25,6 +25,23 @@ struct Scenery {
   std::vector<FaceGroup> groups;
 };
 
+/// The plane that a pixel shows. Its inverse depth along the optical axis is linear over the picture.
+struct Sight {
+  double inverse_depth_per_m = 0.0;      ///< at the pixel's centre; 0 where there is no face
+  float along_x = 0.0F, along_y = 0.0F;  ///< change to the next pixel to the right, and down
+  std::uint32_t object = kNoObject;      ///< index in Geometry::objects
+
+  /// Returns the depth of the plane at a point that is `right` and `down` of the pixel's centre, in pixels; 0 if there
+  /// is no face.
+  double depth_m(double right, double down) const {
+    const double inverse = inverse_depth_per_m + along_x * right + along_y * down;
+    return inverse > kFarthest_per_m ? 1.0 / inverse : 0.0;
+  }
+};
+
+/// Selects the faces of all objects, and those of no object.
+inline constexpr std::uint32_t kEveryObject = kNoObject;
+
 /// The drone's camera: a pinhole camera with an 8-bit grey sensor.
 ///
 /// Faces that cannot be in the picture are left out, if possible by groups. Then, in strips of 16 rows, every face's
@@ -39,6 +56,7 @@ class Renderer {
     struct VisibleFace {
       Outline outline;
       FaceView view;
+      std::uint32_t object;
     };
     std::vector<VisibleFace> faces_;
     std::vector<Outline::Edge> edges_;    // of their outlines
@@ -78,9 +96,14 @@ class Renderer {
   /// `grey` begins at row 0 and has `width` numbers per row.
   void render_light(const Pose& pose, int first_row, int end_row, std::span<float> grey, Workspace& workspace) const;
 
+  /// Finds what the pixels of the rows [first_row, end_row) show. `sights` begins at row 0. If `only` is the index of
+  /// an object, the picture contains this object alone.
+  void look(const Pose& pose, int first_row, int end_row, std::uint32_t only, std::span<Sight> sights,
+            Workspace& workspace) const;
+
  private:
-  /// Finds the faces that may be visible in the rows [first, end).
-  void find_visible(const Pose& pose, int first_row, int end_row, Workspace& workspace) const;
+  /// Finds the faces of all objects or of one that may be visible in the rows [first, end).
+  void find_visible(const Pose& pose, int first_row, int end_row, std::uint32_t only, Workspace& workspace) const;
   static void sort_by_strip(int first_row, Workspace& workspace);
   /// Finds the nearest faces of a strip with the rows [first, end). Must be called for strips in rising order, after
   /// find_visible().

@@ -15,8 +15,6 @@
 namespace mebots::world::camera {
 namespace {
 
-/// Number of rows that are rendered for one time. At 63 us per row, they take half a millisecond.
-constexpr int kBandRows = 8;
 /// Automatic exposure changes if mean and target differ by more than this number of grey levels: the HM01B0's
 /// CONVERGE_OUT_TH.
 constexpr double kTolerance = 5.0;
@@ -89,18 +87,9 @@ double Sensor::exposure_s() const {
 }
 
 void Sensor::gather_once(const PoseAt& pose_at, double after_s, std::span<float> light) {
-  const int height = lens_.pinhole().height;
-  if (settings_.line_time_s == 0.0) {
-    renderer_.render_light(pose_at(after_s), 0, height, light, workspace_);
-    return;
-  }
-  // The light above and below the sensor's rows is needed, because the lens bends it into the picture.
-  const double first_row = 0.5 * (height - intrinsics_.height);
-  for (int row = 0; row < height; row += kBandRows) {
-    const int end = std::min(row + kBandRows, height);
-    const double middle = std::clamp(0.5 * (row + end - 1) - first_row, 0.0, intrinsics_.height - 1.0);
-    renderer_.render_light(pose_at(after_s + settings_.line_time_s * middle), row, end, light, workspace_);
-  }
+  for_each_band(lens_.pinhole(), intrinsics_, settings_.line_time_s, [&](int first, int end, double later_s) {
+    renderer_.render_light(pose_at(after_s + later_s), first, end, light, workspace_);
+  });
 }
 
 void Sensor::gather(const PoseAt& pose_at) {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "camera/bands.hpp"
 #include "camera/lens.hpp"
 #include "camera/pixel_noise.hpp"
 #include "camera/renderer.hpp"
 #include "mebots/state/visitor.hpp"
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -45,9 +45,6 @@ struct SensorSettings {
 /// doubled.
 class Sensor {
  public:
-  /// Returns the camera's pose some seconds after the start of the picture.
-  using PoseAt = std::function<Pose(double after_s)>;
-
   /// Throws mebots::Error that names a parameter with an invalid value.
   Sensor(std::shared_ptr<const Scenery> scenery, const Intrinsics& intrinsics, const LensSettings& lens,
          const SensorSettings& settings);

@@ -22,7 +22,8 @@ enum class Stream : std::uint64_t {
   barometer_bias = 10,
   magnetometer = 11,
   magnetometer_bias = 12,
-  contact = 13
+  contact = 13,
+  depth = 14
 };
 
 /// The increment of SplitMix64's Weyl sequence.

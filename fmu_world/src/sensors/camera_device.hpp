@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "camera/ground_truth.hpp"
 #include "camera/sensor.hpp"
 #include "dynamics/airframe.hpp"
 #include "mebots/state/visitor.hpp"
@@ -12,6 +13,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace mebots::world {
@@ -25,7 +27,10 @@ class CameraDevice {
     camera::Mounting mounting;
     camera::LensSettings lens;
     camera::SensorSettings sensor;
-    std::uint64_t seed = 0;  ///< until reseed()
+    bool labels = false;             ///< objects_text() has the objects of pictures
+    bool depth = false;              ///< each picture has a depth picture
+    double depth_noise_per_m = 0.0;  ///< standard deviation of a depth over its square
+    std::uint64_t seed = 0;          ///< until reseed()
   };
 
   CameraDevice(const std::shared_ptr<const camera::Scenery>& scenery, const Settings& settings);
@@ -41,6 +46,10 @@ class CameraDevice {
   const Settings& settings() const { return settings_; }
   /// Returns the last picture, row by row from the top left; empty before the first.
   std::span<const std::uint8_t> frame() const;
+  /// Returns the depth picture of the last picture, as GroundTruth::depth() writes it; empty without one.
+  std::span<const std::uint8_t> depth() const;
+  /// Returns gates and drones in the last picture as JSON; empty without `labels`. docs/sensors.md has the format.
+  std::string objects_text() const;
   /// Returns the count of the last picture; 0 before the first.
   std::int32_t frame_id() const { return frame_id_; }
   /// Return exposure and gain of the last picture; 0 before the first.
@@ -50,15 +59,28 @@ class CameraDevice {
   void visit(state::Visitor& v);
 
  private:
-  /// Returns the camera's pose `after_s` after `time_ns` if the body continues its present motion.
-  camera::Pose pose_after(const RigidState& body, std::int64_t time_ns, double after_s, const Others& others);
+  /// The bodies at the start of a picture.
+  struct Pictured {
+    RigidState body;
+    std::vector<RigidState> others;
+    std::uint64_t own = 0;
+    std::int64_t time_ns = 0;
+
+    void visit(state::Visitor& v);
+  };
+
+  /// Returns the camera's pose `after_s` after the start of a picture if all bodies continue their motion.
+  camera::Pose pose_after(const Pictured& start, double after_s) const;
 
   Settings settings_;
   /// Either the renderer or the sensor is set. The sensor is set if a parameter needs it.
   std::optional<camera::Renderer> renderer_;
   std::optional<camera::Sensor> sensor_;
   std::array<std::vector<std::uint8_t>, 2> buffers_;
-  std::vector<camera::BodyPose> bodies_;  // of the present picture
+  std::unique_ptr<camera::GroundTruth> truth_;  // null without labels and depth
+  std::array<std::vector<std::uint8_t>, 2> depths_;
+  Pictured pictured_;                             // of the last picture; part of the state with labels
+  mutable std::vector<camera::BodyPose> bodies_;  // memory of pose_after()
   std::uint8_t front_ = 0;
   std::int32_t last_count_ = 0;
   std::int32_t frame_id_ = 0;

@@ -39,6 +39,9 @@ CameraDevice::Settings camera_settings(const DroneParameters& parameters, std::u
       .full_well = parameters.camera_full_well,
       .noise_std = parameters.camera_noise,
   };
+  settings.labels = parameters.camera_labels;
+  settings.depth = parameters.camera_depth_enabled;
+  settings.depth_noise_per_m = parameters.camera_depth_noise_per_m;
   settings.seed = seed;
   return settings;
 }
@@ -155,6 +158,7 @@ void DroneSensors::write(DroneOutputs& outputs) const {
   outputs.imu_angular_velocity_rad_per_s = to_array(imu_.rate_rad_per_s());
   outputs.range_down_m = range_.reading_m();
   outputs.camera_frame = fmu::BinaryRef::to(camera_.frame());
+  outputs.camera_depth = fmu::BinaryRef::to(camera_.depth());
   outputs.camera_frame_id = camera_.frame_id();
   outputs.camera_frame_exposure_s = camera_.exposure_s();
   outputs.camera_frame_gain = camera_.gain();

@@ -19,13 +19,13 @@ using testing::pose;
 
 const Vector3d kEye{0.0, 0.0, 1.0};
 
-Picture taken(Sensor& sensor, const Sensor::PoseAt& pose_at, const Intrinsics& size = {}, std::uint64_t frame = 0) {
+Picture taken(Sensor& sensor, const PoseAt& pose_at, const Intrinsics& size = {}, std::uint64_t frame = 0) {
   Picture picture{size.width, std::vector<std::uint8_t>(static_cast<std::size_t>(size.width) * size.height)};
   sensor.take(pose_at, 1, frame, picture.pixels);
   return picture;
 }
 
-Sensor::PoseAt still(const Pose& from) {
+PoseAt still(const Pose& from) {
   return [from](double after_s) {
     Pose then = from;
     then.time_ns += std::llround(after_s * 1e9);
@@ -33,7 +33,7 @@ Sensor::PoseAt still(const Pose& from) {
   };
 }
 
-Sensor::PoseAt turning(double rate_rad_per_s) {
+PoseAt turning(double rate_rad_per_s) {
   return [=](double after_s) { return pose(kEye, rate_rad_per_s * after_s); };
 }
 
@@ -246,7 +246,7 @@ TEST(CameraSensor, TakesPicturesWithoutTheHeap) {
   settings.full_well = 7400.0;
   Sensor sensor(testing::patterned_room(), {}, {-0.05, 0.0, 1.0}, settings);
   std::vector<std::uint8_t> pixels(320 * 320);
-  const Sensor::PoseAt from = still(pose(kEye));
+  const PoseAt from = still(pose(kEye));
   sensor.take(from, 1, 0, pixels);
   const auto before = mebots::test::allocations();
   sensor.take(from, 1, 1, pixels);
