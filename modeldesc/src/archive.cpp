@@ -97,11 +97,18 @@ std::vector<std::string> unpack(const fs::path& archive, const fs::path& folder,
     }
     if (!entry.is_folder) write_entry(reader, entry, folder / entry.name);
   }
-  if (reader.backslashes() == 0) return {};
-  return {
-      fmt::format("{}: backslashes in the names of its entries ({} of them) are read as slashes; the zip format knows "
-                  "slashes only",
-                  archive.string(), reader.backslashes())};
+  std::vector<std::string> notices;
+  if (reader.backslashes() > 0) {
+    notices.push_back(
+        fmt::format("{}: backslashes in the names of its entries ({} of them) are read as slashes; the zip format "
+                    "knows slashes only",
+                    archive.string(), reader.backslashes()));
+  }
+  if (reader.repeated() > 0) {
+    notices.push_back(fmt::format("{}: {} of its entries repeat another entry with the same bytes, and are ignored",
+                                  archive.string(), reader.repeated()));
+  }
+  return notices;
 }
 
 std::string why_missing(const fs::path& folder, const std::string& name) {

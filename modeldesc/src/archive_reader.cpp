@@ -12,7 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
-#include <unordered_set>
+#include <unordered_map>
 #include <utility>
 
 namespace mebots::modeldesc {
@@ -143,8 +143,8 @@ ArchiveReader::ArchiveReader(ZipHandle archive, std::string name, const UnpackLi
   if (count < 0 || static_cast<std::uint64_t>(count) > limits_.entries)
     throw Error(ErrorCode::archive_damaged,
                 fmt::format("{}: {} entries are more than the limit of {}", name_, count, limits_.entries));
-  std::unordered_set<std::string> names;
-  names.reserve(static_cast<std::size_t>(count));
+  std::unordered_map<std::string, std::size_t> places;  // of entries, by their normal names
+  places.reserve(static_cast<std::size_t>(count));
   entries_.reserve(static_cast<std::size_t>(count));
   std::uint64_t total = 0;
   for (zip_int64_t i = 0; i < count; ++i) {
@@ -160,7 +160,12 @@ ArchiveReader::ArchiveReader(ZipHandle archive, std::string name, const UnpackLi
     auto normal = checked_name(entry.name);
     check_kind(entry);
     check_storage(entry);
-    if (!names.insert(std::move(normal)).second) refuse(entry.name, "occurs twice");
+    const auto [place, is_new] = places.emplace(std::move(normal), entries_.size());
+    if (!is_new) {
+      if (!is_same(entry, entries_[place->second])) refuse(entry.name, "occurs twice with different bytes");
+      ++repeated_;
+      continue;
+    }
     check_size(entry, stat.comp_size, total);
     entries_.push_back(std::move(entry));
   }
@@ -200,6 +205,16 @@ void ArchiveReader::check_storage(const Entry& entry) const {
          fmt::format("is compressed with {}, which cannot be read; pack the archive again with Deflate, such as with "
                      "`zip -r` or `7z a -tzip -mm=Deflate`",
                      compression_name(stat.comp_method)));
+}
+
+/// True if both entries are folders, or files with the same size and checksum.
+bool ArchiveReader::is_same(const Entry& entry, const Entry& other) const {
+  if (entry.is_folder || other.is_folder) return entry.is_folder && other.is_folder;
+  zip_stat_t one;
+  zip_stat_t two;
+  return zip_stat_index(archive_.get(), entry.index, 0, &one) == 0 &&
+         zip_stat_index(archive_.get(), other.index, 0, &two) == 0 && (one.valid & two.valid & ZIP_STAT_CRC) != 0 &&
+         one.crc == two.crc && one.size == two.size;
 }
 
 void ArchiveReader::check_size(const Entry& entry, std::uint64_t packed, std::uint64_t& total) const {

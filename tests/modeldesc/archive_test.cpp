@@ -134,6 +134,15 @@ TEST_F(ArchiveTest, TwoSpellingsOfOneNameAreRefused) {
   expect_refused(with_entry("./honest.txt", "x"), "occurs twice");
 }
 
+TEST_F(ArchiveTest, AnEntryThatIsRepeatedWithTheSameBytesIsIgnoredWithANotice) {
+  const fs::path out = folder_.path() / "repeated";
+  const auto notices = unpack(with_entry("./honest.txt", "honest"), out);
+  EXPECT_EQ(read_file(out / "honest.txt"), "honest");
+  ASSERT_EQ(notices.size(), 1U);
+  EXPECT_NE(notices[0].find("1 of its entries repeat another entry with the same bytes"), std::string::npos)
+      << notices[0];
+}
+
 TEST_F(ArchiveTest, NamesThatOnlyLookDangerousPass) {
   for (const char* name : {"a..b", "..a/b", "...", "a/.hidden"}) {
     const fs::path out = folder_.path() / "fine";

@@ -41,6 +41,8 @@ class ArchiveReader {
   const std::vector<Entry>& entries() const { return entries_; }
   /// Returns the number of entries whose names contain backslashes.
   std::size_t backslashes() const { return backslashes_; }
+  /// Returns the number of entries that repeat another one with the same bytes. entries() contains each once.
+  std::size_t repeated() const { return repeated_; }
   /// Passes the entry's bytes to `take`, part by part. Throws mebots::Error if the bytes are damaged, or if their
   /// number differs from the declared size. Never passes more than the declared size.
   void read(const Entry& entry, const std::function<void(std::string_view)>& take) const;
@@ -50,6 +52,7 @@ class ArchiveReader {
   std::string checked_name(std::string_view name) const;
   void check_kind(const Entry& entry) const;
   void check_storage(const Entry& entry) const;
+  bool is_same(const Entry& entry, const Entry& other) const;
   void check_size(const Entry& entry, std::uint64_t packed, std::uint64_t& total) const;
 
   ZipHandle archive_;
@@ -57,6 +60,7 @@ class ArchiveReader {
   UnpackLimits limits_;
   std::vector<Entry> entries_;
   std::size_t backslashes_ = 0;
+  std::size_t repeated_ = 0;
 };
 
 }  // namespace mebots::modeldesc
