@@ -188,7 +188,6 @@ PYBIND11_MODULE(_mebots, module) {
       .def("on_point", &on_point)
       .def("set", [](Mission& mission, const std::string& variable,
                      const py::object& value) { mission.set(variable, value_of(value)); })
-      .def("sizes_first", &Mission::sizes_first)
       .def("add_scenario", &Mission::add_scenario)
       .def("add_inputs", &Mission::add_inputs)
       .def("set_stop_time", &Mission::set_stop_time)

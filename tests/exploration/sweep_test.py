@@ -758,14 +758,41 @@ class Arrays(StudyCase):
         self.sweep("--jobs", "1")
         self.assertEqual(len(self.rows("missions.csv")), 4)
 
-    def test_python_sets_sizes_first(self):
+    def test_python_sets_elements_and_sizes_in_any_order(self):
         values = {"a.line.u[4]": 7, "a.lines": 4}
-        with mebots.Mission(self.folder / "mission.json", set=values) as mission:
-            self.assertEqual(mission.sizes_first(values), ["a.lines", "a.line.u[4]"])
-            mission.run()
-            self.assertEqual(mission.value("a.line.y[4]"), 37)
-        with self.assertRaisesRegex(mebots.InputError, r"no variable 'line.u\[4\]'"):
-            mebots.Mission(self.folder / "mission.json", set={"a.lines": 3, "a.line.u[4]": 7})
+        for order in (values, dict(reversed(values.items()))):
+            with mebots.Mission(self.folder / "mission.json", set=order) as mission:
+                mission.run()
+                self.assertEqual(mission.value("a.line.y[4]"), 37)
+            with mebots.Mission(self.folder / "mission.json") as mission:
+                for name, value in order.items():
+                    mission.set(name, value)
+                mission.run()
+                self.assertEqual(mission.value("a.line.y[4]"), 37)
+                mission.reset()
+                mission.set("a.line.u[1]", 1)
+                mission.run()
+                self.assertNotIn("a.line.y[4]", mission.variables)
+
+    def test_python_refuses_elements_beyond_the_size(self):
+        with mebots.Mission(self.folder / "mission.json", set={"a.lines": 3, "a.line.u[4]": 7}) as mission:
+            with self.assertRaisesRegex(mebots.InputError, r'set\("a.line.u\[4\]"\): .*no variable \'line.u\[4\]\''):
+                mission.start()
+        with mebots.Mission(self.folder / "mission.json") as mission:
+            for wrong in ("a.line.u", "a.line.u[0]", "a.line.u[1,1]", "a.line.u[]", "a.line.u[2,]", "a.nothing[2]"):
+                with self.assertRaisesRegex(mebots.InputError, "no variable", msg=wrong):
+                    mission.set(wrong, 1)
+            with self.assertRaises(mebots.InputError):
+                mission.set("a.line.u[4]", "text")
+            with self.assertRaisesRegex(mebots.InputError, "cannot be set"):
+                mission.set("a.line.y[4]", 1)
+
+    def test_a_factor_beyond_the_size_is_named(self):
+        self.study(design={"kind": "grid", "factors": {"a.line.u[4]": [5, 7]}}, objectives={"first": {"final": "a.line.y[1]"}})
+        error = self.sweep("--jobs", "1", code=2)
+        self.assertIn("factor 'a.line.u[4]'", error)
+        self.assertIn("no variable 'line.u[4]'", error)
+        self.assertNotIn("set(", error)
 
     def test_texts_that_look_like_numbers_stay_texts(self):
         out = self.folder / "out"

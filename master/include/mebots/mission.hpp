@@ -50,6 +50,8 @@ class Mission {
   /// 0. If the listener throws, the run fails.
   void on_point(std::function<void(double)> listener);
   /// Replaces the config's parameter or start value of "instance.variable". Checks name, type and limits immediately.
+  /// Settings may come in any order: if structural parameters (FMI 3.0) determine the size of an array, start() checks
+  /// whether the array has the element.
   void set(std::string_view variable, const Value& value);
   /// Adds the overrides of a scenario file. They follow the overrides of the config.
   void add_scenario(const std::filesystem::path& file);
@@ -58,9 +60,6 @@ class Mission {
   void add_inputs(const std::filesystem::path& file);
   /// Sets the end of the run [s].
   void set_stop_time(double stop_time_s);
-  /// Returns the names with structural parameters (FMI 3.0) first, which determine the sizes of arrays. In this order,
-  /// set() finds the elements of all arrays. Otherwise keeps the order.
-  std::vector<std::string> sizes_first(const std::vector<std::string>& variables) const;
   /// Sets the variables to record (patterns with * and ?), in place of the config's `variables` and `exclude`.
   void record(const std::vector<std::string>& patterns);
 

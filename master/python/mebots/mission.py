@@ -89,9 +89,8 @@ class Mission:
         )
         if set is not None and not isinstance(set, Mapping):
             raise TypeError(f"set must be a dict of variables and their values, not {set!r}")
-        values = dict(set or {})
-        for variable in self.sizes_first(values):
-            self.set(variable, values[variable])
+        for variable, value in (set or {}).items():
+            self.set(variable, value)
         if record is not None:
             self.record(record)
 
@@ -127,13 +126,9 @@ class Mission:
 
     def set(self, variable: str, value: Scalar) -> None:
         """Replaces the config's parameter or start value of "instance.variable". Checks name, type and limits
-        immediately. Must be called before start()."""
+        immediately. Settings may come in any order: if structural parameters (FMI 3.0) determine the size of an array,
+        start() checks whether the array has the element. Must be called before start()."""
         self._run.set(variable, value)
-
-    def sizes_first(self, variables: Iterable[str]) -> list[str]:
-        """Returns the names with structural parameters (FMI 3.0) first, which determine the sizes of arrays. In this order,
-        ``set()`` finds the elements of all arrays. Otherwise keeps the order."""
-        return self._run.sizes_first(list(variables))
 
     def add_scenario(self, file: Path) -> None:
         """Adds the overrides of a file. They follow the overrides of the config. Must be called before start()."""

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "resolve/resolve.hpp"
 
+#include "mebots/modeldesc/declared_variable.hpp"
 #include "mebots/nearest_names.hpp"
 #include "model/value_kind.hpp"
 #include "resolve/clock_groups.hpp"
@@ -216,6 +217,25 @@ modeldesc::StructuralValues structural_values(const InstanceDescription& instanc
     values[variable->value_reference] = static_cast<std::uint64_t>(std::get<std::int64_t>(start.value));
   }
   return values;
+}
+
+const Variable* variable_of_setting(const modeldesc::ModelDescription& description, std::string_view name) {
+  const auto* variable = modeldesc::declared_variable(description, name);
+  if (variable == nullptr) return nullptr;
+  const bool is_element = variable->name != name;
+  return is_element == variable->fmi3->dimensions.empty() ? nullptr : variable;
+}
+
+std::string checked_setting(const InstanceDescription& instance, Fmu& fmu, const Assignment& setting) {
+  const auto text_of = [](const StartValue& start) { return value_text(start.variable->type, start.value); };
+  const auto& description = fmu.description();
+  if (const auto* variable = variable_of_setting(description, setting.variable)) {
+    auto whole = setting;
+    whole.variable = variable->name;
+    return text_of(checked_start(instance, description, whole));
+  }
+  const auto model = fmu.model(structural_values(instance, description));  // has the names of elements, for the error
+  return text_of(checked_start(instance, *model, setting));
 }
 
 ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library,

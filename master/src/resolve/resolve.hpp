@@ -8,6 +8,8 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <string>
+#include <string_view>
 
 /// Converts the user's description to a checked system: opens FMUs and resolves names.
 namespace mebots::master {
@@ -27,5 +29,13 @@ void with_place_of_fmu(const InstanceDescription& instance, const std::function<
 /// Returns the values that an instance's description sets for its structural parameters (FMI 3.0). Throws InputError.
 modeldesc::StructuralValues structural_values(const InstanceDescription& instance,
                                               const modeldesc::ModelDescription& description);
+
+/// Returns the variable that a setting of this name changes: a scalar, or the array of an element. If structural
+/// parameters determine the array's size, the element need not exist yet. Null if there is none.
+const modeldesc::Variable* variable_of_setting(const modeldesc::ModelDescription& description, std::string_view name);
+
+/// Checks name, type and limits of a setting while the sizes of arrays may still change. resolve() checks again whether
+/// an array has the element. Returns the value as text. Throws InputError.
+std::string checked_setting(const InstanceDescription& instance, Fmu& fmu, const Assignment& setting);
 
 }  // namespace mebots::master

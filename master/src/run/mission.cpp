@@ -90,14 +90,6 @@ void Mission::set(std::string_view variable, const Value& value) {
   impl_->run->set({std::string(variable), value, fmt::format("set(\"{}\")", variable)});
 }
 
-std::vector<std::string> Mission::sizes_first(const std::vector<std::string>& variables) const {
-  std::vector<Setting> settings;
-  for (const auto& name : variables) settings.push_back({name, {}, {}});
-  std::vector<std::string> ordered;
-  for (auto& setting : impl_->run->sizes_first(std::move(settings))) ordered.push_back(std::move(setting.variable));
-  return ordered;
-}
-
 void Mission::add_scenario(const std::filesystem::path& file) {
   impl_->run->add_scenario(file);
 }

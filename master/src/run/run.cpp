@@ -73,7 +73,7 @@ Run::Run(const std::filesystem::path& config, RunOptions options, std::shared_pt
   const auto stop_time_s = options_.stop_time_s;
   check_times(options_);
   system_ = read_config(config, given_times(config, options_));
-  for (const auto& setting : sizes_first(settings)) set(setting);
+  for (const auto& setting : settings) set(setting);
   for (const auto& file : scenarios) add_scenario(file);
   for (const auto& file : inputs) add_inputs(file);
   if (stop_time_s) set_stop_time(nanoseconds_of(*stop_time_s, "stop time"), "stop time");
@@ -138,42 +138,20 @@ void Run::listen(MessageHub::Listener listener) {
   messages_.add(std::move(listener));
 }
 
-/// Returns the description of the instance's FMU for the structural parameters set so far.
-std::shared_ptr<const modeldesc::ModelDescription> Run::model_of(const InstanceDescription& instance) const {
-  const auto fmu = open_fmu(instance, *library_);
-  return fmu->model(structural_values(instance, fmu->description()));
-}
-
-bool Run::is_structural(const std::string& name) const {
-  const auto variable = system_.split(name);
-  if (!variable) return false;
-  const auto fmu = open_fmu(system_.instances[*system_.index_of(variable->instance)], *library_);
-  const auto* found = fmu->description().find(variable->variable);
-  return found != nullptr && found->causality == modeldesc::Causality::structural_parameter;
-}
-
-std::vector<Setting> Run::sizes_first(std::vector<Setting> settings) const {
-  if (settings.size() > 1) {
-    std::stable_partition(settings.begin(), settings.end(),
-                          [this](const Setting& one) { return is_structural(one.variable); });
-  }
-  return settings;
-}
-
 void Run::set(const Setting& written) {
   require_open(written.place);
   const auto setting = with_longest_name(written, [this](const std::string& name) {
     const auto variable = system_.split(name);
     if (!variable) return false;
-    const auto& instance = system_.instances[*system_.index_of(variable->instance)];
-    return model_of(instance)->find(variable->variable) != nullptr;
+    const auto fmu = open_fmu(system_.instances[*system_.index_of(variable->instance)], *library_);
+    return variable_of_setting(fmu->description(), variable->variable) != nullptr;
   });
   const auto [instance, assignment] = locate(system_, setting);
-  const auto start = checked_start(*instance, *model_of(*instance), assignment);
+  const auto fmu = open_fmu(*instance, *library_);
+  const auto value = checked_setting(*instance, *fmu, assignment);
   instance->parameters.push_back(assignment);
   options_.settings.push_back(setting);
-  setting_changes_.push_back(
-      fmt::format("set {}.{}={}", instance->name, assignment.variable, value_text(start.variable->type, start.value)));
+  setting_changes_.push_back(fmt::format("set {}.{}={}", instance->name, assignment.variable, value));
 }
 
 void Run::add_scenario(const std::filesystem::path& file) {

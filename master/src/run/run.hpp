@@ -62,12 +62,9 @@ class Run {
 
   /// Adds a listener for messages of FMUs and notices of the run.
   void listen(MessageHub::Listener listener);
-  /// Replaces a parameter or start value of the config. Opens the instance's FMU and checks name, type and limits. An
-  /// element of an array must exist with the sizes set so far; sizes_first() gives the order.
+  /// Replaces a parameter or start value of the config. Opens the instance's FMU and checks name, type and limits. If
+  /// other settings can change the size of an array, start() checks whether the array has the element.
   void set(const Setting& written);
-  /// Moves structural parameters, which determine the sizes of arrays, before all other variables. Otherwise keeps the
-  /// order. Opens the FMUs. Throws InputError if an FMU cannot be opened.
-  std::vector<Setting> sizes_first(std::vector<Setting> settings) const;
   /// Appends the overrides of a scenario file.
   void add_scenario(const std::filesystem::path& file);
   /// Uses a CSV file's columns as sources of the unconnected inputs with the same names.
@@ -171,8 +168,6 @@ class Run {
   Run(Checkpoint checkpoint, const std::filesystem::path& folder);
 
   void require_open(std::string_view what) const;
-  std::shared_ptr<const modeldesc::ModelDescription> model_of(const InstanceDescription& instance) const;
-  bool is_structural(const std::string& name) const;
   void require_alive(std::string_view what) const;
   template <typename Work>
   void attempt(Work work);

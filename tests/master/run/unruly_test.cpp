@@ -90,7 +90,7 @@ TEST_F(Unruly, EarlyReturnsAndEventsKeepTheValuesOfWholeSteps) {
   }
 }
 
-TEST_F(Unruly, SizesAreSetBeforeElementsInAnyOrder) {
+TEST_F(Unruly, SizesAndElementsAreSetInAnyOrder) {
   const auto bank = fmt::format(R"({{"step": 0.5, "stop_time": 1, "instances": {{"a": {{"fmu": "{}"}}}},
     "connections": []}})",
                                 BANK_FMU);
@@ -98,10 +98,8 @@ TEST_F(Unruly, SizesAreSetBeforeElementsInAnyOrder) {
   ASSERT_EQ(run({"a.lines=4", "a.line.u[4]=7"}, false, "bank.json").code, 0);
   const auto rows = result("results.csv");
   EXPECT_THAT(rows, HasSubstr("a.line.y[4]"));
-  const auto changed = summary()["inputs"];
   ASSERT_EQ(run({"a.line.u[4]=7", "a.lines=4"}, false, "bank.json").code, 0);
   EXPECT_EQ(result("results.csv"), rows);
-  EXPECT_EQ(summary()["inputs"], changed);
   const auto gone = run({"a.lines=4", "a.line.u[4]=7", "a.lines=3"}, false, "bank.json");
   EXPECT_EQ(gone.code, 2);
   EXPECT_THAT(gone.err, HasSubstr("has no variable 'line.u[4]'"));

@@ -9,6 +9,7 @@ import functools
 import gc
 import json
 import pathlib
+import re
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
@@ -41,6 +42,8 @@ from mebots.exploration.worker import FACTS, flat
 TABLES = ("missions.csv", "designs.csv", "sensitivity.csv", "levels.csv", *columns.NAMES, "report.html")
 _CHUNK = 1000
 """The number of missions that are looked up in the journal at once."""
+_SETTING = re.compile(r'set\("(.+?)"\): ')
+"""The beginning of an error of Mission.set()."""
 _OBJECTS_OF_A_COLLECTION = 100_000
 """The number of new objects after which Python's garbage collector searches for cycles. With the default of 700, the
 search takes a fifth of a large study's time."""
@@ -154,9 +157,10 @@ class Campaign:
             take()
         for mission, (what, values) in tried.items():
             error, about = found[mission]["error"], found[mission].get("about", "")
+            if setting := _SETTING.match(error):  # the message must not refer to set(), because the value is in the study
+                about, error = setting[1], error[setting.end():]
             if error:
-                # The message must not refer to set(), because the value is in the study.
-                problems.setdefault(error.removeprefix(f'set("{about}"): '), self._blamed(about, error, values) or what)
+                problems.setdefault(error, self._blamed(about, error, values) or what)
         if problems:
             told = (": ".join(filter(None, (self.study.place, what, error))) for error, what in problems.items())
             raise InputError("\n".join(told), "invalid_value")

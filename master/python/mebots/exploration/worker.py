@@ -58,7 +58,7 @@ class Worker:
         self._pasts = pasts
         self._waiting = waiting
         self._open: collections.OrderedDict[str, tuple[Mission, str]] = collections.OrderedDict()
-        self._about = ""  # the variable being set or read
+        self._about = ""  # the variable being read
         self._own_files: set[str] = set()
         self._flown: Mission | None = None
         self._was_clean = True
@@ -131,11 +131,8 @@ class Worker:
         if out is not None:
             os.makedirs(os.path.dirname(out), exist_ok=True)
         mission = self._flown = self._mission(_config_of(order), bool(order["series"]), out)
-        settings = order["settings"]
-        for name in mission.sizes_first(settings):
-            self._about, value = name, settings[name]
+        for name, value in order["settings"].items():
             mission.set(name, places.get(value, value) if isinstance(value, str) else value)
-        self._about = ""
         if out is None:
             mission.record([name for name, _ in order["series"]])
         return mission
