@@ -35,7 +35,8 @@ class Ssp : public testing::Test {
     test::write_file(folder.path() / "SystemStructure.ssd", kHead + system + tail);
     std::vector<modeldesc::PackedFile> packed{{"SystemStructure.ssd", folder.path() / "SystemStructure.ssd"},
                                               {"resources/coupling.fmu", COUPLING_FMU},
-                                              {"resources/my probe.fmu", PROBE_FMU}};
+                                              {"resources/my probe.fmu", PROBE_FMU},
+                                              {"resources/bank.fmu", BANK_FMU}};
     for (const auto& [name, text] : files) {
       const auto file = folder.path() / std::filesystem::path(name).filename();
       test::write_file(file, text);
@@ -895,6 +896,105 @@ TEST_F(Ssp3, BinariesPassBetweenVersionsAndNarrowConnectionsStay) {
                  {"from": "d.wide_out", "to": "c.single", "narrow": true})",
               R"(["*", "b.line.echo[1]"])");
   EXPECT_THAT(entry("SystemStructure.ssd"), HasSubstr("startConnector=\"buffer\""));
+}
+
+/// Tests connections to elements of a nested system's array connectors (SSP 2.0, attributes startIndices and
+/// endIndices).
+class SspIndices : public Ssp {
+ protected:
+  /// Returns an SSD with the component `b` and the system `sub`, which contains the components `a` and `c`.
+  static std::string system(const std::string& inside, const std::string& outside, const std::string& values = "") {
+    const auto connector = [](const char* name, const char* kind) {
+      return fmt::format(
+          R"(<ssd:Connector name="{}" kind="{}"><ssc:Float64/><ssc:Dimension size="2"/></ssd:Connector>)", name, kind);
+    };
+    const auto component = [](const char* name) {
+      return fmt::format(R"(<ssd:Component name="{}" source="resources/bank.fmu"/>)", name);
+    };
+    return fmt::format(R"(<ssd:Elements>{}<ssd:System name="sub"><ssd:Connectors>{}{}</ssd:Connectors>{}
+      <ssd:Elements>{}{}</ssd:Elements><ssd:Connections>{}</ssd:Connections></ssd:System></ssd:Elements>
+      <ssd:Connections>{}</ssd:Connections>)",
+                       component("b"), connector("u", "input"), connector("y", "output"), values, component("a"),
+                       component("c"), inside, outside);
+  }
+  /// Returns a connection from `from` to `to`, such as "a line.y 2"; "-" is the system itself.
+  static std::string connection(const std::string& from, const std::string& to, const std::string& inner = "") {
+    std::string text = "<ssd:Connection";
+    for (const auto& [side, end] : {std::pair("start", from), std::pair("end", to)}) {
+      std::istringstream words(end);
+      std::string element, connector, indices;
+      words >> element >> connector >> indices;
+      if (element != "-") text += fmt::format(" {}Element=\"{}\"", side, element);
+      text += fmt::format(" {}Connector=\"{}\"", side, connector);
+      if (!indices.empty()) text += fmt::format(" {}Indices=\"{}\"", side, indices);
+    }
+    return text + " suppressUnitConversion=\"true\">" + inner + "</ssd:Connection>";
+  }
+  static std::vector<std::string> connections(const SystemDescription& system) {
+    std::vector<std::string> texts;
+    for (const auto& one : system.connections) {
+      texts.push_back(fmt::format("{}.{} -> {}.{} {}", one.from.instance, one.from.variable, one.to.instance,
+                                  one.to.variable, one.factor));
+    }
+    return texts;
+  }
+};
+
+TEST_F(SspIndices, ElementsOutsideAndTheWholeArrayInside) {
+  const auto loaded = load(
+      system(connection("- u", "a line.u") + connection("a line.y", "- y", R"(<ssc:LinearTransformation factor="2"/>)"),
+             connection("sub y 2", "b line.u 1", R"(<ssc:LinearTransformation factor="3"/>)") +
+                 connection("b line.y 1", "sub u 2")));
+  EXPECT_THAT(connections(loaded.system),
+              testing::UnorderedElementsAre("sub.a.line.y[2] -> b.line.u[1] 6", "b.line.y[1] -> sub.a.line.u[2] 1"));
+  FmuLibrary library;
+  EXPECT_NO_THROW(resolve(loaded.system, library));
+}
+
+TEST_F(SspIndices, TheWholeArrayOutsideAndElementsInside) {
+  const auto loaded = load(system(connection("- u 2", "a line.u 1") + connection("- u 1", "c line.u 2") +
+                                      connection("a line.y 2", "- y 1") + connection("c line.y 1", "- y 2"),
+                                  connection("sub y", "b line.u") + connection("b line.y", "sub u")));
+  EXPECT_THAT(connections(loaded.system),
+              testing::UnorderedElementsAre("sub.a.line.y[2] -> b.line.u[1] 1", "sub.c.line.y[1] -> b.line.u[2] 1",
+                                            "b.line.y[2] -> sub.a.line.u[1] 1", "b.line.y[1] -> sub.c.line.u[2] 1"));
+}
+
+TEST_F(SspIndices, ElementsOnBothSides) {
+  const auto loaded = load(system(connection("a line.y 1", "- y 2"),
+                                  connection("sub y 2", "b line.u 1") + connection("sub y 1", "b line.u 2")));
+  EXPECT_THAT(connections(loaded.system), testing::ElementsAre("sub.a.line.y[1] -> b.line.u[1] 1"));
+  EXPECT_THAT(loaded.system.notices, testing::Contains(HasSubstr("\"sub.y[1]\", which has no source")));
+}
+
+TEST_F(SspIndices, ValuesOfAnArrayConnectorAreThoseOfItsElements) {
+  const auto values = [](const std::string& name) {
+    return fmt::format(R"(<ssd:ParameterBindings><ssd:ParameterBinding><ssd:ParameterValues>
+      <ssv:ParameterSet version="2.0" name="p"><ssv:Parameters><ssv:Parameter name="{}"><ssv:Float64 value="3 4"/>
+      <ssc:Dimension size="2"/></ssv:Parameter></ssv:Parameters></ssv:ParameterSet>
+      </ssd:ParameterValues></ssd:ParameterBinding></ssd:ParameterBindings>)",
+                       name);
+  };
+  const auto scaled = connection("- u", "a line.u", R"(<ssc:LinearTransformation factor="2"/>)");
+  auto loaded = load(system(scaled, "", values("u")));
+  EXPECT_EQ(loaded.config["instances"]["sub.a"]["parameters"],
+            nlohmann::ordered_json::parse(R"({"line.u[1]": 6, "line.u[2]": 8})"));
+  loaded = load(system(connection("- u 2", "c line.u 1"), "", values("u")));
+  EXPECT_EQ(loaded.config["instances"]["sub.c"]["parameters"], nlohmann::ordered_json::parse(R"({"line.u[1]": 4})"));
+  // Connected outside: the values have no effect.
+  loaded = load(system(scaled, connection("b line.y", "sub u"), values("a.line.u")));
+  EXPECT_FALSE(loaded.config["instances"]["sub.a"].contains("parameters"));
+  EXPECT_THAT(loaded.system.notices, testing::Contains(HasSubstr("gets its value from b.line.y (2): ")));
+}
+
+TEST_F(SspIndices, ContradictionsAreRefused) {
+  EXPECT_THAT(error_of(system(connection("a line.y", "- y") + connection("c line.y 1", "- y 2"), "")),
+              AllOf(HasSubstr("\"sub.y[2]\" has two sources"), HasSubstr("that of the whole array")));
+  EXPECT_THAT(error_of(system(connection("a line.y 1", "- y"), connection("sub y 2", "b line.u 1"))),
+              HasSubstr("connect elements with elements, or whole arrays"));
+  EXPECT_THAT(
+      error_of(system(connection("- u", "- y"), connection("sub y", "sub u") + connection("sub y 2", "b line.u 1"))),
+      HasSubstr("in a circle"));
 }
 
 TEST_F(Ssp3, AnArrayWithAnUnknownElementIsRefusedByName) {

@@ -2,6 +2,7 @@
 #include "network.hpp"
 
 #include "mebots/input_error.hpp"
+#include "mebots/modeldesc/declared_variable.hpp"
 #include "model/value_kind.hpp"
 
 #include <fmt/format.h>
@@ -18,18 +19,9 @@ std::string join(const std::string& path, const std::string& name) {
   return path.empty() ? name : path + "." + name;
 }
 
-/// Returns the variable of this name; for an element of an array such as `y[2]`, the array. Null if the model has
-/// neither.
-const modeldesc::Variable* named_variable(const modeldesc::ModelDescription& model, const std::string& name) {
-  const auto* variable = model.find(name);
-  if (variable != nullptr || !name.ends_with(']')) return variable;
-  const auto* array = model.find(std::string_view(name).substr(0, name.rfind('[')));
-  return array == nullptr || array->fmi3->dimensions.empty() ? nullptr : array;
-}
-
 /// Returns the variable of a connector; for an OSMP binary, the first of its three variables.
 const modeldesc::Variable* variable_of(const modeldesc::ModelDescription& model, const std::string& connector) {
-  const auto* variable = named_variable(model, connector);
+  const auto* variable = modeldesc::declared_variable(model, connector);
   return variable != nullptr ? variable : model.find(connector + kOsmpEndings[0]);
 }
 
@@ -38,6 +30,11 @@ bool is_target(const modeldesc::Variable& variable) {
   if (variable.type == modeldesc::Type::clock && variable.fmi3->timing->is_time_based()) return false;
   return variable.causality == Causality::input || variable.causality == Causality::parameter ||
          variable.causality == Causality::structural_parameter;
+}
+
+/// Returns the array of an element with these indices.
+Endpoint array_of(const Endpoint& element, const std::string& indices) {
+  return {element.element, element.connector.substr(0, element.connector.size() - indices.size())};
 }
 
 std::string_view kind_text(ConnectorKind kind) {
@@ -87,6 +84,7 @@ Network::Network(const Element& root, FmuDescriptions& descriptions,
                  const std::function<std::filesystem::path(const std::filesystem::path&)>& place) {
   add(root, "", descriptions, place);
   for (const auto& [path, element] : elements_) direct(*element, path);
+  check_elements();
 }
 
 void Network::add(const Element& element, const std::string& path, FmuDescriptions& descriptions,
@@ -106,8 +104,7 @@ void Network::add(const Element& element, const std::string& path, FmuDescriptio
 
 Port Network::port(const Endpoint& endpoint) const {
   Port port;
-  const auto connector = connectors_.find(endpoint);
-  if (connector != connectors_.end()) port.declared = connector->second;
+  port.declared = connector(endpoint);
   const auto model = models_.find(endpoint.element);
   if (model == models_.end()) return port;
   port.is_component = true;
@@ -147,13 +144,6 @@ void Network::direct(const Element& system, const std::string& path) {
       return Endpoint{end.element.empty() ? path : join(path, end.element), end.connector};
     };
     Hop hop{endpoint(connection.start), endpoint(connection.end), &connection};
-    for (const auto& [end, whole] : {std::pair(connection.start, hop.from), std::pair(connection.end, hop.to)}) {
-      if (!end.has_indices || is_component(whole.element)) continue;
-      throw InputError(ErrorCode::not_offered,
-                       fmt::format("{}: \"{}\" is an element of a system's connector; connect the whole array, or the "
-                                   "components inside the system",
-                                   connection.place, whole.text()));
-    }
     const auto start = flow(hop.from, connection.start.element.empty());
     const auto end = flow(hop.to, connection.end.element.empty());
     if (start == end && start != Flow::unknown) {
@@ -179,10 +169,27 @@ void Network::direct(const Element& system, const std::string& path) {
   }
 }
 
+std::string Network::indices_of(const Endpoint& endpoint) const {
+  const auto& name = endpoint.connector;
+  if (!name.ends_with(']') || connectors_.contains(endpoint)) return {};
+  const auto model = models_.find(endpoint.element);
+  if (model != models_.end() && model->second != nullptr && model->second->find(name) != nullptr) return {};
+  const auto bracket = name.rfind('[');
+  return bracket == std::string::npos ? std::string() : name.substr(bracket);
+}
+
+/// Returns the declared connector; for an element of an array, the connector of the array. Null if there is none.
+const Connector* Network::connector(const Endpoint& endpoint) const {
+  auto found = connectors_.find(endpoint);
+  if (const auto indices = indices_of(endpoint); !indices.empty())
+    found = connectors_.find(array_of(endpoint, indices));
+  return found == connectors_.end() ? nullptr : found->second;
+}
+
 bool Network::has(const Endpoint& endpoint) const {
   const auto model = models_.find(endpoint.element);
-  if (model == models_.end()) return connectors_.contains(endpoint);
-  return model->second == nullptr || named_variable(*model->second, endpoint.connector) != nullptr;
+  if (model == models_.end()) return connector(endpoint) != nullptr;
+  return model->second == nullptr || modeldesc::declared_variable(*model->second, endpoint.connector) != nullptr;
 }
 
 std::vector<Endpoint> Network::find(const std::string& path, const std::string& name) const {
@@ -201,25 +208,89 @@ const Hop* Network::into(const Endpoint& endpoint) const {
   return hop == hops_.end() ? nullptr : &hop->second;
 }
 
+/// Returns the indices of the elements of a system's array connector that have a source each.
+std::vector<std::string> Network::connected_elements(const Endpoint& array) const {
+  std::vector<std::string> elements;
+  const auto stem = array.connector + "[";
+  for (auto hop = hops_.lower_bound({array.element, stem}); hop != hops_.end(); ++hop) {
+    const auto& to = hop->first;
+    if (to.element != array.element || !to.connector.starts_with(stem)) break;
+    if (auto indices = indices_of(to); array_of(to, indices) == array) elements.push_back(std::move(indices));
+  }
+  return elements;
+}
+
+/// Throws InputError if a system's connector has a source as a whole and another one for an element.
+void Network::check_elements() const {
+  for (const auto& [to, hop] : hops_) {
+    const auto indices = indices_of(to);
+    const auto* whole = indices.empty() || is_component(to.element) ? nullptr : into(array_of(to, indices));
+    if (whole == nullptr) continue;
+    throw InputError(ErrorCode::invalid_connection,
+                     fmt::format("{}: \"{}\" has two sources; the other one is that of the whole array, at {}",
+                                 hop.connection->place, to.text(), whole->connection->place));
+  }
+}
+
+/// Returns the connection into the endpoint. For an element of an array whose connector is connected as a whole,
+/// returns the element's part of this connection.
+std::optional<Hop> Network::hop_into(const Endpoint& endpoint) const {
+  if (const auto* hop = into(endpoint)) return *hop;
+  const auto indices = indices_of(endpoint);
+  const auto* whole = indices.empty() ? nullptr : into(array_of(endpoint, indices));
+  if (whole == nullptr) return std::nullopt;
+  return element_of({*whole}, indices).front();
+}
+
+/// Appends hops until a component, or until a connector without a source. The chain begins at its target.
+void Network::follow(Way& way) const {
+  std::set<Endpoint> seen;
+  for (const auto& hop : way) seen.insert(hop.from);
+  while (!is_component(way.back().from.element)) {
+    auto hop = hop_into(way.back().from);
+    if (!hop) return;
+    if (!seen.insert(hop->from).second) {
+      throw InputError(ErrorCode::invalid_connection,
+                       fmt::format("{}: the connection to {} runs in a circle through \"{}\"", hop->connection->place,
+                                   way.front().to.text(), hop->from.text()));
+    }
+    way.push_back(std::move(*hop));
+  }
+}
+
 std::vector<Way> Network::ways() const {
   std::vector<Way> ways;
   for (const auto& to : order_) {
     if (!is_component(to.element)) continue;  // a system's connector only passes values through
-    Way way;
-    std::set<Endpoint> seen;
-    for (const auto* hop = into(to); hop != nullptr;
-         hop = is_component(hop->from.element) ? nullptr : into(hop->from)) {
-      if (!seen.insert(hop->from).second) {
-        throw InputError(ErrorCode::invalid_connection,
-                         fmt::format("{}: the connection to {} runs in a circle through \"{}\"", hop->connection->place,
-                                     to.text(), hop->from.text()));
-      }
-      way.push_back(hop);
+    std::vector<Way> found{{*into(to)}};
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      auto way = std::move(found[i]);
+      follow(way);
+      const auto& source = way.back().from;
+      const auto elements = is_component(source.element) ? std::vector<std::string>() : connected_elements(source);
+      for (const auto& indices : elements) found.push_back(element_of(way, indices));
+      if (!elements.empty()) continue;
+      std::ranges::reverse(way);
+      ways.push_back(std::move(way));
     }
-    std::ranges::reverse(way);
-    ways.push_back(std::move(way));
   }
   return ways;
+}
+
+Way element_of(const Way& way, const std::string& indices) {
+  Way result;
+  for (auto hop : way) {
+    if (hop.connection->start.has_indices || hop.connection->end.has_indices) {
+      throw InputError(ErrorCode::invalid_connection,
+                       fmt::format("{}: this connects an element of an array with \"{}\", which is an array elsewhere; "
+                                   "connect elements with elements, or whole arrays",
+                                   hop.connection->place, hop.from.text()));
+    }
+    hop.from.connector += indices;
+    hop.to.connector += indices;
+    result.push_back(std::move(hop));
+  }
+  return result;
 }
 
 }  // namespace mebots::master::ssp

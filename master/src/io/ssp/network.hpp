@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -42,8 +43,13 @@ struct Hop {
 };
 
 /// A chain of connections (hops) from a source to a component's variable, in the direction of the values. If the chain
-/// begins at a system's connector, it has no source.
-using Way = std::vector<const Hop*>;
+/// begins at a system's connector, it has no source. If one connection of the chain names an element of an array, all
+/// ends of the chain are elements.
+using Way = std::vector<Hop>;
+
+/// Returns the chain for the element with these indices, such as "[2]", of the array that the whole chain connects.
+/// Throws InputError if a connection of the chain already names an element.
+Way element_of(const Way& way, const std::string& indices);
 
 /// A component and its path.
 struct PlacedComponent {
@@ -67,10 +73,13 @@ class Network {
   /// Returns the endpoints of a hierarchical name, relative to the element at `path` (SSP 2.0, 5.3.3). A name may have
   /// no endpoint, one or several. If an FMU cannot be read, assumes that it has every variable.
   std::vector<Endpoint> find(const std::string& path, const std::string& name) const;
+  /// Returns the indices of an element of an array, such as "[2]"; empty for a connector or variable of its own.
+  std::string indices_of(const Endpoint& endpoint) const;
   /// Returns the hop that ends at the endpoint; null if there is none.
   const Hop* into(const Endpoint& endpoint) const;
-  /// Returns the chains of connections to all components' variables, in the order of the connections. Throws InputError
-  /// for a cycle.
+  /// Returns the chains of connections to all components' variables, in the order of the connections. Elements of a
+  /// system's array connector may be connected on one side of the system, and the whole array on the other side. Throws
+  /// InputError for a cycle.
   std::vector<Way> ways() const;
 
  private:
@@ -81,6 +90,11 @@ class Network {
   void direct(const Element& system, const std::string& path);
   Flow flow(const Endpoint& endpoint, bool is_own) const;
   bool has(const Endpoint& endpoint) const;
+  const Connector* connector(const Endpoint& endpoint) const;
+  std::vector<std::string> connected_elements(const Endpoint& array) const;
+  void check_elements() const;
+  std::optional<Hop> hop_into(const Endpoint& endpoint) const;
+  void follow(Way& way) const;
 
   std::vector<PlacedComponent> components_;
   std::vector<PlacedComponent> elements_;

@@ -76,6 +76,7 @@ class ConfigMaker {
     auto values = starting_values(network_, value_notices_);
     write_ways(values);
     write_values(values);
+    write_parameters();
     for (auto& notice : value_notices_.texts()) notices_.push_back(std::move(notice));
     const auto root = file_->root();
     read_experiment(child(root, "DefaultExperiment"));
@@ -84,6 +85,8 @@ class ConfigMaker {
   }
 
  private:
+  using StartingValues = std::map<Endpoint, StartingValue>;
+
   void write_instances() {
     auto& instances = result_.config["instances"] = Json::object();
     result_.places["/instances"] = file_->place(file_->root());
@@ -97,61 +100,62 @@ class ConfigMaker {
     }
   }
 
+  /// Sets the value of a component's variable. Must be called at most once for each variable.
   void set_parameter(const Endpoint& endpoint, const Json& value, const std::string& place) {
-    result_.config["instances"][endpoint.element]["parameters"][endpoint.connector] = value;
+    parameters_[endpoint.element].emplace_back(endpoint.connector, value);
     result_.places["/instances" + data::pointer_step(endpoint.element) + "/parameters" +
                    data::pointer_step(endpoint.connector)] = place;
   }
 
-  void write_ways(std::map<Endpoint, StartingValue>& values) {
+  void write_ways(StartingValues& values) {
     result_.config["connections"] = Json::array();
     for (const auto& way : network_.ways()) {
-      if (network_.is_component(way.front()->from.element)) {
+      if (network_.is_component(way.front().from.element)) {
         connect(way, values);
       } else {
-        feed(way, values);
+        for (const auto& part : parts_with_values(way, values)) feed(part, values);
       }
     }
   }
 
   /// Returns the combined transformation of a value by all connections of a chain, from number `first` on.
   Course course_of(const Way& way, std::size_t first, const std::optional<modeldesc::Unit>& unit) const {
-    const auto from = network_.port(way[first]->from);
-    const auto to = network_.port(way.back()->to);
+    const auto from = network_.port(way[first].from);
+    const auto to = network_.port(way.back().to);
     const auto difference = [](const Port& port) {
       return port.variable != nullptr && port.variable->relative_quantity;
     };
     Course course(unit, difference(from) && difference(to));
     for (std::size_t i = first; i < way.size(); ++i) {
-      course.pass(way[i]->connection->transformation, network_.port(way[i]->to).unit());
+      course.pass(way[i].connection->transformation, network_.port(way[i].to).unit());
     }
     if (course.shifts_units() && from.variable != nullptr && difference(from) != difference(to)) {
       throw InputError(
           ErrorCode::wrong_unit,
           fmt::format("{}: one of {} and {} is a difference (relativeQuantity) and the other is not, so the "
                       "unit cannot be converted",
-                      way.back()->connection->place, way[first]->from.text(), way.back()->to.text()));
+                      way.back().connection->place, way[first].from.text(), way.back().to.text()));
     }
     return course;
   }
 
   /// Adds a connection between two components. It combines the transformations of all connections on the way.
-  void connect(const Way& way, std::map<Endpoint, StartingValue>& values) {
-    const auto& from = way.front()->from;
-    const auto& to = way.back()->to;
-    for (const auto* hop : way)
-      leave_out(values, hop->to,
+  void connect(const Way& way, StartingValues& values) {
+    const auto& from = way.front().from;
+    const auto& to = way.back().to;
+    for (const auto& hop : way)
+      leave_out(values, hop.to,
                 fmt::format("values are ignored, because the variable gets its value from {}", from.text()));
     const auto course = course_of(way, 0, network_.port(from).unit());
     if (course.factor() == 0) {  // only the offset has an effect
-      set_parameter(to, course.offset(), way.back()->connection->place);
+      set_parameter(to, course.offset(), way.back().connection->place);
       return;
     }
     auto& connections = result_.config["connections"];
-    result_.places[fmt::format("/connections/{}", connections.size())] = way.back()->connection->place;
+    result_.places[fmt::format("/connections/{}", connections.size())] = way.back().connection->place;
     Json json = {{"from", from.text()}, {"to", to.text()}};
     if (converts_by_itself(way)) {
-      const auto& transformation = way.front()->connection->transformation;
+      const auto& transformation = way.front().connection->transformation;
       if (const auto* linear = std::get_if<Linear>(&transformation.what)) put_numbers(json, *linear);
       if (!transformation.convert_units) json["convert_units"] = false;
     } else {
@@ -163,8 +167,8 @@ class ConfigMaker {
       }
     }
     if (course.map()) json["map"] = map_json(*course.map(), network_.port(from));
-    for (const auto* hop : way) {
-      if (!hop->connection->description.empty()) json["text"] = hop->connection->description;
+    for (const auto& hop : way) {
+      if (!hop.connection->description.empty()) json["text"] = hop.connection->description;
     }
     connections.push_back(std::move(json));
   }
@@ -177,45 +181,74 @@ class ConfigMaker {
   /// True for a single connection between variables whose FMUs declare their units. The master converts such a value
   /// itself, with a notice.
   bool converts_by_itself(const Way& way) const {
-    return way.size() == 1 && network_.port(way.front()->from).has_own_unit() &&
-           network_.port(way.front()->to).has_own_unit();
+    return way.size() == 1 && network_.port(way.front().from).has_own_unit() &&
+           network_.port(way.front().to).has_own_unit();
+  }
+
+  /// Returns the indices of the elements of an array that have a value.
+  std::vector<std::string> elements_with_values(const StartingValues& values, const Endpoint& array) const {
+    std::vector<std::string> elements;
+    for (auto value = values.lower_bound({array.element, array.connector + "["}); value != values.end(); ++value) {
+      const auto& [element, connector] = value->first;
+      if (element != array.element || !connector.starts_with(array.connector + "[")) break;
+      auto indices = network_.indices_of(value->first);
+      if (array.connector.size() + indices.size() == connector.size()) elements.push_back(std::move(indices));
+    }
+    return elements;
+  }
+
+  /// Returns the chains for those elements of an array that have a value at a system's connector; if no element has
+  /// one, the chain itself.
+  std::vector<Way> parts_with_values(const Way& way, const StartingValues& values) const {
+    std::set<std::string> elements;
+    for (const auto& hop : way) {
+      for (auto& indices : elements_with_values(values, hop.from)) elements.insert(std::move(indices));
+    }
+    std::vector<Way> parts;
+    for (const auto& indices : elements) parts.push_back(element_of(way, indices));
+    if (parts.empty()) parts.push_back(way);
+    return parts;
   }
 
   /// For a variable whose chain of connections begins at a system's connector, sets the connector's value as the start
   /// value. If several connectors of the chain have a value, uses that of the outermost connector.
-  void feed(const Way& way, std::map<Endpoint, StartingValue>& values) {
-    const auto& to = way.back()->to;
+  void feed(const Way& way, StartingValues& values) {
+    const auto& to = way.back().to;
     std::size_t first = 0;
-    while (first < way.size() && !values.contains(way[first]->from)) ++first;
+    while (first < way.size() && !values.contains(way[first].from)) ++first;
     if (first == way.size()) {
       if (!values.contains(to)) {
         notices_.push_back(fmt::format("{}: {} is connected to the system's connector \"{}\", which has no source",
-                                       way.back()->connection->place, to.text(), way.front()->from.text()));
+                                       way.back().connection->place, to.text(), way.front().from.text()));
       }
       return;
     }
     for (std::size_t i = first; i < way.size(); ++i) {
-      leave_out(
-          values, way[i]->to,
-          fmt::format("values are ignored, because the variable gets its value from {}", way[first]->from.text()));
+      leave_out(values, way[i].to,
+                fmt::format("values are ignored, because the variable gets its value from {}", way[first].from.text()));
     }
-    const auto& value = values.at(way[first]->from);
-    used_.insert(way[first]->from);
+    const auto& value = values.at(way[first].from);
+    used_.insert(way[first].from);
     const auto course = course_of(way, first, value.unit);
-    const auto name = fmt::format("{}: \"{}\"", value.place, way[first]->from.text());
+    const auto name = fmt::format("{}: \"{}\"", value.place, way[first].from.text());
     set_parameter(to, fitting(course.apply(value.value, name), network_.port(to)), value.place);
   }
 
-  void leave_out(std::map<Endpoint, StartingValue>& values, const Endpoint& endpoint, const std::string& reason) {
-    const auto value = values.find(endpoint);
-    if (value == values.end()) return;
-    value_notices_.add(value->second.file, reason, endpoint.text());
-    values.erase(value);
+  /// Removes the values of a variable, or of all elements of an array, with a notice.
+  void leave_out(StartingValues& values, const Endpoint& endpoint, const std::string& reason) {
+    std::vector<std::string> names{endpoint.connector};
+    for (const auto& indices : elements_with_values(values, endpoint)) names.push_back(endpoint.connector + indices);
+    for (auto& name : names) {
+      const auto value = values.find({endpoint.element, std::move(name)});
+      if (value == values.end()) continue;
+      value_notices_.add(value->second.file, reason, value->first.text());
+      values.erase(value);
+    }
   }
 
   /// Writes the remaining start values to the components' parameters. Adds a notice for values of connectors without a
   /// connection.
-  void write_values(const std::map<Endpoint, StartingValue>& values) {
+  void write_values(const StartingValues& values) {
     for (const auto& [endpoint, value] : values) {
       if (network_.is_component(endpoint.element)) {
         set_parameter(endpoint, value.value, value.place);
@@ -223,6 +256,11 @@ class ConfigMaker {
         value_notices_.add(value.file, "values are ignored, because the connector has no connection", endpoint.text());
       }
     }
+  }
+
+  void write_parameters() {
+    for (auto& [element, parameters] : parameters_)
+      result_.config["instances"][element]["parameters"] = std::move(parameters);
   }
 
   void read_experiment(pugi::xml_node node) {
@@ -307,7 +345,8 @@ class ConfigMaker {
   FmuDescriptions descriptions_;
   Network network_;
   ValueNotices value_notices_;
-  std::set<Endpoint> used_;  // connectors of systems whose values are used
+  std::set<Endpoint> used_;                           // connectors of systems whose values are used
+  std::map<std::string, Json::object_t> parameters_;  // by component
   SspConfig result_;
 };
 
