@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "live_run.hpp"
 
-#include "base/time.hpp"
 #include "mebots/data/csv.hpp"
 #include "mebots/input_error.hpp"
 #include "mebots/parsed_number.hpp"
 #include "message/message_text.hpp"
-#include "record/sink/output_file.hpp"
 #include "report/page.hpp"
 #include "report/result_table.hpp"
 #include "run/json_value.hpp"
@@ -240,18 +238,8 @@ std::string LiveRun::set(const std::string& variable, const std::string& value) 
   if (!number) {
     throw InputError(ErrorCode::invalid_value, fmt::format("'{}' is not a number for {}", value, variable));
   }
-  const auto written = master::write_variable(*run_, variable, *number, "set by hand");
-  scenario_.push_back({{"text", "set by hand"},
-                       {"variable", variable},
-                       {"set", written},
-                       {"from", master::to_seconds(run_->time_ns())}});
-  save_scenario();
+  run_->set_by_hand(variable, *number);
   return Json({{"at", run_->time_s()}}).dump();
-}
-
-void LiveRun::save_scenario() const {
-  master::write_whole(run_->options().out / "live_scenario.json",
-                      Json({{"text", "Values set by hand during the run"}, {"scenario", scenario_}}).dump(2) + "\n");
 }
 
 std::string Mailbox::ask(Question question, std::chrono::milliseconds patience) {

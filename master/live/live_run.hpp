@@ -64,8 +64,8 @@ struct LiveOptions {
 /// Steps a run to its end while browsers on this machine view it, pause it and set its unconnected inputs.
 ///
 /// The page is served on the loopback address. Its path contains a random token. Requests from other hosts and origins
-/// are rejected. Viewing does not change the results, because it only reads recorded data. Values that the user sets
-/// are stored as a scenario (live_scenario.json in the results folder), with which the run can be repeated.
+/// are rejected. Viewing does not change the results, because it only reads recorded data. The run stores values that
+/// the user sets (LiveScenario).
 class LiveRun {
  public:
   /// Binds the port. `run` must not be started. The run must have a folder, keep its rows in memory
@@ -111,7 +111,6 @@ class LiveRun {
   void add_constant_data(master::report::RunFolder& folder) const;
   std::string control(const std::string& order);
   std::string set(const std::string& variable, const std::string& value);
-  void save_scenario() const;
 
   master::Run* run_;
   std::string address_;
@@ -129,7 +128,6 @@ class LiveRun {
   std::atomic<bool> end_sent_{false};
   std::chrono::steady_clock::time_point last_look_{};
   OpenPages pages_;
-  nlohmann::ordered_json scenario_ = nlohmann::ordered_json::array();
   std::unique_ptr<Server> server_;
 };
 

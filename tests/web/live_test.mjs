@@ -4,7 +4,7 @@
 import assert from "node:assert/strict";
 import { spawn, spawnSync } from "node:child_process";
 import { once } from "node:events";
-import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { existsSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { createServer, request } from "node:http";
 import { join, resolve } from "node:path";
 
@@ -183,6 +183,50 @@ const overHttp = {
     assert.notEqual(results("by_hand"), results("alone"));
     runAlone("again", ["--scenario", join(out, "by_hand", "live_scenario.json")]);
     assert.equal(results("again"), results("by_hand"));
+  },
+
+  async "a run that is killed after values were set by hand resumes to the bits of an undisturbed run"() {
+    const { step } = JSON.parse(readFileSync(system, "utf8"));
+    const more = ["--live-start", "browser", "--checkpoint-every", String(4 * step), "--stop-time", String(40 * step)];
+    const values = new Map([[1, "0.3"], [4, "0.5"], [5, "0.6"], [8, "0.4"]]); // by step; a checkpoint is written at steps 0, 4 and 8
+    /** Makes single steps up to `last`, and sets the values on the way. */
+    const stepTo = async (live, last) => {
+      await order(live, "hold");
+      for (let { steps } = (await header(live)).runs[0].summary; ; ++steps) {
+        if (values.has(steps)) assert.equal((await set(live, "motors.rotor[1].command", values.get(steps))).status, 200);
+        if (steps === last) return;
+        await order(live, "step");
+        await until(live, (run) => run.summary.steps > steps);
+      }
+    };
+    const undisturbed = await runLive("undisturbed", system, more);
+    await stepTo(undisturbed, 9);
+    await order(undisturbed, "go");
+    assert.equal(await undisturbed.ended, 0);
+    const killed = await runLive("killed", system, more);
+    await stepTo(killed, 6);
+    killed.child.kill("SIGKILL");
+    await killed.ended;
+    const resumed = await addressOf(spawn(mebots, ["resume", join(out, "killed"), "--live", "--live-start", "browser"], { stdio: ["ignore", "pipe", "inherit"] }));
+    assert.equal((await header(resumed)).runs[0].summary.steps, 5, "it resumes from the checkpoint at step 4, and makes one step");
+    values.delete(5); // the resumed run sets it again
+    await stepTo(resumed, 8);
+    resumed.child.kill("SIGKILL");
+    await resumed.ended;
+    const done = spawnSync(mebots, ["resume", join(out, "killed"), "--quiet"], { encoding: "utf8" });
+    assert.equal(done.status, 0, done.stderr);
+    assert.equal(results("killed"), results("undisturbed"));
+    for (const file of ["log.txt", "live_scenario.json"]) {
+      assert.equal(readFileSync(join(out, "killed", file), "utf8"), readFileSync(join(out, "undisturbed", file), "utf8"));
+    }
+    const summary = (name) => ({ ...JSON.parse(readFileSync(join(out, name, "summary.json"), "utf8")), wall_clock: 0, real_time_factor: 0, resumed_at: 0 });
+    assert.deepEqual(summary("killed"), summary("undisturbed"));
+    assert.equal(summary("killed").inputs.writes.length, 4);
+    const own = spawnSync(mebots, ["run", system, "--out", join(out, "killed"), "--scenario", join(out, "killed", "live_scenario.json")], { encoding: "utf8" });
+    assert.equal(own.status, 2);
+    assert.match(own.stderr, /would replace this file, its scenario, with its own live_scenario.json/);
+    runAlone("killed", ["--stop-time", String(4 * step)]);
+    assert.ok(!existsSync(join(out, "killed", "live_scenario.json")), "a new run in the folder has no values set by hand");
   },
 
   async "it may wait for a browser, and then gives the same bits"() {

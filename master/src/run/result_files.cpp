@@ -5,6 +5,7 @@
 #include "mebots/input_error.hpp"
 #include "message/message_text.hpp"
 #include "record/sink/csv_sink.hpp"
+#include "run/live_scenario.hpp"
 
 #include <fmt/format.h>
 
@@ -15,17 +16,18 @@ namespace mebots::master {
 namespace {
 
 /// The files of an earlier run that a new run replaces. The new run deletes those that it does not write itself.
-constexpr std::array<std::string_view, 7> kOutdated = {kSystemFile,  kSceneFile,       "summary.json", "results.csv",
-                                                       "results.h5", "parameters.csv", kCheckpointFile};
+constexpr std::array<std::string_view, 8> kOutdated = {kSystemFile,     kSceneFile,       "summary.json",
+                                                       "results.csv",   "results.h5",     "parameters.csv",
+                                                       kCheckpointFile, kLiveScenarioFile};
 
-void refuse_as_input(const std::filesystem::path& folder, const std::filesystem::path& config) {
+void refuse_as_input(const std::filesystem::path& folder, const std::filesystem::path& input, std::string_view what) {
   for (const auto name : kOutdated) {
     std::error_code none;  // usually there is no such file
-    if (!std::filesystem::equivalent(folder / name, config, none)) continue;
+    if (!std::filesystem::equivalent(folder / name, input, none)) continue;
     throw InputError(ErrorCode::invalid_argument,
-                     fmt::format("{}: the run would replace this file, its config, with its own {}. Choose "
+                     fmt::format("{}: the run would replace this file, its {}, with its own {}. Choose "
                                  "another folder with --out",
-                                 config.string(), name));
+                                 input.string(), what, name));
   }
 }
 
@@ -41,10 +43,12 @@ void ResultFiles::keep(std::span<const std::string_view> outdated) {
   if (hdf5_ != nullptr) hdf5_->renamed(folder() / "results.h5");
 }
 
-ResultFiles::ResultFiles(const std::filesystem::path& folder, const ResolvedSystem& system, const Checkpoint* resumed)
-    : system_(&system), resumed_(resumed), folder_(folder) {
+ResultFiles::ResultFiles(const RunOptions& options, const ResolvedSystem& system, const Checkpoint* resumed)
+    : system_(&system), resumed_(resumed), folder_(options.out) {
   if (resumed == nullptr) {
-    refuse_as_input(folder, system.description->file);
+    refuse_as_input(options.out, system.description->file, "config");
+    for (const auto& file : options.scenarios) refuse_as_input(options.out, file, "scenario");
+    for (const auto& file : options.inputs) refuse_as_input(options.out, file, "input");
     if (system.description->record.csv) results_ = &folder_.create("results.csv");
     log_ = &folder_.create("log.txt");
     logging_ = true;
@@ -57,7 +61,7 @@ ResultFiles::ResultFiles(const std::filesystem::path& folder, const ResolvedSyst
     throw InputError(
         ErrorCode::state_damaged,
         fmt::format("{}: results.csv or log.txt is shorter than it was at the checkpoint; run the config again",
-                    folder.string()));
+                    options.out.string()));
   }
   const auto verify = [](const std::filesystem::path& file, std::uint64_t bytes, const std::string& hash) {
     if (GrowingFileHash().up_to(file, bytes) == hash) return;

@@ -20,13 +20,14 @@
 namespace mebots::master {
 
 /// The files of a run in one folder: system.json, scene.json.gz, results.csv, results.h5, parameters.csv, pictures,
-/// log.txt, summary.json, checkpoint.bin. An earlier run's files are unchanged until this run reaches t = 0.
+/// log.txt, summary.json, checkpoint.bin, live_scenario.json. An earlier run's files are unchanged until this run
+/// reaches t = 0.
 class ResultFiles {
  public:
-  /// Creates the folder and the files that every run has. If `resumed` continues an earlier run, opens the files of
-  /// that run. Throws InputError if this fails. `system` and `resumed` must outlive this object. If `resumed` is null,
-  /// the run is new.
-  ResultFiles(const std::filesystem::path& folder, const ResolvedSystem& system, const Checkpoint* resumed);
+  /// Creates the folder `options.out` and the files that every run has. If `resumed` continues an earlier run, opens
+  /// the files of that run. Throws InputError if this fails, or if the files of the run would replace its inputs.
+  /// `system` and `resumed` must outlive this object. If `resumed` is null, the run is new.
+  ResultFiles(const RunOptions& options, const ResolvedSystem& system, const Checkpoint* resumed);
 
   const std::filesystem::path& folder() const { return folder_.path(); }
   /// True from t = 0 on, when the results in the folder belong to this run.

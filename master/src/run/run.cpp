@@ -140,7 +140,7 @@ void Run::listen(MessageHub::Listener listener) {
 
 void Run::set(const Setting& written) {
   require_open(written.place);
-  const auto setting = with_longest_name(written, [this](const std::string& name) {
+  const auto setting = with_longest_name(written, [&](const std::string& name) {
     const auto variable = system_.split(name);
     if (!variable) return false;
     const auto fmu = open_fmu(system_.instances[*system_.index_of(variable->instance)], *library_);
@@ -342,7 +342,8 @@ void Run::open() {
   for (const auto& pictures : system_.pictures) check_pictures(resolved_, pictures);
   scenario_.emplace(resolved_);
   if (!options_.out.empty()) {
-    files_.emplace(options_.out, resolved_, checkpoint_ ? &*checkpoint_ : nullptr);
+    files_.emplace(options_, resolved_, checkpoint_ ? &*checkpoint_ : nullptr);
+    live_scenario_.emplace(options_.out);
     messages_.add([this](const Message& message) { files_->log(message); });
   }
   report_.notices = resolved_.notices;
@@ -392,7 +393,8 @@ void Run::initialise() {
   if (files_) {
     for (auto* observer : files_->make_observers(ensemble)) simulation_->add(*observer);
   }
-  for (Observer* observer : std::initializer_list<Observer*>{&*recorder_, &*values_, &*outcomes_, &*stop_conditions_}) {
+  for (Observer* observer :
+       std::initializer_list<Observer*>{&*recorder_, &*values_, &*outcomes_, &*stop_conditions_, &write_saver_}) {
     simulation_->add(*observer);
   }
   if (coupling_) simulation_->add(*coupling_);
@@ -403,6 +405,7 @@ void Run::initialise() {
 
   if (checkpoint_) {
     simulation_->resume(checkpoint_->simulation);
+    live_scenario_->resume(time_ns());
   } else if (past_) {
     simulation_->resume(past_->simulation);
     past_->simulation = {};  // frees memory that is no longer needed
@@ -440,7 +443,9 @@ void Run::step_until(std::int64_t until_ns) {
   };
   std::int64_t steps = 0;
   std::int64_t look_at = 1;
-  while (simulation_->time_ns() < until_ns && simulation_->step()) {
+  while (simulation_->time_ns() < until_ns) {
+    set_again();
+    if (!simulation_->step()) break;
     state_ = RunState::running;
     messages_.rethrow();
     if (const auto text = take_kept_signal()) throw SlaveError(*text);
@@ -450,6 +455,14 @@ void Run::step_until(std::int64_t until_ns) {
     if (looks || (steps % kStepsPerMaskLook == 0 && watch && watch->is_mask_changed())) look();
   }
   look();
+}
+
+/// Sets values that a user set by hand between the checkpoint and the end of the killed process.
+void Run::set_again() {
+  if (!live_scenario_) return;
+  for (const auto& [variable, value] : live_scenario_->due(time_ns())) {
+    at_point([&] { write_variable(*this, variable, value, "set by hand"); });
+  }
 }
 
 void Run::advance(std::int64_t until_ns, std::string_view what) {
@@ -690,6 +703,11 @@ const ResolvedSystem& Run::resolved() const {
 void Run::report_uncertainty(const nlohmann::ordered_json& uncertainty) {
   uncertainty_ = std::make_unique<nlohmann::ordered_json>(uncertainty);
   if (files_ && files_->kept()) write_summary();
+}
+
+void Run::set_by_hand(std::string_view variable, double value) {
+  const auto written = write_variable(*this, variable, value, "set by hand");
+  live_scenario_->add(variable, written, time_ns());
 }
 
 void Run::note_write(const std::string& text) {

@@ -16,9 +16,11 @@
 #include "run/checkpoint.hpp"
 #include "run/clean_fmus.hpp"
 #include "run/input_hash.hpp"
+#include "run/live_scenario.hpp"
 #include "run/result_files.hpp"
 #include "run/simulation.hpp"
 #include "run/summary.hpp"
+#include "run/write_saver.hpp"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -159,6 +161,8 @@ class Run {
   void call(std::size_t instance, std::string_view what, const std::function<void(Slave&)>& work);
   /// Adds the intervals of drawn runs (DrawnFlights) to the summary, after the end of the run.
   void report_uncertainty(const nlohmann::ordered_json& uncertainty);
+  /// Sets a variable as write_variable() does, and stores the value in live_scenario.json. The run must have a folder.
+  void set_by_hand(std::string_view variable, double value);
   /// Adds the text to the summary's list of written variables.
   void note_write(const std::string& text);
   /// Returns the recorded rows so far. Throws InputError if the option `in_memory` is not set.
@@ -192,6 +196,7 @@ class Run {
   void advance(std::int64_t until_ns, std::string_view what);
   void note_slaves(Ensemble& ensemble);
   void step_until(std::int64_t until_ns);
+  void set_again();
   std::int64_t next_point_ns() const;
   void finish();
   void fail(ErrorCode code, const std::string& what) noexcept;
@@ -224,6 +229,7 @@ class Run {
   std::vector<std::string> scenario_changes_;
   std::vector<std::string> inputs_changes_;
   RunReport report_;
+  WriteSaver write_saver_{report_};
   // Members that exist after the start, in the order of their dependencies.
   ResolvedSystem resolved_;
   InputHash hash_;
@@ -232,6 +238,7 @@ class Run {
   std::vector<InstanceLoss> losses_;
   std::optional<Scenario> scenario_;
   std::optional<ResultFiles> files_;
+  std::optional<LiveScenario> live_scenario_;  // if there are files
   std::optional<ProcessUse> process_use_;
   std::optional<Simulation> simulation_;
   std::optional<Recorder> recorder_;

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mebots::master {
+
+inline constexpr std::string_view kLiveScenarioFile = "live_scenario.json";
+
+/// The values that a user sets by hand on the live page. The results folder stores them as a scenario, which repeats
+/// the run. A resumed run sets the values of the time after its checkpoint again.
+class LiveScenario {
+ public:
+  struct Entry {
+    std::string variable;
+    double value = 0;
+  };
+
+  explicit LiveScenario(const std::filesystem::path& folder) : file_(folder / kLiveScenarioFile) {}
+
+  /// Reads the values that the run set before it was killed. The run resumes at this time. Throws InputError.
+  void resume(std::int64_t time_ns);
+  /// Adds a value and writes the file. Throws Error.
+  void add(std::string_view variable, const nlohmann::ordered_json& value, std::int64_t time_ns);
+  /// Returns the values that a resumed run must set again at this time. Returns each value once.
+  std::vector<Entry> due(std::int64_t time_ns);
+
+ private:
+  std::filesystem::path file_;
+  nlohmann::ordered_json entries_ = nlohmann::ordered_json::array();  // by time
+  std::size_t done_ = 0;  // the number of entries that this run has set, or that its checkpoint contains
+};
+
+}  // namespace mebots::master
