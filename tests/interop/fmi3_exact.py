@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Exact values of Reference FMUs whose equations can be solved in closed form, for fmi3_corpus.py.
+"""Exact values of Reference FMUs whose equations are known, for fmi3_corpus.py.
 
 - Dahlquist: x' = -k x.
 - StateSpace: x' = A x + B u, y = C x + D u, with constant inputs.
+- Roberts: Robertson's kinetics. Model exchange: SciPy's Radau with a relative tolerance of 1e-12.
 
-In co-simulation these FMUs use explicit Euler with a fixed step. Its exact result is a power of 1 - k h, or of I + h A.
+In co-simulation these FMUs use explicit Euler with a fixed step. For the linear ones, its exact result is a power of 1 - k h, or of I + h A.
 """
 
 import numpy
+import scipy.integrate
 import scipy.linalg
 
-EULER_STEP = {"Dahlquist": 0.1, "StateSpace": 1e-3}  # FIXED_SOLVER_STEP in each FMU's config.h
+EULER_STEP = {"Dahlquist": 0.1, "StateSpace": 1e-3, "Robertson Problem": 1e-6}  # FIXED_SOLVER_STEP in each FMU's config.h
+EPSILON = 1e-5  # of cosimulation.c
 
 
 def starts(model):
@@ -46,7 +49,30 @@ def state_space(model, kind, times, inputs):
     return {f"y[{k + 1}]": [float(y[k]) for y in outputs] for k in range(len(c))}
 
 
-EQUATIONS = {"Dahlquist": dahlquist, "StateSpace": state_space}
+def robertson_rates(y1, y2):
+    """Returns the derivatives of y1 and y2. The sum of y1, y2 and y3 is 1."""
+    y3 = 1 - y1 - y2
+    return -0.04 * y1 + 1e4 * y2 * y3, 0.04 * y1 - 1e4 * y2 * y3 - 3e7 * y2 * y2
+
+
+def robertson(model, kind, times, _inputs):
+    if kind == "model_exchange":
+        solved = scipy.integrate.solve_ivp(lambda _t, y: robertson_rates(*y), (times[0], times[-1]), (1.0, 0.0), method="Radau", t_eval=times,
+                                           rtol=1e-12, atol=1e-16)
+        states = solved.y.T.tolist()
+    else:
+        step = EULER_STEP[model.modelName]
+        states, (y1, y2), done = [], (1.0, 0.0), 0
+        for k, t in enumerate(times):
+            # A step of the FMU ends up to EPSILON after the communication point.
+            while k > 0 and (times[0] + done * step) + step - t <= EPSILON * max(t, 1.0):
+                rate1, rate2 = robertson_rates(y1, y2)
+                y1, y2, done = y1 + step * rate1, y2 + step * rate2, done + 1
+            states.append((y1, y2))
+    return {"y1": [y1 for y1, _ in states], "y2": [y2 for _, y2 in states], "y3": [1 - y1 - y2 for y1, y2 in states]}
+
+
+EQUATIONS = {"Dahlquist": dahlquist, "StateSpace": state_space, "Robertson Problem": robertson}
 
 
 def exact_columns(model, kind, times, inputs):
