@@ -5,6 +5,8 @@
 #include "mebots/soc/device.hpp"
 #include "mebots/soc/fixed_point.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -24,8 +26,8 @@ constexpr std::size_t kAxes = 6;  // specific force x, y, z, then angular veloci
 /// 2000 degrees/s (Bosch, BMI088 data sheet).
 class Imu final : public Device {
  public:
-  Imu(const BoardDevice& entry, ChipHost& /*host*/)
-      : entry_(entry), active_time_(entry), delay_(std::llround(entry.state("active").delay_s * kPsPerS)) {
+  Imu(const BoardDevice& entry, ChipHost& host)
+      : entry_(entry), host_(host), active_time_(entry), delay_(std::llround(entry.state("active").delay_s * kPsPerS)) {
     for (std::size_t i = 0; i < kAxes; ++i) {
       if (const auto* variable = entry.variable(entry.name + kInputs[i])) inputs_[i] = variable->start;
     }
@@ -37,6 +39,7 @@ class Imu final : public Device {
   Picoseconds next_event() const override { return active_time_.active() ? next_sample_ + delay_ : kNever; }
   bool interrupt() const override { return threshold_ != 0 && count_ >= threshold_; }
   double* input(std::string_view variable) override;
+  void begin_step(Picoseconds now) override;
   double energy_j(Picoseconds now) const override { return active_time_.energy_j(now); }
   std::string_view state_name() const override { return active_time_.state_name(); }
   void visit(state::Visitor& v) override;
@@ -56,6 +59,8 @@ class Imu final : public Device {
   static constexpr std::uint32_t kRefused = 1U << 9;
   static constexpr std::size_t kDepth = 32;
   static constexpr Picoseconds kPsPerUs = 1'000'000;
+  /// Fewer steps with repeated samples are not reported: a test of a program may hold its inputs on purpose.
+  static constexpr std::uint32_t kRepeatingSteps = 10;
 
   struct Sample {
     std::uint32_t time_us = 0;
@@ -72,8 +77,10 @@ class Imu final : public Device {
   void plan(Picoseconds now) { next_sample_ = (now / period() + 1) * period(); }
   Picoseconds period() const { return period_us_ * kPsPerUs; }
   std::int16_t counts(std::size_t axis) const;
+  void report_repeated_samples(Picoseconds step) const;
 
   const BoardDevice& entry_;
+  DeviceHost& host_;
   ActiveTime active_time_;
   Picoseconds delay_;
   std::array<double, kAxes> inputs_{};
@@ -84,6 +91,10 @@ class Imu final : public Device {
   std::uint32_t threshold_ = 1;
   std::uint32_t flags_ = 0;
   Picoseconds next_sample_ = 0;
+  std::array<double, kAxes> last_inputs_{};  // of the step before
+  Picoseconds step_began_ = 0;
+  std::uint32_t samples_of_step_ = 0;
+  std::uint32_t repeating_steps_ = 0;  // steps with several samples and changed inputs, up to kRepeatingSteps
 };
 
 double* Imu::input(std::string_view variable) {
@@ -101,6 +112,23 @@ std::int16_t Imu::counts(std::size_t axis) const {
   return static_cast<std::int16_t>(std::clamp(rounded, -32768, 32767));
 }
 
+void Imu::begin_step(Picoseconds now) {
+  const bool repeats = samples_of_step_ > 1 && inputs_ != last_inputs_;
+  if (repeats && repeating_steps_ < kRepeatingSteps && ++repeating_steps_ == kRepeatingSteps)
+    report_repeated_samples(now - step_began_);
+  last_inputs_ = inputs_;
+  step_began_ = now;
+  samples_of_step_ = 0;
+}
+
+void Imu::report_repeated_samples(Picoseconds step) const {
+  host_.complain(fmt::format(
+      "the {0} samples of {1} within a communication step of {2} s have one value, because inputs change only at "
+      "communication points. A control loop can fail with repeated samples. Set the config's \"step\" to the sample "
+      "period, {3} s, or less",
+      samples_of_step_, entry_.name, static_cast<double>(step) / kPsPerS, static_cast<double>(period()) / kPsPerS));
+}
+
 void Imu::switch_on(bool on, Picoseconds now) {
   if (!active_time_.set(on, now)) return;
   count_ = 0;
@@ -109,6 +137,7 @@ void Imu::switch_on(bool on, Picoseconds now) {
 
 void Imu::advance(Picoseconds now) {
   while (now >= next_event()) {
+    ++samples_of_step_;
     if (count_ == kDepth) {
       flags_ |= kLost;
     } else {
@@ -188,6 +217,10 @@ void Imu::visit(state::Visitor& v) {
   v("flags", flags_);
   v("active_time", active_time_);
   v("next_sample", next_sample_);
+  v("last_inputs", last_inputs_);
+  v("step_began", step_began_);
+  v("samples_of_step", samples_of_step_);
+  v("repeating_steps", repeating_steps_);
   if (v.restores() && (first_ >= kDepth || count_ > kDepth || period_us_ == 0)) {
     throw Error(ErrorCode::state_damaged, "a saved state is damaged: the IMU's FIFO has more samples than places");
   }

@@ -30,9 +30,12 @@ BoardDescription board() {
 class FlightBoard {
  public:
   explicit FlightBoard(const BoardDescription& description = board())
-      : soc_(description, gap8(), {}, assemble("_start: wfi\nj _start\n", 0x1C000000), {}) {}
+      : soc_(description, gap8(), {}, assemble("_start: wfi\nj _start\n", 0x1C000000),
+             {{}, [this](std::string_view text) { faults.emplace_back(text); }, {}}) {}
 
   Device& device(std::string_view name) { return *soc_.devices().find(name); }
+
+  std::vector<std::string> faults;
 
  private:
   Soc soc_;
@@ -65,6 +68,14 @@ class ImuTest : public FlightDevice {
 
   Device& device() override { return board_.device("imu"); }
   std::int32_t axis(std::uint32_t offset) { return static_cast<std::int32_t>(load(offset)); }
+  /// Runs steps. If `shakes`, the acceleration changes with each step, as with a noisy sensor.
+  void run_steps(int count, Picoseconds step, bool shakes) {
+    for (int i = 0; i < count; ++i) {
+      if (shakes) *device().input("imu.acceleration.z") = 9.8 + 0.01 * (i % 2);
+      device().begin_step(i * step);
+      run_to((i + 1) * step);
+    }
+  }
 };
 
 TEST_F(ImuTest, SamplesAtMultiplesOfThePeriodEnterTheFifoAfterTheDelay) {
@@ -113,6 +124,22 @@ TEST_F(ImuTest, TheInterruptIsUpWhileTheFifoHasAsManySamplesAsTheThreshold) {
   store(kThreshold, 0);
   run_to(9 * kMs);
   EXPECT_FALSE(device().interrupt()) << "0 = no interrupt";
+}
+
+TEST_F(ImuTest, ReportsOnceThatSamplesRepeatWithinSteps) {
+  store(kControl, 1);
+  run_steps(40, 10 * kMs, true);
+  EXPECT_THAT(board_.faults,
+              testing::ElementsAre(testing::AllOf(
+                  testing::HasSubstr("the 10 samples of imu within a communication step of 0.01 s have one value"),
+                  testing::HasSubstr("Set the config's \"step\" to the sample period, 0.001 s, or less"))));
+}
+
+TEST_F(ImuTest, DoesNotReportOneSamplePerStepOrConstantInputs) {
+  store(kControl, 1);
+  run_steps(40, kMs, true);
+  run_steps(40, 10 * kMs, false);
+  EXPECT_THAT(board_.faults, testing::IsEmpty());
 }
 
 TEST_F(ImuTest, RefusesPeriodsThatTheSensorLacks) {
