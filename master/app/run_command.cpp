@@ -201,8 +201,10 @@ void add_run(CLI::App& app, Action& action) {
       ->type_name("FOLDER")
       ->check(not_empty());
   command
-      ->add_option("--set", run->sets,
-                   "Set parameters or start values; more assignments may follow, or the option may be repeated")
+      ->add_option(
+          "--set", run->sets,
+          "Set parameters or start values; in the name, * and ? select several variables. More assignments may follow, "
+          "or the option may be repeated")
       ->type_name("INSTANCE.VARIABLE=VALUE ...")
       ->allow_extra_args(false)
       ->take_all();

@@ -751,6 +751,30 @@ class Arrays(StudyCase):
             expected = float(row["a.line.initial[4]"]) + float(row["a.line.u[4]"])
             self.assertAlmostEqual(float(row["fourth"]), expected, 12)
 
+    def test_a_pattern_may_be_a_factor_and_a_draw(self):
+        self.study(design={"kind": "grid", "factors": {"a.line.initial[*]": [5, 7], "a.lines": [4]}},
+                   draws={"replicates": 2, "seed": 1, "variables": {"a.*.u[4]": {"uniform": [0, 3]}}},
+                   objectives={"first": {"final": "a.line.y[1]"}, "fourth": {"final": "a.line.y[4]"}})
+        self.sweep("--jobs", "1")
+        for row in self.rows("missions.csv"):
+            initial = float(row["a.line.initial[*]"])
+            self.assertAlmostEqual(float(row["fourth"]), initial + float(row["a.*.u[4]"]), 12)
+        self.study(design={"kind": "grid", "factors": {"a.line.initail[*]": [5, 7]}}, draws=None,
+                   objectives={"first": {"final": "a.line.y[1]"}})
+        self.assertIn("no variable fits 'a.line.initail[*]'. Did you mean 'a.line.initial[*]'", self.sweep("--jobs", "1", code=2))
+
+    def test_python_sets_all_variables_that_fit_a_pattern(self):
+        with mebots.Mission(self.folder / "mission.json", set={"a.line.u[*]": 7, "a.lines": 4}) as mission:
+            mission.run()
+            self.assertEqual([mission.value(f"a.line.u[{line}]") for line in range(1, 5)], [7] * 4)
+        with mebots.Mission(self.folder / "mission.json") as mission:
+            for name, value in {"a.line.u[*]": 7, "a.line.u[4]": 9, "a.lines": 4}.items():
+                mission.set(name, value)
+            mission.run()
+            self.assertEqual([mission.value(f"a.line.u[{line}]") for line in range(1, 5)], [7, 7, 7, 9])
+        with self.assertRaisesRegex(mebots.InputError, r"no variable fits 'a\.line\.v\*'\. Did you mean .*'a\.line\.u\[\*\]'"):
+            mebots.Mission(self.folder / "mission.json", set={"a.line.v*": 7})
+
     def test_a_size_may_be_a_factor(self):
         self.study(design={"kind": "grid", "factors": {"a.lines": [2, 3]}},
                    draws={"replicates": 2, "seed": 1, "variables": {"a.line.u[2]": {"uniform": [0, 3]}}},

@@ -49,9 +49,9 @@ class Mission {
   /// after the point was recorded. It may read variables and interrupt() the run. It may write variables except at t =
   /// 0. If the listener throws, the run fails.
   void on_point(std::function<void(double)> listener);
-  /// Replaces the config's parameter or start value of "instance.variable". Checks name, type and limits immediately.
-  /// Settings may come in any order: if structural parameters (FMI 3.0) determine the size of an array, start() checks
-  /// whether the array has the element.
+  /// Replaces the config's parameter or start value of "instance.variable", or of all variables that match a pattern (*
+  /// and ?). Checks name, type and limits immediately. Settings may come in any order: if structural parameters
+  /// (FMI 3.0) determine the size of an array, start() checks whether the array has the element.
   void set(std::string_view variable, const Value& value);
   /// Adds the overrides of a scenario file. They follow the overrides of the config.
   void add_scenario(const std::filesystem::path& file);

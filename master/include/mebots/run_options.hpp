@@ -26,7 +26,7 @@ using Value = std::variant<double, std::int64_t, bool, std::string, UntypedText>
 
 /// Replaces a start value of the config.
 struct Setting {
-  std::string variable;  ///< "instance.variable"
+  std::string variable;  ///< "instance.variable"; * and ? select several
   Value value;
   std::string place;  ///< where the user wrote it, for error messages: "--set a.b=3"
 

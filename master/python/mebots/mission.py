@@ -34,7 +34,7 @@ class Mission:
 
     :param config: config (.json), FMU (.fmu) or SSP (.ssp), or the content of a config as a dict, whose paths are relative
         to the working folder. If the mission is a single FMU, names of variables need no instance.
-    :param set: values for parameters and start values, by "instance.variable", in place of the config's.
+    :param set: values for parameters and start values, by "instance.variable" (* and ? allowed), in place of the config's.
     :param record: names of variables to record (* and ? allowed), in place of the config's choice.
     :param scenarios: files with overrides, after those of the config.
     :param inputs: CSV files whose columns are signals for the unconnected inputs of the same names.
@@ -125,9 +125,10 @@ class Mission:
         self._run.on_point(listener)
 
     def set(self, variable: str, value: Scalar) -> None:
-        """Replaces the config's parameter or start value of "instance.variable". Checks name, type and limits
-        immediately. Settings may come in any order: if structural parameters (FMI 3.0) determine the size of an array,
-        start() checks whether the array has the element. Must be called before start()."""
+        """Replaces the config's parameter or start value of "instance.variable", or of all variables that match a pattern
+        (* and ?). Checks name, type and limits immediately. Settings may come in any order: if structural parameters (FMI
+        3.0) determine the size of an array, start() checks whether the array has the element. Must be called before
+        start()."""
         self._run.set(variable, value)
 
     def add_scenario(self, file: Path) -> None:

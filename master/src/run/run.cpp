@@ -15,6 +15,7 @@
 #include "mebots/nearest_names.hpp"
 #include "mebots/state/save.hpp"
 #include "message/message_text.hpp"
+#include "model/name_pattern.hpp"
 #include "model/resolved_system.hpp"
 #include "record/sink/csv_sink.hpp"
 #include "slave/process_watch.hpp"
@@ -73,6 +74,7 @@ Run::Run(const std::filesystem::path& config, RunOptions options, std::shared_pt
   const auto stop_time_s = options_.stop_time_s;
   check_times(options_);
   system_ = read_config(config, given_times(config, options_));
+  for (const auto& instance : system_.instances) parameters_of_config_.push_back(instance.parameters.size());
   for (const auto& setting : settings) set(setting);
   for (const auto& file : scenarios) add_scenario(file);
   for (const auto& file : inputs) add_inputs(file);
@@ -140,18 +142,33 @@ void Run::listen(MessageHub::Listener listener) {
 
 void Run::set(const Setting& written) {
   require_open(written.place);
-  const auto setting = with_longest_name(written, [&](const std::string& name) {
-    const auto variable = system_.split(name);
-    if (!variable) return false;
-    const auto fmu = open_fmu(system_.instances[*system_.index_of(variable->instance)], *library_);
-    return variable_of_setting(fmu->description(), variable->variable) != nullptr;
-  });
-  const auto [instance, assignment] = locate(system_, setting);
-  const auto fmu = open_fmu(*instance, *library_);
-  const auto value = checked_setting(*instance, *fmu, assignment);
-  instance->parameters.push_back(assignment);
+  const auto setting = with_longest_name(
+      written, [this](const std::string& name) { return !matching_variables(system_, *library_, name).empty(); });
+  const auto checked = checked_settings(system_, *library_, setting);
+  add_assignments(checked);
   options_.settings.push_back(setting);
-  setting_changes_.push_back(fmt::format("set {}.{}={}", instance->name, assignment.variable, value));
+  const bool resizes = std::ranges::any_of(checked, &CheckedSetting::is_size);
+  if (resizes && std::ranges::any_of(options_.settings, is_pattern, &Setting::variable)) assign_again();
+}
+
+void Run::add_assignments(const std::vector<CheckedSetting>& checked) {
+  for (const auto& [located, text, is_size] : checked) {
+    located.instance->parameters.push_back(located.assignment);
+    setting_changes_.push_back(text);
+  }
+}
+
+/// Assigns all settings again after a size has changed, so that patterns match the elements that exist now.
+void Run::assign_again() {
+  std::vector<CheckedSetting> checked;
+  for (const auto& setting : options_.settings)
+    std::ranges::move(checked_settings(system_, *library_, setting), std::back_inserter(checked));
+  for (std::size_t i = 0; i < system_.instances.size(); ++i) {
+    auto& parameters = system_.instances[i].parameters;
+    parameters.erase(parameters.begin() + static_cast<std::ptrdiff_t>(parameters_of_config_[i]), parameters.end());
+  }
+  setting_changes_.clear();
+  add_assignments(checked);
 }
 
 void Run::add_scenario(const std::filesystem::path& file) {

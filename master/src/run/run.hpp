@@ -18,6 +18,7 @@
 #include "run/input_hash.hpp"
 #include "run/live_scenario.hpp"
 #include "run/result_files.hpp"
+#include "run/setting_names.hpp"
 #include "run/simulation.hpp"
 #include "run/summary.hpp"
 #include "run/write_saver.hpp"
@@ -64,8 +65,9 @@ class Run {
 
   /// Adds a listener for messages of FMUs and notices of the run.
   void listen(MessageHub::Listener listener);
-  /// Replaces a parameter or start value of the config. Opens the instance's FMU and checks name, type and limits. If
-  /// other settings can change the size of an array, start() checks whether the array has the element.
+  /// Replaces a parameter or start value of the config, or all that match a pattern (* and ?). Opens the FMUs and
+  /// checks name, type and limits. If other settings can change the size of an array, start() checks whether the array
+  /// has the element. If the setting changes a size, earlier patterns match the new elements, too.
   void set(const Setting& written);
   /// Appends the overrides of a scenario file.
   void add_scenario(const std::filesystem::path& file);
@@ -172,6 +174,8 @@ class Run {
   Run(Checkpoint checkpoint, const std::filesystem::path& folder);
 
   void require_open(std::string_view what) const;
+  void add_assignments(const std::vector<CheckedSetting>& checked);
+  void assign_again();
   void require_alive(std::string_view what) const;
   template <typename Work>
   void attempt(Work work);
@@ -225,6 +229,7 @@ class Run {
   bool has_foreign_ = false;  // has observers of the embedding program
   std::shared_ptr<FmuLibrary> library_;
   SystemDescription system_;
+  std::vector<std::size_t> parameters_of_config_;  ///< numbers of each instance's parameters in the config
   std::vector<std::string> setting_changes_;
   std::vector<std::string> scenario_changes_;
   std::vector<std::string> inputs_changes_;

@@ -147,6 +147,33 @@ TEST_F(Program, SetFindsNamesWithAnEqualsSign) {
   EXPECT_EQ(summary()["parameters"]["a"], nlohmann::json({{"gain", 3.0}, {"gain=2", 5.0}}));
 }
 
+TEST_F(Program, SetSetsAllVariablesThatFitAPattern) {
+  write_file(folder.path() / "group.json", with_probe(R"({"step": 0.1, "stop_time": 0.2, "connections": [], "instances":
+      {"drone[{i}]": {"repeat": {"i": [1, 3]}, "fmu": "PROBE"}, "pad": {"fmu": "PROBE"}}})"));
+  const auto result = run({"run", "group.json", "--out", "results/two", "--set", "drone[*].gain=3", "drone[2].gain=4",
+                           "drone[?].string_in=x=y"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  const auto parameters = summary()["parameters"];
+  EXPECT_EQ(parameters["drone[1]"]["gain"], 3.0);
+  EXPECT_EQ(parameters["drone[2]"]["gain"], 4.0);
+  EXPECT_EQ(parameters["drone[3]"]["string_in"], "x=y");
+  EXPECT_FALSE(parameters.contains("pad"));
+  EXPECT_EQ(summary()["inputs"]["changes"][0], "set drone[1].gain=3");
+  const auto missing = run({"run", "group.json", "--dry-run", "--set", "drone[*].gian=3"});
+  EXPECT_EQ(missing.code, 2);
+  EXPECT_THAT(missing.err, HasSubstr("--set drone[*].gian=3: no variable fits 'drone[*].gian'. Did you mean "
+                                     "'drone[*].gain'"));
+  const auto output = run({"run", "group.json", "--dry-run", "--set", "drone[*].real_out=3"});
+  EXPECT_EQ(output.code, 2);
+  EXPECT_THAT(output.err, HasSubstr("'drone[1].real_out' cannot be set"));
+}
+
+TEST_F(Program, APatternForAnFmuAloneNeedsNoInstance) {
+  const auto result = run({"run", PROBE_FMU, "--out", "results/two", "--set", "ga*n=3"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(summary()["inputs"]["changes"][0], "set probe.gain=3");
+}
+
 TEST_F(Program, ADryRunChecksEverythingAndWritesNothing) {
   const auto fine = run_config({"--dry-run"});
   EXPECT_EQ(fine.code, 0) << fine.err;

@@ -4,6 +4,7 @@
 // group of variables.
 #include "sections.hpp"
 
+#include "model/name_pattern.hpp"
 #include "model/resolved_system.hpp"
 
 #include <fmt/format.h>
@@ -119,10 +120,10 @@ PanelDescription read_panel(const Node& node, const SystemDescription& system) {
 /// Adds the instance of this name, or all instances that fit a pattern.
 void add_mark(const Node& node, const SystemDescription& system, std::vector<std::string>& marks) {
   const auto name = node.readable_text();
-  const bool is_pattern = name.find_first_of("*?") != std::string::npos && system.find_instance(name) == nullptr;
+  const bool selects_several = is_pattern(name) && system.find_instance(name) == nullptr;
   const auto before = marks.size();
   for (const auto& instance : system.instances) {
-    if (is_pattern && fits(instance.name, name)) marks.push_back(instance.name);
+    if (selects_several && fits(instance.name, name)) marks.push_back(instance.name);
   }
   if (marks.size() == before) marks.push_back(instance_name(name, node, system));
 }
