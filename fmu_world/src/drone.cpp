@@ -105,6 +105,8 @@ std::string Drone::name_of(const Touch& touch) const {
       return around_.scene.gates[touch.index].name;
     case Touch::What::drone:
       return fmt::format("drone[{}]", touch.index + 1);
+    case Touch::What::robot:
+      return fmt::format("robot[{}]", touch.index + 1);
     case Touch::What::ground:
       break;
   }

@@ -43,10 +43,19 @@ std::vector<Eigen::Vector3d> sizes_of(const std::vector<DroneSetup>& drones) {
   return sizes;
 }
 
-/// Every camera shows the other drones, if there are any.
-std::shared_ptr<const camera::Scenery> scenery_of(const scene::Scene& scene, const std::vector<DroneSetup>& drones) {
+/// True if sensors must look for other drones or robots.
+bool has_others(std::size_t drones, std::size_t robots) {
+  return drones + robots > 1;
+}
+
+/// Every camera shows the other drones and the robots, if there are any.
+std::shared_ptr<const camera::Scenery> scenery_of(const scene::Scene& scene, const std::vector<DroneSetup>& drones,
+                                                  std::size_t robots) {
   camera::Geometry geometry = camera::make_geometry(scene);
-  for (std::size_t i = 0; i < drones.size() && drones.size() > 1; ++i) camera::add_drone(geometry, drones[i].model, i);
+  if (has_others(drones.size(), robots)) {
+    for (std::size_t i = 0; i < drones.size(); ++i) camera::add_drone(geometry, drones[i].model, i);
+    for (std::size_t i = 0; i < robots; ++i) camera::add_robot(geometry, *scene.robot, drones.size() + i);
+  }
   return std::make_shared<const camera::Scenery>(std::move(geometry));
 }
 
@@ -61,14 +70,15 @@ World::World(scene::Scene scene, const Parameters& parameters, const Inputs& inp
       log_(std::move(log)),
       inner_step_ns_(inner_step_of(parameters)),
       obstacle_names_(names_of(scene::solids_of(scene_))),
-      bodies_(scene_, sizes_of(drones)),
+      robots_(scene_, parameters, inputs, start_ns),
+      bodies_(scene_, sizes_of(drones), robots_.count()),
       gusts_({parameters.gust_intensity_m_per_s, parameters.gust_length_m, parameters.gust_speed_m_per_s,
               static_cast<std::uint32_t>(parameters.gust_seed)}) {
   checked(in_.downwash_strength, 0.0, 10.0, "downwash.strength");
   check_wind();
   const Around around{scene_, obstacle_names_,
                       in_,    bodies_,
-                      log_,   {scenery_of(scene_, drones), std::make_shared<const RayCaster>(scene_)}};
+                      log_,   {scenery_of(scene_, drones, robots_.count()), std::make_shared<const RayCaster>(scene_)}};
   drones_.resize(drones.size());
   for (std::size_t i = 0; i < drones.size(); ++i) {
     const std::string name = drones[i].name;
@@ -80,13 +90,18 @@ World::World(scene::Scene scene, const Parameters& parameters, const Inputs& inp
     }
   }
   downwash_n_.resize(drones_.size());
-  if (drones_.size() > 1) {
+  touched_.resize(robots_.count());
+  if (has_others(drones_.size(), robots_.count())) {
     for (const auto& drone : drones_) boxes_.push_back(drone->box());
-    states_.resize(drones_.size());
+    robots_.add_solids(boxes_);
+    states_.resize(drones_.size() + robots_.count());
   }
+  move_robots(start_ns);
   bodies_.find_touches(start_ns);
-  take_states();
+  for (std::size_t i = 0; i < touched_.size(); ++i) touched_[i] = bodies_.robot_touches(i);
+  take_states(start_ns);
   for_each_drone([&](Drone& drone, std::size_t i) { drone.start(start_ns, others_of(i)); });
+  write_outputs(start_ns);
 }
 
 /// Calls `act`. If there are several drones, adds the drone's name to errors.
@@ -109,6 +124,9 @@ void World::check_wind() const {
 
 void World::step(std::int64_t start_ns, std::int64_t duration_ns) {
   check_wind();
+  robots_.begin_step(start_ns);
+  touched_.assign(touched_.size(), false);
+  take_states(start_ns);
   for_each_drone([&](Drone& drone, std::size_t i) { drone.begin_step(start_ns, duration_ns, others_of(i)); });
   const std::int64_t count = (duration_ns + inner_step_ns_ - 1) / inner_step_ns_;
   const double dt_s = static_cast<double>(duration_ns) * 1e-9 / static_cast<double>(count);
@@ -117,6 +135,13 @@ void World::step(std::int64_t start_ns, std::int64_t duration_ns) {
   }
   outputs_.wind_gust_m_per_s = {gust_W_m_per_s_.x(), gust_W_m_per_s_.y(), gust_W_m_per_s_.z()};
   for_each_drone([](Drone& drone, std::size_t) { drone.write_outputs(); });
+  write_outputs(start_ns + duration_ns);
+}
+
+/// Writes the outputs of the robots.
+void World::write_outputs(std::int64_t end_ns) {
+  robots_.write_outputs(end_ns, outputs_);
+  for (std::size_t i = 0; i < touched_.size(); ++i) outputs_.robot_touched[i] = touched_[i];
 }
 
 void World::inner_step(std::int64_t begin_ns, std::int64_t end_ns, double dt_s) {
@@ -124,9 +149,11 @@ void World::inner_step(std::int64_t begin_ns, std::int64_t end_ns, double dt_s) 
   const Eigen::Vector3d wind_W_m_per_s = Eigen::Vector3d(inputs_.wind_velocity_m_per_s.data()) + gust_W_m_per_s_;
   if (in_.downwash_strength > 0.0) find_downwash();
   for_each_drone([&](Drone& drone, std::size_t i) { drone.push(wind_W_m_per_s, downwash_n_[i]); });
+  move_robots(begin_ns);
   bodies_.step(dt_s, begin_ns);
   for_each_drone([](Drone& drone, std::size_t) { drone.move(); });
-  take_states();
+  for (std::size_t i = 0; i < touched_.size(); ++i) touched_[i] = touched_[i] || bodies_.robot_touches(i);
+  take_states(end_ns);
   for_each_drone([&](Drone& drone, std::size_t i) {
     drone.judge(end_ns, dt_s);
     drone.control(end_ns, dt_s, others_of(i));
@@ -143,8 +170,14 @@ void World::find_downwash() {
   }
 }
 
-void World::take_states() {
-  for (std::size_t i = 0; i < boxes_.size(); ++i) {
+void World::move_robots(std::int64_t time_ns) {
+  for (std::size_t i = 0; i < robots_.count(); ++i) bodies_.move_robot(i, robots_.at(i, time_ns));
+}
+
+void World::take_states(std::int64_t time_ns) {
+  if (states_.empty()) return;
+  robots_.place(time_ns, boxes_, drones_.size(), states_);
+  for (std::size_t i = 0; i < drones_.size(); ++i) {
     states_[i] = drones_[i]->state();
     boxes_[i].p_W_m = states_[i].p_WB_m;
     boxes_[i].q_W = states_[i].q_WB;
@@ -159,14 +192,13 @@ const CameraDevice* World::camera(std::size_t drone) const {
 std::string World::view() const {
   std::vector<ViewedDrone> drones;
   for (const auto& drone : drones_) drones.push_back(drone->view());
-  return scene_text(scene_, drones);
+  return scene_text(scene_, drones, robots_.count());
 }
 
 void World::visit(state::Visitor& v) {
   v("gusts", gusts_);
   v("gust_W_m_per_s", numbers(gust_W_m_per_s_));
   for (std::size_t i = 0; i < drones_.size(); ++i) v(fmt::format("drone[{}]", i + 1), *drones_[i]);
-  if (v.restores()) take_states();
 }
 
 }  // namespace mebots::world

@@ -5,6 +5,7 @@
 #include "dynamics/rigid_world.hpp"
 #include "fmu_world/variables.hpp"
 #include "mebots/state/visitor.hpp"
+#include "robots.hpp"
 #include "scene/scene.hpp"
 #include "wind/dryden.hpp"
 
@@ -16,7 +17,7 @@
 
 namespace mebots::world {
 
-/// Drones in one world: scene, rigid bodies with their contacts, wind, time.
+/// Drones and robots in one world: scene, rigid bodies with their contacts, wind, time.
 ///
 /// A step of h is divided into n = ceil(h / physics.step) equal inner steps. Rotor thrusts, wind and set-points are
 /// constant during the step; the flight control runs in every inner step on the new state. Outputs describe the end of
@@ -47,8 +48,10 @@ class World {
   void check_wind() const;
   void inner_step(std::int64_t begin_ns, std::int64_t end_ns, double dt_s);
   void find_downwash();
-  void take_states();
-  /// Returns the data of the other drones for the sensors of a drone.
+  void move_robots(std::int64_t time_ns);
+  void take_states(std::int64_t time_ns);
+  void write_outputs(std::int64_t end_ns);
+  /// Returns the data of the other drones and of the robots for the sensors of a drone.
   Others others_of(std::size_t drone) const { return {boxes_, states_, drone}; }
 
   scene::Scene scene_;
@@ -59,11 +62,13 @@ class World {
   std::int64_t inner_step_ns_;
 
   std::vector<std::string> obstacle_names_;  // in the order of scene::solids_of()
+  Robots robots_;
   RigidWorld bodies_;
   Dryden gusts_;
   std::vector<std::unique_ptr<Drone>> drones_;
-  std::vector<scene::Solid> boxes_;  // of the drones; empty with one drone
-  std::vector<RigidState> states_;   // likewise
+  std::vector<scene::Solid> boxes_;  // of the drones, then the parts of the robots; empty with one drone and no robot
+  std::vector<RigidState> states_;   // of drones and robots, likewise
+  std::vector<bool> touched_;        // robots that touched something in this step
   std::vector<double> downwash_n_;   // on each drone
   Eigen::Vector3d gust_W_m_per_s_ = Eigen::Vector3d::Zero();
 };

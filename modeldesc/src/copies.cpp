@@ -61,8 +61,6 @@ void read_copies(data::Object& object, Field& field, const Description& descript
   object.read_if("copies", copies, words);
   field.is_shared = copies != Copies::each;
   field.only_if_many = copies == Copies::shared_by_many;
-  if (field.only_if_many && field.causality == Causality::input)
-    object.node().at("copies").complain(ErrorCode::invalid_value, "an input cannot be absent; use shared");
 }
 
 void check_repeat(const Node& node, const Description& description) {

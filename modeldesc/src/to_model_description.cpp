@@ -85,9 +85,12 @@ void add_structure(const Description& description, ModelDescription& result) {
     if (variable.causality == Causality::parameter) parameters.push_back(i);
   }
   const bool has_copies = description.repeat && description.repeat->count > 1;
+  static const std::vector<std::size_t> kAbsent;  // of an input that an FMU of one copy does not have
   const auto indices_of = [&](const std::string& name, std::size_t copy) -> const std::vector<std::size_t>& {
     const auto copied = has_copies ? by_name.find(name_in_copy(description, name, copy)) : by_name.end();
-    return copied == by_name.end() ? by_name.at(name) : copied->second;
+    if (copied != by_name.end()) return copied->second;
+    const auto shared = by_name.find(name);
+    return shared == by_name.end() ? kAbsent : shared->second;
   };
   const auto with_indices = [&](std::vector<std::size_t> indices, const std::vector<std::string>& names,
                                 std::size_t copy) {

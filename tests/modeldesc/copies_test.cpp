@@ -56,6 +56,17 @@ TEST_F(CopiesTest, OneCopyHasThePlainNames) {
                                                   "drone.mass", "drone.position.x", "drone.position.y"));
 }
 
+TEST_F(CopiesTest, AnInputOfSeveralCopiesIsAbsentFromAnFmuOfOne) {
+  constexpr const char* kDescription =
+      R"("groups": {"robot": ["robot[1]", "robot[2]"]}, "repeat": {"drone": "n"}, "variables": [
+    {"name": "n", "type": "Integer", "causality": "parameter", "start": 1, "min": 1, "copies": "shared_by_many", "text": "t"},
+    {"name": "{robot}.x", "causality": "input", "unit": "m", "start": 0, "copies": "shared_by_many", "text": "t"},
+    {"name": "range", "causality": "output", "unit": "m", "first_depends_on": ["{robot}.x"], "text": "t"}])";
+  EXPECT_THAT(names(read(kDescription, 1)), ElementsAre("range"));
+  EXPECT_THAT(names(read(kDescription, 2)),
+              ElementsAre("n", "robot[1].x", "robot[2].x", "drone[1].range", "drone[2].range"));
+}
+
 TEST_F(CopiesTest, SeveralCopiesHaveNumberedNames) {
   EXPECT_THAT(names(read(kWorld, 2)),
               ElementsAre("drone.count", "gravity", "drone[1].cell.mass", "drone[2].cell.mass",

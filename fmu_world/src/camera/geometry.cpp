@@ -131,9 +131,9 @@ void add_gate(Geometry& geometry, const scene::Gate& gate, std::size_t tile, con
 
 /// Adds a cylinder: its side as flat strips with one texture, and its ends divided into pieces.
 void add_cylinder(Geometry& geometry, const scene::Cylinder& cylinder, std::size_t tile,
-                  const scene::Lighting& lighting) {
+                  const scene::Lighting& lighting, std::size_t mover) {
   constexpr int kSides = 32;
-  const Painted solid{axes_of(cylinder), tile, lighting, add_mover(geometry, cylinder)};
+  const Painted solid{axes_of(cylinder), tile, lighting, mover};
   const auto& [x_W, y_W, z_W] = solid.axes_W;
   std::array<std::array<Vector3d, kSides>, 2> rims;  // lower and upper
   for (int i = 0; i < kSides; ++i) {
@@ -248,6 +248,23 @@ void add_object(Geometry& geometry, const SceneObject& object, std::size_t first
   for (std::size_t i = first_face; i < geometry.faces.size(); ++i) geometry.faces[i].object = index;
 }
 
+/// Adds boxes, cylinders and meshes of a scene or robot. `mover_of` returns the index of an object's mover.
+template <typename Things, typename MoverOf>
+void add_things(Geometry& geometry, const Things& things, MoverOf mover_of) {
+  for (const scene::Box& box : things.boxes) {
+    const std::size_t tile = add_tile(geometry, box.texture);
+    add_box(geometry, box, tile, geometry.lighting, mover_of(box));
+  }
+  for (const scene::Cylinder& cylinder : things.cylinders) {
+    const std::size_t tile = add_tile(geometry, cylinder.texture);
+    add_cylinder(geometry, cylinder, tile, geometry.lighting, mover_of(cylinder));
+  }
+  for (const scene::MeshThing& thing : things.meshes) {
+    const Eigen::Matrix3d R_WM = scene::attitude_of(thing).toRotationMatrix();
+    add_mesh(geometry, *thing.mesh, thing.p_W_m, R_WM, geometry.lighting, mover_of(thing));
+  }
+}
+
 }  // namespace
 
 double lambert(const scene::Lighting& lighting, const Vector3d& normal_W) {
@@ -267,17 +284,7 @@ Geometry make_geometry(const scene::Scene& scene) {
            {{-half_m, -half_m, 0.0}, {half_m, -half_m, 0.0}, {half_m, half_m, 0.0}, {-half_m, half_m, 0.0}});
   geometry.faces.back().texture_origin_W_m = Vector3d::Zero();
 
-  for (const scene::Box& box : scene.boxes) {
-    const std::size_t tile = add_tile(geometry, box.texture);
-    add_box(geometry, box, tile, scene.lighting, add_mover(geometry, box));
-  }
-  for (const scene::Cylinder& cylinder : scene.cylinders) {
-    add_cylinder(geometry, cylinder, add_tile(geometry, cylinder.texture), scene.lighting);
-  }
-  for (const scene::MeshThing& thing : scene.meshes) {
-    const Eigen::Matrix3d R_WM = scene::attitude_of(thing).toRotationMatrix();
-    add_mesh(geometry, *thing.mesh, thing.p_W_m, R_WM, scene.lighting, add_mover(geometry, thing));
-  }
+  add_things(geometry, scene, [&](const auto& thing) { return add_mover(geometry, thing); });
   for (const scene::Gate& gate : scene.gates) {
     const std::size_t first_face = geometry.faces.size();
     if (gate.has_beams()) {
@@ -289,6 +296,12 @@ Geometry make_geometry(const scene::Scene& scene) {
     add_object(geometry, {SceneObject::Kind::gate, gate.name, gate.p_W_m}, first_face);
   }
   return geometry;
+}
+
+void add_robot(Geometry& geometry, const scene::Robot& robot, std::size_t body) {
+  const std::size_t mover = geometry.movers.size();
+  geometry.movers.push_back({{}, Vector3d::Zero(), body});
+  add_things(geometry, robot, [mover](const auto&) { return mover; });
 }
 
 void add_drone(Geometry& geometry, const scene::Drone& drone, std::size_t body) {

@@ -40,12 +40,12 @@ struct Face {
 };
 
 /// Faces that move together: on a path, they rotate about the vertical through `origin_W_m`, and are then shifted; as a
-/// drone, their positions are in the body's frame.
+/// drone or robot, their positions are in the body's frame.
 struct Mover {
   static constexpr std::size_t kNoBody = SIZE_MAX;
   scene::Path path;
   Eigen::Vector3d origin_W_m;
-  std::size_t body = kNoBody;  ///< index of the drone in Pose::bodies
+  std::size_t body = kNoBody;  ///< index of the drone or robot in Pose::bodies
 };
 
 /// An object with a name, whose faces ground truth marks in a picture.
@@ -84,5 +84,7 @@ inline constexpr double kRotorRadiusOverArm = 0.7;
 
 /// Adds a drone as others see it: its contact box, and a disc of eight sides for each rotor on top of it.
 void add_drone(Geometry& geometry, const scene::Drone& drone, std::size_t body);
+/// Adds the parts of a robot.
+void add_robot(Geometry& geometry, const scene::Robot& robot, std::size_t body);
 
 }  // namespace mebots::world::camera

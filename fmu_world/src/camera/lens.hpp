@@ -20,7 +20,7 @@ struct Intrinsics {
   double focal_length_px() const;
 };
 
-/// The pose of a drone's body in the world.
+/// The pose of a drone or robot in the world.
 struct BodyPose {
   Eigen::Vector3d p_WB_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d R_WB = Eigen::Matrix3d::Identity();
@@ -33,7 +33,7 @@ struct Pose {
   Eigen::Vector3d p_WC_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d R_WC = Eigen::Matrix3d::Identity();
   std::int64_t time_ns = 0;               ///< time of the positions of moving things
-  std::span<const BodyPose> bodies = {};  ///< of all drones at this time
+  std::span<const BodyPose> bodies = {};  ///< of all drones, then all robots, at this time
   std::size_t own_body = 0;               ///< index of the camera's own drone, which it does not see
 };
 

@@ -95,7 +95,8 @@ std::mutex mesh_collisions;
 
 class RigidWorld::Impl {
  public:
-  Impl(const scene::Scene& scene, std::span<const Eigen::Vector3d> body_sizes_m) : contact_(scene.contact) {
+  Impl(const scene::Scene& scene, std::span<const Eigen::Vector3d> body_sizes_m, std::size_t robots)
+      : contact_(scene.contact), robots_(robots) {
     prepare_thread();
     world_ = dWorldCreate();
     // By default, all worlds share one list of jobs, and two threads must not use this list at the same time. Therefore
@@ -113,6 +114,9 @@ class RigidWorld::Impl {
                           nullptr, kMaxContactsPerPair});
     solids_ = scene::solids_of(scene);
     for (std::size_t i = 0; i < solids_.size(); ++i) add(solids_[i], i);
+    if (robots > 0) parts_ = scene::solids_of(scene.robot.value());
+    first_part_ = obstacles_.size();
+    for (std::size_t i = 0; i < robots; ++i) make_robot(i);
     reserve();
   }
 
@@ -151,6 +155,17 @@ class RigidWorld::Impl {
     dBodyAddRelTorque(drone.body, torque_B.x(), torque_B.y(), torque_B.z());
   }
 
+  void move_robot(std::size_t index, const RigidState& state) {
+    MEBOTS_ASSERT(index < robots_.size());
+    Robot& robot = robots_[index];
+    robot.state = state;
+    dQuaternion q;
+    dBodySetPosition(robot.body, state.p_WB_m.x(), state.p_WB_m.y(), state.p_WB_m.z());
+    dBodySetQuaternion(robot.body, to_ode(state.q_WB, q));
+    dBodySetLinearVel(robot.body, state.v_WB_m_per_s.x(), state.v_WB_m_per_s.y(), state.v_WB_m_per_s.z());
+    dBodySetAngularVel(robot.body, state.w_WB_W_rad_per_s.x(), state.w_WB_W_rad_per_s.y(), state.w_WB_W_rad_per_s.z());
+  }
+
   void step(double dt_s, std::int64_t time_ns) {
     MEBOTS_ASSERT(dt_s > 0);
     prepare_thread();
@@ -183,6 +198,11 @@ class RigidWorld::Impl {
 
   const std::vector<Touch>& touches(std::size_t index) const { return at(index).touches; }
 
+  bool robot_touches(std::size_t index) const {
+    MEBOTS_ASSERT(index < robots_.size());
+    return robots_[index].touches;
+  }
+
  private:
   /// The maximum magnitude of a number that is passed to ODE. ODE multiplies several such numbers. If a product is not
   /// finite, ODE ends the process (dxNormalize4).
@@ -196,6 +216,13 @@ class RigidWorld::Impl {
     std::vector<Touch> touches;
   };
 
+  struct Robot {
+    dBodyID body = nullptr;
+    RigidState state;
+    bool touches = false;
+  };
+
+  /// The ground, an obstacle, a part of a gate, or a part of a robot.
   struct Obstacle {
     dGeomID geom;
     Touch::What what;
@@ -203,7 +230,7 @@ class RigidWorld::Impl {
     Eigen::Vector3d p_W_m;      ///< present position
     const scene::Solid* solid;  ///< null for the ground
     int most_contacts;
-    dBodyID body = nullptr;  ///< of a moving obstacle
+    dBodyID body = nullptr;  ///< of a moving obstacle or a robot
   };
 
   static void require_moderate(const char* what, double value) {
@@ -268,6 +295,23 @@ class RigidWorld::Impl {
     throw Error(fmt::format("obstacle \"{}\" has no shape", solid.name));
   }
 
+  /// Creates a robot's body, to which its parts are fixed.
+  void make_robot(std::size_t index) {
+    Robot& robot = robots_[index];
+    robot.body = dBodyCreate(world_);
+    dBodySetKinematic(robot.body);
+    for (const auto& part : parts_) {
+      const bool is_mesh = part.shape == scene::Solid::Shape::mesh;
+      const dGeomID geom = make_geom(part);
+      dQuaternion q;
+      dGeomSetBody(geom, robot.body);
+      dGeomSetOffsetPosition(geom, part.p_W_m.x(), part.p_W_m.y(), part.p_W_m.z());
+      dGeomSetOffsetQuaternion(geom, to_ode(part.q_W, q));
+      obstacles_.push_back({geom, Touch::What::robot, index, part.p_W_m, &part,
+                            is_mesh ? kMaxContactsPerMesh : kMaxContactsPerPair, robot.body});
+    }
+  }
+
   void add(const scene::Solid& solid, std::size_t index) {
     const bool of_gate = solid.gate != scene::Solid::kNoGate;
     const bool is_mesh = solid.shape == scene::Solid::Shape::mesh;
@@ -289,8 +333,14 @@ class RigidWorld::Impl {
     obstacles_.push_back(obstacle);
   }
 
-  /// Places a moving obstacle. Its body has the path's velocity, which no force changes.
+  /// Places a moving obstacle. Its body has the path's velocity, which no force changes. The body of a robot's part was
+  /// placed by move_robot().
   void place(Obstacle& obstacle, std::int64_t time_ns) {
+    if (obstacle.what == Touch::What::robot) {
+      const RigidState& robot = robots_[obstacle.index].state;
+      obstacle.p_W_m = robot.p_WB_m + robot.q_WB * obstacle.solid->p_W_m;
+      return;
+    }
     const scene::Displacement now = obstacle.solid->path.at(time_ns);
     obstacle.p_W_m = obstacle.solid->p_W_m + now.offset_W_m;
     dQuaternion q;
@@ -311,6 +361,7 @@ class RigidWorld::Impl {
     for (auto& obstacle : obstacles_) {
       if (obstacle.body != nullptr) place(obstacle, time_ns);
     }
+    for (auto& robot : robots_) robot.touches = false;
     for (auto& drone : drones_) {
       drone.touches.clear();
       for (const auto& obstacle : obstacles_) {
@@ -319,6 +370,28 @@ class RigidWorld::Impl {
     }
     find_pairs();
     for (const auto& [a, b] : pairs_) collide(a, b);
+    find_touches_of_robots();
+  }
+
+  /// Collides the robots' parts with obstacles, gates and parts of other robots. These contacts change no motion.
+  void find_touches_of_robots() {
+    for (std::size_t i = first_part_; i < obstacles_.size(); ++i) {
+      for (std::size_t k = 1; k < i; ++k) {  // 0 is the ground
+        if (k >= first_part_ && obstacles_[k].index == obstacles_[i].index) break;
+        if (!meets(obstacles_[i], obstacles_[k])) continue;
+        robots_[obstacles_[i].index].touches = true;
+        if (k >= first_part_) robots_[obstacles_[k].index].touches = true;
+      }
+    }
+  }
+
+  static bool meets(const Obstacle& a, const Obstacle& b) {
+    const double reach_m = a.solid->radius_m + b.solid->radius_m;
+    if ((a.p_W_m - b.p_W_m).squaredNorm() >= reach_m * reach_m) return false;
+    const bool has_mesh = a.solid->shape == scene::Solid::Shape::mesh || b.solid->shape == scene::Solid::Shape::mesh;
+    const auto lock = has_mesh ? std::unique_lock(mesh_collisions) : std::unique_lock<std::mutex>();
+    dContactGeom contact;
+    return dCollide(a.geom, b.geom, 1, &contact, sizeof(dContactGeom)) > 0;
   }
 
   void collide(Drone& drone, const Obstacle& obstacle) {
@@ -338,6 +411,7 @@ class RigidWorld::Impl {
         dBodyGetPointVel(obstacle.body, p_W_m.x(), p_W_m.y(), p_W_m.z(), v);
         velocity_W -= vector(v);
       }
+      if (obstacle.what == Touch::What::robot) robots_[obstacle.index].touches = true;
       note(drone, {obstacle.what, obstacle.index}, contact, vector(contact.geom.normal), velocity_W);
       attach(contact, drone.body, obstacle.body);
     }
@@ -420,13 +494,16 @@ class RigidWorld::Impl {
   std::vector<Drone> drones_;
   std::vector<std::size_t> by_x_;
   std::vector<std::pair<std::size_t, std::size_t>> pairs_;
+  std::vector<Robot> robots_;
   std::vector<scene::Solid> solids_;
+  std::vector<scene::Solid> parts_;  // of each robot, in its frame
   std::deque<TriangleMesh> meshes_;
-  std::vector<Obstacle> obstacles_;
+  std::vector<Obstacle> obstacles_;  // the ground, the solids, and the parts of all robots
+  std::size_t first_part_ = 0;       // of the first robot, in obstacles_
 };
 
-RigidWorld::RigidWorld(const scene::Scene& scene, std::span<const Eigen::Vector3d> body_sizes_m)
-    : impl_(std::make_unique<Impl>(scene, body_sizes_m)) {}
+RigidWorld::RigidWorld(const scene::Scene& scene, std::span<const Eigen::Vector3d> body_sizes_m, std::size_t robots)
+    : impl_(std::make_unique<Impl>(scene, body_sizes_m, robots)) {}
 RigidWorld::~RigidWorld() = default;
 
 void RigidWorld::set_mass(std::size_t drone, double mass_kg, const Eigen::Vector3d& inertia_kg_m2) {
@@ -436,6 +513,10 @@ void RigidWorld::set_mass(std::size_t drone, double mass_kg, const Eigen::Vector
 void RigidWorld::place(std::size_t drone, const RigidState& state, const Eigen::Vector3d& force_W_n,
                        const Eigen::Vector3d& torque_B_n_m) {
   impl_->place(drone, state, force_W_n, torque_B_n_m);
+}
+
+void RigidWorld::move_robot(std::size_t robot, const RigidState& state) {
+  impl_->move_robot(robot, state);
 }
 
 void RigidWorld::step(double dt_s, std::int64_t time_ns) {
@@ -452,6 +533,10 @@ RigidState RigidWorld::state(std::size_t drone) const {
 
 const std::vector<Touch>& RigidWorld::touches(std::size_t drone) const {
   return impl_->touches(drone);
+}
+
+bool RigidWorld::robot_touches(std::size_t robot) const {
+  return impl_->robot_touches(robot);
 }
 
 }  // namespace mebots::world

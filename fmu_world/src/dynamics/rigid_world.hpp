@@ -18,9 +18,9 @@ inline constexpr double kGravity_m_per_s2 = 9.80665;
 
 /// A contact point of a drone with another object, found before a step.
 struct Touch {
-  enum class What { ground, obstacle, gate, drone };
+  enum class What { ground, obstacle, gate, drone, robot };
   What what = What::ground;
-  std::size_t index = 0;  ///< of the obstacle in scene::solids_of(), of the gate in the scene, or of the other drone
+  std::size_t index = 0;  ///< of the obstacle in scene::solids_of(), of the gate in the scene, or of drone or robot
   Eigen::Vector3d p_W_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d normal_W = Eigen::Vector3d::UnitZ();  ///< towards the drone
   double depth_m = 0.0;                                 ///< how far the bodies overlap
@@ -31,8 +31,8 @@ struct Touch {
 ///
 /// For a step, call place() for every drone, then step(), then state() and touches() of every drone.
 ///
-/// Obstacles on a path are kinematic bodies of ODE: at the start of each step they get the path's position and
-/// velocity, and no force changes them.
+/// Obstacles on a path and robots are kinematic bodies of ODE: at the start of each step they get position and velocity
+/// of the path or from move_robot(), and no force changes them.
 ///
 /// The caller owns the bodies' states. Every step copies them into ODE and back, so ODE stores nothing between steps,
 /// and a restored state continues with the same bits. Geometries are in the scene's order. They are not in an ODE
@@ -44,8 +44,8 @@ struct Touch {
 /// same bits as in a world without the others.
 class RigidWorld {
  public:
-  /// `body_sizes_m` contains the edges of each drone's box.
-  RigidWorld(const scene::Scene& scene, std::span<const Eigen::Vector3d> body_sizes_m);
+  /// `body_sizes_m` contains the edges of each drone's box. `robots` is the number of the scene's robots.
+  RigidWorld(const scene::Scene& scene, std::span<const Eigen::Vector3d> body_sizes_m, std::size_t robots = 0);
   ~RigidWorld();
   RigidWorld(const RigidWorld&) = delete;
   RigidWorld& operator=(const RigidWorld&) = delete;
@@ -58,6 +58,9 @@ class RigidWorld {
   void place(std::size_t drone, const RigidState& state, const Eigen::Vector3d& force_W_n = Eigen::Vector3d::Zero(),
              const Eigen::Vector3d& torque_B_n_m = Eigen::Vector3d::Zero());
 
+  /// Sets the state of a robot at the start of the next step.
+  void move_robot(std::size_t robot, const RigidState& state);
+
   /// Finds the touches, and advances all drones by dt from `time_ns` under gravity, contact and their wrenches.
   void step(double dt_s, std::int64_t time_ns);
 
@@ -68,6 +71,8 @@ class RigidWorld {
   RigidState state(std::size_t drone) const;
   /// Returns a drone's touches before the last step; valid until the next one.
   const std::vector<Touch>& touches(std::size_t drone) const;
+  /// True if the robot touched a drone, an obstacle, a gate or another robot before the last step.
+  bool robot_touches(std::size_t robot) const;
 
  private:
   class Impl;

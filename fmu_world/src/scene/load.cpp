@@ -321,6 +321,35 @@ auto gate_in(const File& folder) {
   };
 }
 
+/// Adds an error for each part that has a path: a part moves with its robot.
+template <typename Part>
+void refuse_paths(const Node& robot, const char* key, const std::vector<Part>& parts) {
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (!parts[i].path.moves()) continue;
+    robot.at(key).elements()[i].at("path").complain(
+        ErrorCode::invalid_value, "a part of a robot must not have a path, because it moves with the robot");
+  }
+}
+
+auto robot_in(const File& folder) {
+  return [folder](const Node& node) {
+    Object object(node);
+    Robot robot;
+    object.read("name", robot.name, &Node::text);
+    object.read_if("boxes", robot.boxes, data::list_of(box_in(folder)));
+    object.read_if("cylinders", robot.cylinders, data::list_of(cylinder_in(folder)));
+    object.read_if("meshes", robot.meshes, data::list_of(mesh_in(folder)));
+    object.finish();
+    if (!object.sound()) return robot;
+    if (robot.boxes.empty() && robot.cylinders.empty() && robot.meshes.empty())
+      node.fail(ErrorCode::invalid_value, "a robot needs a part: boxes, cylinders or meshes");
+    refuse_paths(node, "boxes", robot.boxes);
+    refuse_paths(node, "cylinders", robot.cylinders);
+    refuse_paths(node, "meshes", robot.meshes);
+    return robot;
+  };
+}
+
 Lighting read_lighting(const Node& node) {
   Object object(node);
   Lighting lighting;
@@ -377,6 +406,7 @@ Scene read_scene(const Node& node, const File& folder) {
   MeshThing terrain;
   if (object.read_if("terrain", terrain, terrain_in(folder))) scene.meshes.push_back(terrain);
   object.read("gates", scene.gates, data::list_of(gate_in(folder)));
+  if (object.has("robot")) object.read("robot", scene.robot.emplace(), robot_in(folder));
   object.read("lighting", scene.lighting, &read_lighting);
   object.read("contact", scene.contact, &read_contact);
   object.finish();

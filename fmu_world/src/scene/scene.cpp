@@ -93,13 +93,24 @@ Solid solid_of(const MeshThing& thing) {
   return solid;
 }
 
+/// Returns boxes, cylinders and meshes of a scene or robot.
+template <typename Things>
+std::vector<Solid> solids_in(const Things& things) {
+  std::vector<Solid> solids;
+  for (const Box& box : things.boxes) solids.push_back(solid_of(box));
+  for (const Cylinder& cylinder : things.cylinders) solids.push_back(solid_of(cylinder));
+  for (const MeshThing& thing : things.meshes) solids.push_back(solid_of(thing));
+  return solids;
+}
+
 }  // namespace
 
+std::vector<Solid> solids_of(const Robot& robot) {
+  return solids_in(robot);
+}
+
 std::vector<Solid> solids_of(const Scene& scene) {
-  std::vector<Solid> solids;
-  for (const Box& box : scene.boxes) solids.push_back(solid_of(box));
-  for (const Cylinder& cylinder : scene.cylinders) solids.push_back(solid_of(cylinder));
-  for (const MeshThing& thing : scene.meshes) solids.push_back(solid_of(thing));
+  std::vector<Solid> solids = solids_in(scene);
   for (std::size_t i = 0; i < scene.gates.size(); ++i) {
     const Gate& gate = scene.gates[i];
     const std::size_t first = solids.size();

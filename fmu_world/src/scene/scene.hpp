@@ -186,6 +186,15 @@ struct Drone {
   std::optional<MagnetometerData> magnetometer;            ///< absent: not in the drone's file
 };
 
+/// A robot other than a drone, such as a rover: a rigid body that stays upright, whose pose is an input. The parts are
+/// in the robot's frame: x forward, y left, z up from the ground.
+struct Robot {
+  std::string name;
+  std::vector<Box> boxes;
+  std::vector<Cylinder> cylinders;
+  std::vector<MeshThing> meshes;
+};
+
 struct Scene {
   std::string name;
   std::string text;
@@ -194,6 +203,7 @@ struct Scene {
   std::vector<Cylinder> cylinders;
   std::vector<MeshThing> meshes;  ///< the terrain, if there is one, is the last
   std::vector<Gate> gates;        ///< in the order of flight; may be empty
+  std::optional<Robot> robot;     ///< for robot.count robots
   Lighting lighting;
   StartPose start;
   Contact contact;
@@ -218,5 +228,7 @@ struct Solid {
 
 /// Returns boxes, cylinders, meshes and the parts of gates, each kind in the scene's order.
 std::vector<Solid> solids_of(const Scene& scene);
+/// Returns the parts of a robot in its frame: boxes, cylinders and meshes.
+std::vector<Solid> solids_of(const Robot& robot);
 
 }  // namespace mebots::world::scene

@@ -9,10 +9,10 @@
 
 namespace mebots::world {
 
-/// The drones that a drone's sensors may see: all drones, of which the sensors leave out their own. Empty in a world of
-/// one drone.
+/// The drones and robots that a drone's sensors may see: all drones, of which the sensors leave out their own, then all
+/// robots. Empty in a world of one drone without robots.
 struct Others {
-  std::span<const scene::Solid> boxes;  ///< contact boxes where they are now
+  std::span<const scene::Solid> boxes;  ///< contact boxes of drones and parts of robots where they are now
   std::span<const RigidState> states;
   std::size_t own = 0;
 };

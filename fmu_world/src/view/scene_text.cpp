@@ -52,7 +52,16 @@ Json face_json(const camera::Face& face, const camera::Tile& tile) {
   return json;
 }
 
+/// Returns the mover of a robot, whose pose are outputs of the FMU.
+Json robot_json(std::size_t robot) {
+  const std::string name = "robot[" + std::to_string(robot + 1) + "].";
+  return {{"origin", json_of(Eigen::Vector3d::Zero())},
+          {"position", {name + "place.x", name + "place.y", name + "place.z"}},
+          {"yaw", name + "heading"}};
+}
+
 Json mover_json(const camera::Mover& mover) {
+  if (mover.body != camera::Mover::kNoBody) return robot_json(mover.body);
   Json points = Json::array();
   for (const auto& point : mover.path.points) {
     points.push_back({{"time", static_cast<double>(point.time_ns) * 1e-9},
@@ -98,8 +107,9 @@ Json body_json(const ViewedDrone& viewed) {
 
 }  // namespace
 
-std::string scene_text(const scene::Scene& scene, const std::vector<ViewedDrone>& drones) {
-  const auto geometry = camera::make_geometry(scene);
+std::string scene_text(const scene::Scene& scene, const std::vector<ViewedDrone>& drones, std::size_t robots) {
+  auto geometry = camera::make_geometry(scene);
+  for (std::size_t i = 0; i < robots; ++i) camera::add_robot(geometry, *scene.robot, i);
   Json json;
   json["format"] = 1;
   json["name"] = scene.name;

@@ -4,6 +4,7 @@
 #include "camera/lens.hpp"
 #include "scene/scene.hpp"
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -19,7 +20,7 @@ struct ViewedDrone {
 
 /// Returns the scene as JSON for drawing (docs/seeing.md describes the format): every face with texture, texture
 /// coordinates and light as in the camera; the drones with rotors and camera; the gates' names; and the names of the
-/// variables that move them. SI units, world frame W.
-std::string scene_text(const scene::Scene& scene, const std::vector<ViewedDrone>& drones);
+/// variables that move drones and robots. SI units, world frame W.
+std::string scene_text(const scene::Scene& scene, const std::vector<ViewedDrone>& drones, std::size_t robots);
 
 }  // namespace mebots::world

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Objects that move on a path. They move at constant speed from point to point, as a function of time, as in the FMU.
+// Objects that move. On a path, they move at constant speed from point to point, as a function of time, as in the FMU. A robot has the pose that was
+// recorded.
 import * as THREE from "three";
 import type { Json } from "../data/payload";
+import type { Run } from "../data/run";
 
 interface Point {
   time: number;
@@ -13,13 +15,17 @@ export class Mover {
   /** Contains the object's faces, with corners relative to `origin`. */
   readonly group = new THREE.Group();
   readonly origin: THREE.Vector3;
-  private readonly points: Point[];
+  private readonly points: Point[] | null;
   private readonly repeat: boolean;
+  /** Variables of a robot: x, y, z and yaw. */
+  private readonly pose: string[];
 
-  constructor(info: Json) {
+  constructor(info: Json, private readonly run: Run) {
+    const instance = run.system?.view.scene?.instance ?? "";
     this.origin = new THREE.Vector3(...(info.origin as [number, number, number]));
-    this.points = info.points;
-    this.repeat = info.repeat;
+    this.points = info.points ?? null;
+    this.repeat = info.repeat ?? false;
+    this.pose = this.points ? [] : [...(info.position as string[]), info.yaw as string].map((name) => `${instance}.${name}`);
     this.move(0);
   }
 
@@ -29,13 +35,27 @@ export class Mover {
   }
 
   move(time: number): void {
-    const end = this.points[this.points.length - 1].time;
+    if (this.points) this.moveOnPath(this.points, time);
+    else this.moveAsRecorded(time);
+  }
+
+  private moveOnPath(points: Point[], time: number): void {
+    const end = points[points.length - 1].time;
     const now = this.repeat ? Math.max(time, 0) % end : Math.min(Math.max(time, 0), end);
-    const next = Math.max(1, this.points.findIndex((point) => point.time >= now));
-    const [a, b] = [this.points[next - 1], this.points[next]];
+    const next = Math.max(1, points.findIndex((point) => point.time >= now));
+    const [a, b] = [points[next - 1], points[next]];
     const share = (now - a.time) / (b.time - a.time);
     const offset = new THREE.Vector3(...a.offset).lerp(new THREE.Vector3(...b.offset), share);
     this.group.position.copy(this.origin).add(offset);
     this.group.rotation.z = a.turn + share * (b.turn - a.turn);
+  }
+
+  /** A robot whose pose was not recorded is not drawn. */
+  private moveAsRecorded(time: number): void {
+    this.group.visible = this.pose.every((name) => this.run.has(name));
+    if (!this.group.visible) return;
+    const [x, y, z] = this.pose.map((name) => this.run.between(name, time));
+    this.group.position.set(x, y, z).add(this.origin);
+    this.group.rotation.z = this.run.at(this.pose[3], time); // yaw jumps from pi to -pi
   }
 }

@@ -70,7 +70,7 @@ export class Stage {
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     const info = runs[0].scene as Json;
     this.background = new THREE.Color().setScalar((info.background ?? 0) / 255);
-    this.surfaces = new Surfaces(info);
+    this.surfaces = new Surfaces(info, runs[0]);
     this.scene.add(this.surfaces.group);
     runs.forEach((run, i) => this.addFlight(run, i, runs.length));
     this.plumb = new THREE.Line(

@@ -2,6 +2,7 @@
 // The objects of the world: faces with the textures and the light that the camera renders.
 import * as THREE from "three";
 import type { Json } from "../data/payload";
+import type { Run } from "../data/run";
 import { Mover } from "./mover";
 
 /** Faces larger than this count as walls. A wall is not drawn while it hides the target. */
@@ -23,9 +24,9 @@ export class Surfaces {
   private readonly movers: Mover[];
   private readonly lighting: { ambient: number; sun: number; toSun: THREE.Vector3 } | null;
 
-  constructor(scene: Json) {
+  constructor(scene: Json, run: Run) {
     const textures = (scene.textures ?? []).map(makeTexture);
-    this.movers = (scene.movers ?? []).map((info: Json) => new Mover(info));
+    this.movers = (scene.movers ?? []).map((info: Json) => new Mover(info, run));
     for (const mover of this.movers) this.group.add(mover.group);
     this.lighting = scene.lighting
       ? { ambient: scene.lighting.ambient, sun: scene.lighting.sun, toSun: vector(scene.lighting.to_sun) }

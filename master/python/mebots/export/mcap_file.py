@@ -172,10 +172,9 @@ def export_scene(export, results: Results, scene, instance):
     entities += [entity(f"mover {i}", f"mover {i}", True, triangles) for i, triangles in enumerate(moving)]
     export.add_known("/scene", "foxglove.SceneUpdate", 0, {"deletions": [], "entities": entities})
     for i, mover in enumerate(movers):
-        for time in results.times.tolist():
+        a, b, c = mover["origin"]
+        for time, (x, y, z), turn in displacements(mover, instance, results):
             time_ns = nanoseconds(time)
-            (x, y, z), turn = displacement(mover, time)
-            a, b, c = mover["origin"]
             export.add_known("/tf", "foxglove.FrameTransform", time_ns, {
                 "timestamp": timestamp(time_ns), "parent_frame_id": "world", "child_frame_id": f"mover {i}",
                 "translation": {"x": a + x, "y": b + y, "z": c + z}, "rotation": quaternion(0, 0, turn)})
@@ -184,6 +183,18 @@ def export_scene(export, results: Results, scene, instance):
 def entity(frame, name, locked, triangles):
     return {"timestamp": timestamp(0), "frame_id": frame, "id": name, "lifetime": timestamp(0), "frame_locked": locked,
             "metadata": [], "triangles": triangles}
+
+
+def displacements(mover, instance, results):
+    """Yields time, offset and rotation of an object on a path, or of a robot whose pose was recorded."""
+    times = results.times.tolist()
+    if "points" in mover:
+        yield from ((time, *displacement(mover, time)) for time in times)
+        return
+    names = [f"{instance}.{name}" for name in (*mover["position"], mover["yaw"])]
+    if all(name in results for name in names):
+        for time, x, y, z, yaw in zip(times, *(results[name].tolist() for name in names), strict=True):
+            yield time, (x, y, z), yaw
 
 
 def displacement(mover, time_s):
