@@ -107,15 +107,14 @@ Extensions read_isa(std::string_view text) {
   if (text.starts_with("rv64") || text.starts_with("RV64")) fail(text, "the cores have 32 bits: write rv32");
   if (!text.starts_with("rv32") && !text.starts_with("RV32")) fail(text, "it must begin with rv32imc");
   const auto parts = parts_of(text, text.substr(4));
+  Extensions extensions;
+  for (const auto& part : parts) add_part(extensions, text, part);
   for (const std::string_view needed : {"i", "m", "c"}) {
-    const bool is_g = std::ranges::find(parts, "g") != parts.end();
-    if (!is_g && std::ranges::find(parts, needed) == parts.end()) {
+    if (std::ranges::find(parts, needed) == parts.end()) {
       fail(text, fmt::format("'{}' is missing: every core has it, so write rv32imc, followed by the further extensions",
                              needed));
     }
   }
-  Extensions extensions;
-  for (const auto& part : parts) add_part(extensions, text, part);
   if (extensions.has(Extension::f) && extensions.has(Extension::zfinx)) {
     fail(text, "zfinx and f exclude each other: use only one of them");
   }
