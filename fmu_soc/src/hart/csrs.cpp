@@ -242,8 +242,9 @@ void Csrs::set_mode(Mode mode) {
 
 /// Enables the check of each access if the mode lacks some rights; disables the check if the mode has all rights.
 void Csrs::update_guard() {
+  const bool was_guarded = guarded_;
   guarded_ = !pmp_.allows_all(state_.mode) || !pmp_.allows_all(data_mode());
-  if (execution_.units != nullptr) execution_.units->data_path.guard(guarded_);
+  if (guarded_ != was_guarded && execution_.units != nullptr) execution_.units->data_path.guard(guarded_);
   execution_.drop_resume_point();
 }
 

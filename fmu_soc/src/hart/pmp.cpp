@@ -28,6 +28,7 @@ constexpr std::uint64_t kSpaceEnd = std::uint64_t{1} << 32;
 void Pmp::restart() {
   configurations_ = {};
   addresses_ = {};
+  update_free();
 }
 
 std::uint32_t Pmp::configurations(unsigned index) const {
@@ -45,6 +46,7 @@ void Pmp::set_configurations(unsigned index, std::uint32_t value) {
     if ((configuration & kRead) == 0) configuration &= static_cast<std::uint8_t>(~kWrite);  // the pair is reserved
     configurations_[entry] = configuration;
   }
+  update_free();
 }
 
 /// Sets the address of an entry, unless the entry is locked. If the next entry is locked and its range (TOR) begins at
@@ -54,6 +56,7 @@ void Pmp::set_address(unsigned entry, std::uint32_t value) {
   const bool begins_locked =
       entry + 1 < entries_ && is_locked(entry + 1) && match_of(configurations_[entry + 1]) == Match::top_of_range;
   if (!begins_locked) addresses_[entry] = value;
+  update_free();
 }
 
 bool Pmp::is_locked(unsigned entry) const {
@@ -93,7 +96,7 @@ bool Pmp::allows(std::uint32_t address, unsigned size, Access access, Mode mode)
   return mode == Mode::machine || entries_ == 0;
 }
 
-bool Pmp::allows_all(Mode mode) const {
+bool Pmp::is_free(Mode mode) const {
   for (unsigned entry = 0; entry < entries_; ++entry) {
     const auto range = range_of(entry);
     if (range.first == range.end) continue;
@@ -105,9 +108,15 @@ bool Pmp::allows_all(Mode mode) const {
   return mode == Mode::machine || entries_ == 0;
 }
 
+void Pmp::update_free() {
+  machine_is_free_ = is_free(Mode::machine);
+  user_is_free_ = is_free(Mode::user);
+}
+
 void Pmp::visit(state::Visitor& v) {
   v("pmpcfg", configurations_);
   v("pmpaddr", addresses_);
+  if (v.restores()) update_free();
 }
 
 }  // namespace mebots::soc

@@ -18,7 +18,7 @@ class Pmp {
 
   enum class Access : std::uint8_t { load = 1, store = 2, fetch = 4 };  // bits of a configuration
 
-  explicit Pmp(unsigned entries) : entries_(entries) {}
+  explicit Pmp(unsigned entries) : entries_(entries) { restart(); }
 
   unsigned entries() const { return entries_; }
   void restart();
@@ -32,7 +32,7 @@ class Pmp {
   /// True if the mode may access all of the bytes.
   bool allows(std::uint32_t address, unsigned size, Access access, Mode mode) const;
   /// True if the mode may fetch, load and store at all addresses. If so, no access needs a check.
-  bool allows_all(Mode mode) const;
+  bool allows_all(Mode mode) const { return mode == Mode::machine ? machine_is_free_ : user_is_free_; }
 
   void visit(state::Visitor& v);
 
@@ -44,10 +44,15 @@ class Pmp {
 
   bool is_locked(unsigned entry) const;
   Range range_of(unsigned entry) const;
+  bool is_free(Mode mode) const;
+  void update_free();
 
   unsigned entries_;
   std::array<std::uint8_t, kMostEntries> configurations_{};
   std::array<std::uint32_t, kMostEntries> addresses_{};
+  // Results of allows_all(): computed from the entries, because each trap needs them.
+  bool machine_is_free_ = true;
+  bool user_is_free_ = true;
 };
 
 }  // namespace mebots::soc

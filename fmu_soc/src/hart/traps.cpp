@@ -36,8 +36,10 @@ void Traps::restart() {
 const Instruction* Traps::leave_handler(const Instruction* at) {
   MEBOTS_ASSERT(at->op == Op::mret);
   auto& e = execution_;
+  // An interrupt may have come at any pc, and a block from each of them would fill the cache. A program has few ecalls.
+  const bool from_interrupt = (csrs_.last_trap().cause & cause::kInterrupt) != 0;
   e.pc = csrs_.leave_handler();
-  e.cut_pc = e.pc;
+  e.cut_pc = from_interrupt ? e.pc : kNoPc;
   e.exit = at + 1;
   e.link = nullptr;
   e.redirected = true;
@@ -86,7 +88,10 @@ bool Traps::take_exception() {
   if (repeats_ == 0) fault_.first = exception_here(cause, value);
   repeats_ = progress == Progress::none ? repeats_ + 1 : 1;
   returns_ = progress == Progress::some ? 0 : returns_ + 1;
-  last_exception_ = {execution_.pc, cause, execution_.counters.instructions, execution_.counters.accesses, {}};
+  last_exception_.pc = execution_.pc;
+  last_exception_.cause = cause;
+  last_exception_.instructions = execution_.counters.instructions;
+  last_exception_.accesses = execution_.counters.accesses;
   std::copy_n(execution_.x.begin(), last_exception_.registers.size(), last_exception_.registers.begin());
   last_exception_.registers[0] = 0;
   if (repeats_ >= kEndlessRepeats || returns_ >= kEndlessReturns) {
