@@ -117,8 +117,9 @@ const Instruction* DataPath::load(const Instruction* at, std::uint32_t address, 
     return execution_.leave_after(at, Leave::normal);
   }
   const bool is_word = size == 4 && address % 4 == 0;
-  auto reply =
-      is_word ? bus_.load(address, execution_.start_of(at)) : bus_.load_narrow(address, execution_.start_of(at), size);
+  const auto cycle = execution_.start_of(at);
+  auto reply = load_quietly(cycle, address, size);
+  if (!reply.is_quiet) reply = is_word ? bus_.load(address, cycle) : bus_.load_narrow(address, cycle, size);
   reply.value = loaded(reply.value, size, sign);
   return finish_load(at, address, reply);
 }
@@ -141,7 +142,12 @@ const Instruction* DataPath::finish_load(const Instruction* at, std::uint32_t ad
   e.x[at->rd] = reply.value;
   e.extra_cycles += reply.wait_cycles;
   ++e.counters.device_accesses;
-  return execution_.leave_after(at, Leave::device);
+  return execution_.leave_after(at, reply.is_quiet ? Leave::normal : Leave::device);
+}
+
+BusReply DataPath::load_quietly(std::uint64_t cycle, std::uint32_t address, unsigned size) noexcept {
+  const bool tries = !finishes_block_ && address % size == 0;
+  return tries ? bus_.load_quietly(address, cycle, size) : BusReply{};
 }
 
 const Instruction* DataPath::store(const Instruction* at, std::uint32_t address, unsigned size, std::uint32_t value) {

@@ -55,6 +55,12 @@ class DataPath {
   /// Executes amo*.w: stores `combine(word, value)`, and loads the previous word.
   const Instruction* amo(const Instruction* at, std::uint32_t address, std::uint32_t value,
                          std::uint32_t (*combine)(std::uint32_t word, std::uint32_t value));
+  /// True if one of the core's memories contains these bytes.
+  bool is_ram(std::uint32_t address, unsigned size) const { return port_of(address, size) != nullptr; }
+  /// Performs a quiet load from a device: see Bus::load_quietly(). The address must be outside the core's memories. If
+  /// the limit of runs is loose, no load is quiet, because each access to a device ends the run. Does not extend the
+  /// sign.
+  BusReply load_quietly(std::uint64_t cycle, std::uint32_t address, unsigned size) noexcept;
   /// Handles a store to code or to a watched word, and continues after the store.
   const Instruction* stored_over_mark(const Instruction* at, std::uint32_t address, unsigned size);
 

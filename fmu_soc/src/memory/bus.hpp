@@ -16,6 +16,7 @@ struct BusReply {
   Kind kind = Kind::none;
   std::uint32_t value = 0;        // of a load
   std::uint32_t wait_cycles = 0;  // latency in both directions
+  bool is_quiet = false;          // a load that changes nothing outside the device: no schedule has changed
 
   static BusReply done(std::uint32_t value = 0, std::uint32_t wait_cycles = 0) {
     return {Kind::done, value, wait_cycles};
@@ -35,6 +36,11 @@ class Bus {
   virtual BusReply load_narrow(std::uint32_t /*address*/, std::uint64_t /*cycle*/, unsigned /*size*/) { return {}; }
   virtual BusReply store_narrow(std::uint32_t /*address*/, std::uint64_t /*cycle*/, std::uint32_t /*value*/,
                                 unsigned /*size*/) {
+    return {};
+  }
+  /// Loads `size` aligned bytes if the load is quiet. In all other cases, has no effect, and the reply has another kind
+  /// than `done`. Throws no exception.
+  virtual BusReply load_quietly(std::uint32_t /*address*/, std::uint64_t /*cycle*/, unsigned /*size*/) noexcept {
     return {};
   }
   /// Called when the core takes the interrupt of this line, for event units that then clear the event.

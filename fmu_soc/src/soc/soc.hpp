@@ -116,7 +116,10 @@ class Soc final {
   /// Sets the observer of a hart; null removes it. Not part of a state.
   void observe(unsigned number, Observer* observer);
   /// Sets the listener to changes of state; null removes it. Not part of a state.
-  void listen(StateListener* listener) { listener_ = listener; }
+  void listen(StateListener* listener) {
+    listener_ = listener;
+    bus_.set_listening(listener != nullptr);
+  }
 
   void visit(state::Visitor& v);
 

@@ -90,6 +90,19 @@ bool SystemBus::must_wait(std::uint32_t address, Picoseconds now) const {
   return slot != nullptr && slot->sets_power;
 }
 
+BusReply SystemBus::load_quietly(std::uint32_t address, std::uint64_t cycle, unsigned size) noexcept {
+  const auto* slot = devices_.slot_at(address);
+  if (slot == nullptr || listens_ || !slot->device->load_is_quiet(address - slot->base)) return {};
+  const auto now = timeline_.clock().time_of(cycle);
+  if (must_wait(address, now)) return {};
+  auto reply = BusReply::done(0, hardware_.chip().interconnect.fabric_controller_to_device);
+  reply.is_quiet = true;
+  const auto offset = address - slot->base;
+  const bool loaded = size == 4 ? slot->device->load(offset, now, reply.value)
+                                : slot->device->load_narrow(offset, now, reply.value, size);
+  return loaded ? reply : BusReply{};
+}
+
 BusReply SystemBus::load(std::uint32_t address, std::uint64_t cycle) {
   devices_.touch();
   auto* cluster = hardware_.cluster();

@@ -50,7 +50,11 @@ class SystemBus final : public Bus {
         program_host_(program_host),
         report_(std::move(report)) {}
 
+  /// If `listens` is true, a listener must be called after each access. No load is quiet then.
+  void set_listening(bool listens) { listens_ = listens; }
+
   BusReply load(std::uint32_t address, std::uint64_t cycle) override;
+  BusReply load_quietly(std::uint32_t address, std::uint64_t cycle, unsigned size) noexcept override;
   BusReply load_event(std::uint32_t address, std::uint64_t cycle) override;
   BusReply store(std::uint32_t address, std::uint64_t cycle, std::uint32_t value) override;
   BusReply load_narrow(std::uint32_t address, std::uint64_t cycle, unsigned size) override;
@@ -72,6 +76,7 @@ class SystemBus final : public Bus {
   ProgramHost& program_host_;
   Report report_;
   UnmodelledRegisters unmodelled_;
+  bool listens_ = false;
 };
 
 }  // namespace mebots::soc

@@ -41,6 +41,11 @@ class Device {
     return false;
   }
 
+  /// True if a load at this offset changes neither next_event() nor interrupt(), nor anything outside the device, and
+  /// throws no exception. The chip does not query the device after such a load, so a program that polls the register is
+  /// simulated faster. The chip may repeat the load at the same time.
+  virtual bool load_is_quiet(std::uint32_t /*offset*/) const { return false; }
+
   /// Runs the device's events up to `now`, which is never after next_event().
   virtual void advance(Picoseconds /*now*/) {}
   /// Returns the time of the device's next event. The results of this function and of interrupt() may only change in

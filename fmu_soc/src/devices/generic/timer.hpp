@@ -10,6 +10,7 @@ namespace mebots::soc {
 class Timer final : public Device {
  public:
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
+  bool load_is_quiet(std::uint32_t /*offset*/) const override { return true; }
   bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) override;
   void advance(Picoseconds now) override;
   Picoseconds next_event() const override;

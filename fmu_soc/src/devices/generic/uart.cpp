@@ -74,6 +74,7 @@ class Uart final : public Device {
   }
 
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
+  bool load_is_quiet(std::uint32_t offset) const override { return offset != kData; }
   bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) override;
   void begin_step(Picoseconds now) override;
   void advance(Picoseconds now) override;

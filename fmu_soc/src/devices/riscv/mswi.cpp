@@ -18,6 +18,7 @@ class Mswi final : public Device {
     if (offset == kFirstHart) pending_ = value & 1U;
     return true;
   }
+  bool load_is_quiet(std::uint32_t /*offset*/) const override { return true; }
   bool interrupt() const override { return pending_ != 0; }
   void visit(state::Visitor& v) override { v("pending", pending_); }
 

@@ -12,6 +12,7 @@ class Mtimer final : public Device {
  public:
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
   bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) override;
+  bool load_is_quiet(std::uint32_t /*offset*/) const override { return true; }
   void advance(Picoseconds now) override { due_ = count_at(now) >= compare_; }
   Picoseconds next_event() const override;
   bool interrupt() const override { return due_; }

@@ -17,6 +17,7 @@ class Plic final : public Device, public InterruptController {
  public:
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
   bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) override;
+  bool load_is_quiet(std::uint32_t offset) const override { return offset != kClaim; }
   bool interrupt() const override { return best(threshold_) != 0; }
   unsigned last_source() const override { return kSources - 1; }
   void set_source(unsigned source, bool level) override;

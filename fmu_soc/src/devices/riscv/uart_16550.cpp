@@ -39,6 +39,7 @@ class Uart16550 final : public Device {
   bool store_narrow(std::uint32_t offset, Picoseconds now, std::uint32_t value, unsigned /*size*/) override {
     return store(offset, now, value);
   }
+  bool load_is_quiet(std::uint32_t offset) const override;
   void advance(Picoseconds now) override;
   Picoseconds next_event() const override { return std::min(next_input_, timeout_at_); }
   bool interrupt() const override { return source() != Source::none; }
@@ -218,6 +219,21 @@ bool Uart16550::load(std::uint32_t offset, Picoseconds now, std::uint32_t& value
       return true;
   }
   return false;
+}
+
+/// A load of LSR starts the input. Loads of RBR, IIR and MSR may change the interrupt line.
+bool Uart16550::load_is_quiet(std::uint32_t offset) const {
+  switch (static_cast<Register>(offset)) {
+    case ier:
+    case lcr:
+    case mcr:
+    case scratch:
+      return true;
+    case lsr:
+      return input_began_;
+    default:
+      return false;
+  }
 }
 
 void Uart16550::transmit(std::uint8_t byte, Picoseconds now) {
