@@ -145,12 +145,23 @@ stack_top:
     }
   }
 
+  static constexpr std::array<std::string_view, 3> kCsrChanges{"w", "s", "c"};
+  static constexpr std::array<std::string_view, 5> kCsrs{"mstatus", "mepc", "mtvec", "mie", "misa"};
+
   std::string rare() {
-    switch (below(6)) {
+    switch (below(10)) {
       case 0:
-        return fmt::format("    csrr {}, mcycle\n", any(kRegisters));
+        return fmt::format("    csrr {}, {}\n", any(kRegisters), below(4) == 0 ? "mcycleh" : "mcycle");
       case 1:
-        return fmt::format("    csrr {}, minstret\n", any(kRegisters));
+        return fmt::format("    csrr {}, {}\n", any(kRegisters), below(4) == 0 ? "minstreth" : "minstret");
+      case 6:
+        return fmt::format("    csrr{} {}, mscratch, {}\n", any(kCsrChanges), target(), source());
+      case 7:
+        return fmt::format("    csrr{}i {}, mscratch, {}\n", any(kCsrChanges), target(), below(32));
+      case 8:
+        return fmt::format("    csrr {}, {}\n", any(kRegisters), any(kCsrs));
+      case 9:
+        return fmt::format("    csrrw {0}, mcause, {0}\n", any(kRegisters));
       case 2:
         return "    .option push\n    .option norvc\n    ecall\n    .option pop\n";
       case 3:

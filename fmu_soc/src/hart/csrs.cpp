@@ -28,8 +28,6 @@ constexpr std::uint32_t kSomeDirty = 1U << 31;
 constexpr std::uint32_t kModifiesPrivilege = 1U << 17;
 constexpr std::uint32_t kWaitTraps = 1U << 21;
 constexpr std::uint32_t kCounterEnables = 0xfffffffdU;  // without TM: U mode cannot read `time`
-constexpr std::uint32_t kInhibitCycle = 1U << 0;
-constexpr std::uint32_t kInhibitInstret = 1U << 2;
 /// Interrupt lines of machine mode: software, timer, external, and 16 fast ones.
 constexpr std::uint32_t kInterruptLines = 0xffff0000U | (1U << 11) | (1U << 7) | (1U << 3);
 /// JEDEC number of the OpenHW Group and architecture number of CV32E40P. GAP8's RI5CY also has a JEDEC number and an
@@ -62,6 +60,7 @@ struct Csrs::Rows {
     void (*write)(Csrs&, const Row&, unsigned index, std::uint32_t value);  // null: a write has no effect
     bool keeps;  // true if the register has a value of its own, which is `reset` at first
     std::uint32_t reset;
+    std::uint32_t written_bits = 0;  // see CsrForm
   };
   struct Row {
     unsigned number;
@@ -83,7 +82,7 @@ struct Csrs::Rows {
               csrs.state_.words[row.slot + index] = value & kMask;
               if constexpr (!std::is_null_pointer_v<decltype(kThen)>) (csrs.*kThen)();
             },
-            true, reset};
+            true, reset, std::is_null_pointer_v<decltype(kThen)> ? kMask : 0};
   }
   static constexpr Meaning lines() { return {kept, nullptr, true, 0}; }
   template <std::uint32_t kValue>
@@ -123,6 +122,7 @@ struct Csrs::Rows {
   static const std::array<Row, csr::kPlaces.size()> kAll;
   /// For each kind of core and each register number: the index of the row plus 1; 0 if there is no row.
   static const std::array<std::array<std::uint8_t, kNumbers>, kCores> kRowOf;
+  static const Row* find(Core core, unsigned number);
   static const Row* find(const Csrs& csrs, unsigned number);
 };
 
@@ -152,12 +152,42 @@ constexpr std::array<std::array<std::uint8_t, Csrs::Rows::kNumbers>, Csrs::Rows:
   return row_of;
 }();
 
+/// Returns null if no core of this kind has the register.
+const Csrs::Rows::Row* Csrs::Rows::find(Core core, unsigned number) {
+  if (number >= kNumbers) return nullptr;
+  const auto row = kRowOf[static_cast<std::size_t>(core)][number];
+  return row == 0 ? nullptr : &kAll[row - 1U];
+}
+
 /// Returns null if this core has no such register.
 const Csrs::Rows::Row* Csrs::Rows::find(const Csrs& csrs, unsigned number) {
-  if (number >= kNumbers) return nullptr;
   const auto core = !csrs.timing_.has_xpulp() ? Core::every : csrs.has_gap8_interrupts_ ? Core::gap8 : Core::ri5cy;
-  const auto row = kRowOf[static_cast<std::size_t>(core)][number];
-  return row == 0 || !csrs.has(kAll[row - 1U].core) ? nullptr : &kAll[row - 1U];
+  const auto* row = find(core, number);
+  return row == nullptr || !csrs.has(row->core) ? nullptr : row;
+}
+
+CsrForm Csrs::form(const Timing& timing, unsigned number) {
+  const auto* row = Rows::find(timing.has_xpulp() ? csr::Core::ri5cy : csr::Core::every, number);
+  if (row == nullptr) return {};
+  switch (number) {
+    case csr::kMcycle:
+    case csr::kCycle:
+      return {CsrForm::Kind::cycle};
+    case csr::kMcycleh:
+    case csr::kCycleh:
+      return {CsrForm::Kind::cycle_high};
+    case csr::kMinstret:
+    case csr::kInstret:
+      return {CsrForm::Kind::instret};
+    case csr::kMinstreth:
+    case csr::kInstreth:
+      return {CsrForm::Kind::instret_high};
+    default:
+      break;
+  }
+  const bool is_optional = row->core != csr::Core::every && row->core != csr::Core::ri5cy;
+  if (is_optional || !row->meaning.keeps) return {};
+  return {CsrForm::Kind::word, row->slot + number - row->number, row->meaning.written_bits};
 }
 
 /// True if the core has the option of a row of the table.
@@ -182,6 +212,7 @@ Csrs::Csrs(Execution& execution, BlockCache& blocks, const HartSettings& setting
       has_gap8_interrupts_(settings.has_gap8_interrupts),
       keeps_written_mtvec_(settings.keeps_written_mtvec),
       pmp_(timing_.pmp_entries) {
+  execution.host.csrs = &state_;
   restart();
 }
 

@@ -22,6 +22,36 @@ struct CsrRemarks {
       {};  // number of a counter that was read although it has not run since reset
 };
 
+/// The values of the control and status registers that are not in Execution.
+struct CsrState {
+  std::array<std::uint32_t, csr::slots_before(csr::kPlaces.size())> words{};  // of the registers that have a word
+  bool interrupts_on = false;                                                 // mstatus.MIE
+  bool interrupts_were_on = false;                                            // mstatus.MPIE
+  Mode mode = Mode::machine;
+  Mode mode_before = Mode::machine;  // mstatus.MPP
+  bool modifies_privilege = false;   // mstatus.MPRV
+  bool wait_traps = false;           // mstatus.TW
+  std::uint64_t cycle_base = 0;      // mcycle = counter - base; while inhibited, mcycle = base
+  std::uint64_t instret_base = 0;
+  std::uint32_t handlers = 0;  // entry of the handlers: mtvec, or the value written to it
+  EventCounts pccr_base{};     // of RI5CY's event counters
+};
+
+/// Describes how translated code accesses a CSR in machine mode.
+struct CsrForm {
+  enum class Kind : std::uint8_t {
+    other,  // by the interpreter
+    word,   // of CsrState::words
+    cycle,
+    cycle_high,
+    instret,
+    instret_high,
+  };
+  Kind kind = Kind::other;
+  unsigned slot = 0;               // of a word
+  std::uint32_t written_bits = 0;  // a write changes only these bits of the word; 0: the interpreter writes
+};
+
 /// The control and status registers of a core, from the table csrs.inc. Every core has those of CV32E40P's machine
 /// mode. A core with Xpulp also has RI5CY's. If such a core has GAP8's interrupts, it also has GAP8's. The registers
 /// determine whether an interrupt is taken.
@@ -40,6 +70,10 @@ class Csrs {
   bool write(unsigned number, std::uint32_t value);
   /// Executes a CSR instruction.
   const Instruction* access(const Instruction* at);
+  /// Returns how translated code accesses a CSR.
+  static CsrForm form(const Timing& timing, unsigned number);
+  static constexpr std::uint32_t kInhibitCycle = 1U << 0;  // bits of mcountinhibit
+  static constexpr std::uint32_t kInhibitInstret = 1U << 2;
 
   /// set_interrupt() sets the level of one interrupt line (bit of mip); set_interrupts() sets all lines.
   void set_interrupt(unsigned bit, bool level);
@@ -81,20 +115,6 @@ class Csrs {
 
  private:
   struct Rows;  // the table csrs.inc, by number
-  struct State {
-    std::array<std::uint32_t, csr::slots_before(csr::kPlaces.size())> words{};  // values of the registers that have one
-    bool interrupts_on = false;                                                 // mstatus.MIE
-    bool interrupts_were_on = false;                                            // mstatus.MPIE
-    Mode mode = Mode::machine;
-    Mode mode_before = Mode::machine;  // mstatus.MPP
-    bool modifies_privilege = false;   // mstatus.MPRV
-    bool wait_traps = false;           // mstatus.TW
-    std::uint64_t cycle_base = 0;      // mcycle = counter - base; while inhibited, mcycle = base
-    std::uint64_t instret_base = 0;
-    std::uint32_t handlers = 0;  // entry of the handlers: mtvec, or the value written to it
-    EventCounts pccr_base{};     // of RI5CY's event counters
-  };
-
   template <unsigned kNumber>
   std::uint32_t& word() {
     return state_.words[csr::slot_of(kNumber)];
@@ -187,7 +207,7 @@ class Csrs {
   bool keeps_written_mtvec_;
   CsrRemarks remarks_;
   Pmp pmp_;
-  State state_;
+  CsrState state_;
   bool guarded_ = false;
   bool counts_events_ = false;
   bool interrupt_ready_ = false;

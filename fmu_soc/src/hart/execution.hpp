@@ -14,6 +14,7 @@ namespace mebots::soc {
 class Hart;
 class BlockCache;
 class Csrs;
+struct CsrState;
 class DataPath;
 class Fetch;
 class Traps;
@@ -31,8 +32,8 @@ struct FastRegion {
 };
 
 /// The reason for which execution left a block. `normal` means that the hart continues at the next instruction without
-/// further action.
-enum class Leave : std::uint8_t { normal, trap, device, stop, sleep, event, turn, counting };
+/// further action. `stopped` means that the hart has already determined its reason to stop.
+enum class Leave : std::uint8_t { normal, trap, device, stop, sleep, event, turn, counting, stopped };
 
 /// Registers of a hardware loop. If the count is above 1 after the last instruction of the body, the body runs again.
 struct HardwareLoop {
@@ -145,6 +146,8 @@ struct HostState {
   std::uint32_t float_control_outside = 0;
   std::uint32_t float_control = kFloatControl;
   std::uint32_t float_control_after = kFloatControl;
+  CsrState* csrs = nullptr;                 // of the same core
+  std::array<std::uint64_t, 12> vectors{};  // low halves of the vector registers of a region, during a call
   // The list of recorded steps from one function into another in translated code.
   Flow* flow = nullptr;              // next entry to write
   std::uint64_t position = 0;        // the cycle count at the end of the last run

@@ -148,6 +148,35 @@ void emit_far_wait(Assembler& c, const Instruction* at, Label& left) {
   if (ram.wait_cycles != c.ram[0].wait_cycles) c.cycles.spend(ram.wait_cycles - c.ram[0].wait_cycles);
 }
 
+/// Performs a load at the address `ram[0].base + eax` if it is a quiet load of a device, and jumps to `done`.
+/// `take(from)` writes the value in register `from` to its place. Writes nothing else, so that the interpreter performs
+/// all other loads.
+template <typename Take>
+void emit_quiet_load(Assembler& c, const Instruction* at, unsigned size, const Block& block, Take take, Label& done) {
+  if (c.stubs.device == nullptr) return;
+  Label rare;
+  Label too_late;
+  c.cycles.jump_if_stalled(at, block.stalled_by, rare);
+  c.lea(ecx, ptr[rax + static_cast<std::int32_t>(c.ram[0].base)]);
+  c.mov(edx, at->cycles_before + c.cycles.waits_before(at));
+  c.mov(eax, size);
+  c.registers.save_vectors();
+  c.call(c.stubs.device);
+  c.registers.restore_vectors();
+  c.test(rax, rax);
+  c.js(rare);
+  // The rest of the block must start before the limit.
+  c.sub(r15, rax);
+  c.cmp(r15, c.blocks.fetch_bound(block));
+  c.jle(too_late);
+  c.inc(qword[rbx + static_cast<int>(offsetof(Execution, counters.device_accesses))]);
+  take();
+  c.jmp(done, kNear);
+  c.L(too_late);
+  c.add(r15, rax);
+  c.L(rare);
+}
+
 }  // namespace
 
 bool emit_load(Assembler& c, const Instruction* at) {
@@ -175,12 +204,19 @@ bool emit_load(Assembler& c, const Instruction* at) {
   c.L(done);
   emit_increment(c, at);
   if (!into_vector) c.registers.finish(at->rd, to);
-  c.defer_cold([&c, at, size, take, other, claimed, done, inside]() mutable {
+  const auto take_edx = [&c, at, size, sign, to, into_vector] {
+    if (size == 2) sign ? c.movsx(edx, dx) : c.movzx(edx, dx);
+    if (size == 1) sign ? c.movsx(edx, dl) : c.movzx(edx, dl);
+    into_vector ? c.movd(c.registers.vector(at->rd), edx) : c.mov(to, edx);
+  };
+  const auto& block = c.edges.block();
+  c.defer_cold([&c, &block, at, size, take, take_edx, other, claimed, done, inside]() mutable {
     c.L(other);
     emit_middle_of_word(c, size, inside);
     emit_across_words(c, at, size, claimed, claimed);
     const auto& ram = c.ram[1];
     if (ram.span == 0) {
+      emit_quiet_load(c, at, size, block, take_edx, done);
       c.edges.resume(at);
       return;
     }
@@ -192,6 +228,7 @@ bool emit_load(Assembler& c, const Instruction* at) {
     take(rdx + rcx);
     c.jmp(done, kNear);
     c.L(neither);
+    emit_quiet_load(c, at, size, block, take_edx, done);
     c.edges.resume(at);
   });
   return true;

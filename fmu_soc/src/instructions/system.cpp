@@ -1,16 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Traps, Zifencei, Zicsr and machine mode: execution of each operation of isa/system.decode. No operation has a
-// lowering.
+// Traps, Zifencei, Zicsr and machine mode: execution of each operation of isa/system.decode. Only accesses to CSRs have
+// a lowering.
 #include "hart/csr_numbers.hpp"
 #include "hart/csrs.hpp"
 #include "hart/execution.hpp"
 #include "hart/fetch.hpp"
 #include "hart/traps.hpp"
 #include "instructions/operation.hpp"
+#ifdef MEBOTS_TRANSLATES
+#include "instructions/lowering.hpp"
+
+#include <bit>
+#endif
 
 namespace mebots::soc::system {
 namespace {
+
+#ifdef MEBOTS_TRANSLATES
+using namespace lowering;
+#endif
 
 const Instruction* execute_illegal(Execution& e, const Instruction* at) {
   return e.raise(at, cause::kIllegalInstruction, static_cast<Word>(at->imm));
@@ -31,6 +40,78 @@ template <Op>
 const Instruction* execute_csr_access(Execution& e, const Instruction* at) {
   return e.units->csrs.access(at);
 }
+
+#ifdef MEBOTS_TRANSLATES
+Xbyak::Address csr_field(const Xbyak::AddressFrame& frame, std::size_t offset) {
+  return frame[rdx + static_cast<int>(offset)];
+}
+Xbyak::Address csr_word(unsigned slot) {
+  return csr_field(dword, offsetof(CsrState, words) + sizeof(std::uint32_t) * slot);
+}
+
+/// Sets rdx to the core's CsrState. Jumps to `rare` if the core is not in machine mode.
+void emit_csr_state(Assembler& c, Label& rare) {
+  c.mov(rdx, ptr[rbx + translate::offset_of_host(offsetof(HostState, csrs))]);
+  if (!c.blocks.timing().options.has(Extension::user)) return;
+  c.cmp(csr_field(byte, offsetof(CsrState, mode)), static_cast<std::uint32_t>(Mode::machine));
+  c.jne(rare, kNear);
+}
+
+/// Sets rax to the number of cycles or retired instructions since reset, before this instruction. rdx points to the
+/// core's CsrState. Changes rcx. If the counter does not run, or if the first instruction of a block may have stalled,
+/// jumps to `rare`.
+void emit_count(Assembler& c, const Instruction* at, bool instret, Label& rare) {
+  c.test(csr_word(csr::slot_of(csr::kMcountinhibit)), instret ? Csrs::kInhibitInstret : Csrs::kInhibitCycle);
+  c.jnz(rare, kNear);
+  if (instret) {
+    c.movd(eax, xmm15);
+    c.add(rax, ptr[rbx + translate::offset_of_counter(offsetof(Counters, instructions))]);
+    c.sub(rax, csr_field(ptr, offsetof(CsrState, instret_base)));
+    if (at->index != 0) c.add(rax, at->index);
+    return;
+  }
+  c.cycles.jump_if_stalled(at, c.edges.block().stalled_by, rare);
+  c.cycles.copy_start_of(at, rax);
+  c.mov(rdx, ptr[rbx + translate::offset_of_host(offsetof(HostState, csrs))]);
+  c.sub(rax, csr_field(ptr, offsetof(CsrState, cycle_base)));
+}
+
+/// Stores a word of CsrState, whose old value is in eax. Changes ecx.
+void emit_csr_write(Assembler& c, const Instruction* at, const CsrForm& form) {
+  if (traits_of(at->op).kind == OpKind::csr_immediate) {
+    c.mov(ecx, at->rs1);
+  } else {
+    c.registers.copy(ecx, at->rs1);
+  }
+  if (at->op == Op::csrrs || at->op == Op::csrrsi) c.or_(ecx, eax);
+  if (at->op == Op::csrrc || at->op == Op::csrrci) c.andn(ecx, ecx, eax);
+  if (form.written_bits != ~0U) c.and_(ecx, form.written_bits);
+  c.mov(csr_word(form.slot), ecx);
+}
+
+/// Writes code for reads of counters and accesses to plain words. Returns false if the access may have another effect.
+bool emit_csr_access(Assembler& c, const Instruction* at) {
+  using Kind = CsrForm::Kind;
+  const auto form = Csrs::form(c.blocks.timing(), static_cast<unsigned>(at->imm));
+  const bool writes = at->op == Op::csrrw || at->op == Op::csrrwi || at->rs1 != 0;
+  if (form.kind == Kind::other || (writes && form.written_bits == 0)) return false;
+  Label rare;
+  emit_csr_state(c, rare);
+  if (form.kind == Kind::word) {
+    c.mov(eax, csr_word(form.slot));
+    if (writes) emit_csr_write(c, at, form);
+  } else {
+    emit_count(c, at, form.kind == Kind::instret || form.kind == Kind::instret_high, rare);
+    if (form.kind == Kind::cycle_high || form.kind == Kind::instret_high) c.shr(rax, 32);
+  }
+  if (at->rd != kNoRegister) c.registers.finish(at->rd, eax);
+  c.defer_cold([&c, at, rare]() mutable {
+    c.L(rare);
+    c.edges.resume(at);
+  });
+  return true;
+}
+#endif
 
 /// Instructions of machine mode are illegal in U mode. The exception is wfi, which is illegal in U mode only if
 /// mstatus.TW is set.

@@ -35,6 +35,9 @@ struct DecodedCode {
   const FlowMap* flow = nullptr;                      // null = steps between functions are not recorded
   std::uint64_t times_dropped = 0;                    // number of discarded translations
 
+  /// True if translated code continues after a rare instruction. If the limit is loose, a core's turn ends there. If
+  /// steps between functions are recorded, they are reported there.
+  bool performs_rare() const { return !loose_limit && flow == nullptr; }
   /// True if translated code exists for this decoded code.
   bool is_translated() const { return translator != nullptr; }
   /// Returns the number of instructions translated since construction. If an instruction is translated again, it is

@@ -5,6 +5,7 @@
 #include "isa/encoding.hpp"
 #include "mebots/assert.hpp"
 
+#include <exception>
 #include <utility>
 #include <vector>
 
@@ -182,6 +183,40 @@ inline bool Hart::run_block(std::uint32_t number, bool left_translated) {
   return false;
 }
 
+const std::uint8_t* Hart::perform(Execution& execution, std::uint64_t exit) noexcept {
+  MEBOTS_ASSERT(execution.hart != nullptr);
+  auto& hart = *execution.hart;
+  try {
+    hart.translated_.finish_inside(exit);
+    return hart.next_code();
+  } catch (...) {  // an exception cannot pass through translated code
+    hart.translated_.keep_error(std::current_exception());
+    return nullptr;
+  }
+}
+
+/// Does the same as continue_run() between two blocks, if the next block has code. Returns that code. In all other
+/// cases, returns null, so that continue_run() handles the rest.
+const std::uint8_t* Hart::next_code() {
+  auto& e = execution_;
+  if (blocks_.is_stale()) return nullptr;
+  if (e.leave == Leave::trap) {
+    stop_ = leave();
+    if (stop_ != Stop::limit) e.leave = Leave::stopped;
+  }
+  if (e.leave != Leave::normal) return nullptr;
+  std::uint32_t number = 0;
+  if (e.jumped) number = land();
+  if (limit_.reached_at(e.counters.cycles) || csrs_.interrupt_ready() || csrs_.is_guarded()) return nullptr;
+  if (number == 0) number = following();
+  if (number == 0) return nullptr;
+  const auto& block = blocks_.block(number);
+  if (blocks_.delays_jump(block, e.pipeline.two_before, e.pipeline.before)) return nullptr;
+  const auto* code = translated_.begin(number, block, block.stall_after(e.pipeline.before));
+  if (code != nullptr) e.link = nullptr;
+  return code;
+}
+
 /// Runs one instruction at a pc where no block begins.
 void Hart::step() {
   if (observed_.is_on()) {
@@ -241,6 +276,8 @@ Stop Hart::leave() {
       }
       waits_for_event_ = false;
       return Stop::limit;
+    case Leave::stopped:
+      return stop_;
     case Leave::normal:
       break;
   }

@@ -123,6 +123,9 @@ class Hart {
 
   void visit(state::Visitor& v);
 
+  /// Executes a rare instruction for translated code: see translate::Perform.
+  [[gnu::sysv_abi]] static const std::uint8_t* perform(Execution& execution, std::uint64_t exit) noexcept;
+
   /// The decoded code that this hart executes.
   const DecodedCode& code() const { return decoded_; }
 
@@ -133,6 +136,7 @@ class Hart {
   std::uint32_t following_block(std::uint16_t* link);
   Stop continue_run(std::uint64_t limit, bool left_translated);
   bool run_block(std::uint32_t number, bool left_translated);
+  const std::uint8_t* next_code();
   void step();
   void step_guarded();
   Stop leave();
@@ -152,7 +156,8 @@ class Hart {
   Interpreter interpreter_;
   ObservedRun observed_;
   TranslatedRun translated_;
-  bool at_access_ = false;  // the next instruction has waited for other cores: translated code cannot start with it
+  bool at_access_ = false;   // the next instruction has waited for other cores: translated code cannot start with it
+  Stop stop_ = Stop::limit;  // the reason of Leave::stopped
   bool sleeping_ = false;
   bool waits_for_event_ = false;  // the sleep is that of an event load
 };

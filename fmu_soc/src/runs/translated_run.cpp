@@ -3,6 +3,7 @@
 
 #include "instructions/float32.hpp"
 #include "mebots/assert.hpp"
+#include "runs/hart.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -37,12 +38,14 @@ const translate::Entry* TranslatedRun::translate_when_hot(std::uint32_t number, 
   if (!blocks.is_present(block)) ++block.absences;
   if (++block.heat < kHot) return nullptr;
   const auto first = blocks.instructions(block)->op;
-  if (ends_block(first) && !is_jump(first) && !is_hardware_loop(first)) {  // its translation would only leave
-    cool(block);
+  if (!decoded_.performs_rare() && ends_block(first) && !translate::has_translation(first)) {
+    cool(block);  // its translation would only leave
     return nullptr;
   }
   if (translator == nullptr) {
-    translator = translate::make_translator(blocks, execution_, {decoded_.loose_limit, decoded_.banks, decoded_.flow});
+    const auto perform = decoded_.performs_rare() ? Hart::perform : nullptr;
+    translator =
+        translate::make_translator(blocks, execution_, {decoded_.loose_limit, decoded_.banks, decoded_.flow, perform});
     decoded_.translates = translator != nullptr;
     if (translator == nullptr) return nullptr;
     blocks.set_listener(translator.get());
@@ -113,7 +116,7 @@ void TranslatedRun::resume_interpreter(const translate::Exit& exit) {
   auto& e = execution_;
   const auto* at = exit.at;
   std::uint32_t stall = 0;
-  if (at->index == 0) {  // its stall is counted, but has not happened yet
+  if (at->index == 0 && is_load(e.pipeline.before.op)) {  // its stall is counted, but has not happened yet
     stall = decoded_.blocks.block(decoded_.blocks.known(at->pc)).stall_after(e.pipeline.before);
     e.counters.cycles -= stall;
   }

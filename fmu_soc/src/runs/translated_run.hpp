@@ -10,6 +10,8 @@
 #include "translate/translator.hpp"
 
 #include <cstdint>
+#include <exception>
+#include <utility>
 
 namespace mebots::soc {
 
@@ -35,6 +37,14 @@ class TranslatedRun {
   /// Runs from this entry on. Returns true if the next block can begin at once. Returns false if the interpreter has
   /// finished a block, because the result must then be checked.
   bool run(const translate::Entry& entry, std::uint32_t stall);
+  /// Prepares a run from the start of this block on, and returns the code of the block. If the block has no code, or if
+  /// the interpreter must run it, returns null without effect.
+  const std::uint8_t* begin(std::uint32_t number, const Block& block, std::uint32_t stall);
+  /// Finishes the block that translated code has left at a rare instruction.
+  void finish_inside(std::uint64_t exit);
+  /// Keeps an exception that occurred during a call from translated code. The exception is thrown when translated code
+  /// has returned.
+  void keep_error(std::exception_ptr error) { error_ = std::move(error); }
   /// Chains blocks: patches the exit of the last run to jump to this block.
   void chain(const Block& block, const translate::Entry& entry, std::uint32_t stall) {
     decoded_.translator->chain_last_exit(block, entry, stall != 0);
@@ -66,6 +76,7 @@ class TranslatedRun {
 
  private:
   bool may_begin(const Block& block, std::uint32_t stall) const;
+  void prepare(std::uint32_t stall);
   const translate::Entry* translate_when_hot(std::uint32_t number, const Block& block);
   void set_budget();
   void resume_interpreter(const translate::Exit& exit);
@@ -82,6 +93,7 @@ class TranslatedRun {
   const ObservedRun& observed_;
   const RunLimit& limit_;
   FlowLog flow_log_;
+  std::exception_ptr error_;
   std::uint64_t next_generation_ = 0;  // generation of blocks for which Execution::next_block is valid
 };
 
@@ -107,14 +119,36 @@ inline const translate::Entry* TranslatedRun::entry(std::uint32_t number, const 
   return translate_when_hot(number, block);
 }
 
-inline bool TranslatedRun::run(const translate::Entry& entry, std::uint32_t stall) {
+/// Counts the stall of the first instruction, and sets the limit of translated code.
+inline void TranslatedRun::prepare(std::uint32_t stall) {
   execution_.counters.cycles += stall;
   set_budget();
+}
+
+inline const std::uint8_t* TranslatedRun::begin(std::uint32_t number, const Block& block, std::uint32_t stall) {
+  const auto* entry = decoded_.translator->find(number);
+  if (entry == nullptr || !may_begin(block, stall)) return nullptr;
+  prepare(stall);
+  return entry->plain;
+}
+
+inline void TranslatedRun::finish_inside(std::uint64_t exit) {
+  if (decoded_.blocks.extensions().has_floats()) take_float_flags();
+  finish(decoded_.translator->exit(exit));
+}
+
+inline bool TranslatedRun::run(const translate::Entry& entry, std::uint32_t stall) {
+  prepare(stall);
   execution_.set_next(nullptr);
-  const auto& exit = *decoded_.translator->run(execution_, entry.plain).exit;
+  const auto* exit = decoded_.translator->run(execution_, entry.plain).exit;
+  if (exit == nullptr) {  // left after a rare instruction
+    if (error_) [[unlikely]]
+      std::rethrow_exception(std::exchange(error_, nullptr));
+    return false;
+  }
   if (decoded_.blocks.extensions().has_floats()) take_float_flags();
   if (decoded_.flow != nullptr) report_flow();
-  return finish(exit);
+  return finish(*exit);
 }
 
 }  // namespace mebots::soc

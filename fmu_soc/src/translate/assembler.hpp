@@ -53,6 +53,8 @@ constexpr int offset_of_loop(unsigned loop) {
 struct Stubs {
   const std::uint8_t* prologue = nullptr;  // at its executable address
   const std::uint8_t* leave = nullptr;     // at its writable address; eax = number of the exit
+  /// Performs the rare instruction after exit eax (writable address). Null if translated code is left there.
+  const std::uint8_t* perform = nullptr;
   /// Parks a core before a block that may not begin (writable address). rdx holds the address of the block's entry; rcx
   /// holds the value that load_next_point() has loaded.
   const std::uint8_t* park = nullptr;
@@ -63,6 +65,11 @@ struct Stubs {
   /// access waits. edx holds the cycles of the block before the access. If the interpreter must perform the access, the
   /// subroutine only sets eax to a negative value. Changes rdx. Null if no other core uses that memory.
   const std::uint8_t* far = nullptr;
+  /// Subroutine (writable address). Performs a quiet load of eax bytes at address ecx: see Bus::load_quietly(). edx
+  /// holds the cycles of the block before the load. Sets rax to the cycles that the load waits, and edx to the value.
+  /// If the load is not quiet, sets rax to a negative value. Changes rcx, and vector registers of the region. Null if
+  /// Options::perform is null.
+  const std::uint8_t* device = nullptr;
 };
 
 /// Exit number of a run that ended without an exit of a region.

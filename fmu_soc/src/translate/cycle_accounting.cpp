@@ -75,6 +75,35 @@ void CycleAccounting::jump_at_limit(const Block& block, std::uint32_t stall, Lab
   }
 }
 
+void CycleAccounting::jump_if_stalled(const Instruction* at, std::uint64_t stalled_by, Label& stalled) {
+  if (at->index != 0) return;
+  if (stalled_by == 0) return;
+  // In the first block of a run, the last instruction is in Execution::pipeline.
+  a_.movd(ecx, xmm15);
+  a_.test(ecx, ecx);
+  a_.jz(stalled, kNear);
+  constexpr auto kWritten =
+      offsetof(HostState, straight_pipeline) + offsetof(Pipeline, before) + offsetof(Previous, rd);
+  a_.movzx(ecx, byte[rbx + offset_of_host(kWritten)]);
+  a_.mov(rdx, stalled_by);
+  a_.bt(rdx, rcx);
+  a_.jc(stalled, kNear);
+}
+
+void CycleAccounting::copy_start_of(const Instruction* at, const Xbyak::Reg64& to) {
+  const auto begin = ptr[rbx + offset_of_host(offsetof(HostState, begin))];
+  if (a_.options.banks != nullptr) {
+    a_.mov(to, r15);
+    a_.sub(to, begin);
+    a_.shr(to, std::countr_zero(a_.options.banks->count()));
+  } else {
+    a_.mov(to, begin);
+    a_.sub(to, r15);
+  }
+  a_.add(to, ptr[rbx + offset_of_counter(offsetof(Counters, cycles))]);
+  if (const auto before = at->cycles_before + waits_before(at); before != 0) a_.add(to, before);
+}
+
 /// True if an observer needs this step.
 bool CycleAccounting::is_noted(const Instruction* at, std::uint32_t next) const {
   if (a_.options.flow == nullptr) return false;

@@ -30,6 +30,11 @@ class CycleAccounting {
   std::uint32_t waits_before(const Instruction* at) const;
   /// Jumps if the limit does not allow the block to begin.
   void jump_at_limit(const Block& block, std::uint32_t stall, Xbyak::Label& leave);
+  /// Jumps to `stalled` if `at` is the first instruction of its block, and may have stalled for a load before the
+  /// block. The cycle of this stall is already counted. `stalled_by` is Block::stalled_by. Changes rcx and rdx.
+  void jump_if_stalled(const Instruction* at, std::uint64_t stalled_by, Xbyak::Label& stalled);
+  /// Copies the active cycle in which `at` starts. The instruction must not have stalled.
+  void copy_start_of(const Instruction* at, const Xbyak::Reg64& to);
   /// Claims a bank for an access.
   void claim_bank(const Instruction* at, bool word_in_ecx);
   /// Adds the counts of a run to the counters of Execution.

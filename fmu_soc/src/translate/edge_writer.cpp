@@ -21,6 +21,7 @@ void EdgeWriter::begin(const Region& region) {
 
 void EdgeWriter::begin_node(std::size_t index) {
   MEBOTS_ASSERT(index < labels_.size());
+  present_ = &region_->nodes[index];
   following_ = index + 1 < region_->nodes.size() ? &region_->nodes[index + 1] : nullptr;
   a_.L(labels_[index]);
 }
@@ -30,6 +31,11 @@ void EdgeWriter::emit_exits() {
   a_.L(leave_all_);
   a_.registers.store_all();
   a_.jmp(a_.stubs.leave);
+  if (a_.stubs.perform != nullptr) {
+    a_.L(perform_all_);
+    a_.registers.store_all();
+    a_.jmp(a_.stubs.perform);
+  }
   a_.L(park_all_);
   a_.registers.store_all();
   a_.jmp(a_.stubs.park);
@@ -52,7 +58,12 @@ void EdgeWriter::resume(const Instruction* at) {
   exit.resumes = true;
   exit.at = at;
   exit.wait_cycles = a_.cycles.waits_before(at);
-  leave_by(exit);
+  if (a_.stubs.perform == nullptr) {
+    leave_by(exit);
+    return;
+  }
+  a_.mov(eax, add_exit(exit));
+  a_.jmp(perform_all_, kNear);
 }
 
 /// Returns the region's node to which `link` leads. If the region has no such node, or the node does not start at `pc`,

@@ -25,6 +25,8 @@ class EdgeWriter {
   void begin(const Region& region);
   /// Must be called before the code of a node is written.
   void begin_node(std::size_t index);
+  /// Returns the block whose code is being written.
+  const Block& block() const { return *present_->block; }
   /// Writes the entries of a node. If `runs_into_node` is true, the node's code must follow directly. If it is false, a
   /// jump leads to the node's code.
   Entry emit_entry(const Node& node, bool runs_into_node);
@@ -43,7 +45,7 @@ class EdgeWriter {
   void fall_through(const Instruction* at, std::uint32_t link, std::uint32_t pc, bool is_last);
   /// Jumps to the start of a hardware loop.
   void iterate(const Instruction* at, unsigned loop);
-  /// Leaves before `at`; the interpreter finishes the block.
+  /// Leaves the code of the block before `at`; the interpreter finishes the block.
   void resume(const Instruction* at);
   void leave_by(const Exit& exit);
 
@@ -72,10 +74,12 @@ class EdgeWriter {
   Assembler& a_;
   const Region* region_ = nullptr;
   std::vector<Xbyak::Label> labels_;
+  const Node* present_ = nullptr;              // being written
   const Node* following_ = nullptr;            // emitted after it
   std::vector<Xbyak::Label> entries_;          // plain entries
   std::vector<Xbyak::Label> stalled_entries_;  // entries with a stall
   Xbyak::Label leave_all_;                     // stores the registers and leaves by exit eax
+  Xbyak::Label perform_all_;                   // stores the registers and performs the rare instruction after exit eax
   Xbyak::Label park_all_;  // stores the registers and parks with resume point rdx; rcx as in Stubs::park
 };
 

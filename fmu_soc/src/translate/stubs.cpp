@@ -16,6 +16,8 @@ using namespace Xbyak::util;
 namespace {
 
 constexpr std::size_t kStubAlignment = 16;
+/// The prologue's return address and six saved registers leave the stack eight bytes off the alignment of a call.
+constexpr int kStackPadding = 8;
 
 /// Calls wait_for_far() with the calling convention of translated code.
 [[gnu::sysv_abi]] std::uint64_t wait_for_far_from_code(Execution& execution, std::uint64_t cycle,
@@ -43,6 +45,24 @@ void emit_next_core(Assembler& a, const Label& next_core, const Label& done) {
   a.jnz(next_core);
   a.mov(eax, static_cast<std::uint32_t>(kNoExit));
   a.jmp(done);
+}
+
+/// Calls Options::perform for exit eax, after the counts and guest registers were stored, and jumps to the code of the
+/// next block.
+void emit_perform(Assembler& a, const Label& begin, const Label& done) {
+  Label left;
+  a.mov(rdi, rbx);
+  a.mov(esi, eax);
+  a.mov(rax, reinterpret_cast<std::uint64_t>(a.options.perform));
+  a.sub(rsp, kStackPadding);
+  a.call(rax);
+  a.add(rsp, kStackPadding);
+  a.mov(rcx, rax);
+  a.test(rax, rax);
+  a.jnz(begin, kNear);
+  a.mov(rdx, rbx);
+  a.mov(eax, static_cast<std::uint32_t>(kNoExit));
+  a.jmp(done, kNear);
 }
 
 /// Refills a line as InstructionCache::refill() does if the cache has only one user, and counts the wait cycles.
@@ -76,6 +96,50 @@ void emit_fetch_stub(Assembler& a) {
   a.sub(r15, cache.refill_cycles());
   a.pop(rdi);
   a.pop(rsi);
+  a.ret();
+}
+
+/// The result of a quiet load, in rax and rdx.
+struct QuietLoad {
+  std::int64_t wait;  // negative: the load is not quiet
+  std::uint64_t value;
+};
+
+[[gnu::sysv_abi]] QuietLoad load_quietly_from_code(Execution& execution, std::uint64_t cycle, std::uint32_t address,
+                                                   std::uint32_t size) noexcept {
+  constexpr QuietLoad kNone{-1, 0};
+  auto& data_path = execution.units->data_path;
+  if (data_path.is_ram(address, size)) return kNone;
+  const auto reply = data_path.load_quietly(cycle, address, size);
+  return reply.is_quiet ? QuietLoad{reply.wait_cycles, reply.value} : kNone;
+}
+
+/// Calls DataPath::load_quietly(). The device may compute with floats.
+void emit_device_stub(Assembler& a, bool has_floats) {
+  const std::array saved{rsi, rdi, r8, r9, r10, r11};
+  constexpr int kRoom = 16 + 16;
+  static_assert((8 + 8 * std::tuple_size_v<decltype(saved)> + kRoom + kStackPadding) % 16 == 0);
+  const auto float_control = dword[rsp + 16];
+  for (const auto& reg : saved) a.push(reg);
+  a.sub(rsp, kRoom);
+  a.movdqu(ptr[rsp], xmm15);
+  if (has_floats) {
+    a.stmxcsr(float_control);
+    a.ldmxcsr(dword[rbx + offset_of_host(offsetof(HostState, float_control_outside))]);
+  }
+  a.mov(rsi, ptr[rbx + offset_of_host(offsetof(HostState, begin))]);
+  a.sub(rsi, r15);
+  a.add(rsi, rdx);
+  a.add(rsi, ptr[rbx + offset_of_counter(offsetof(Counters, cycles))]);
+  a.mov(rdi, rbx);
+  a.mov(edx, ecx);
+  a.mov(ecx, eax);
+  a.mov(rax, reinterpret_cast<std::uint64_t>(&load_quietly_from_code));
+  a.call(rax);
+  if (has_floats) a.ldmxcsr(float_control);
+  a.movdqu(xmm15, ptr[rsp]);
+  a.add(rsp, kRoom);
+  for (auto reg = saved.rbegin(); reg != saved.rend(); ++reg) a.pop(*reg);
   a.ret();
 }
 
@@ -136,16 +200,14 @@ Stubs emit_stubs(Assembler& a) {
   a.mov(r14, ptr[rbx + static_cast<int>(offsetof(Execution, ram[0].data))]);
   const bool has_floats = a.blocks.extensions().has_floats();
   MEBOTS_ASSERT(!has_floats || a.options.banks == nullptr, "a round of cores does not pass flags of floats on");
-  if (has_floats) {
-    a.stmxcsr(dword[rbx + offset_of_host(offsetof(HostState, float_control_outside))]);
-    a.ldmxcsr(dword[rbx + offset_of_host(offsetof(HostState, float_control))]);
-  }
+  if (has_floats) a.stmxcsr(dword[rbx + offset_of_host(offsetof(HostState, float_control_outside))]);
   // Stores the floating-point flags that were raised, and restores the caller's control word.
   const auto leave_floats = [&a] {
     a.stmxcsr(dword[rbx + offset_of_host(offsetof(HostState, float_control_after))]);
     a.ldmxcsr(dword[rbx + offset_of_host(offsetof(HostState, float_control_outside))]);
   };
   a.L(next_core);
+  if (has_floats) a.ldmxcsr(dword[rbx + offset_of_host(offsetof(HostState, float_control))]);
   a.mov(r15, ptr[rbx + offset_of_host(offsetof(HostState, begin))]);
   a.pxor(xmm15, xmm15);
   a.mov(qword[rbx + offset_of_host(offsetof(HostState, slow_load))], 0);
@@ -172,6 +234,14 @@ Stubs emit_stubs(Assembler& a) {
   if (has_floats) leave_floats();  // such a core is alone: there is no next one
   emit_next_core(a, next_core, done);
 
+  if (a.options.perform != nullptr) {
+    stubs.perform = a.getCurr();
+    a.cycles.add_to_counters();
+    if (has_floats) leave_floats();
+    emit_perform(a, next_core, done);
+    stubs.device = a.getCurr();
+    emit_device_stub(a, has_floats);
+  }
   if (a.blocks.fetched() != nullptr && a.fetches.are_inline()) {
     stubs.fetch = a.getCurr();
     emit_fetch_stub(a);

@@ -78,6 +78,8 @@ class HostTranslator : public Translator {
     return {&exits_.exit(last_exit_), stopped};
   }
 
+  const Exit& exit(std::uint64_t number) const override { return exits_.exit(static_cast<std::uint32_t>(number)); }
+
   void chain_last_exit(const Block& block, const Entry& entry, bool stalled) override {
     if (last_exit_ == kNone) return;
     const auto& exit = exits_.exit(last_exit_);

@@ -10,7 +10,8 @@
 
 /// Translation of hot blocks to host code. All counts are equal to those of the interpreter. Costs that are known after
 /// decoding are counted when execution leaves a block. All other costs are counted when they occur. Translated code
-/// leaves a block before a rare instruction, which the interpreter executes.
+/// leaves a block before a rare instruction, which the interpreter executes. Afterwards, execution continues in
+/// translated code if the next block has code.
 namespace mebots::soc::translate {
 
 class Assembler;
@@ -43,9 +44,15 @@ struct Entry {
 
 /// Describes how a run ended.
 struct RunEnd {
-  const Exit* exit = nullptr;      // the last exit; null = the next hart of the round has no resume point
+  /// The last exit. Null if the next hart of the round has no resume point, or after a rare instruction.
+  const Exit* exit = nullptr;
   Execution* execution = nullptr;  // hart of that exit; null = all harts have reached their limits
 };
+
+/// Function that translated code calls at a rare instruction, with all state in memory. `exit` is the number of the
+/// exit before the instruction. The function executes the rest of the block. It returns the code of the next block, for
+/// which it has set HostState::begin. If translated code must be left, it returns null.
+using Perform = const std::uint8_t*(__attribute__((sysv_abi)) *)(Execution& execution, std::uint64_t exit);
 
 /// Options of a translator: properties that all harts with this code share.
 struct Options {
@@ -53,6 +60,8 @@ struct Options {
   Banks* banks = nullptr;    // of the first memory, if other cores use it at times
   /// If not null, steps between functions are recorded at HostState::flow, at most one per instruction.
   const FlowMap* flow = nullptr;
+  /// If null, translated code is left at each rare instruction.
+  Perform perform = nullptr;
 };
 
 /// Translations of the blocks of a cache, for harts that have the same memories at the same addresses. Each block is
@@ -68,6 +77,8 @@ class Translator : public BlockListener {
   /// Runs `code` of an entry up to the hart's limit. If the hart has reached its limit, continues with the next harts
   /// of the round. The result is valid until the next translation.
   virtual RunEnd run(Execution& execution, const std::uint8_t* code) = 0;
+  /// Returns an exit by its number. The result is valid until the next translation.
+  virtual const Exit& exit(std::uint64_t number) const = 0;
   /// Chains blocks: makes the patch point of the last run's exit lead to the code of `block`. The last run must have
   /// ended before `block`. `stalled` is true if the block's first instruction stalls for a load.
   virtual void chain_last_exit(const Block& block, const Entry& entry, bool stalled) = 0;

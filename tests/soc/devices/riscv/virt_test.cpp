@@ -4,6 +4,7 @@
 #include "assembler.hpp"
 #include "devices/core/chip_host.hpp"
 #include "soc/soc.hpp"
+#include "support/same_state.hpp"
 
 #include "mebots/error.hpp"
 #include "mebots/state/save.hpp"
@@ -151,6 +152,94 @@ TEST(Virt, TimerInterruptIsExactInTranslatedCodeToo) {
     EXPECT_GE(system.result(0), due);
     EXPECT_LE(system.result(0), due + 1) << "a jump takes two cycles";
   }
+}
+
+/// Loads from devices, accesses to CSRs, and traps, some of them after loads that delay them. The timer interrupts
+/// every 3 us, and disabled interrupts wait.
+constexpr std::string_view kRareInstructions = R"(
+_start: la t0, handler
+    csrw mtvec, t0
+    li s0, COMPARE
+    li s1, COUNT
+    li s2, PLIC + 4
+    li s3, UART
+    la s4, data
+    li t0, 5
+    sw t0, 0(s2)
+    li t0, 30
+    sw t0, 0(s0)
+    sw zero, 4(s0)
+    li t0, 1 << 7
+    csrw mie, t0
+    csrsi mstatus, 8
+loop: lw a0, 0(s1)
+    add s5, s5, a0
+    lbu a1, 5(s3)
+    add s5, s5, a1
+    lw a2, 0(s2)
+    lw a2, 0(s4)
+    csrrs a3, mcycle, x0
+    xor s5, s5, a3
+    lw a4, 0(s4)
+    csrr a4, mcycle
+    csrr a5, minstret
+    add s5, s5, a4
+    add s5, s5, a5
+    csrci mstatus, 8
+    addi a2, a2, 1
+    sw a2, 0(s4)
+    csrsi mstatus, 8
+    .option push
+    .option norvc
+    ecall
+    .option pop
+    csrrw s6, mscratch, s5
+    andi t1, a2, 7
+    bnez t1, loop
+1:  lw t2, 0(s1)
+    sub t3, t2, a0
+    sltiu t3, t3, 5
+    bnez t3, 1b
+    lb t4, -3(s2)
+    lhu t4, 2(s4)
+    j loop
+    .balign 4
+    .option norvc
+handler: csrr t0, mcause
+    bltz t0, 2f
+    csrr t0, mepc
+    addi t0, t0, 4
+    csrw mepc, t0
+    addi s7, s7, 1
+    mret
+2:  lw t0, 0(s0)
+    addi t0, t0, 30
+    sw t0, 0(s0)
+    addi s8, s8, 1
+    mret
+    .data
+    .balign 4
+data: .word 0, 0
+    .text
+)";
+
+TEST(Virt, RareInstructionsAreExactInTranslatedCode) {
+  Settings settings;
+  VirtSystem translated(kRareInstructions, settings);
+  settings.translate = false;
+  VirtSystem interpreted(kRareInstructions, settings);
+  std::int64_t time_ns = 0;
+  for (std::uint32_t step = 0; time_ns < 6'000'000; ++step) {
+    time_ns += step % 16 == 0 ? 40'011 : 17 + 13 * (step % 97);
+    translated.soc.advance(time_ns);
+    interpreted.soc.advance(time_ns);
+    ASSERT_TRUE(mebots::test::same_state(translated.soc.hart(), interpreted.soc.hart())) << "at " << time_ns << " ns";
+    if (step % 128 != 0) continue;  // memory and devices take longer to compare
+    ASSERT_TRUE(mebots::test::same_state(translated.soc, interpreted.soc)) << "at " << time_ns << " ns";
+  }
+  EXPECT_GT(translated.soc.hart().code().instructions_translated(), 0U);
+  EXPECT_GT(translated.soc.hart().reg(24), 1500U) << "interrupts";
+  EXPECT_GT(translated.soc.hart().reg(23), 3000U) << "calls";
 }
 
 TEST(Virt, TimerWakesASleepingCoreAtItsTick) {
