@@ -78,7 +78,7 @@ struct DeviceKind {
 /// Description of a shared library. A library built with other headers is refused.
 struct DeviceLibrary {
   /// Must be incremented with every change of the headers that such a library includes.
-  static constexpr std::uint32_t kInterface = 5;
+  static constexpr std::uint32_t kInterface = 6;
 
   std::uint32_t interface = kInterface;
   std::uint32_t entry_bytes = sizeof(BoardDevice);
