@@ -88,6 +88,9 @@ class IntegerLayers:
         weight = np.rint(node.weight).astype(np.int64)
         if np.abs(weight).max() > 128 or weight.max() > 127 or (weight != node.weight).any():
             raise self._refuse(node, "its weights are no whole numbers from -128 to 127", "Quantise weights to 8 bits")
+        broken = node.bias[np.rint(node.bias) != node.bias]
+        if broken.size:
+            raise self._refuse(node, f"its bias contains {broken[0]:g}, which is no whole number", "Round it in the model, or deploy the float model")
         flat = weight.reshape(weight.shape[0], -1)
         bias = np.rint(node.bias).astype(np.int64) - source * flat.sum(axis=1)
         bounds = np.abs(flat).sum(axis=1) * 255 + np.abs(bias)
