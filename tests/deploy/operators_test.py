@@ -12,7 +12,7 @@ from mebots.deploy import checking
 from mebots.deploy import layers as integers
 from mebots.deploy.deployed import Options
 from mebots.deploy.lowering import lower
-from mebots.deploy.plan import goes_by_columns
+from mebots.deploy.plan import is_depthwise_3x3
 
 
 def pair(random, low, high):
@@ -68,13 +68,14 @@ class Convolutions(OperatorCase):
         deployed = self.check(maker)
         self.assertGreater(len(deployed.plan.steps[0].parts), 1)
 
-    def test_columns_used_again_give_the_references_integers_with_each_number_of_cores(self):
+    def test_depthwise_kernels_of_3x3_give_the_references_integers_with_each_number_of_cores(self):
         maker = Maker(12, (7, 13, 10))
-        for strides, dilations, pads in (([1, 1], [1, 1], [1] * 4), ([2, 1], [2, 1], [0, 2, 1, 0]), ([3, 1], [1, 1], [2, 0, 0, 1])):
+        geometries = (([1, 1], [1, 1], [1] * 4), ([2, 1], [2, 1], [0, 2, 1, 0]), ([3, 2], [1, 1], [2, 0, 0, 1]), ([1, 3], [1, 1], [0, 1, 2, 2]))
+        for strides, dilations, pads in geometries:
             maker.output(maker.conv("x", 7, 7, (3, 3), 7, pads=pads, strides=strides, dilations=dilations))
         model, data = maker.save(self.folder)
         deployed = lower(model, data, Options())
-        self.assertTrue(all(goes_by_columns(one) for one in deployed.network.layers))
+        self.assertTrue(all(is_depthwise_3x3(one) for one in deployed.network.layers))
         library = self.folder / "library"
         deployed.sources.write(library)
         program = checking.check(library, self.folder, deployed, True, objects())

@@ -61,26 +61,14 @@ static int32_t add_products(int32_t sum, uint32_t values, const int8_t* weights)
 #endif
 
 // Adds the products of the values at four positions and their weights to the sum of each channel.
-static inline __attribute__((always_inline)) void add_turned(int32_t sums[4], const turned_t* values,
-                                                             const int8_t* weights) {
-#pragma GCC unroll 4
-  for (int i = 0; i < 4; ++i) {
-    sums[i] = add_products(sums[i], values->channel[i], weights + 4 * i);
-  }
-}
-
 static inline __attribute__((always_inline)) void add_four(int32_t sums[4], const uint8_t* patch,
                                                            const int32_t* offsets, const int8_t* weights) {
   const turned_t values = turn(word_at(patch + offsets[0]), word_at(patch + offsets[1]), word_at(patch + offsets[2]),
                                word_at(patch + offsets[3]));
-  add_turned(sums, &values, weights);
-}
-
-// Returns the next column of three rows. The fourth value repeats the third one; its weight is zero.
-static inline __attribute__((always_inline)) turned_t turned_column(const uint8_t* rows[3], int32_t to_next) {
-  const uint32_t a = word_at(rows[0]), b = word_at(rows[1]), c = word_at(rows[2]);
-  rows[0] += to_next, rows[1] += to_next, rows[2] += to_next;
-  return turn(a, b, c, c);
+#pragma GCC unroll 4
+  for (int i = 0; i < 4; ++i) {
+    sums[i] = add_products(sums[i], values.channel[i], weights + 4 * i);
+  }
 }
 
 // Computes the offsets of the kernel's positions in a patch. The last offset is repeated to complete a group; its
@@ -109,48 +97,21 @@ static inline __attribute__((always_inline)) void row_of_places(const layer_step
   const int32_t fours = layer->run_words;
   const int8_t* weights = weights_of(group, scaling);
   for (int32_t x = columns; x > 0; --x, patch += to_next, to += channels) {
-    int32_t sums[8] = {group->bias[0], group->bias[1], group->bias[2], group->bias[3]};
+    int32_t sums[4] = {group->bias[0], group->bias[1], group->bias[2], group->bias[3]};
     const int8_t* w = weights;
     const int32_t* at = offsets;
     for (int32_t i = fours; i > 0; --i, w += 16, at += 4) {
       add_four(sums, patch, at, w);
     }
-    store_places(layer, group, sums, to, channels, 0, scaling);
+    store_places(layer, group, sums, to, channels, 1, scaling);
   }
 }
 
-// Computes a row of output positions of a 3 x 3 kernel with a stride of one column. A turned_t contains one column of
-// the kernel, so two of its three columns are those of the previous position.
-static inline __attribute__((always_inline)) void row_of_columns(const layer_step_t* step, const layer_group_t* group,
-                                                                 const uint8_t* patch, uint8_t* to, int32_t columns,
-                                                                 int scaling) {
-  const layer_t* layer = step->layer;
-  const int32_t channels = step->channels;
-  const int32_t next_row = layer->step_y * step->in_pitch;
-  const int8_t* weights = weights_of(group, scaling);
-  const uint8_t* rows[3] = {patch, patch + next_row, patch + 2 * next_row};
-  turned_t first = turned_column(rows, step->in_channels);
-  turned_t second = turned_column(rows, step->in_channels);
-  for (int32_t x = columns; x > 0; --x, to += channels) {
-    const turned_t third = turned_column(rows, step->in_channels);
-    int32_t sums[8] = {group->bias[0], group->bias[1], group->bias[2], group->bias[3]};
-    add_turned(sums, &first, weights);
-    add_turned(sums, &second, weights + 16);
-    add_turned(sums, &third, weights + 32);
-    first = second;
-    second = third;
-    store_places(layer, group, sums, to, channels, 0, scaling);
-  }
-}
-
-static inline __attribute__((always_inline)) void convolve(const layer_step_t* step, layer_share_t share,
-                                                           int by_columns, int scaling) {
+static inline __attribute__((always_inline)) void convolve(const layer_step_t* step, layer_share_t share, int scaling) {
   const layer_t* layer = step->layer;
   const int32_t columns = layer->out_columns;
   int32_t* offsets = (int32_t*)(void*)step->gathered;
-  if (!by_columns) {
-    fill_offsets(step, offsets);
-  }
+  fill_offsets(step, offsets);
   // A unit of work is four channels of one row of output positions.
   for (int32_t unit = share.core; unit < step->groups * step->rows; unit += share.cores) {
     const int32_t y = unit / step->groups;
@@ -158,20 +119,13 @@ static inline __attribute__((always_inline)) void convolve(const layer_step_t* s
     const layer_group_t* group = (const layer_group_t*)(const void*)(step->data + number * layer->group_bytes);
     const uint8_t* patch = step->in + y * layer->stride_rows * step->in_pitch + group->in;
     uint8_t* to = step->out + y * columns * step->channels + group->out;
-    if (by_columns) {
-      row_of_columns(step, group, patch, to, columns, scaling);
-    } else {
-      row_of_places(step, group, offsets, patch, to, columns, scaling);
-    }
+    row_of_places(step, group, offsets, patch, to, columns, scaling);
   }
 }
 
-#define DEFINE(name, scaling)                                                          \
-  void layer_depthwise_##name(const layer_step_t* step, layer_share_t share) {         \
-    convolve(step, share, 0, scaling);                                                 \
-  }                                                                                    \
-  void layer_depthwise_columns_##name(const layer_step_t* step, layer_share_t share) { \
-    convolve(step, share, 1, scaling);                                                 \
+#define DEFINE(name, scaling)                                                  \
+  void layer_depthwise_##name(const layer_step_t* step, layer_share_t share) { \
+    convolve(step, share, scaling);                                            \
   }
 
 DEFINE(narrow, SCALING_NARROW)

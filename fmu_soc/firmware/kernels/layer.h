@@ -46,13 +46,12 @@ typedef void layer_kernel_t(const layer_step_t* step, layer_share_t share);
 
 #define LAYER_SCALED_(name) layer_kernel_t name##_narrow, name##_wide, name##_exact
 LAYER_SCALED_(layer_convolve);
-LAYER_SCALED_(layer_convolve_gathered);
-LAYER_SCALED_(layer_convolve_pooled);
-LAYER_SCALED_(layer_convolve_gathered_pooled);
-LAYER_SCALED_(layer_depthwise);          // a separate kernel for each channel
-LAYER_SCALED_(layer_depthwise_columns);  // depthwise with a kernel of 3 x 3 and a stride of one column
+LAYER_SCALED_(layer_convolve_blocks);         // convolutions without groups
+LAYER_SCALED_(layer_convolve_blocks_pooled);  // followed by the maximum of 2 x 2 positions
+LAYER_SCALED_(layer_depthwise);               // a separate kernel for each channel
+LAYER_SCALED_(layer_depthwise_3x3);
 #undef LAYER_SCALED_
-layer_kernel_t layer_convolve_none, layer_convolve_gathered_none;
+layer_kernel_t layer_convolve_none, layer_convolve_blocks_none;
 layer_kernel_t layer_max_pool;
 layer_kernel_t layer_average_pool;
 layer_kernel_t layer_add;       // clip((a x factors[0] + b x factors[1] + addend) >> shift)
@@ -84,12 +83,14 @@ typedef struct {
   uint8_t by_tile;  // 1: all blocks of a tile, then the next tile; 0: all tiles of a block first
   uint8_t sliced;   // 1: a block only needs the input of its own channels
   uint8_t pool;     // a convolution's output is pooled: maximum of pool x pool
+  uint8_t padded;   // 1: the input in L1 has places outside the input. 0: the kernel provides their values
   int32_t in_rows, in_columns, in_channels;
   int32_t out_rows, out_columns, out_channels;  // after pooling
   int32_t kernel_rows, kernel_columns;          // with dilation
   int32_t stride_rows, stride_columns;
-  int32_t pad_top, pad_left, pad_right;
-  int32_t tile_rows, tiles;  // of the output
+  int32_t pad_top, pad_left, pad_right;  // left and right: columns in L1
+  int32_t outside_left, outside_right;   // columns that the kernel provides
+  int32_t tile_rows, tiles;              // of the output
   int32_t block_count;
   uint32_t in, other, out;  // offsets in the network's memory
   uint32_t blocks;          // offset of layer_block_t in the weights
@@ -101,7 +102,7 @@ typedef struct {
   int32_t runs_y, runs_x, run_words;
   int32_t step_x, step_y;
   int32_t group_bytes;
-  // Convolution: if gather_runs > 0, a core first copies the patches of two output positions to its part of
+  // Convolution in blocks: if gather_runs > 0, a core first copies the patches of four output positions to its part of
   // l1_gathered. A patch has gather_rows rows. A row has gather_runs runs of gather_bytes bytes. gather_step is the
   // distance in bytes from one run to the next, gather_row_step the distance from one row to the next.
   int32_t gather_rows, gather_runs, gather_bytes;
@@ -118,7 +119,8 @@ typedef struct {
 } layer_t;
 
 // Four output channels of a convolution. If scaling is SCALING_EXACT, the lower words of the addends follow this
-// struct. Then the weights follow: runs_y x runs_x x run_words words for each channel.
+// struct. Then the weights follow: runs_y x runs_x x run_words words for each channel. In blocks, the first words of
+// all channels are together, then the second words ...
 typedef struct {
   uint16_t in;   // offset of their input channels in a place
   uint16_t out;  // offset of the first one in a place of the block's output

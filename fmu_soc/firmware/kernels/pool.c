@@ -7,6 +7,7 @@ typedef struct {
   const uint8_t* in;
   int32_t rows, columns;  // of the window
   int32_t channels, pitch;
+  int32_t first, end;  // channels to compute
 } window_t;
 
 static uint8_t largest(const window_t* w, int32_t channel) {
@@ -22,13 +23,13 @@ static uint8_t largest(const window_t* w, int32_t channel) {
 
 #ifdef __riscv
 
-// Computes four channels at a time. Returns the number of channels that it has computed.
+// Computes four channels at a time. Returns the first channel that it has not computed.
 static inline __attribute__((always_inline)) int32_t largest_of_fours(const window_t* w, uint8_t* to) {
   const int32_t channels = w->channels, pitch = w->pitch, rows = w->rows, columns = w->columns;
-  const uint8_t* in = w->in;
-  int32_t channel = 0;
+  int32_t channel = w->first;
+  const uint8_t* in = w->in + channel;
   if (rows == 2 && columns == 2) {
-    for (; channel + 4 <= channels; channel += 4, in += 4) {
+    for (; channel + 4 <= w->end; channel += 4, in += 4) {
       const xpulp_word* upper = (const xpulp_word*)(const void*)in;
       const xpulp_word* lower = (const xpulp_word*)(const void*)(in + pitch);
       const uint32_t left = xpulp_maxu_b(*upper, *lower);
@@ -38,7 +39,7 @@ static inline __attribute__((always_inline)) int32_t largest_of_fours(const wind
     }
     return channel;
   }
-  for (; channel + 4 <= channels; channel += 4, in += 4) {
+  for (; channel + 4 <= w->end; channel += 4, in += 4) {
     uint32_t result = 0;
     const uint8_t* row = in;
     for (int32_t i = rows; i > 0; --i, row += pitch) {
@@ -55,9 +56,8 @@ static inline __attribute__((always_inline)) int32_t largest_of_fours(const wind
 #else
 
 static int32_t largest_of_fours(const window_t* w, uint8_t* to) {
-  (void)w;
   (void)to;
-  return 0;
+  return w->first;
 }
 
 #endif
@@ -75,18 +75,27 @@ void layer_max_pool(const layer_step_t* step, layer_share_t share) {
   window.channels = is_fused ? step->channels : step->in_channels;
   window.pitch = is_fused ? columns * layer->pool * step->channels : step->in_pitch;
   const uint8_t* in = is_fused ? step->unpooled : step->in;
-  // A unit of work is a part of a row, so that every core has some work.
-  const int32_t length = (columns + 3) / 4;
-  for (int32_t unit = share.core; unit < step->rows * 4; unit += share.cores) {
-    const int32_t y = unit / 4;
-    int32_t x = (unit & 3) * length;
-    const int32_t end = x + length < columns ? x + length : columns;
-    for (; x < end; ++x) {
-      uint8_t* to = step->out + (y * columns + x) * step->channels;
-      window.in = in + y * row_stride * window.pitch + x * stride * window.channels;
-      for (int32_t channel = largest_of_fours(&window, to); channel < step->channels; ++channel) {
-        to[channel] = largest(&window, channel);
-      }
+  // A unit of work is four channels of an output position. Each core computes consecutive units.
+  const int32_t fours = (step->channels + 3) / 4;
+  const int32_t units = step->rows * columns * fours;
+  const int32_t end = units * (share.core + 1) / share.cores;
+  int32_t unit = units * share.core / share.cores;
+  const int32_t place = unit / fours;
+  int32_t four = unit - place * fours;
+  int32_t y = place / columns;
+  int32_t x = place - y * columns;
+  for (uint8_t* to = step->out + place * step->channels; unit < end; to += step->channels, four = 0) {
+    const int32_t last = smaller(fours, four + end - unit);
+    window.in = in + y * row_stride * window.pitch + x * stride * window.channels;
+    window.first = 4 * four;
+    window.end = smaller(4 * last, step->channels);
+    for (int32_t channel = largest_of_fours(&window, to); channel < window.end; ++channel) {
+      to[channel] = largest(&window, channel);
+    }
+    unit += last - four;
+    if (++x == columns) {
+      x = 0;
+      ++y;
     }
   }
 }

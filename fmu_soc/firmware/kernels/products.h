@@ -9,9 +9,9 @@
 // Adds the products of a patch, for one or two output positions and four channels.
 static inline __attribute__((always_inline)) void add_products(const layer_t* layer, const layer_group_t* group,
                                                                const uint8_t* p0, int32_t to_next, int32_t sums[8],
-                                                               int is_pair, int is_one_run, int scaling) {
+                                                               int is_pair, int scaling) {
   const int words = layer->run_words;
-  const int32_t channel = (is_one_run ? 1 : layer->runs_y * layer->runs_x) * words * 4;
+  const int32_t channel = layer->runs_y * layer->runs_x * words * 4;
   const int8_t* w0 = weights_of(group, scaling);
   const int8_t* w1 = w0 + channel;
   const int8_t* w2 = w1 + channel;
@@ -19,8 +19,8 @@ static inline __attribute__((always_inline)) void add_products(const layer_t* la
   const uint8_t* p1 = p0 + to_next;
   int32_t a0 = group->bias[0], a1 = group->bias[1], a2 = group->bias[2], a3 = group->bias[3];
   int32_t b0 = a0, b1 = a1, b2 = a2, b3 = a3;
-  for (int32_t y = is_one_run ? 1 : layer->runs_y; y > 0; --y) {
-    for (int32_t x = is_one_run ? 1 : layer->runs_x; x > 0; --x) {
+  for (int32_t y = layer->runs_y; y > 0; --y) {
+    for (int32_t x = layer->runs_x; x > 0; --x) {
       if (is_pair) {
         ROW_OF_PATCH;
         p1 += layer->step_x;
@@ -36,17 +36,10 @@ static inline __attribute__((always_inline)) void add_products(const layer_t* la
   sums[4] = b0, sums[5] = b1, sums[6] = b2, sums[7] = b3;
 }
 
-static inline __attribute__((always_inline)) void copy_four(uint8_t* to, const uint8_t* from) {
-  *(xpulp_word*)(void*)to = *(const xpulp_word*)(const void*)from;
-}
-
 #else
 
-#include <string.h>
-
 static inline void add_products(const layer_t* layer, const layer_group_t* group, const uint8_t* p0, int32_t to_next,
-                                int32_t sums[8], int is_pair, int is_one_run, int scaling) {
-  (void)is_one_run;
+                                int32_t sums[8], int is_pair, int scaling) {
   const int32_t run = layer->run_words * 4;
   const int8_t* weight = weights_of(group, scaling);
   for (int place = 0; place <= is_pair; ++place) {
@@ -66,29 +59,4 @@ static inline void add_products(const layer_t* layer, const layer_group_t* group
   }
 }
 
-static inline void copy_four(uint8_t* to, const uint8_t* from) {
-  memcpy(to, from, 4);
-}
-
 #endif
-
-// Copies a patch to contiguous bytes. A copied word may exceed a run; the next run then overwrites the extra bytes.
-static inline void gather(const layer_t* layer, const uint8_t* patch, uint8_t* to) {
-  const int32_t bytes = layer->gather_bytes;
-  const int32_t step = layer->gather_row_step;
-  if (layer->gather_runs == 1 && bytes <= 8) {
-    for (int32_t y = layer->gather_rows; y > 0; --y, patch += step, to += bytes) {
-      copy_four(to, patch);
-      copy_four(to + 4, patch + 4);
-    }
-    return;
-  }
-  for (int32_t y = 0; y < layer->gather_rows; ++y, patch += step) {
-    const uint8_t* run = patch;
-    for (int32_t x = 0; x < layer->gather_runs; ++x, run += layer->gather_step, to += bytes) {
-      for (int32_t i = 0; i < bytes; i += 4) {
-        copy_four(to + i, run + i);
-      }
-    }
-  }
-}

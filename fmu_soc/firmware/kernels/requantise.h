@@ -22,7 +22,12 @@ static inline __attribute__((always_inline)) int32_t upper_product(int32_t a, in
 // Converts a sum into the value of a byte, before the value is limited. `wide` should be a constant.
 static inline __attribute__((always_inline)) int32_t scaled(int32_t sum, int32_t multiplier, int32_t addend,
                                                             int32_t shift, int wide) {
-  return ((wide ? upper_product(sum, multiplier) : sum * multiplier) + addend) >> shift;
+  const int32_t product = wide ? upper_product(sum, multiplier) : sum * multiplier;
+#ifdef __riscv
+  return xpulp_addNr(product, (uint32_t)addend, (uint32_t)shift);
+#else
+  return (product + addend) >> shift;
+#endif
 }
 
 static inline __attribute__((always_inline)) int32_t limited(int32_t value, int32_t low, int32_t high) {
@@ -47,50 +52,46 @@ static inline __attribute__((always_inline)) void store_four(uint8_t* to, const 
 #endif
 }
 
-static inline __attribute__((always_inline)) int32_t byte_of(const layer_group_t* group, int i, int32_t sum,
-                                                             int scaling) {
+// Returns the lower word of an addend; 0 if the addend has one word.
+static inline __attribute__((always_inline)) uint32_t lower_addend(const layer_group_t* group, int i, int scaling) {
+  return scaling == SCALING_EXACT ? ((const uint32_t*)(const void*)(group + 1))[i] : 0;
+}
+
+// Converts a sum of channel `i` into the value of a byte, before the value is limited. `lower` is the addend's lower
+// word.
+static inline __attribute__((always_inline)) int32_t byte_of(const layer_group_t* group, uint32_t lower, int i,
+                                                             int32_t sum, int scaling) {
   if (scaling == SCALING_EXACT) {
-    const uint32_t* lower = (const uint32_t*)(const void*)(group + 1);
-    const int64_t addend = (int64_t)((uint64_t)(uint32_t)group->addend[i] << 32 | lower[i]);
+    const int64_t addend = (int64_t)((uint64_t)(uint32_t)group->addend[i] << 32 | lower);
     return (int32_t)(((int64_t)sum * group->multiplier[i] + addend) >> 32) >> group->shift[i];
   }
   return scaled(sum, group->multiplier[i], group->addend[i], group->shift[i], scaling == SCALING_WIDE);
 }
 
-// Stores the bytes of four channels for one output position, or for two output positions that are `to_next` bytes
-// apart.
+// Stores the bytes of four channels for `count` output positions, which are `to_next` bytes apart.
 static inline __attribute__((always_inline)) void store_places(const layer_t* layer, const layer_group_t* group,
-                                                               const int32_t sums[8], uint8_t* to, int32_t to_next,
-                                                               int is_pair, int scaling) {
+                                                               const int32_t* sums, uint8_t* to, int32_t to_next,
+                                                               int32_t count, int scaling) {
   const int32_t low = layer->low, high = layer->high;
-  if (scaling == SCALING_NONE) {
-    for (int32_t i = 0; i < group->count; ++i) {
-      ((int32_t*)(void*)to)[i] = sums[i];
-      if (is_pair) {
-        ((int32_t*)(void*)(to + to_next))[i] = sums[4 + i];
+  const layer_group_t own = *group;
+  for (; count > 0; --count, sums += 4, to += to_next) {
+    if (scaling == SCALING_NONE) {
+      for (int32_t i = 0; i < own.count; ++i) {
+        ((int32_t*)(void*)to)[i] = sums[i];
       }
+      continue;
     }
-    return;
-  }
-  int32_t bytes[8];
+    int32_t bytes[4];
 #pragma GCC unroll 4
-  for (int i = 0; i < 4; ++i) {
-    bytes[i] = limited(byte_of(group, i, sums[i], scaling), low, high);
-    if (is_pair) {
-      bytes[4 + i] = limited(byte_of(group, i, sums[4 + i], scaling), low, high);
+    for (int i = 0; i < 4; ++i) {
+      bytes[i] = limited(byte_of(&own, lower_addend(group, i, scaling), i, sums[i], scaling), low, high);
     }
-  }
-  if (group->count == 4) {
-    store_four(to, bytes);
-    if (is_pair) {
-      store_four(to + to_next, bytes + 4);
+    if (own.count == 4) {
+      store_four(to, bytes);
+      continue;
     }
-    return;
-  }
-  for (int32_t i = 0; i < group->count; ++i) {
-    to[i] = (uint8_t)bytes[i];
-    if (is_pair) {
-      to[to_next + i] = (uint8_t)bytes[4 + i];
+    for (int32_t i = 0; i < own.count; ++i) {
+      to[i] = (uint8_t)bytes[i];
     }
   }
 }

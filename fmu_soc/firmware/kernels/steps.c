@@ -65,10 +65,6 @@ static cursor_t next_of(const layer_t* layer, const cursor_t* now) {
   return next;
 }
 
-static int32_t smaller(int32_t a, int32_t b) {
-  return a < b ? a : b;
-}
-
 static int32_t rows_of(const layer_t* layer, int32_t tile) {
   return smaller(layer->tile_rows, layer->out_rows - tile * layer->tile_rows);
 }
@@ -87,7 +83,18 @@ static void fill(uint8_t* at, int32_t bytes, uint8_t value) {
   }
 }
 
-// Fetches the rows of a tile of the input. Rows outside the input get the value of `outside`.
+// Starts to fetch rows. The rows are contiguous in L1 and, except for channels that the block does not need, in L2.
+static void copy_in(copies_t* copies, uint8_t* to, const uint8_t* from, int32_t bytes, int32_t channels,
+                    int32_t all_channels) {
+  make_place(copies);
+  if (channels == all_channels) {
+    note(copies, machine_copy_in(to, from, (uint32_t)bytes));
+  } else {
+    note(copies, machine_copy_in_rows(to, from, (uint32_t)bytes, (uint32_t)channels, (uint32_t)all_channels));
+  }
+}
+
+// Fetches the rows of a tile of the input. In a padded tile, rows outside the input get the value of `outside`.
 static void fetch_rows(copies_t* copies, const layer_t* layer, const layer_block_t* block, const uint8_t* from,
                        uint8_t* to, int32_t tile) {
   const int32_t channels = in_channels_of(layer, block);
@@ -97,33 +104,27 @@ static void fetch_rows(copies_t* copies, const layer_t* layer, const layer_block
   const int32_t rows = (rows_of(layer, tile) * layer->pool - 1) * layer->stride_rows + layer->kernel_rows;
   const int32_t begin = first < 0 ? 0 : first;
   const int32_t end = smaller(first + rows, layer->in_rows);
-  const uint32_t row = (uint32_t)(layer->in_columns * channels);
-  const uint32_t stride = (uint32_t)(layer->in_columns * layer->in_channels);
+  const int32_t row = layer->in_columns * channels;
+  const int32_t stride = layer->in_columns * layer->in_channels;
   if (layer->sliced) {
     from += block->first;
   }
-  fill(to, smaller(begin - first, rows) * pitch, layer->outside);
-  if (end < first + rows) {
+  if (layer->padded) {
+    fill(to, smaller(begin - first, rows) * pitch, layer->outside);
     const int32_t inside = end > first ? end - first : 0;
     fill(to + inside * pitch, (rows - inside) * pitch, layer->outside);
   }
   if (end <= begin) {
     return;
   }
-  from += (uint32_t)begin * stride;
+  from += begin * stride;
   to += (begin - first) * pitch + layer->pad_left * channels;
-  if (row == (uint32_t)pitch && channels == layer->in_channels) {
-    make_place(copies);
-    note(copies, machine_copy_in(to, from, (uint32_t)(end - begin) * row));
+  if (row == pitch) {
+    copy_in(copies, to, from, (end - begin) * row, channels, layer->in_channels);
     return;
   }
   for (int32_t y = begin; y < end; ++y, from += stride, to += pitch) {
-    make_place(copies);
-    if (channels == layer->in_channels) {
-      note(copies, machine_copy_in(to, from, row));
-    } else {
-      note(copies, machine_copy_in_rows(to, from, row, (uint32_t)channels, (uint32_t)layer->in_channels));
-    }
+    copy_in(copies, to, from, row, channels, layer->in_channels);
   }
 }
 

@@ -3,6 +3,9 @@
 #pragma once
 
 #include "kernels/layer.h"
+#ifdef __riscv
+#include "runtime/xpulp.h"
+#endif
 
 // A step: a block of channels of a tile of rows, with its buffers in L1.
 struct layer_step {
@@ -24,3 +27,19 @@ struct layer_step {
 // These two functions access the network's memory directly.
 void layer_move(const layer_move_t* move, const uint8_t* in, uint8_t* out, layer_share_t share);
 void layer_softmax(const layer_t* layer, const uint32_t* powers, const uint8_t* in, uint8_t* out, layer_share_t share);
+
+static inline __attribute__((always_inline)) int32_t smaller(int32_t a, int32_t b) {
+#ifdef __riscv
+  return xpulp_min(a, b);
+#else
+  return a < b ? a : b;
+#endif
+}
+
+static inline __attribute__((always_inline)) int32_t larger(int32_t a, int32_t b) {
+#ifdef __riscv
+  return xpulp_max(a, b);
+#else
+  return a > b ? a : b;
+#endif
+}

@@ -45,11 +45,23 @@
 #define XPULP_SH_POST(rs2, step, rs1) ".insn s 0x2b, 1, " rs2 ", " step "(" rs1 ")\n\t"
 #define XPULP_SW_POST(rs2, step, rs1) ".insn s 0x2b, 2, " rs2 ", " step "(" rs1 ")\n\t"
 
+#define XPULP_SB_POST_REG(rs2, step, rs1) ".insn r 0x2b, 4, 0x00, " step ", " rs1 ", " rs2 "\n\t"
+#define XPULP_SW_POST_REG(rs2, step, rs1) ".insn r 0x2b, 6, 0x00, " step ", " rs1 ", " rs2 "\n\t"
+
+#define XPULP_DOTUSP_B(rd, rs1, rs2) ".insn r 0x57, 1, 0x44, " rd ", " rs1 ", " rs2 "\n\t"
 #define XPULP_SDOTUP_B(rd, rs1, rs2) ".insn r 0x57, 1, 0x50, " rd ", " rs1 ", " rs2 "\n\t"
 #define XPULP_SDOTUSP_B(rd, rs1, rs2) ".insn r 0x57, 1, 0x54, " rd ", " rs1 ", " rs2 "\n\t"
 #define XPULP_SDOTSP_B(rd, rs1, rs2) ".insn r 0x57, 1, 0x5c, " rd ", " rs1 ", " rs2 "\n\t"
 #define XPULP_SDOTSP_H(rd, rs1, rs2) ".insn r 0x57, 0, 0x5c, " rd ", " rs1 ", " rs2 "\n\t"
 #define XPULP_MAC(rd, rs1, rs2) ".insn r 0x33, 0, 0x21, " rd ", " rs1 ", " rs2 "\n\t"
+#define XPULP_MIN(rd, rs1, rs2) ".insn r 0x33, 4, 0x02, " rd ", " rs1 ", " rs2 "\n\t"
+#define XPULP_MAX(rd, rs1, rs2) ".insn r 0x33, 6, 0x02, " rd ", " rs1 ", " rs2 "\n\t"
+#define XPULP_ADDNR(rd, rs1, rs2) ".insn r 0x5b, 2, 0x20, " rd ", " rs1 ", " rs2 "\n\t"
+#define XPULP_SHUFFLE2_B(rd, rs1, rs2) ".insn r 0x57, 1, 0x64, " rd ", " rs1 ", " rs2 "\n\t"
+#define XPULP_SHUFFLE2_H(rd, rs1, rs2) ".insn r 0x57, 0, 0x64, " rd ", " rs1 ", " rs2 "\n\t"
+#define XPULP_PACKHI_B(rd, rs1, rs2) ".insn r 0x57, 1, 0x6c, " rd ", " rs1 ", " rs2 "\n\t"
+#define XPULP_PACKLO_B(rd, rs1, rs2) ".insn r 0x57, 1, 0x70, " rd ", " rs1 ", " rs2 "\n\t"
+#define XPULP_PACK_H(rd, rs1, rs2) ".insn r 0x57, 0, 0x68, " rd ", " rs1 ", " rs2 "\n\t"
 
 // --- Post-increment loads and stores --------------------------------------------------------------------------------
 // `pointer` is a pointer variable. It is incremented by `step` bytes (-2048 to 2047), whatever its type.

@@ -8,6 +8,7 @@ export interface Cost {
   time: number;
   energy: number;
   macs_per_cycle: number;
+  bound: number; // least cycles
   roofline: number;
   asleep: number;
   parts: Record<string, number>;
@@ -63,7 +64,7 @@ export interface SizeRow {
 export interface Measured {
   cores: number;
   cluster_clock: number;
-  roof: { macs_per_cycle: number; bytes_per_cycle: number };
+  roof: { macs_per_cycle: number; bytes_per_cycle: number; hyper_bytes_per_cycle?: number };
   layers: Cost[];
   total: Cost;
   settings: Setting[];

@@ -23,6 +23,8 @@ from mebots.installation import data_folder
 _MARK = b"mebots-request:\0"
 CLOCK_HZ = 87_000_000
 """The cluster's highest clock at 1.0 V."""
+SOC_CLOCK_HZ = 100_000_000
+"""The clock of the SoC on board gap8 (START_CLOCK_HZ in fmu_soc/firmware/gap8/runtime/chip.h)."""
 _TIME_LIMIT_S = 600
 _GAP8_RUNTIME = ("chip.c", "soc_events.c", "uart.c", "vectors.S", "dma.c")
 _RUNTIME = ("cluster.c", "cluster_start.S", "crt0.S", "console.c", "exit.c", "memory.c", "sleep.c", "trap.c")

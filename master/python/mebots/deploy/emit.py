@@ -29,13 +29,13 @@ def _kernel(layer: Layer) -> dict[str, str]:
         return {"kind": "LAYER_TILED", "kernel": _KERNELS[layer.kind]}
     scaling = "none" if layer.requantise is None else layer.requantise.scaling
     if planning.is_depthwise(layer):
-        columns = "_columns" if planning.goes_by_columns(layer) else ""
-        return {"kind": "LAYER_TILED", "kernel": f"layer_depthwise{columns}_{scaling}"}
-    gathered = "_gathered" if planning.gathers(layer) else ""
+        size = "_3x3" if planning.is_depthwise_3x3(layer) else ""
+        return {"kind": "LAYER_TILED", "kernel": f"layer_depthwise{size}_{scaling}"}
+    blocks = "_blocks" if planning.is_in_blocks(layer) else ""
     if planning.pools_sums(layer):
-        return {"kind": "LAYER_TILED", "kernel": f"layer_convolve{gathered}_pooled_{scaling}"}
+        return {"kind": "LAYER_TILED", "kernel": f"layer_convolve{blocks}_pooled_{scaling}"}
     then = {"then": "layer_max_pool"} if layer.pool > 1 else {}
-    return {"kind": "LAYER_TILED", "kernel": f"layer_convolve{gathered}_{scaling}"} | then
+    return {"kind": "LAYER_TILED", "kernel": f"layer_convolve{blocks}_{scaling}"} | then
 
 
 class Weights:
@@ -82,14 +82,16 @@ def _group(layer: Layer, part: Part, group: tuple[int, int, int], sliced: bool) 
         weights = np.zeros((4, runs_y * runs_x, planning.align(run)), dtype=np.int8)
         # Reorders weights to rows, columns, input channels: the order of a patch in memory.
         weights[:count, :, :run] = layer.weight[first : first + count].transpose(0, 2, 3, 1).reshape(count, runs_y * runs_x, run)
+        if planning.is_in_blocks(layer):
+            weights = weights.reshape(4, -1, 4).transpose(1, 0, 2).copy()
     shifts = rows[3].astype(np.uint8).tobytes()
     return _words(source | (first - part.first) << 16) + shifts + _words(count, *rows[0], *rows[1], *rows[2], *lower) + weights.tobytes()
 
 
 def _depthwise_weights(layer: Layer, first: int, count: int) -> np.ndarray:
-    """Returns weights for four channels: four places of the kernel for each channel, then the next four places. By columns, a
-    column's three places and a zero take the place of four."""
-    if planning.goes_by_columns(layer):
+    """Returns weights for four channels: four places of the kernel for each channel, then the next four places. In a kernel of
+    3 x 3, a column's three places and a zero take the place of four."""
+    if planning.is_depthwise_3x3(layer):
         columns = np.zeros((4, 3, 4), dtype=np.int8)
         columns[:count, :, :3] = layer.weight[first : first + count].reshape(count, 3, 3).transpose(0, 2, 1)
         return columns.transpose(1, 0, 2).copy()
@@ -163,8 +165,7 @@ def _fields(layer: Layer, steps: Steps | None, offsets: dict[Tensor, int]) -> di
         "stride_rows": layer.strides[0],
         "stride_columns": layer.strides[1],
         "pad_top": layer.pads[0],
-        "pad_left": layer.pads[1],
-        "pad_right": layer.pads[3],
+        **_side_fields(layer),
     }
     if steps is not None:
         fields |= {
@@ -177,6 +178,13 @@ def _fields(layer: Layer, steps: Steps | None, offsets: dict[Tensor, int]) -> di
             "l1_gathered": steps.l1_gathered,
         }
     return fields | _own_fields(layer)
+
+
+def _side_fields(layer: Layer) -> dict[str, int]:
+    left, right = layer.pads[1], layer.pads[3]
+    if planning.is_padded(layer):
+        return {"padded": 1, "pad_left": left, "pad_right": right}
+    return {"outside_left": left, "outside_right": right}
 
 
 def _own_fields(layer: Layer) -> dict[str, Any]:
@@ -209,7 +217,7 @@ def _run_fields(layer: Layer) -> dict[str, int]:
     runs_y, runs_x, run = planning.run_geometry(layer)
     length = planning.align(run)
     channels = layer.inputs[0].channels
-    pitch = (layer.inputs[0].columns + layer.pads[1] + layer.pads[3]) * channels
+    pitch = planning.columns_in_l1(layer) * channels
     # These are the distances from the end of a run to the start of the next run. At the end of a row, the step of the row is added.
     if runs_y * runs_x == 1:
         return {"runs_y": 1, "runs_x": 1, "run_words": length // 4, "group_bytes": planning.group_bytes(layer)}
@@ -230,7 +238,7 @@ def _gather_fields(layer: Layer) -> dict[str, int]:
         return {}
     rows, runs, run = planning.gather_geometry(layer)
     channels = layer.inputs[0].channels
-    pitch = (layer.inputs[0].columns + layer.pads[1] + layer.pads[3]) * channels
+    pitch = planning.columns_in_l1(layer) * channels
     return {
         "gather_rows": rows,
         "gather_runs": runs,

@@ -142,9 +142,22 @@ def is_depthwise(layer: Layer) -> bool:
     return layer.kind == "convolution" and layer.groups > 1 and layer.groups == layer.weight.shape[0] == layer.inputs[0].channels and layer.pool == 1 and layer.requantise is not None
 
 
-def goes_by_columns(layer: Layer) -> bool:
-    """True if a depthwise kernel uses the words of two columns again for the next place."""
-    return layer.kernel == (3, 3) and layer.strides[1] == 1 and layer.dilations[1] == 1
+def is_depthwise_3x3(layer: Layer) -> bool:
+    """True if a depthwise layer has a kernel for 3 x 3 places. Each core copies columns of the input to its buffer."""
+    columns = layer.inputs[0].columns + layer.pads[1] + layer.pads[3]
+    return is_depthwise(layer) and layer.kernel == (3, 3) and layer.dilations[1] == 1 and columns <= _MOST_TURNED_COLUMNS
+
+
+_MOST_TURNED_COLUMNS = 200  # buffers of 3 KiB for each core
+
+
+def is_padded(layer: Layer) -> bool:
+    """True if the input in L1 has places outside the input. Otherwise, the kernel provides their values."""
+    return not is_depthwise_3x3(layer)
+
+
+def columns_in_l1(layer: Layer) -> int:
+    return layer.inputs[0].columns + (layer.pads[1] + layer.pads[3] if is_padded(layer) else 0)
 
 
 def fours(layer: Layer) -> int:
@@ -154,18 +167,20 @@ def fours(layer: Layer) -> int:
 
 def pools_sums(layer: Layer) -> bool:
     """True if the maximum of 2 x 2 sums is requantised, which needs positive multipliers."""
-    return layer.kind == "convolution" and layer.pool == 2 and layer.requantise is not None and bool((layer.requantise.multiplier > 0).all())
+    return is_in_blocks(layer) and layer.pool == 2 and layer.requantise is not None and bool((layer.requantise.multiplier > 0).all())
 
 
 def gathered_stride(layer: Layer) -> int:
     """Returns the bytes of each core's buffer of patches."""
+    if is_depthwise_3x3(layer):  # a constant word, and a word of each channel and column
+        return 4 + 4 * GROUP * (layer.inputs[0].columns + layer.pads[1] + layer.pads[3])
     size = gathered_bytes(layer)
-    return (4 if pools_sums(layer) else 2) * size + 8 if size else 0
+    return (4 if gathers(layer) else 1) * size + 8 if size else 0
 
 
 def gathers(layer: Layer) -> bool:
     """True if patches are copied before they are used. Patches are copied if their runs of contiguous bytes are short
-    and many channels share the copy.
+    and many channels share the copy, or if a row of the patch has several runs.
     """
     if layer.kind != "convolution" or layer.groups > 1:
         return False
@@ -174,13 +189,18 @@ def gathers(layer: Layer) -> bool:
     if runs == 1:
         return False
     in_place = runs * (_CYCLES_PER_WORD * words + _CYCLES_PER_RUN)
-    copied = 2 * runs * (8 if run <= 8 else 7 * words + 8)  # of two patches
+    copied = 4 * runs * (7 if run <= 8 else 3 * words + 12)  # of four patches
     gathered = _CYCLES_PER_WORD * math.ceil(patch_bytes(layer) / 4) + _CYCLES_PER_RUN
-    return gathered + copied / math.ceil(layer.weight.shape[0] / GROUP) < in_place
+    return columns > 1 or gathered + copied / math.ceil(layer.weight.shape[0] / GROUP) < in_place
 
 
-_CYCLES_PER_WORD = 14
-_CYCLES_PER_RUN = 14
+_CYCLES_PER_WORD = 24  # of the inner loop for four places and four channels
+_CYCLES_PER_RUN = 9
+
+
+def is_in_blocks(layer: Layer) -> bool:
+    """True if a kernel for four places and four channels at a time computes the layer."""
+    return layer.kind == "convolution" and layer.groups == 1
 
 
 def _patch_runs(layer: Layer) -> tuple[int, int, int]:
@@ -203,9 +223,9 @@ def run_geometry(layer: Layer) -> tuple[int, int, int]:
 
 
 def gathered_bytes(layer: Layer) -> int:
-    """Returns half of each core's buffer: the patches of two places, or a word for each place of a depthwise kernel."""
+    """Returns the bytes of a copied patch, or of the offsets of a depthwise kernel's places."""
     if is_depthwise(layer):
-        return 8 * fours(layer)
+        return 16 * fours(layer)
     return align(patch_bytes(layer)) if gathers(layer) else 0
 
 
@@ -326,7 +346,7 @@ def _layout(layer: Layer, parts: list[Part], rows: int) -> Steps:
     else:
         channels = parts[0].channels if sliced else layer.inputs[0].channels
         in_rows = (rows * layer.pool - 1) * layer.strides[0] + layer.extent()[0]
-        in_size = in_rows * (layer.inputs[0].columns + layer.pads[1] + layer.pads[3]) * channels
+        in_size = in_rows * columns_in_l1(layer) * channels
         out_size = rows * layer.output.columns * max(one.channels for one in parts) * layer.output.element
     unpooled = out_size * layer.pool**2 if layer.pool > 1 and not pools_sums(layer) else 0
     data = max(data_bytes(layer, one) for one in parts)
@@ -383,25 +403,11 @@ def traffic(layer: Layer, steps: Steps) -> Traffic:
     return Traffic(fetched, weights, layer.output.bytes)
 
 
-def bound(layer: Layer, steps: Steps | None, cores: int) -> float:
-    """Returns a lower bound of a layer's cycles: all cores at the peak rate of dot products, or the DMA at 8 bytes per
-    cycle."""
-    moved = 0 if steps is None else traffic(layer, steps).total
-    return max(layer.macs / (cores * PEAK_MACS), moved / DMA_BYTES)
-
-
-DMA_BYTES = 8
-"""Bytes per cycle that the DMA moves at most."""
-
-PEAK_MACS = 32 / 14
-"""Products per cycle and core of the inner loop for two places and four channels: 6 loads and 8 dot products of 4."""
-
-
 def estimate(layer: Layer, steps: Steps) -> float:
     """Returns the cycles of a layer: the maximum of the cores' and the DMA's cycles, plus the cycles in which only one of them works."""
     count = steps.tiles * len(steps.parts)
     moved = traffic(layer, steps)
-    rows_copied = steps.tile_rows if any(layer.pads) else 1
+    rows_copied = steps.tile_rows if columns_in_l1(layer) > layer.inputs[0].columns else 1
     copied = moved.total / _BYTES_PER_CYCLE + count * rows_copied * _CYCLES_PER_COPY
     first = (moved.fetched / (count if steps.by_tile or steps.tiles > 1 else 1) + moved.weights / len(steps.parts)) / _BYTES_PER_CYCLE
     work = sum(_step_cycles(layer, steps, one) for one in steps.parts) * steps.tiles
@@ -419,17 +425,20 @@ def _step_cycles(layer: Layer, steps: Steps, part: Part) -> float:
     if layer.kind in FLAT_KINDS:
         return steps.tile_rows * 12 / CORES
     rows, columns = steps.tile_rows * layer.pool, layer.output.columns * layer.pool
-    pairs = math.ceil(columns / 2)
     if layer.kind != "convolution":
         area = layer.kernel[0] * layer.kernel[1]
         return rows * columns * part.channels * area * 4 / CORES
+    if is_depthwise_3x3(layer):
+        is_pair = layer.strides[0] == layer.dilations[0] == 1
+        turned, filtered = 18 * layer.inputs[0].columns + 140, (20 if is_pair else 12) * columns + 60
+        return math.ceil(math.ceil(rows / (1 + is_pair)) * len(part.groups) / CORES) * (turned + GROUP * filtered)
     if is_depthwise(layer):
         return math.ceil(rows * len(part.groups) / CORES) * (columns * (32 * fours(layer) + 60) + 60)
     runs_y, runs_x, run = run_geometry(layer)
-    words = math.ceil(run / 4)
+    words, groups = math.ceil(run / 4), len(part.groups)
+    if is_in_blocks(layer):
+        block = runs_y * (_CYCLES_PER_WORD * words + _CYCLES_PER_RUN) + (120 if pools_sums(layer) else 200)
+        blocks = math.ceil(rows * columns / 4)
+        return math.ceil(blocks * groups / CORES) * block + math.ceil(blocks / CORES) * (60 + (6 * patch_bytes(layer) if gathers(layer) else 0))
     pair = runs_y * runs_x * (14 * words + 8) + 110
-    if pools_sums(layer):
-        pair = runs_y * runs_x * (14 * words + 8) + 70
-    if gathers(layer):
-        return math.ceil(rows * pairs / CORES) * (len(part.groups) * pair + 3 * patch_bytes(layer))
-    return math.ceil(rows * len(part.groups) / CORES) * (pairs * pair + 60)
+    return math.ceil(rows * groups / CORES) * (math.ceil(columns / 2) * pair + 60)

@@ -6,11 +6,12 @@ from __future__ import annotations
 import hashlib
 from typing import Any
 
-from mebots.deploy import accuracy
+from mebots.deploy import accuracy, chip
 from mebots.deploy.c_files import output_names
 from mebots.deploy.deployed import Deployed, Options
 from mebots.deploy.measure import Cost, Measurement
-from mebots.deploy.plan import DMA_BYTES, PEAK_MACS, bound, traffic
+from mebots.deploy.plan import traffic
+from mebots.deploy.roofline import DMA_BYTES, HYPER_BYTES, bound, peak, total_bound
 
 FORMAT = 1
 
@@ -81,14 +82,15 @@ def _cost(cost: Cost, macs: int, clock_hz: float, cores: int, bound: float) -> d
 def result_of(deployed: Deployed, measurement: Measurement) -> dict[str, Any]:
     layers = deployed.network.layers
     clock, cores = measurement.clock_hz, measurement.cores
+    stream, cluster_per_soc = deployed.plan.stream, clock / chip.SOC_CLOCK_HZ
     bounds = [bound(layer, steps, cores) for layer, steps in zip(layers, deployed.plan.steps, strict=True)]
     return {
         "board": deployed.board.name,
         "cores": cores,
         "cluster_clock": clock,
-        "roof": {"macs_per_cycle": cores * PEAK_MACS, "bytes_per_cycle": DMA_BYTES},
+        "roof": {"macs_per_cycle": peak(cores), "bytes_per_cycle": DMA_BYTES} | ({} if stream is None else {"hyper_bytes_per_cycle": HYPER_BYTES / cluster_per_soc}),
         "layers": [_cost(cost, layer.macs, clock, cores, least) for cost, layer, least in zip(measurement.layers, layers, bounds, strict=True)],
-        "total": _cost(measurement.total, sum(one.macs for one in layers), clock, cores, sum(bounds)),
+        "total": _cost(measurement.total, sum(one.macs for one in layers), clock, cores, total_bound(bounds, stream, cluster_per_soc)),
         "settings": [
             {"cores": one.cores, "cluster_clock": one.clock_hz, "time": one.total.time_s, "energy": one.total.energy_j, "parts": one.total.parts_j}
             for one in measurement.settings

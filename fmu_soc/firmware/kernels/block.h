@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+// Products of four patches with the weights of four output channels.
+#pragma once
+
+#include <stddef.h>
+
+#include "kernels/requantise.h"
+
+// A block of four output positions and four channels. compute_bytes() in assembly uses the places of the fields.
+typedef struct {
+  int32_t runs;   // ranges of contiguous bytes in a patch
+  int32_t words;  // of a run
+  int32_t step;   // bytes from the end of a run to the start of the next one
+  int32_t low;
+  int32_t high;
+  int32_t to_next;  // bytes from one output position to the next
+  const layer_group_t* group;
+  uint8_t* to;       // first output position
+  int32_t sums[16];  // four channels of the first position, then of the second one ...
+} block_t;
+
+#ifdef __riscv
+
+// The byte at which the biases of a group start, counted from the group's weights.
+#define BIAS(scaling) \
+  ((int)offsetof(layer_group_t, bias) - (int)sizeof(layer_group_t) - ((scaling) == SCALING_EXACT ? 16 : 0))
+
+#define FOUR_PRODUCTS(a, b, c, d, patch) \
+  XPULP_SDOTUSP_B(a, patch, "t0")        \
+  XPULP_SDOTUSP_B(b, patch, "t1") XPULP_SDOTUSP_B(c, patch, "t2") XPULP_SDOTUSP_B(d, patch, "t3")
+
+#define FIELD(name) "%[" #name "](%[block])\n\t"
+
+// Computes the sums of a block in s0 to s11 and a4 to a7. Eight loads provide the operands of sixteen dot products. The
+// weights are word by word, each for four channels.
+#define COMPUTE_SUMS \
+  "lw s0, %[bias](%[w])\n\tlw s1, %[bias]+4(%[w])\n\tlw s2, %[bias]+8(%[w])\n\tlw s3, %[bias]+12(%[w])\n\t"            \
+  "lw t4, " FIELD(runs)                                                                                                \
+  "mv s4, s0\n\tmv s5, s1\n\tmv s6, s2\n\tmv s7, s3\n\tmv s8, s0\n\tmv s9, s1\n\tmv s10, s2\n\tmv s11, s3\n\t"         \
+  "mv a4, s0\n\tmv a5, s1\n\tmv a6, s2\n\tmv a7, s3\n\t"                                                               \
+  XPULP_LOOP("x1", "t4", "31") "lw t4, " FIELD(words) XPULP_LOOP("x0", "t4", "24")                                     \
+      XPULP_LW_POST("t0", "4", "%[w]") XPULP_LW_POST("t1", "4", "%[w]") XPULP_LW_POST("t2", "4", "%[w]")               \
+          XPULP_LW_POST("t3", "4", "%[w]") XPULP_LW_POST("t4", "4", "%[p0]") XPULP_LW_POST("t5", "4", "%[p1]")         \
+              FOUR_PRODUCTS("s0", "s1", "s2", "s3", "t4") XPULP_LW_POST("t4", "4", "%[p2]")                            \
+                  FOUR_PRODUCTS("s4", "s5", "s6", "s7", "t5") XPULP_LW_POST("t5", "4", "%[p3]")                        \
+                      FOUR_PRODUCTS("s8", "s9", "s10", "s11", "t4")                                                    \
+                          FOUR_PRODUCTS("a4", "a5", "a6", "a7", "t5") XPULP_LOOP_END                                   \
+  "lw t5, " FIELD(step) "add %[p0], %[p0], t5\n\tadd %[p1], %[p1], t5\n\tadd %[p2], %[p2], t5\n\t"                     \
+  "add %[p3], %[p3], t5\n\t" XPULP_LOOP_END
+
+#define KEEP(a, b, c, d, place)                                       \
+  "sw " a ", %[sums]+" place "(%[block])\n\tsw " b ", %[sums]+" place \
+  "+4(%[block])\n\t"                                                  \
+  "sw " c ", %[sums]+" place "+8(%[block])\n\tsw " d ", %[sums]+" place "+12(%[block])\n\t"
+#define KEEP_SUMS                   \
+  KEEP("s0", "s1", "s2", "s3", "0") \
+  KEEP("s4", "s5", "s6", "s7", "16") KEEP("s8", "s9", "s10", "s11", "32") KEEP("a4", "a5", "a6", "a7", "48")
+
+// The greatest sum of four positions. All multipliers are positive, so it gives the greatest byte.
+#define LARGEST(a, b, c, d) XPULP_MAX(a, a, b) XPULP_MAX(c, c, d) XPULP_MAX(a, a, c)
+#define KEEP_LARGEST              \
+  LARGEST("s0", "s4", "s8", "a4") \
+  LARGEST("s1", "s5", "s9", "a5") LARGEST("s2", "s6", "s10", "a6") LARGEST("s3", "s7", "s11", "a7")
+
+// Converts a sum of a channel to a byte: multiplier in t0, addend in t1, shift in t2, bounds in t3 and t4, group in t5.
+#define CONVERT(product, a) \
+  product " " a ", " a ", t0\n\t" XPULP_ADDNR(a, "t1", "t2") XPULP_MAX(a, a, "t3") XPULP_MIN(a, a, "t4")
+#define LOAD_NUMBERS(channel)                                             \
+  "lw t0, %[multiplier]+4*" channel "(t5)\n\tlw t1, %[addend]+4*" channel \
+  "(t5)\n\t"                                                              \
+  "lbu t2, %[shift]+" channel "(t5)\n\t"
+#define CONVERT_CHANNEL(product, channel, a, b, c, d) \
+  LOAD_NUMBERS(channel) CONVERT(product, a) CONVERT(product, b) CONVERT(product, c) CONVERT(product, d)
+#define CONVERT_LARGEST(product, channel, a) LOAD_NUMBERS(channel) CONVERT(product, a)
+
+#define STORE(a, b, c, d) XPULP_PACKLO_B(a, b, a) XPULP_PACKHI_B(a, d, c) XPULP_SW_POST_REG(a, "t1", "t0")
+#define LOAD_BOUNDS "lw t3, " FIELD(low) "lw t4, " FIELD(high) "lw t5, " FIELD(group)
+#define LOAD_PLACE "lw t0, " FIELD(to) "lw t1, " FIELD(to_next)
+
+#define CONVERT_AND_STORE(product)                                                                                 \
+  LOAD_BOUNDS CONVERT_CHANNEL(product, "0", "s0", "s4", "s8", "a4")                                                \
+      CONVERT_CHANNEL(product, "1", "s1", "s5", "s9", "a5") CONVERT_CHANNEL(product, "2", "s2", "s6", "s10", "a6") \
+          CONVERT_CHANNEL(product, "3", "s3", "s7", "s11", "a7") LOAD_PLACE STORE("s0", "s1", "s2", "s3")          \
+              STORE("s4", "s5", "s6", "s7") STORE("s8", "s9", "s10", "s11") STORE("a4", "a5", "a6", "a7")
+#define CONVERT_AND_STORE_LARGEST(product)                                                         \
+  KEEP_LARGEST LOAD_BOUNDS CONVERT_LARGEST(product, "0", "s0") CONVERT_LARGEST(product, "1", "s1") \
+      CONVERT_LARGEST(product, "2", "s2") CONVERT_LARGEST(product, "3", "s3") LOAD_PLACE STORE("s0", "s1", "s2", "s3")
+
+#define RUN(text)                                                                                                      \
+  __asm__ volatile(                                                                                                    \
+      COMPUTE_SUMS text                                                                                                \
+      : [p0] "+r"(p0), [p1] "+r"(p1), [p2] "+r"(p2), [p3] "+r"(p3), [w] "+r"(weights)                                  \
+      : [block] "r"(block), [bias] "i"(BIAS(scaling)), [runs] "i"(offsetof(block_t, runs)),                            \
+        [words] "i"(offsetof(block_t, words)), [step] "i"(offsetof(block_t, step)), [low] "i"(offsetof(block_t, low)), \
+        [high] "i"(offsetof(block_t, high)), [to] "i"(offsetof(block_t, to)),                                          \
+        [to_next] "i"(offsetof(block_t, to_next)), [group] "i"(offsetof(block_t, group)),                              \
+        [sums] "i"(offsetof(block_t, sums)), [multiplier] "i"(offsetof(layer_group_t, multiplier)),                    \
+        [addend] "i"(offsetof(layer_group_t, addend)), [shift] "i"(offsetof(layer_group_t, shift))                     \
+      : "s0", "s1", "s2", "s3", "s4", "s5", "s6", "s7", "s8", "s9", "s10", "s11", "t0", "t1", "t2", "t3", "t4", "t5",  \
+        "a4", "a5", "a6", "a7", "memory")
+
+// Computes the sums of a block.
+static inline __attribute__((always_inline)) void compute_sums(block_t* block, const uint8_t* const patches[4],
+                                                               int scaling) {
+  const uint8_t *p0 = patches[0], *p1 = patches[1], *p2 = patches[2], *p3 = patches[3];
+  const int8_t* weights = weights_of(block->group, scaling);
+  RUN(KEEP_SUMS);
+}
+
+// Computes and stores the bytes of a whole block with narrow or wide scaling. Pooled: of the greatest sums.
+static inline __attribute__((always_inline)) void compute_bytes(block_t* block, const uint8_t* const patches[4],
+                                                                int is_pooled, int scaling) {
+  const uint8_t *p0 = patches[0], *p1 = patches[1], *p2 = patches[2], *p3 = patches[3];
+  const int8_t* weights = weights_of(block->group, scaling);
+  if (is_pooled && scaling == SCALING_NARROW) {
+    RUN(CONVERT_AND_STORE_LARGEST("mul"));
+  } else if (is_pooled) {
+    RUN(CONVERT_AND_STORE_LARGEST("mulh"));
+  } else if (scaling == SCALING_NARROW) {
+    RUN(CONVERT_AND_STORE("mul"));
+  } else {
+    RUN(CONVERT_AND_STORE("mulh"));
+  }
+}
+
+// Computes the sums of the first position only.
+static inline __attribute__((always_inline)) void compute_first_sums(block_t* block, const uint8_t* patch,
+                                                                     int scaling) {
+  const int8_t* weights = weights_of(block->group, scaling);
+  const int32_t* bias = block->group->bias;
+  int32_t a = bias[0], b = bias[1], c = bias[2], d = bias[3];
+  for (int32_t run = block->runs; run > 0; --run, patch += block->step) {
+    __asm__ volatile(XPULP_LOOP("x0", "%[n]", "9") XPULP_LW_POST("t4", "4", "%[p]") XPULP_LW_POST("t0", "4", "%[w]")
+                         XPULP_LW_POST("t1", "4", "%[w]") XPULP_LW_POST("t2", "4", "%[w]") XPULP_LW_POST(
+                             "t3", "4", "%[w]") FOUR_PRODUCTS("%[a]", "%[b]", "%[c]", "%[d]", "t4") XPULP_LOOP_END
+                     : [a] "+r"(a), [b] "+r"(b), [c] "+r"(c), [d] "+r"(d), [w] "+r"(weights), [p] "+r"(patch)
+                     : [n] "r"(block->words)
+                     : "t0", "t1", "t2", "t3", "t4", "memory");
+  }
+  block->sums[0] = a, block->sums[1] = b, block->sums[2] = c, block->sums[3] = d;
+}
+
+#else
+
+static inline void compute_sums(block_t* block, const uint8_t* const patches[4], int scaling) {
+  for (int i = 0; i < 16; ++i) {
+    const int8_t* weight = weights_of(block->group, scaling) + i % 4 * 4;
+    const uint8_t* p = patches[i / 4];
+    int32_t sum = block->group->bias[i % 4];
+    for (int32_t run = 0; run < block->runs; ++run, p += block->step) {
+      for (int32_t word = 0; word < block->words; ++word, weight += 16, p += 4) {
+        sum += p[0] * weight[0] + p[1] * weight[1] + p[2] * weight[2] + p[3] * weight[3];
+      }
+    }
+    block->sums[i] = sum;
+  }
+}
+
+static inline void compute_first_sums(block_t* block, const uint8_t* patch, int scaling) {
+  const uint8_t* const patches[4] = {patch, patch, patch, patch};
+  compute_sums(block, patches, scaling);
+}
+
+#endif

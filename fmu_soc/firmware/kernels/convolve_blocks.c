@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+// Convolutions without groups, and dense layers, which are convolutions with one output position. A unit of work is
+// four output positions and four channels. Each core computes consecutive units.
+#include "kernels/block.h"
+#include "kernels/work.h"
+
+// Copies `count` ranges of bytes to contiguous bytes. A copied word may exceed a range; the next range then overwrites
+// the extra bytes.
+static inline __attribute__((always_inline)) void copy_ranges(uint8_t* to, const uint8_t* from, int32_t count,
+                                                              int32_t bytes, int32_t step) {
+#ifdef __riscv
+  if (bytes <= 8) {
+    __asm__ volatile(XPULP_LOOP("x0", "%[n]", "4") "lw t1, 4(%[from])\n\t" XPULP_LW_POST_REG(
+                         "t0", "%[step]", "%[from]") "sw t1, 4(%[to])\n\t" XPULP_SW_POST_REG("t0", "%[bytes]", "%[to]")
+                         XPULP_LOOP_END
+                     : [from] "+r"(from), [to] "+r"(to)
+                     : [n] "r"(count), [step] "r"(step), [bytes] "r"(bytes)
+                     : "t0", "t1", "memory");
+    return;
+  }
+  for (; count > 0; --count, from += step, to += bytes) {
+    const uint8_t* source = from;
+    uint8_t* target = to;
+    __asm__ volatile(XPULP_LOOP("x0", "%[n]", "4") "lw t1, 4(%[from])\n\t" XPULP_LW_POST(
+                         "t0", "8", "%[from]") "sw t1, 4(%[to])\n\t" XPULP_SW_POST("t0", "8", "%[to]") XPULP_LOOP_END
+                     : [from] "+r"(source), [to] "+r"(target)
+                     : [n] "r"((bytes + 7) / 8)
+                     : "t0", "t1", "memory");
+  }
+#else
+  for (; count > 0; --count, from += step, to += bytes) {
+    for (int32_t i = 0; i < bytes; ++i) {
+      to[i] = from[i];
+    }
+  }
+#endif
+}
+
+// Replaces the pointers to four patches by pointers to copies of them.
+static void gather(const layer_t* layer, const uint8_t* patches[4], uint8_t* to) {
+  const int32_t rows = layer->gather_rows, runs = layer->gather_runs, bytes = layer->gather_bytes;
+  const int32_t step = layer->gather_step, row_step = layer->gather_row_step, size = layer->gathered_bytes;
+  for (int i = 0; i < 4; ++i, to += size) {
+    const uint8_t* patch = patches[i];
+    patches[i] = to;
+    if (runs == 1) {
+      copy_ranges(to, patch, rows, bytes, row_step);
+      continue;
+    }
+    for (int32_t y = 0; y < rows; ++y) {
+      copy_ranges(to + y * runs * bytes, patch + y * row_step, runs, bytes, step);
+    }
+  }
+}
+
+// The next output positions of a core. Pooled: the next pooled position.
+typedef struct {
+  int32_t x, y;
+  int32_t columns;
+  const uint8_t* row;  // patch of the first position of row y
+  int32_t to_next;     // bytes from patch to patch
+  int32_t to_lower;
+} places_t;
+
+// Sets the patches of the next four positions. After the last position, its patch is repeated.
+static void next_four(places_t* at, int32_t left, const uint8_t* patches[4]) {
+  const uint8_t* patch = at->row + at->x * at->to_next;
+  for (int i = 0; i < 4; ++i, --left) {
+    patches[i] = patch;
+    if (left <= 1) {
+      continue;
+    }
+    patch += at->to_next;
+    if (++at->x == at->columns) {
+      at->x = 0;
+      at->row += at->to_lower;
+      patch = at->row;
+    }
+  }
+}
+
+// Sets the patches of the 2 x 2 positions of the next pooled position.
+static void next_pooled(places_t* at, const uint8_t* patches[4]) {
+  const uint8_t* patch = at->row + 2 * at->x * at->to_next;
+  patches[0] = patch;
+  patches[1] = patch + at->to_next;
+  patches[2] = patch + at->to_lower;
+  patches[3] = patches[2] + at->to_next;
+  if (++at->x == at->columns) {
+    at->x = 0;
+    at->row += 2 * at->to_lower;
+  }
+}
+
+// All multipliers are positive, so the greatest sum gives the greatest byte. Therefore only one of four sums is
+// requantised.
+static inline __attribute__((always_inline)) void keep_largest(int32_t sums[16]) {
+#pragma GCC unroll 4
+  for (int i = 0; i < 4; ++i) {
+    sums[i] = larger(larger(sums[i], sums[4 + i]), larger(sums[8 + i], sums[12 + i]));
+  }
+}
+
+// Computes a unit of `count` positions, which are stored at block->to.
+static inline __attribute__((always_inline)) void compute(const layer_t* layer, block_t* block,
+                                                          const uint8_t* const patches[4], int32_t count, int is_pooled,
+                                                          int scaling) {
+#ifdef __riscv
+  if ((scaling == SCALING_NARROW || scaling == SCALING_WIDE) && block->group->count == 4 && (is_pooled || count == 4)) {
+    compute_bytes(block, patches, is_pooled, scaling);
+    return;
+  }
+#endif
+  if (!is_pooled && count == 1) {
+    compute_first_sums(block, patches[0], scaling);
+  } else {
+    compute_sums(block, patches, scaling);
+  }
+  if (is_pooled) {
+    keep_largest(block->sums);
+  }
+  store_places(layer, block->group, block->sums, block->to, block->to_next, count, scaling);
+}
+
+static inline __attribute__((always_inline)) void convolve(const layer_step_t* step, layer_share_t share, int is_pooled,
+                                                           int scaling) {
+  const layer_t* layer = step->layer;
+  const int32_t pool = is_pooled ? 1 : layer->pool;
+  const int32_t columns = layer->out_columns * pool;
+  const int32_t count = step->rows * pool * columns;
+  const int32_t each = is_pooled ? 1 : 4;  // positions of a unit
+  const int32_t units = (count + each - 1) / each * step->groups;
+  const int32_t channels = step->channels * layer->element;
+  const int32_t end = units * (share.core + 1) / share.cores;
+  int32_t unit = units * share.core / share.cores;
+  int32_t place = unit / step->groups;
+  int32_t number = unit - place * step->groups;
+  place *= each;
+  uint8_t* to = (layer->then != 0 ? step->unpooled : step->out) + place * channels;
+  const int32_t y = place / columns;
+  const int32_t to_lower = layer->stride_rows * step->in_pitch;
+  places_t at = {place - y * columns,
+                 y,
+                 columns,
+                 step->in + y * (is_pooled ? 2 : 1) * to_lower,
+                 layer->stride_columns * step->in_channels,
+                 to_lower};
+  block_t block = {layer->runs_y, layer->run_words, layer->step_y, layer->low, layer->high, channels, 0, to, {0}};
+  for (; unit < end; place += each, to += each * channels, number = 0) {
+    const uint8_t* patches[4];
+    if (is_pooled) {
+      next_pooled(&at, patches);
+    } else {
+      next_four(&at, count - place, patches);
+    }
+    if (layer->gather_runs > 0) {
+      gather(layer, patches, step->gathered);
+    }
+    const uint8_t* data = step->data + number * layer->group_bytes;
+    for (; number < step->groups && unit < end; ++number, ++unit, data += layer->group_bytes) {
+      block.group = (const layer_group_t*)(const void*)data;
+      block.to = to + block.group->out * layer->element;
+      compute(layer, &block, patches, smaller(count - place, each), is_pooled, scaling);
+    }
+  }
+}
+
+#define DEFINE(name, scaling)                                                               \
+  void layer_convolve_blocks_##name(const layer_step_t* step, layer_share_t share) {        \
+    convolve(step, share, 0, scaling);                                                      \
+  }                                                                                         \
+  void layer_convolve_blocks_pooled_##name(const layer_step_t* step, layer_share_t share) { \
+    convolve(step, share, 1, scaling);                                                      \
+  }
+
+DEFINE(narrow, SCALING_NARROW)
+DEFINE(wide, SCALING_WIDE)
+DEFINE(exact, SCALING_EXACT)
+
+void layer_convolve_blocks_none(const layer_step_t* step, layer_share_t share) {
+  convolve(step, share, 0, SCALING_NONE);
+}

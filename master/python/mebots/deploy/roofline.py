@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Lower bounds of the cycles of layers: the roofline. docs/chip/networks.md derives the numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+from mebots.deploy.layers import Layer
+from mebots.deploy.plan import Steps, Stream, is_depthwise, pools_sums, traffic
+
+DOT = 4
+"""Products of a dot product, which takes one cycle."""
+
+REGISTERS = 24
+"""Registers of a core for sums and operands. The other seven are the stack pointer, and pointers to weights and inputs."""
+
+DMA_BYTES = 8
+"""Bytes per cycle of the cluster that the DMA moves at most."""
+
+HYPER_BYTES = 1
+"""Bytes per cycle of the SoC that the HyperBus moves at most: one byte at each edge of the bus's clock, which is half the SoC's clock."""
+
+_CONVERSION = {"narrow": 3.75, "wide": 7.75, "exact": 11.75}
+"""Cycles that convert a sum to a byte. Multiplication (mul 1, mulh 5 cycles), sum and shift 1, limit 1, packing 0.5, store 0.25. "exact" needs
+both words of the product, and the carry of a sum (mul, add, sltu, add)."""
+
+
+def loads_per_dot(channels: int, places: int, words: int) -> float:
+    """Returns the fewest loads for each dot product of a loop.
+
+    The loop computes ``a`` channels at ``b`` places. Either a x b sums stay in registers (a + b loads for a x b dot products), or the patches of b places
+    do, or the weights of a channels (one load for a or b dot products).
+    """
+    blocks = [(a, b) for a in range(1, min(channels, REGISTERS) + 1) for b in range(1, min(places, REGISTERS) + 1) if a * b + a + b <= REGISTERS]
+    kept = min(max(places, channels if places > 1 else 1), (REGISTERS - 1) // (words + 1))
+    least = min((a + b) / (a * b) for a, b in blocks)
+    return min(least, 1 / kept) if kept > 0 else least
+
+
+def peak(cores: int) -> float:
+    """Returns the products per cycle of the loop for four channels at four places: 16 dot products and 8 loads."""
+    return cores * DOT / (1 + loads_per_dot(4, 4, REGISTERS))
+
+
+def compute_cycles(layer: Layer) -> float:
+    """Returns a lower bound of the cycles that one core takes for a layer with products."""
+    values = layer.output.size * layer.pool**2
+    places = values // layer.output.channels
+    words = math.ceil(math.prod(layer.weight.shape[1:]) / DOT)
+    if is_depthwise(layer):
+        loads = layer.inputs[0].size / 4  # of words; each word is needed at least once
+    else:
+        loads = values * words * loads_per_dot(layer.weight.shape[0] // layer.groups, places, words)
+    if layer.requantise is None:
+        return values * (words + 1) + loads
+    converted = layer.output.size if pools_sums(layer) else values
+    compared = (values - layer.output.size) * (1 if pools_sums(layer) else 0.25)  # for the maximum of a pool
+    return values * words + loads + converted * _CONVERSION[layer.requantise.scaling] + compared
+
+
+def bound(layer: Layer, steps: Steps | None, cores: int) -> float:
+    """Returns a lower bound of a layer's cycles: the cores' instructions, or the bytes that the DMA moves."""
+    moved = 0 if steps is None else traffic(layer, steps).total
+    computed = compute_cycles(layer) / cores if layer.kind == "convolution" else 0.0
+    return max(computed, moved / DMA_BYTES)
+
+
+def total_bound(bounds: Iterable[float], stream: Stream | None, cluster_per_soc: float) -> float:
+    """Returns a lower bound of the cycles of all layers. ``bounds`` are those of the layers. While a layer is computed, the weights of the next layer
+    come from the HyperRAM.
+
+    ``cluster_per_soc``: cycles of the cluster for each cycle of the SoC.
+    """
+    bounds = list(bounds)
+    if stream is None:
+        return sum(bounds)
+    fetches = [size / HYPER_BYTES * cluster_per_soc for _, size in stream.segments]
+    return fetches[0] + sum(max(layer, fetch) for layer, fetch in zip(bounds, [*fetches[1:], 0.0], strict=True))
