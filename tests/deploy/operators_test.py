@@ -12,7 +12,7 @@ from mebots.deploy import checking
 from mebots.deploy import layers as integers
 from mebots.deploy.deployed import Options
 from mebots.deploy.lowering import lower
-from mebots.deploy.plan import is_depthwise_3x3
+from mebots.deploy.plan import gathers, has_outer_columns, is_depthwise_3x3
 
 
 def pair(random, low, high):
@@ -70,7 +70,8 @@ class Convolutions(OperatorCase):
 
     def test_depthwise_kernels_of_3x3_give_the_references_integers_with_each_number_of_cores(self):
         maker = Maker(12, (7, 13, 10))
-        geometries = (([1, 1], [1, 1], [1] * 4), ([2, 1], [2, 1], [0, 2, 1, 0]), ([3, 2], [1, 1], [2, 0, 0, 1]), ([1, 3], [1, 1], [0, 1, 2, 2]))
+        plain = [1, 1]
+        geometries = ((plain, plain, [1] * 4), ([2, 1], [2, 1], [0, 2, 1, 0]), ([3, 2], plain, [2, 0, 0, 1]), ([1, 3], plain, [0, 1, 2, 2]))
         for strides, dilations, pads in geometries:
             maker.output(maker.conv("x", 7, 7, (3, 3), 7, pads=pads, strides=strides, dilations=dilations))
         model, data = maker.save(self.folder)
@@ -83,6 +84,15 @@ class Convolutions(OperatorCase):
         for cores in range(2, 8):
             checking.compare(deployed.network, values, program.check(cores), f"{cores} cores")
         self.near_to_float(deployed, 2.5)
+
+    def test_patches_with_few_channels_at_the_sides_of_the_input(self):
+        maker = Maker(16, (3, 10, 9))
+        geometries = ((9, (3, 2), [1, 1], [1, 1, 2, 1]), (8, (2, 5), [2, 2], [0, 4, 1, 3]), (13, (3, 1), [1, 3], [2, 0, 0, 2]))
+        for out, kernel, strides, pads in geometries:
+            first, second = (maker.conv("x", 3, out, kernel, pads=pads, strides=strides) for _ in range(2))
+            maker.output(first, maker.node("MaxPool", second, kernel_shape=[2, 2], strides=[2, 2]))
+        deployed = self.check(maker, steps=4)
+        self.assertGreater(sum(gathers(one) and not has_outer_columns(one) for one in deployed.network.layers), 1)
 
     def test_transposed_convolutions(self):
         maker = Maker(12, (6, 5, 7))

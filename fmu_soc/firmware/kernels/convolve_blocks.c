@@ -8,17 +8,8 @@
 // the extra bytes.
 static inline __attribute__((always_inline)) void copy_ranges(uint8_t* to, const uint8_t* from, int32_t count,
                                                               int32_t bytes, int32_t step) {
-#ifdef __riscv
-  if (bytes <= 8) {
-    __asm__ volatile(XPULP_LOOP("x0", "%[n]", "4") "lw t1, 4(%[from])\n\t" XPULP_LW_POST_REG(
-                         "t0", "%[step]", "%[from]") "sw t1, 4(%[to])\n\t" XPULP_SW_POST_REG("t0", "%[bytes]", "%[to]")
-                         XPULP_LOOP_END
-                     : [from] "+r"(from), [to] "+r"(to)
-                     : [n] "r"(count), [step] "r"(step), [bytes] "r"(bytes)
-                     : "t0", "t1", "memory");
-    return;
-  }
   for (; count > 0; --count, from += step, to += bytes) {
+#ifdef __riscv
     const uint8_t* source = from;
     uint8_t* target = to;
     __asm__ volatile(XPULP_LOOP("x0", "%[n]", "4") "lw t1, 4(%[from])\n\t" XPULP_LW_POST(
@@ -26,31 +17,92 @@ static inline __attribute__((always_inline)) void copy_ranges(uint8_t* to, const
                      : [from] "+r"(source), [to] "+r"(target)
                      : [n] "r"((bytes + 7) / 8)
                      : "t0", "t1", "memory");
-  }
 #else
-  for (; count > 0; --count, from += step, to += bytes) {
     for (int32_t i = 0; i < bytes; ++i) {
       to[i] = from[i];
     }
-  }
 #endif
+  }
 }
 
-// Replaces the pointers to four patches by pointers to copies of them.
-static void gather(const layer_t* layer, const uint8_t* patches[4], uint8_t* to) {
+#ifdef __riscv
+
+#define LOAD_TWO_WORDS(lower, upper, from) "lw " upper ", 4(" from ")\n\t" XPULP_LW_POST_REG(lower, "%[step]", from)
+#define STORE_TWO_WORDS(lower, upper, to) "sw " upper ", 4(" to ")\n\t" XPULP_SW_POST_REG(lower, "%[bytes]", to)
+
+// Copies the rows of four patches. A row has at most 8 bytes. Copies are `size` bytes apart.
+static inline __attribute__((always_inline)) void gather_short_rows(const layer_t* layer,
+                                                                    const uint8_t* const patches[4], uint8_t* to) {
+  const int32_t size = layer->gathered_bytes;
+  const uint8_t *a = patches[0], *b = patches[1], *c = patches[2], *d = patches[3];
+  uint8_t *to_a = to, *to_b = to + size, *to_c = to + 2 * size, *to_d = to + 3 * size;
+  __asm__ volatile(XPULP_LOOP("x0", "%[n]", "16")                                                 //
+                   LOAD_TWO_WORDS("t0", "t1", "%[a]") LOAD_TWO_WORDS("t2", "t3", "%[b]")          //
+                   STORE_TWO_WORDS("t0", "t1", "%[to_a]") STORE_TWO_WORDS("t2", "t3", "%[to_b]")  //
+                   LOAD_TWO_WORDS("t0", "t1", "%[c]") LOAD_TWO_WORDS("t2", "t3", "%[d]")          //
+                   STORE_TWO_WORDS("t0", "t1", "%[to_c]") STORE_TWO_WORDS("t2", "t3", "%[to_d]")  //
+                   XPULP_LOOP_END
+                   : [a] "+r"(a), [b] "+r"(b), [c] "+r"(c), [d] "+r"(d), [to_a] "+r"(to_a), [to_b] "+r"(to_b),
+                     [to_c] "+r"(to_c), [to_d] "+r"(to_d)
+                   : [n] "r"(layer->gather_rows), [step] "r"(layer->gather_row_step), [bytes] "r"(layer->gather_bytes)
+                   : "t0", "t1", "t2", "t3", "memory");
+}
+
+#endif
+
+// Copies four patches to contiguous bytes, `gathered_bytes` apart.
+static inline __attribute__((always_inline)) void gather(const layer_t* layer, const uint8_t* const patches[4],
+                                                         uint8_t* to) {
   const int32_t rows = layer->gather_rows, runs = layer->gather_runs, bytes = layer->gather_bytes;
-  const int32_t step = layer->gather_step, row_step = layer->gather_row_step, size = layer->gathered_bytes;
-  for (int i = 0; i < 4; ++i, to += size) {
-    const uint8_t* patch = patches[i];
-    patches[i] = to;
-    if (runs == 1) {
-      copy_ranges(to, patch, rows, bytes, row_step);
-      continue;
-    }
+#ifdef __riscv
+  if (runs == 1 && bytes <= 8) {
+    gather_short_rows(layer, patches, to);
+    return;
+  }
+#endif
+  for (int i = 0; i < 4; ++i, to += layer->gathered_bytes) {
     for (int32_t y = 0; y < rows; ++y) {
-      copy_ranges(to + y * runs * bytes, patch + y * row_step, runs, bytes, step);
+      const uint8_t* row = patches[i] + y * layer->gather_row_step;
+      copy_ranges(to + y * runs * bytes, row, runs, bytes, layer->gather_step);
     }
   }
+}
+
+// Sets the values outside the input in copied patches. `x` is the column of the first position.
+static void fill_outside(const layer_t* layer, int32_t x, int32_t columns, int is_pooled, uint8_t* to) {
+  const int32_t bytes = layer->gather_bytes;
+  for (int i = 0; i < 4; ++i, to += layer->gathered_bytes) {
+    int32_t place = is_pooled ? 2 * x + i % 2 : x + i;
+    while (!is_pooled && place >= columns) {
+      place -= columns;
+    }
+    const int32_t first = place * layer->stride_columns - layer->outside_left;
+    const int32_t begin = smaller(-first * layer->in_channels, bytes);
+    const int32_t end = larger((layer->in_columns - first) * layer->in_channels, 0);
+    uint8_t* row = to;
+    for (int32_t y = layer->gather_rows; y > 0; --y, row += bytes) {
+      for (int32_t at = 0; at < begin; ++at) {
+        row[at] = layer->outside;
+      }
+      for (int32_t at = end; at < bytes; ++at) {
+        row[at] = layer->outside;
+      }
+    }
+  }
+}
+
+// Columns of first positions from which four positions are inside the input.
+typedef struct {
+  int32_t first, last;
+} columns_t;
+
+static columns_t columns_inside(const layer_t* layer, int is_pooled) {
+  const int32_t each = is_pooled ? 2 : 1;
+  const int32_t stride = layer->stride_columns;
+  const int32_t last = (layer->in_columns + layer->outside_left - layer->kernel_columns) / stride;
+  const columns_t inside = {(layer->outside_left + each * stride - 1) / (each * stride),
+                            (last - (is_pooled ? 1 : 3)) / each};
+  return inside;
 }
 
 // The next output positions of a core. Pooled: the next pooled position.
@@ -80,7 +132,7 @@ static void next_four(places_t* at, int32_t left, const uint8_t* patches[4]) {
 }
 
 // Sets the patches of the 2 x 2 positions of the next pooled position.
-static void next_pooled(places_t* at, const uint8_t* patches[4]) {
+static inline __attribute__((always_inline)) void next_pooled(places_t* at, const uint8_t* patches[4]) {
   const uint8_t* patch = at->row + 2 * at->x * at->to_next;
   patches[0] = patch;
   patches[1] = patch + at->to_next;
@@ -130,7 +182,8 @@ static inline __attribute__((always_inline)) void convolve(const layer_step_t* s
   const int32_t count = step->rows * pool * columns;
   const int32_t each = is_pooled ? 1 : 4;  // positions of a unit
   const int32_t units = (count + each - 1) / each * step->groups;
-  const int32_t channels = step->channels * layer->element;
+  const int32_t element = layer->element;
+  const int32_t channels = step->channels * element;
   const int32_t end = units * (share.core + 1) / share.cores;
   int32_t unit = units * share.core / share.cores;
   int32_t place = unit / step->groups;
@@ -139,15 +192,20 @@ static inline __attribute__((always_inline)) void convolve(const layer_step_t* s
   uint8_t* to = (layer->then != 0 ? step->unpooled : step->out) + place * channels;
   const int32_t y = place / columns;
   const int32_t to_lower = layer->stride_rows * step->in_pitch;
+  // Columns outside the input that the tile does not have are before its rows.
+  const uint8_t* in = step->in - layer->outside_left * step->in_channels;
   places_t at = {place - y * columns,
                  y,
                  columns,
-                 step->in + y * (is_pooled ? 2 : 1) * to_lower,
+                 in + y * (is_pooled ? 2 : 1) * to_lower,
                  layer->stride_columns * step->in_channels,
                  to_lower};
+  const int has_sides = layer->outside_left + layer->outside_right > 0;
+  const columns_t inside = columns_inside(layer, is_pooled);
   block_t block = {layer->runs_y, layer->run_words, layer->step_y, layer->low, layer->high, channels, 0, to, {0}};
   for (; unit < end; place += each, to += each * channels, number = 0) {
     const uint8_t* patches[4];
+    const int32_t x = at.x;
     if (is_pooled) {
       next_pooled(&at, patches);
     } else {
@@ -155,13 +213,23 @@ static inline __attribute__((always_inline)) void convolve(const layer_step_t* s
     }
     if (layer->gather_runs > 0) {
       gather(layer, patches, step->gathered);
+      if (has_sides && (x < inside.first || x > inside.last)) {
+        fill_outside(layer, x, columns, is_pooled, step->gathered);
+      }
+      for (int i = 0; i < 4; ++i) {
+        patches[i] = step->gathered + i * layer->gathered_bytes;
+      }
     }
-    const uint8_t* data = step->data + number * layer->group_bytes;
-    for (; number < step->groups && unit < end; ++number, ++unit, data += layer->group_bytes) {
+    const int32_t group_bytes = layer->group_bytes;
+    const int32_t groups = smaller(step->groups - number, end - unit);
+    const int32_t positions = smaller(count - place, each);
+    const uint8_t* data = step->data + number * group_bytes;
+    for (int32_t i = groups; i > 0; --i, data += group_bytes) {
       block.group = (const layer_group_t*)(const void*)data;
-      block.to = to + block.group->out * layer->element;
-      compute(layer, &block, patches, smaller(count - place, each), is_pooled, scaling);
+      block.to = to + block.group->out * element;
+      compute(layer, &block, patches, positions, is_pooled, scaling);
     }
+    unit += groups;
   }
 }
 

@@ -79,11 +79,11 @@ typedef struct {
   uint8_t high;
   uint8_t outside;  // value of places outside the input
   uint8_t scaling;
-  uint8_t element;  // bytes of an output value: 1, or 4 for sums
-  uint8_t by_tile;  // 1: all blocks of a tile, then the next tile; 0: all tiles of a block first
-  uint8_t sliced;   // 1: a block only needs the input of its own channels
-  uint8_t pool;     // a convolution's output is pooled: maximum of pool x pool
-  uint8_t padded;   // 1: the input in L1 has places outside the input. 0: the kernel provides their values
+  uint8_t element;     // bytes of an output value: 1, or 4 for sums
+  uint8_t by_tile;     // 1: all blocks of a tile, then the next tile; 0: all tiles of a block first
+  uint8_t sliced;      // 1: a block only needs the input of its own channels
+  uint8_t pool;        // a convolution's output is pooled: maximum of pool x pool
+  uint8_t outer_rows;  // 1: the input in L1 has rows outside the input. 0: the kernel provides their values
   int32_t in_rows, in_columns, in_channels;
   int32_t out_rows, out_columns, out_channels;  // after pooling
   int32_t kernel_rows, kernel_columns;          // with dilation

@@ -94,7 +94,8 @@ static void copy_in(copies_t* copies, uint8_t* to, const uint8_t* from, int32_t 
   }
 }
 
-// Fetches the rows of a tile of the input. In a padded tile, rows outside the input get the value of `outside`.
+// Fetches the rows of a tile of the input. If the tile has rows outside the input,
+// they get the value of `outside`.
 static void fetch_rows(copies_t* copies, const layer_t* layer, const layer_block_t* block, const uint8_t* from,
                        uint8_t* to, int32_t tile) {
   const int32_t channels = in_channels_of(layer, block);
@@ -109,7 +110,7 @@ static void fetch_rows(copies_t* copies, const layer_t* layer, const layer_block
   if (layer->sliced) {
     from += block->first;
   }
-  if (layer->padded) {
+  if (layer->outer_rows) {
     fill(to, smaller(begin - first, rows) * pitch, layer->outside);
     const int32_t inside = end > first ? end - first : 0;
     fill(to + inside * pitch, (rows - inside) * pitch, layer->outside);

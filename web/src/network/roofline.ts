@@ -74,5 +74,9 @@ export function makeRoofline({ network }: NetworkPage, measured: Measured): HTML
     tip.show(event, nearest.name, [`${digits(nearest.speed, 3)} MAC/cycle, ${percent(nearest.roofline)} of the roofline`, `${digits(nearest.intensity, 3)} MAC per byte`, `${percent(nearest.share)} of the cycles`]);
   });
   plot.canvas.addEventListener("pointerleave", () => tip.hide());
-  return panel(title, `The line is the speed that the products of the inner loop or the DMA allow. The dash above a disc is the bound of this layer, with its conversions of sums and its shape. Larger discs take more cycles.${hyper ? " Circles are layers over their products per weight, which the HyperRAM provides." : ""}`, plot.root);
+  const circles = hyper ? " Circles are layers over their products per weight, which the HyperRAM provides." : "";
+  const note =
+    "The line is the speed that the products of the inner loop or the DMA allow. The dash above a disc is the bound of this layer, " +
+    `with its conversions of sums and its shape. Larger discs take more cycles.${circles}`;
+  return panel(title, note, plot.root);
 }

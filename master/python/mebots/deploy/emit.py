@@ -182,9 +182,10 @@ def _fields(layer: Layer, steps: Steps | None, offsets: dict[Tensor, int]) -> di
 
 def _side_fields(layer: Layer) -> dict[str, int]:
     left, right = layer.pads[1], layer.pads[3]
-    if planning.is_padded(layer):
-        return {"padded": 1, "pad_left": left, "pad_right": right}
-    return {"outside_left": left, "outside_right": right}
+    rows = {"outer_rows": int(planning.has_outer_rows(layer))}
+    if planning.has_outer_columns(layer):
+        return rows | {"pad_left": left, "pad_right": right}
+    return rows | {"outside_left": left, "outside_right": right}
 
 
 def _own_fields(layer: Layer) -> dict[str, Any]:

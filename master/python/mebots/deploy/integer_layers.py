@@ -90,7 +90,8 @@ class IntegerLayers:
             raise self._refuse(node, "its weights are no whole numbers from -128 to 127", "Quantise weights to 8 bits")
         broken = node.bias[np.rint(node.bias) != node.bias]
         if broken.size:
-            raise self._refuse(node, f"its bias contains {broken[0]:g}, which is no whole number", "Round it in the model, or deploy the float model")
+            what = f"its bias contains {broken[0]:g}, which is no whole number"
+            raise self._refuse(node, what, "Round it in the model, or deploy the float model")
         flat = weight.reshape(weight.shape[0], -1)
         bias = np.rint(node.bias).astype(np.int64) - source * flat.sum(axis=1)
         bounds = np.abs(flat).sum(axis=1) * 255 + np.abs(bias)

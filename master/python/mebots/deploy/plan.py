@@ -151,13 +151,22 @@ def is_depthwise_3x3(layer: Layer) -> bool:
 _MOST_TURNED_COLUMNS = 200  # buffers of 3 KiB for each core
 
 
-def is_padded(layer: Layer) -> bool:
-    """True if the input in L1 has places outside the input. Otherwise, the kernel provides their values."""
+def has_outer_rows(layer: Layer) -> bool:
+    """True if the input in L1 has rows outside the input. Otherwise, the kernel provides their values."""
     return not is_depthwise_3x3(layer)
 
 
+def has_outer_columns(layer: Layer) -> bool:
+    """True if the input in L1 has columns outside the input. Otherwise, the kernel provides their values. A row without
+    such columns needs no separate copy."""
+    if is_depthwise_3x3(layer):
+        return False
+    most = max(layer.pads[1], layer.pads[3]) * layer.inputs[0].channels
+    return not (gathers(layer) and _patch_runs(layer)[1] == 1 and most <= SLACK)
+
+
 def columns_in_l1(layer: Layer) -> int:
-    return layer.inputs[0].columns + (layer.pads[1] + layer.pads[3] if is_padded(layer) else 0)
+    return layer.inputs[0].columns + (layer.pads[1] + layer.pads[3] if has_outer_columns(layer) else 0)
 
 
 def fours(layer: Layer) -> int:
@@ -223,10 +232,13 @@ def run_geometry(layer: Layer) -> tuple[int, int, int]:
 
 
 def gathered_bytes(layer: Layer) -> int:
-    """Returns the bytes of a copied patch, or of the offsets of a depthwise kernel's places."""
+    """Returns the bytes of a copied patch, whose last run is copied by eight bytes, or of the offsets of a depthwise kernel's places."""
     if is_depthwise(layer):
         return 16 * fours(layer)
-    return align(patch_bytes(layer)) if gathers(layer) else 0
+    if not gathers(layer):
+        return 0
+    last = _patch_runs(layer)[2]
+    return align(patch_bytes(layer) + -last % 8)
 
 
 def gather_geometry(layer: Layer) -> tuple[int, int, int]:
@@ -407,15 +419,16 @@ def estimate(layer: Layer, steps: Steps) -> float:
     """Returns the cycles of a layer: the maximum of the cores' and the DMA's cycles, plus the cycles in which only one of them works."""
     count = steps.tiles * len(steps.parts)
     moved = traffic(layer, steps)
-    rows_copied = steps.tile_rows if columns_in_l1(layer) > layer.inputs[0].columns else 1
-    copied = moved.total / _BYTES_PER_CYCLE + count * rows_copied * _CYCLES_PER_COPY
+    in_rows = min(layer.inputs[0].rows, (steps.tile_rows * layer.pool - 1) * layer.strides[0] + layer.extent()[0])
+    started = _CYCLES_PER_COPY * (2 + (in_rows if columns_in_l1(layer) > layer.inputs[0].columns else 1))  # by one of the cores
     first = (moved.fetched / (count if steps.by_tile or steps.tiles > 1 else 1) + moved.weights / len(steps.parts)) / _BYTES_PER_CYCLE
     work = sum(_step_cycles(layer, steps, one) for one in steps.parts) * steps.tiles
-    return max(work, copied) + first + moved.stored / count / _BYTES_PER_CYCLE + count * _CYCLES_PER_STEP
+    last = moved.stored / count / _BYTES_PER_CYCLE
+    return max(work + count * started, moved.total / _BYTES_PER_CYCLE) + first + last + count * _CYCLES_PER_STEP
 
 
 _BYTES_PER_CYCLE = 7.0
-_CYCLES_PER_COPY = 60
+_CYCLES_PER_COPY = 85
 _CYCLES_PER_STEP = 250
 
 
@@ -439,6 +452,7 @@ def _step_cycles(layer: Layer, steps: Steps, part: Part) -> float:
     if is_in_blocks(layer):
         block = runs_y * (_CYCLES_PER_WORD * words + _CYCLES_PER_RUN) + (120 if pools_sums(layer) else 200)
         blocks = math.ceil(rows * columns / 4)
-        return math.ceil(blocks * groups / CORES) * block + math.ceil(blocks / CORES) * (60 + (6 * patch_bytes(layer) if gathers(layer) else 0))
+        copied = 6 * patch_bytes(layer) if gathers(layer) else 0
+        return math.ceil(blocks * groups / CORES) * block + math.ceil(blocks / CORES) * (60 + copied)
     pair = runs_y * runs_x * (14 * words + 8) + 110
     return math.ceil(rows * groups / CORES) * (math.ceil(columns / 2) * pair + 60)

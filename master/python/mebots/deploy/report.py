@@ -83,12 +83,13 @@ def result_of(deployed: Deployed, measurement: Measurement) -> dict[str, Any]:
     layers = deployed.network.layers
     clock, cores = measurement.clock_hz, measurement.cores
     stream, cluster_per_soc = deployed.plan.stream, clock / chip.SOC_CLOCK_HZ
+    hyper = {} if stream is None else {"hyper_bytes_per_cycle": HYPER_BYTES / cluster_per_soc}
     bounds = [bound(layer, steps, cores) for layer, steps in zip(layers, deployed.plan.steps, strict=True)]
     return {
         "board": deployed.board.name,
         "cores": cores,
         "cluster_clock": clock,
-        "roof": {"macs_per_cycle": peak(cores), "bytes_per_cycle": DMA_BYTES} | ({} if stream is None else {"hyper_bytes_per_cycle": HYPER_BYTES / cluster_per_soc}),
+        "roof": {"macs_per_cycle": peak(cores), "bytes_per_cycle": DMA_BYTES} | hyper,
         "layers": [_cost(cost, layer.macs, clock, cores, least) for cost, layer, least in zip(measurement.layers, layers, bounds, strict=True)],
         "total": _cost(measurement.total, sum(one.macs for one in layers), clock, cores, total_bound(bounds, stream, cluster_per_soc)),
         "settings": [

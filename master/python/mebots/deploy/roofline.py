@@ -22,17 +22,18 @@ HYPER_BYTES = 1
 """Bytes per cycle of the SoC that the HyperBus moves at most: one byte at each edge of the bus's clock, which is half the SoC's clock."""
 
 _CONVERSION = {"narrow": 3.75, "wide": 7.75, "exact": 11.75}
-"""Cycles that convert a sum to a byte. Multiplication (mul 1, mulh 5 cycles), sum and shift 1, limit 1, packing 0.5, store 0.25. "exact" needs
-both words of the product, and the carry of a sum (mul, add, sltu, add)."""
+"""Cycles that convert a sum to a byte. Multiplication (mul 1, mulh 5 cycles), sum and shift 1, limit 1, packing 0.5, store 0.25.
+"exact" needs both words of the product, and the carry of a sum (mul, add, sltu, add)."""
 
 
 def loads_per_dot(channels: int, places: int, words: int) -> float:
     """Returns the fewest loads for each dot product of a loop.
 
-    The loop computes ``a`` channels at ``b`` places. Either a x b sums stay in registers (a + b loads for a x b dot products), or the patches of b places
-    do, or the weights of a channels (one load for a or b dot products).
+    The loop computes ``a`` channels at ``b`` places. Either a x b sums stay in registers (a + b loads for a x b dot products), or
+    the patches of b places do, or the weights of a channels (one load for a or b dot products).
     """
-    blocks = [(a, b) for a in range(1, min(channels, REGISTERS) + 1) for b in range(1, min(places, REGISTERS) + 1) if a * b + a + b <= REGISTERS]
+    most_a, most_b = min(channels, REGISTERS), min(places, REGISTERS)
+    blocks = [(a, b) for a in range(1, most_a + 1) for b in range(1, most_b + 1) if a * b + a + b <= REGISTERS]
     kept = min(max(places, channels if places > 1 else 1), (REGISTERS - 1) // (words + 1))
     least = min((a + b) / (a * b) for a, b in blocks)
     return min(least, 1 / kept) if kept > 0 else least
@@ -67,8 +68,8 @@ def bound(layer: Layer, steps: Steps | None, cores: int) -> float:
 
 
 def total_bound(bounds: Iterable[float], stream: Stream | None, cluster_per_soc: float) -> float:
-    """Returns a lower bound of the cycles of all layers. ``bounds`` are those of the layers. While a layer is computed, the weights of the next layer
-    come from the HyperRAM.
+    """Returns a lower bound of the cycles of all layers. ``bounds`` are those of the layers. While a layer is computed, the weights
+    of the next layer come from the HyperRAM.
 
     ``cluster_per_soc``: cycles of the cluster for each cycle of the SoC.
     """
