@@ -62,16 +62,25 @@ typedef struct {
   LARGEST("s0", "s4", "s8", "a4") \
   LARGEST("s1", "s5", "s9", "a5") LARGEST("s2", "s6", "s10", "a6") LARGEST("s3", "s7", "s11", "a7")
 
-// Converts a sum of a channel to a byte: multiplier in t0, addend in t1, shift in t2, bounds in t3 and t4, group in t5.
-#define CONVERT(product, a) \
-  product " " a ", " a ", t0\n\t" XPULP_ADDNR(a, "t1", "t2") XPULP_MAX(a, a, "t3") XPULP_MIN(a, a, "t4")
-#define LOAD_NUMBERS(channel)                                             \
+// Multiply a sum by t0 (multiplier). EXACT adds the addend's lower word; p0 and p1 have no other use by then.
+#define NARROW(a) "mul " a ", " a ", t0\n\t"
+#define WIDE(a) "mulh " a ", " a ", t0\n\t"
+#define EXACT(a)                                                                               \
+  "mulh %[p0], " a ", t0\n\tmul " a ", " a ", t0\n\tadd " a ", " a ", %[p1]\n\tsltu " a ", " a \
+  ", %[p1]\n\t"                                                                                \
+  "add " a ", " a ", %[p0]\n\t"
+
+// Converts a sum of a channel to a byte: addend in t1, shift in t2, bounds in t3 and t4, group in t5.
+#define CONVERT(product, a) product(a) XPULP_ADDNR(a, "t1", "t2") XPULP_MAX(a, a, "t3") XPULP_MIN(a, a, "t4")
+#define LOWER_OF_NARROW(channel) ""
+#define LOWER_OF_WIDE(channel) ""
+#define LOWER_OF_EXACT(channel) "lw %[p1], %[lower]+4*" channel "(t5)\n\t"
+#define LOAD_NUMBERS(product, channel)                                    \
   "lw t0, %[multiplier]+4*" channel "(t5)\n\tlw t1, %[addend]+4*" channel \
-  "(t5)\n\t"                                                              \
-  "lbu t2, %[shift]+" channel "(t5)\n\t"
+  "(t5)\n\t" LOWER_OF_##product(channel) "lbu t2, %[shift]+" channel "(t5)\n\t"
 #define CONVERT_CHANNEL(product, channel, a, b, c, d) \
-  LOAD_NUMBERS(channel) CONVERT(product, a) CONVERT(product, b) CONVERT(product, c) CONVERT(product, d)
-#define CONVERT_LARGEST(product, channel, a) LOAD_NUMBERS(channel) CONVERT(product, a)
+  LOAD_NUMBERS(product, channel) CONVERT(product, a) CONVERT(product, b) CONVERT(product, c) CONVERT(product, d)
+#define CONVERT_LARGEST(product, channel, a) LOAD_NUMBERS(product, channel) CONVERT(product, a)
 
 #define STORE(a, b, c, d) XPULP_PACKLO_B(a, b, a) XPULP_PACKHI_B(a, d, c) XPULP_SW_POST_REG(a, "t1", "t0")
 #define LOAD_BOUNDS "lw t3, " FIELD(low) "lw t4, " FIELD(high) "lw t5, " FIELD(group)
@@ -95,7 +104,8 @@ typedef struct {
         [high] "i"(offsetof(block_t, high)), [to] "i"(offsetof(block_t, to)),                                          \
         [to_next] "i"(offsetof(block_t, to_next)), [group] "i"(offsetof(block_t, group)),                              \
         [sums] "i"(offsetof(block_t, sums)), [multiplier] "i"(offsetof(layer_group_t, multiplier)),                    \
-        [addend] "i"(offsetof(layer_group_t, addend)), [shift] "i"(offsetof(layer_group_t, shift))                     \
+        [addend] "i"(offsetof(layer_group_t, addend)), [shift] "i"(offsetof(layer_group_t, shift)),                    \
+        [lower] "i"(sizeof(layer_group_t))                                                                             \
       : "s0", "s1", "s2", "s3", "s4", "s5", "s6", "s7", "s8", "s9", "s10", "s11", "t0", "t1", "t2", "t3", "t4", "t5",  \
         "a4", "a5", "a6", "a7", "memory")
 
@@ -107,19 +117,23 @@ static inline __attribute__((always_inline)) void compute_sums(block_t* block, c
   RUN(KEEP_SUMS);
 }
 
-// Computes and stores the bytes of a whole block with narrow or wide scaling. Pooled: of the greatest sums.
+// Computes and stores the bytes of a whole block. Pooled: of the greatest sums.
 static inline __attribute__((always_inline)) void compute_bytes(block_t* block, const uint8_t* const patches[4],
                                                                 int is_pooled, int scaling) {
   const uint8_t *p0 = patches[0], *p1 = patches[1], *p2 = patches[2], *p3 = patches[3];
   const int8_t* weights = weights_of(block->group, scaling);
   if (is_pooled && scaling == SCALING_NARROW) {
-    RUN(CONVERT_AND_STORE_LARGEST("mul"));
+    RUN(CONVERT_AND_STORE_LARGEST(NARROW));
+  } else if (is_pooled && scaling == SCALING_WIDE) {
+    RUN(CONVERT_AND_STORE_LARGEST(WIDE));
   } else if (is_pooled) {
-    RUN(CONVERT_AND_STORE_LARGEST("mulh"));
+    RUN(CONVERT_AND_STORE_LARGEST(EXACT));
   } else if (scaling == SCALING_NARROW) {
-    RUN(CONVERT_AND_STORE("mul"));
+    RUN(CONVERT_AND_STORE(NARROW));
+  } else if (scaling == SCALING_WIDE) {
+    RUN(CONVERT_AND_STORE(WIDE));
   } else {
-    RUN(CONVERT_AND_STORE("mulh"));
+    RUN(CONVERT_AND_STORE(EXACT));
   }
 }
 

@@ -158,7 +158,7 @@ static inline __attribute__((always_inline)) void compute(const layer_t* layer, 
                                                           const uint8_t* const patches[4], int32_t count, int is_pooled,
                                                           int scaling) {
 #ifdef __riscv
-  if ((scaling == SCALING_NARROW || scaling == SCALING_WIDE) && block->group->count == 4 && (is_pooled || count == 4)) {
+  if (scaling != SCALING_NONE && block->group->count == 4 && (is_pooled || count == 4)) {
     compute_bytes(block, patches, is_pooled, scaling);
     return;
   }

@@ -88,12 +88,13 @@ class IntegerLayers:
         weight = np.rint(node.weight).astype(np.int64)
         if np.abs(weight).max() > 128 or weight.max() > 127 or (weight != node.weight).any():
             raise self._refuse(node, "its weights are no whole numbers from -128 to 127", "Quantise weights to 8 bits")
-        broken = node.bias[np.rint(node.bias) != node.bias]
+        bias = np.asarray(node.bias, dtype=np.float64)
+        broken = bias[np.rint(bias) != bias]
         if broken.size:
             what = f"its bias contains {broken[0]:g}, which is no whole number"
             raise self._refuse(node, what, "Round it in the model, or deploy the float model")
         flat = weight.reshape(weight.shape[0], -1)
-        bias = np.rint(node.bias).astype(np.int64) - source * flat.sum(axis=1)
+        bias = bias.astype(np.int64) - source * flat.sum(axis=1)
         bounds = np.abs(flat).sum(axis=1) * 255 + np.abs(bias)
         if (bounds > LARGEST_SUM).any():
             raise self._refuse(node, f"a sum may reach {int(bounds.max())}, which 32 bits do not hold", "Use fewer inputs")
