@@ -20,10 +20,10 @@ struct UnpackLimits {
 };
 
 /// Unpacks an FMU (a zip archive) into `folder`. If the folder does not exist, creates it. Throws mebots::Error with
-/// archive and entry if the archive is missing or damaged, two entries have the same name and different bytes, or a limit
-/// is exceeded. Also throws if an entry would be written outside of the folder (absolute path, `..`, drive letter,
-/// symbolic link). All names are checked before the first write. A backslash in a name separates folders, as a slash
-/// does. Returns notices for the user about backslashes and repeated entries.
+/// archive and entry if the archive is missing or damaged, two entries have the same name and different bytes, or a
+/// limit is exceeded. Also throws if an entry would be written outside of the folder (absolute path, `..`, drive
+/// letter, symbolic link). All names are checked before the first write. A backslash in a name separates folders, as a
+/// slash does. Returns notices for the user about backslashes and repeated entries.
 std::vector<std::string> unpack(const std::filesystem::path& archive, const std::filesystem::path& folder,
                                 const UnpackLimits& limits = {});
 
