@@ -168,7 +168,8 @@ class WholeNumbers(DeployCase):
     def test_biases_that_are_no_whole_numbers_are_refused(self):
         maker = IntegerMaker(1, (2, 10, 10))
         bias = maker.constant(np.array([1, 2.5, 3, 4], dtype=np.float32))
-        total = maker.node("Mul", maker.node("Conv", "x", maker.whole(-9, 9, 4, 2, 3, 3), bias, kernel_shape=[3, 3]), maker.constant(np.float32(2)))
+        sums = maker.node("Conv", "x", maker.whole(-9, 9, 4, 2, 3, 3), bias, kernel_shape=[3, 3])
+        total = maker.node("Mul", sums, maker.constant(np.float32(2)))
         quotient = maker.node("Floor", maker.node("Div", total, maker.constant(np.float32(256))))
         maker.output(maker.node("Clip", quotient, min=0.0, max=255.0))
         with self.assertRaisesRegex(mebots.InputError, r"\(Conv\): its bias contains 2.5, which is no whole number"):

@@ -201,7 +201,10 @@ static inline __attribute__((always_inline)) void convolve(const layer_step_t* s
                  layer->stride_columns * step->in_channels,
                  to_lower};
   const int has_sides = layer->outside_left + layer->outside_right > 0;
-  const columns_t inside = columns_inside(layer, is_pooled);
+  columns_t inside = {0, 0};
+  if (has_sides) {
+    inside = columns_inside(layer, is_pooled);
+  }
   block_t block = {layer->runs_y, layer->run_words, layer->step_y, layer->low, layer->high, channels, 0, to, {0}};
   for (; unit < end; place += each, to += each * channels, number = 0) {
     const uint8_t* patches[4];
