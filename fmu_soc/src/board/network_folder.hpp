@@ -9,9 +9,9 @@
 
 namespace mebots::soc {
 
-/// Returns the program in a folder that `mebots deploy` wrote. It is a firmware that contains the folder's network.
-/// `firmware` is the name of the firmware that the mission flies. Throws Error if the folder has no program, or if that
-/// program replaces another firmware or is for another board. Throws data::Mistakes for a broken network.json.
+/// Returns the path of the firmware that `mebots deploy` wrote into a folder together with its network. `firmware` is
+/// the name of the firmware that the mission uses. Throws Error if the folder has no program, or if that program
+/// replaces another firmware or was built for another board. Throws data::Mistakes if network.json has mistakes.
 std::filesystem::path program_with_network(const std::filesystem::path& folder, std::string_view firmware,
                                            const BoardDescription& board);
 

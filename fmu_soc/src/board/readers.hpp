@@ -12,16 +12,16 @@
 #include <string>
 #include <string_view>
 
-/// Readers for values that occur often in a board file. Each reader reports an invalid value.
+/// Reads types of values that occur often in a board file. Each reader reports an invalid value.
 namespace mebots::soc {
 
-/// Reads a 32-bit number as text, which may be hexadecimal. `what` is its description in messages.
+/// Reads a 32-bit number, which may be a text of hexadecimal digits. Error messages call the number `what`.
 std::uint32_t read_number(const data::Node& node, std::string_view what);
 std::uint32_t read_address(const data::Node& node);
-/// Reads a size in the address space.
+/// Reads a size in bytes, which must fit in the address space.
 std::uint32_t read_bytes(const data::Node& node);
 
-/// Checks a name, which must be valid in C and C++.
+/// Returns the name if it is a valid name in C and C++. Otherwise reports it.
 std::string checked_name(const data::Node& node, const std::string& name);
 std::string read_name(const data::Node& node);
 
@@ -39,7 +39,7 @@ inline auto power_of_two(std::uint32_t least, std::uint32_t most) {
   };
 }
 
-/// Reads a name that is unique in its list.
+/// Returns a reader for a name that must be unique in its list. `taken` collects the names already read.
 inline auto new_name(std::set<std::string>& taken) {
   return [&taken](const data::Node& node) {
     auto name = read_name(node);
@@ -50,8 +50,8 @@ inline auto new_name(std::set<std::string>& taken) {
   };
 }
 
-/// Reads an entry of a device or part. Reports keys that such an entry cannot have. `names` are the names already in
-/// use.
+/// Reads an entry that describes a device or a part. Reports keys that such an entry cannot have. `names` collects the
+/// names already read.
 BoardDevice read_device(const data::Node& node, std::set<std::string>& names);
 
 }  // namespace mebots::soc

@@ -11,24 +11,26 @@
 
 namespace mebots::soc {
 
-/// The settings that a chip starts with.
+/// Stores the settings with which a chip starts.
 struct Settings {
   double clock_hz = 100e6;
   double cluster_clock_hz = 87e6;
-  unsigned cluster_cores = kMostClusterCores;  // must not exceed that of the board
+  // Number of cores in the cluster; must not exceed the number of the board.
+  unsigned cluster_cores = kMostClusterCores;
   double temperature_c = 25;
   double voltage_v = 1.2;
-  /// Folders with libraries of the board. The folder of the board's file is searched first.
+  /// Lists folders that are searched for the board's libraries, after the folder of the board file.
   std::vector<std::filesystem::path> library_folders = {};
-  std::vector<std::uint8_t> flash = {};  // initial content of the board's flash
-  /// Pictures that the board's camera takes, in this order. If empty, the camera input of the FMU supplies them.
+  std::vector<std::uint8_t> flash = {};  // bytes that the board's flash contains at the start
+  /// Stores the pictures that the board's camera takes, in this order. If the list is empty, the camera takes the
+  /// pictures of the FMU's camera input.
   std::vector<std::vector<std::uint8_t>> pictures = {};
-  bool translate = true;  // translate hot code; the counts are the same without
-  /// Value of HartSettings::keeps_written_mtvec for the fabric controller.
+  bool translate = true;  // if true, hot code is translated; cycle counts and results do not depend on this setting
+  /// Sets HartSettings::keeps_written_mtvec of the fabric controller.
   bool keeps_written_mtvec = false;
 };
 
-/// A parameter of the chip that a register of a described device can show.
+/// Describes a parameter of the chip that firmware can read through a register of a described device.
 struct ChipSetting {
   std::string_view variable;
   double Settings::*value;

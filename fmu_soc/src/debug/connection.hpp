@@ -8,7 +8,7 @@
 
 namespace mebots::soc::debug {
 
-/// A file descriptor that is closed on destruction.
+/// Owns a file descriptor and closes it on destruction.
 class Socket {
  public:
   Socket() = default;
@@ -25,11 +25,11 @@ class Socket {
   int descriptor_ = -1;
 };
 
-/// A TCP connection to one debugger on this machine, with packets of gdb's remote serial protocol.
-/// Source: Debugging with GDB, appendix "GDB Remote Serial Protocol".
+/// Connects one debugger on this machine over TCP. Packets have the format of gdb's remote serial protocol. Source:
+/// Debugging with GDB, appendix "GDB Remote Serial Protocol".
 class Connection {
  public:
-  /// Listens on 127.0.0.1; port 0 selects a free port. Throws Error if the port cannot be opened.
+  /// Listens on 127.0.0.1. Port 0 selects a free port. Throws Error if the port cannot be opened.
   explicit Connection(int port);
 
   int port() const { return port_; }
@@ -39,18 +39,18 @@ class Connection {
   bool accept(bool wait);
   void disconnect() { client_ = Socket(); }
 
-  /// Returns the content of the next packet, unescaped; "\x03" for an interrupt. Returns nullopt if the debugger has
-  /// disconnected.
+  /// Waits for the next packet and returns its unescaped content. Returns "\x03" for an interrupt, and nullopt if the
+  /// debugger has disconnected.
   std::optional<std::string> receive();
-  /// Sends a packet, and waits for its acknowledgement unless acknowledgements are off. Has no effect without a
-  /// debugger.
+  /// Sends a packet. If acknowledgements are on, waits for the acknowledgement. If no debugger is connected, has no
+  /// effect.
   void send(std::string_view content);
-  /// If other debuggers try to connect, sends a message to them and closes their connections. Does not wait for such a
-  /// connection.
+  /// Accepts waiting connections of further debuggers, sends them a message, and closes them. Returns at once if there
+  /// are none.
   void refuse_others();
   /// Returns true if an interrupt (Ctrl-C) has arrived or the debugger has disconnected. Does not wait.
   bool interrupted();
-  /// Switches acknowledgements off.
+  /// Stops sending acknowledgements, and stops waiting for those of the debugger.
   void stop_acknowledging() { acknowledges_ = false; }
 
  private:

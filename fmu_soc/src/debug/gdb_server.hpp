@@ -19,29 +19,29 @@
 
 namespace mebots::soc::debug {
 
-/// A server for gdb, which can stop, inspect and change the cores; each core is a thread. While a core is stopped, the
-/// thread that runs the chip waits in the observer's before(), so the whole simulation waits. If gdb changes nothing,
-/// results are the same as without gdb.
+/// Serves gdb, which can stop, inspect and change the cores. Each core appears as a thread. While a core is stopped,
+/// the simulation waits, because the thread that runs the chip waits in the observer's before(). If gdb changes
+/// nothing, results are the same as without gdb.
 class GdbServer {
  public:
-  /// The effect of gdb's `kill`: the run ends, or it continues without the debugger.
+  /// Selects the effect of gdb's command `kill`: the run ends, or the run continues without the debugger.
   enum class Kill : std::uint8_t { ends_run, detaches };
 
   /// Listens on 127.0.0.1 and passes the address to `announce`. The chip waits for a debugger before its first
-  /// instruction. Throws Error if the port cannot be opened. If `history` is not null, gdb can go back in time. In this
-  /// case, the caller must divide the run into pieces, and call checkpoint() before each piece. If rewind() returns
-  /// true after the end of the run, the caller must continue the run.
+  /// instruction. Throws Error if the port cannot be opened. If `history` is not null, gdb can return to earlier
+  /// instructions. In this case, the caller must divide the run into pieces, and must call checkpoint() before each
+  /// piece. If rewind() returns true after the end of the run, the caller must continue the run.
   GdbServer(int port, Soc& soc, Kill kill, std::function<void(std::string_view)> announce, History* history = nullptr);
 
-  /// Returns the observer of a hart. `number` is the hart's number in the chip.
+  /// Returns the observer that must be attached to the hart `number`.
   Observer& hart(unsigned number) { return harts_[number]; }
 
-  /// Saves a state to which gdb can later go back.
+  /// Saves the state of the chip, if there is a history. gdb can later return to this state.
   void checkpoint() {
     if (history_ != nullptr) history_->record(soc_);
   }
-  /// If gdb wants to go back, restores an earlier state and returns true. If the run has ended with a fault, first
-  /// waits for gdb's commands.
+  /// Restores an earlier state and returns true if gdb has requested an earlier instruction. If the run has ended with
+  /// a fault, first waits for gdb's commands.
   bool rewind();
 
   /// Reports the end of the program to gdb. If the end is a fault, gdb can inspect the chip before the run ends.
@@ -57,24 +57,24 @@ class GdbServer {
   enum class Resume : std::uint8_t { no, run, step, end, rewind };
   static constexpr std::string_view kTrap = "T05";
   static constexpr std::string_view kAtBreakpoint = "swbreak:;";
-  static constexpr std::uint64_t kUnreachable = 0;  // a position before every saved state
+  static constexpr std::uint64_t kUnreachable = 0;  // position that is earlier than every saved state
 
-  /// A method to go back in time; see reverse.cpp.
+  /// Describes how an earlier instruction is reached by running again from a saved state; see reverse.cpp.
   struct Replay {
     enum class Phase : std::uint8_t { searching, seeking, restarting };
     struct Place {
-      std::uint64_t position = 0;         // 0 = none
-      std::string why = {};               // for the stop reply
-      std::optional<unsigned> hart = {};  // that stops; otherwise the one that begins the instruction
+      std::uint64_t position = 0;         // instruction at which to stop; 0 = none
+      std::string why = {};               // reason that the stop reply contains
+      std::optional<unsigned> hart = {};  // hart that stops; empty = the hart that begins the instruction
     };
 
     Phase phase = Phase::searching;
     bool begun = false;
-    std::size_t from = 0;     // state that it begins with
-    std::uint64_t limit = 0;  // a search ends here
-    bool by_step = false;     // a search for the last instruction of `hart`, not for a breakpoint
+    std::size_t from = 0;     // index of the saved state that the replay starts from
+    std::uint64_t limit = 0;  // position at which a search ends
+    bool by_step = false;     // if true, searches for the last instruction of `hart` instead of a breakpoint
     unsigned hart = 0;
-    Place place = {};  // where gdb is to stop
+    Place place = {};  // position at which the program must stop for gdb
   };
 
   class HartObserver final : public Observer {
@@ -84,7 +84,7 @@ class GdbServer {
     void retired(const Hart& hart, const Retired& instruction) override;
     void trapped(const Hart& /*hart*/, const Trapped& /*trap*/) override { was_held_ = false; }
     void switched(const Hart& hart, bool on) override;
-    /// Called after an earlier state was restored. Forgets the last stop.
+    /// Discards the last stop. Called after an earlier state was restored.
     void forget() { was_held_ = false; }
 
    private:
@@ -93,15 +93,15 @@ class GdbServer {
 
     GdbServer& server_;
     unsigned number_;
-    // The state at which this hart stopped last. A comparison shows whether the hart has returned to the same
-    // instruction, after other harts ran or after a sleep.
+    // Store the state at which this hart stopped last. If the state is unchanged, the hart has returned to the same
+    // instruction, for example after other harts ran or after a sleep.
     bool was_held_ = false;
     std::uint32_t held_pc_ = 0;
     std::uint64_t held_instructions_ = 0;
   };
 
   bool accept_debugger();
-  /// True while the run ends so that rewind() can restore a state.
+  /// Returns true while the run is being ended so that rewind() can restore a state.
   bool leaves() const { return history_ != nullptr && history_->leaves(); }
   void hold_at_fault();
   std::optional<std::size_t> state_before(std::uint64_t position) const;
@@ -136,19 +136,19 @@ class GdbServer {
   std::set<std::uint32_t> breakpoints_;
   std::vector<Watch> watches_;
   std::string stop_reply_;
-  std::optional<unsigned> stepping_;   // hart that gdb steps
-  QuietCode step_range_;               // range in which the step continues; empty = one instruction
-  std::optional<unsigned> only_hart_;  // if set, gdb only expects events of this hart
-  bool awaited_ = true;                // the run has not begun: wait for the debugger
-  bool held_ = false;                  // gdb assumes that the program is stopped
+  std::optional<unsigned> stepping_;  // hart that gdb is single-stepping
+  QuietCode step_range_;  // addresses in which a single step continues; empty = the step ends after one instruction
+  std::optional<unsigned> only_hart_;  // if set, gdb expects stops of this hart only
+  bool awaited_ = true;                // true until a debugger has connected before the first instruction
+  bool held_ = false;                  // true while gdb assumes that the program is stopped
   bool killed_ = false;
   bool ended_ = false;
   std::uint32_t ticks_ = 0;
   History* history_ = nullptr;
   std::optional<Replay> replay_;
-  std::uint64_t here_ = 0;                      // position at which gdb holds the program
-  std::map<std::string, std::uint64_t> names_;  // places of `monitor save`
-  std::string answer_;                          // to a monitor command that moves in time, sent on arrival
+  std::uint64_t here_ = 0;                      // position at which the program is stopped for gdb
+  std::map<std::string, std::uint64_t> names_;  // positions that `monitor save` has named
+  std::string answer_;  // reply to a monitor command that moves in time; sent when the position is reached
 };
 
 }  // namespace mebots::soc::debug

@@ -11,7 +11,7 @@
 
 namespace mebots::soc::debug {
 
-/// Saved states of a debugged run. From one of these states, a replay can reach any earlier instruction.
+/// Stores states of a debugged run. A replay from one of these states can reach any earlier instruction.
 ///
 /// A position is the number of instructions that all harts have begun since the start, counted by calls of
 /// Observer::before(). A replay from a saved state makes these calls in the same order, because the run is divided into
@@ -21,8 +21,8 @@ class History {
  public:
   struct Snapshot {
     std::uint64_t position = 0;
-    std::uint64_t calls = 0;  // of input() before
-    std::size_t inputs = 0;   // entries of the log read before
+    std::uint64_t calls = 0;  // number of calls of input() before this state
+    std::size_t inputs = 0;   // number of log entries that were read before this state
     std::vector<std::byte> state;
   };
 
@@ -33,37 +33,38 @@ class History {
   /// Saves the state at the start of a piece of the run, unless a replay is in progress. Keeps at most kMost states
   /// with a total of at most `most_bytes`. The first and the newest state are always kept.
   void record(const Soc& soc);
-  /// Restores a state.
+  /// Restores the saved state with the index `snapshot`.
   void restore(Soc& soc, std::size_t snapshot);
-  /// Restores the start of the program, and forgets everything that happened later. has_start() must be true.
+  /// Restores the start of the program, and discards all later states. has_start() must be true.
   void restart(Soc& soc);
-  /// False if the start of the program was not recorded, or was forgotten.
+  /// Returns false if the start of the program was not recorded, or was discarded by clear().
   bool has_start() const { return !start_.state.empty(); }
-  /// Forgets the past, because gdb has changed the chip. A replay would not reach the present state.
+  /// Discards the saved states, because gdb has changed the chip and a replay would not reach the present state.
   void cut();
-  /// Forgets the past and the start, because the co-simulation has restored a state that may belong to another run.
+  /// Discards all states including the start, because the co-simulation has restored a state that may belong to another
+  /// run.
   void clear();
 
-  /// Counts an instruction that a hart begins. Returns its position.
+  /// Counts an instruction that a hart begins. Returns the position of the instruction.
   std::uint64_t advance() {
     ++position_;
     frontier_ = std::max(frontier_, position_);
     return position_;
   }
-  /// Counts all instructions before a position as executed. Used if gdb has stopped after an instruction, and the next
-  /// instruction has not begun.
+  /// Marks all instructions before `position` as executed. Called if gdb has stopped the program after an instruction
+  /// and before the next one.
   void reach(std::uint64_t position) { frontier_ = std::max(frontier_, position); }
   std::uint64_t position() const { return position_; }
   const std::vector<Snapshot>& snapshots() const { return snapshots_; }
 
-  /// True during a replay, and while the program is being stopped for a replay.
+  /// Returns true during a replay, and while the program is being stopped for a replay.
   bool repeats() const { return leaves_ || position_ < frontier_; }
-  /// While true, the run ends, so that a saved state can be restored.
+  /// Sets whether the run must end so that a saved state can be restored.
   void set_leaves(bool leaves) { leaves_ = leaves; }
   bool leaves() const { return leaves_; }
   /// Returns the next byte of input, or the reason why no byte is available (ConsolePort). In a replay, returns the
-  /// result that the same call returned before. Outside a replay, returns the result of `read`. After a change by gdb,
-  /// the program first gets the bytes that were read before the change.
+  /// result that the same call returned before. Otherwise returns the result of `read`. After a change by gdb, first
+  /// returns the bytes that were read before the change.
   int input(const std::function<int()>& read);
 
  private:
@@ -74,20 +75,20 @@ class History {
   void thin();
 
   std::size_t most_bytes_;
-  std::vector<Snapshot> snapshots_;  // by position
+  std::vector<Snapshot> snapshots_;  // sorted by position
   Snapshot start_;
   struct Input {
-    std::uint64_t call = 0;  // number of the call that read it
-    int result = 0;          // a byte, or the end of the input
+    std::uint64_t call = 0;  // number of the call of input() that read the byte
+    int result = 0;          // byte, or ConsolePort::kEnded
   };
-  std::vector<Input> log_;  // by call; calls without an entry returned nothing
+  std::vector<Input> log_;  // sorted by call; a call without an entry returned no byte
   std::size_t inputs_ = 0;
   std::uint64_t calls_ = 0;
-  std::uint64_t latest_call_ = 0;  // later calls are not a replay
+  std::uint64_t latest_call_ = 0;  // calls with higher numbers are not part of a replay
   std::uint64_t position_ = 0;
-  std::uint64_t frontier_ = 0;  // latest position reached
-  std::uint64_t pieces_ = 0;    // since the last state saved
-  std::uint64_t gap_ = 1;       // pieces between two states
+  std::uint64_t frontier_ = 0;  // latest position that the program has reached
+  std::uint64_t pieces_ = 0;    // pieces of the run since the last saved state
+  std::uint64_t gap_ = 1;       // number of pieces from one saved state to the next
   bool leaves_ = false;
 };
 

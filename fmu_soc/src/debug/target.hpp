@@ -17,38 +17,39 @@ struct Range {
   std::uint32_t size = 0;
 };
 
-/// Parses "1c000000". Returns nullopt if the text is empty, not a number, or longer than 32 bits.
+/// Parses a hexadecimal number such as "1c000000". Returns nullopt if the text is empty, not a number, or longer than
+/// 32 bits.
 std::optional<std::uint32_t> parse_hex(std::string_view text);
-/// Parses "1c000000,4".
+/// Parses an address and a size in hexadecimal digits, such as "1c000000,4". Returns nullopt if one of them is invalid.
 std::optional<Range> parse_range(std::string_view text);
-/// Parses four bytes in the order in which they are in memory.
+/// Parses a word that is written as four bytes in the order of memory. Returns nullopt if the text is not such a word.
 std::optional<std::uint32_t> parse_little_endian(std::string_view text);
 std::string little_endian(std::uint32_t value);
 
 std::string to_hex(std::string_view bytes);
 std::optional<std::string> from_hex(std::string_view text);
 
-/// The chip's harts as gdb's threads: thread n + 1 is hart n. Harts of a cluster that is off are included, so that the
-/// numbers are constant.
+/// Presents the chip's harts to gdb as threads: thread n + 1 is hart n. Harts of a cluster that is off are included, so
+/// that thread numbers never change.
 class Threads {
  public:
   explicit Threads(Soc& soc) : soc_(soc) {}
 
-  /// Returns the hart that gdb inspects. This is the hart that stopped, unless gdb has chosen another hart.
+  /// Returns the hart that gdb inspects. If gdb has chosen no hart, this is the hart that stopped last.
   unsigned chosen() const { return chosen_; }
   Hart& hart() { return soc_.hart(chosen_); }
   const Hart& hart() const { return std::as_const(soc_).hart(chosen_); }
   void choose(unsigned number) { chosen_ = number; }
 
-  /// Returns the hart of a thread number in gdb's format; 0 (any) and -1 (all) mean the chosen hart. Returns nullopt if
-  /// there is no such hart.
+  /// Returns the hart that belongs to a thread number in gdb's format. The numbers 0 (any) and -1 (all) mean the chosen
+  /// hart. Returns nullopt if there is no such hart.
   std::optional<unsigned> parse(std::string_view text) const;
-  /// Returns the list of threads, such as "m1,2,3".
+  /// Returns the numbers of all threads in gdb's format, such as "m1,2,3".
   std::string list() const;
   /// Returns the text that `info threads` shows after the number.
   std::string describe(unsigned number) const;
-  /// Returns the start of the chosen hart's next instruction, or of its sleep. If that hart is off, returns the time of
-  /// the fabric controller.
+  /// Returns the time at which the next instruction or the sleep of the chosen hart starts. If that hart is off,
+  /// returns the time of the fabric controller.
   Picoseconds time() const { return soc_.core_time(soc_.is_on(chosen_) ? chosen_ : kFabricControllerHart); }
 
  private:
@@ -57,7 +58,7 @@ class Threads {
 };
 
 inline constexpr unsigned kPcNumber = 32;
-inline constexpr unsigned kFirstCsrNumber = 65;  // in gdb's numbering
+inline constexpr unsigned kFirstCsrNumber = 65;  // number that gdb uses for the first CSR
 
 /// Returns the description of the core's registers for gdb: x0 to x31, pc and the CSRs.
 /// Source: Debugging with GDB, appendix "Target Descriptions", section "RISC-V Features".

@@ -17,18 +17,18 @@ struct BoardRegister {
   std::string name;
   std::uint32_t offset = 0;
   std::string access;       // r, w or rw
-  std::uint32_t reset = 0;  // of a described device: value after reset
+  std::uint32_t reset = 0;  // word after reset; only used for a described device
   std::string text;
-  std::string
-      shows;  // of a described device: "status", a variable, or a parameter of the chip; empty: the register's own word
-  std::string sends;                  // of a described device: the variable that a store sets; empty = none
-  double units_per_si = 1;            // scale of the variable that it shows or sends
-  bool commits = false;               // a store sets all outputs that the device's registers send, at the same time
-  std::optional<std::int32_t> least;  // least value that can be sent, as a signed number
+  std::string shows;        // what a load returns: "status", a variable or a chip parameter; empty = the stored word
+  std::string sends;        // variable that a store into a described device sets; empty = none
+  double units_per_si = 1;  // register word = value in SI units * units_per_si
+  bool commits = false;     // if true, a store into this register changes all outputs of the device at the same time
+  // Smallest value that the register may send, as a signed number; empty = no limit.
+  std::optional<std::int32_t> least;
   std::optional<std::int32_t> most;
 };
 
-/// An opcode: if the firmware stores this value into the register, the device changes to the state `state`.
+/// Maps a word to a state: if the firmware stores `value` into the register, the device enters `state`.
 struct BoardOpcode {
   std::string name;
   std::string register_name;
@@ -37,17 +37,17 @@ struct BoardOpcode {
   std::string text;
 };
 
-/// A variable of the FMU that the device uses.
+/// Describes a variable that the device adds to the FMU.
 struct BoardVariable {
   enum class Causality : std::uint8_t { parameter, input, output };
 
   std::string name;
   Causality causality = Causality::input;
-  std::string type = "Real";  // Integer, Boolean, String, Binary, or the name of an enumeration
-  double start = 0;           // of a number; false and true are 0 and 1
+  std::string type = "Real";  // FMI type Real, Integer, Boolean, String or Binary, or the name of an enumeration
+  double start = 0;           // start value of a number; false is 0 and true is 1
 
   bool is_number() const { return type != "String" && type != "Binary"; }
-  /// True for inputs and parameters.
+  /// Returns true if the variable is an input or a parameter of the FMU.
   bool is_input() const { return causality != Causality::output; }
   [[deprecated("use is_input()")]] bool goes_in() const { return is_input(); }
 };
@@ -57,7 +57,7 @@ struct BoardState {
   double current_a = 0;
   double delay_s = 0;
   std::string text;
-  std::string then;  // next state after the delay; empty = none
+  std::string then;  // state that the device enters after the delay; empty = no change
 };
 
 struct BoardValue {
@@ -65,44 +65,45 @@ struct BoardValue {
   std::int32_t value = 0;
 };
 
-/// Names of the values of a register.
+/// Lists the names of the values that a register can contain.
 struct BoardEnumeration {
   std::string name;
-  std::vector<BoardValue> items;  // by value
+  std::vector<BoardValue> items;  // sorted by value
 };
 
-/// A part of the board outside the chip and without an address: a memory behind a bus, a camera, pads.
+/// Describes a part of the board that has no address: a memory at a serial bus, a camera, or the pads of the chip.
 struct BoardPart {
-  std::string attached_to;     // DEVICE.PLACE through which its traffic passes; empty = none
-  double charge_per_byte = 0;  // [C], in addition to the current of its state
+  std::string attached_to;     // connection point DEVICE.PLACE through which the part transfers bytes; empty = none
+  double charge_per_byte = 0;  // [C] for each transferred byte, in addition to the current of the part's state
 };
 
-/// A voltage regulator, with the parts or the chip that it supplies.
+/// Describes a voltage regulator and lists what it supplies.
 struct BoardRegulator {
-  std::vector<std::string> loads;  // parts, other regulators, or kChipLoad
-  double efficiency = 1;           // output power over input power
+  std::vector<std::string> loads;  // names of parts and other regulators, or kChipLoad
+  double efficiency = 1;           // output power divided by input power
 };
-/// Name of the chip as a load of a regulator.
+/// Names the chip in the list of a regulator's loads.
 inline constexpr std::string_view kChipLoad = "chip";
 
 struct BoardDevice {
   std::string name;
-  std::string kind = "described";  // model of the device: mebots/soc/device_kind.hpp
+  std::string kind = "described";  // name of the model that implements the device; see mebots/soc/device_kind.hpp
   std::string text;
   std::uint32_t base = 0;
-  std::vector<std::uint32_t> also_at;  // further base addresses of the same registers
-  std::uint32_t span = 0;              // bytes of address space, if more than the registers take
-  int interrupt = -1;                  // bit of mip, or source of the interrupt controller; -1 = none
-  std::string interrupt_controller;    // device that collects the interrupt; empty = the core itself
+  std::vector<std::uint32_t> also_at;  // further addresses at which the same registers appear
+  // Size of the address range [bytes], if it is larger than the registers; 0 = end of the last register.
+  std::uint32_t span = 0;
+  int interrupt = -1;                // bit of mip, or source number at the interrupt controller; -1 = none
+  std::string interrupt_controller;  // device that receives the interrupt; empty = the core itself
   double supply_voltage_v = 0;
-  std::vector<BoardRegister> registers;  // by offset
+  std::vector<BoardRegister> registers;  // sorted by offset
   std::vector<BoardState> states;
   std::vector<BoardEnumeration> enumerations;
   std::string initial_state;
   std::vector<BoardOpcode> opcodes;
-  std::vector<BoardVariable> variables;     // in the order of the file
-  std::optional<BoardPart> part;            // set for a part of the board, which has no address
-  std::optional<BoardRegulator> regulator;  // set for a regulator, which has no address
+  std::vector<BoardVariable> variables;     // in the order of the board file
+  std::optional<BoardPart> part;            // only set for a part of the board
+  std::optional<BoardRegulator> regulator;  // only set for a voltage regulator
 
   bool is_on_bus() const { return !part && !regulator; }
 

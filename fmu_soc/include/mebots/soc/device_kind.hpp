@@ -25,8 +25,8 @@
 /// source.
 namespace mebots::soc {
 
-/// Times of a picture, in increasing order: request, start of exposure of the first row, start of read-out, last pixel
-/// in the chip's memory.
+/// Stores the times at which a picture was requested, its first row was exposed, its read-out began, and its last pixel
+/// was written into the chip's memory. The times increase in this order.
 struct PictureTimes {
   Picoseconds asked = 0;
   Picoseconds exposed = 0;
@@ -41,7 +41,7 @@ struct PictureTimes {
   }
 };
 
-/// Services of the chip for a device. Outlives the device.
+/// Provides the services of the chip that a device may call. Outlives the device.
 class DeviceHost {
  public:
   DeviceHost() = default;
@@ -49,23 +49,23 @@ class DeviceHost {
   DeviceHost& operator=(const DeviceHost&) = delete;
   virtual ~DeviceHost() = default;
 
-  /// Read or write the chip's memories, for a device that accesses memory itself. If the bytes are not all in one
-  /// memory, return false without effect.
+  /// Reads or writes the chip's memories, for a device that transfers data without the core. If the bytes are not all
+  /// in one memory, returns false and changes nothing.
   virtual bool read_memory(std::uint32_t address, std::span<std::uint8_t> bytes) const = 0;
   virtual bool write_memory(std::uint32_t address, std::span<const std::uint8_t> bytes) = 0;
   virtual bool is_memory(std::uint32_t address, std::uint32_t size) const = 0;
 
   /// Prints a line on the firmware's console.
   virtual void print(std::string_view line) = 0;
-  /// Reports a wrong use of the device by the firmware. The text goes to the user.
+  /// Reports to the user that the firmware uses the device wrongly.
   virtual void complain(std::string_view text) = 0;
-  /// Returns the name of the function that the fabric controller executes, for texts of complain(). If the function is
-  /// unknown, returns an empty text.
+  /// Returns the name of the function that the fabric controller executes, for the texts of complain(). If the function
+  /// is unknown, returns an empty text.
   virtual std::string function() const { return {}; }
 
-  /// Reports that a picture is in memory, so that a decision may begin. Throws Error if the times are not in order.
+  /// Reports that a picture is in memory. This can begin a decision. Throws Error if the times are not in order.
   virtual void picture_stored(const PictureTimes& /*times*/) {}
-  /// Reports that set-points were sent. This ends the time from picture to set-point if the board names this sender.
+  /// Reports that set-points were sent. If the board names this sender, this ends the time from picture to set-point.
   virtual void setpoints_sent(std::string_view /*sender*/, Picoseconds /*now*/) {}
 };
 
@@ -75,9 +75,9 @@ struct DeviceKind {
   std::unique_ptr<Device> (*make)(const BoardDevice& entry, DeviceHost& host);
 };
 
-/// Description of a shared library. A library built with other headers is refused.
+/// Describes a shared library. The simulation refuses a library that was built with other headers.
 struct DeviceLibrary {
-  /// Must be incremented with every change of the headers that such a library includes.
+  /// Version of the interface. Must be incremented with every change of the headers that such a library includes.
   static constexpr std::uint32_t kInterface = 6;
 
   std::uint32_t interface = kInterface;
