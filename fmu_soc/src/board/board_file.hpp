@@ -37,7 +37,7 @@ struct BoardMemory {
   bool arbitration_tree = false;       // cluster only: a tree orders the cores at a bank; false: the order rotates
   std::uint32_t quantum = 64;          // only for the cluster: number of ticks that a core runs before the next core
   std::optional<std::uint32_t> alias;  // second address of the memory, for the cores in `place`
-  // Latency of this memory; empty = the latency that the chip has for all memories.
+  /// Latency of this memory; empty = the latency that the chip has for all memories.
   std::optional<BoardLatency> latency;
   std::string text;
 };

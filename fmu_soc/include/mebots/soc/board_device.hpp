@@ -23,7 +23,7 @@ struct BoardRegister {
   std::string sends;        // variable that a store into a described device sets; empty = none
   double units_per_si = 1;  // register word = value in SI units * units_per_si
   bool commits = false;     // if true, a store into this register changes all outputs of the device at the same time
-  // Smallest value that the register may send, as a signed number; empty = no limit.
+  /// Smallest value that the register may send, as a signed number; empty = no limit.
   std::optional<std::int32_t> least;
   std::optional<std::int32_t> most;
 };
@@ -91,7 +91,7 @@ struct BoardDevice {
   std::string text;
   std::uint32_t base = 0;
   std::vector<std::uint32_t> also_at;  // further addresses at which the same registers appear
-  // Size of the address range [bytes], if it is larger than the registers; 0 = end of the last register.
+  /// Size of the address range [bytes], if it is larger than the registers; 0 = end of the last register.
   std::uint32_t span = 0;
   int interrupt = -1;                // bit of mip, or source number at the interrupt controller; -1 = none
   std::string interrupt_controller;  // device that receives the interrupt; empty = the core itself

@@ -9,10 +9,10 @@
 
 namespace mebots::soc {
 
-/// The time and energy of a device with the states `idle` and `active`.
+/// Measures the active time of a device that has the states `idle` and `active`, and computes its energy.
 class ActiveTime {
  public:
-  /// The board's entry must have both states.
+  /// Throws Error if the board's entry lacks one of the two states.
   explicit ActiveTime(const BoardDevice& entry)
       : idle_w_(entry.state("idle").current_a * entry.supply_voltage_v),
         active_w_(entry.state("active").current_a * entry.supply_voltage_v) {}
@@ -20,7 +20,7 @@ class ActiveTime {
   bool active() const { return active_; }
   std::string_view state_name() const { return active_ ? "active" : "idle"; }
 
-  /// Changes the state at `now`. Returns false if the device was in this state already.
+  /// Changes the state at `now`. Returns false if the device was already in this state.
   bool set(bool active, Picoseconds now) {
     if (active == active_) return false;
     if (active_) total_ += now - since_;
@@ -29,7 +29,7 @@ class ActiveTime {
     return true;
   }
 
-  /// Returns the energy since reset up to `now` [J].
+  /// Returns the energy [J] from reset to `now`.
   double energy_j(Picoseconds now) const {
     const auto active = total_ + (active_ ? now - since_ : 0);
     return (static_cast<double>(active) * active_w_ + static_cast<double>(now - active) * idle_w_) / kPsPerS;
@@ -45,8 +45,8 @@ class ActiveTime {
   double idle_w_;
   double active_w_;
   bool active_ = false;
-  Picoseconds since_ = 0;  // last change of `active_`
-  Picoseconds total_ = 0;  // active before that
+  Picoseconds since_ = 0;  // time of the last change of `active_`
+  Picoseconds total_ = 0;  // active time before `since_`
 };
 
 }  // namespace mebots::soc

@@ -10,8 +10,8 @@
 
 namespace mebots::soc {
 
-/// A part of the board without an address. Its energy depends on the time in each of its states, and on the number of
-/// bytes that are transferred through it:
+/// Models a part of the board that has no address. Its energy depends on the time that it spends in each of its states,
+/// and on the number of bytes that are transferred through it:
 ///
 /// energy = supply_voltage (sum over states of current x time + charge_per_byte x bytes)
 ///
@@ -22,7 +22,7 @@ class AttachedPart final : public Device {
  public:
   explicit AttachedPart(const BoardDevice& entry);
 
-  /// Throws Error if the entry has no such state.
+  /// Returns the index of the state with this name. Throws Error if the entry has no such state.
   std::size_t state(std::string_view name) const;
   bool has_states() const { return !spent_.empty(); }
   void enter(std::size_t state, Picoseconds now);
@@ -36,18 +36,18 @@ class AttachedPart final : public Device {
 
  private:
   const BoardDevice& entry_;
-  std::vector<Picoseconds> spent_;  // in each state, up to the last change
+  std::vector<Picoseconds> spent_;  // time spent in each state, up to the last change of state
   std::uint64_t state_ = 0;
   Picoseconds since_ = 0;
   std::uint64_t bytes_ = 0;
 };
 
-/// A connection point of a device for a part of the board. An attached part is active while the device uses the part.
-/// At all other times, the part is idle. If nothing is attached, all calls have no effect.
+/// Connects a device to a part of the board. The part is active while the device uses it, and idle at all other times.
+/// If no part is attached, all calls have no effect.
 class PartPort {
  public:
   PartPort() = default;
-  /// If nothing is attached, `part` is null. Throws Error if a part with states has no state `idle` or `active`.
+  /// `part` is null if no part is attached. Throws Error if a part with states lacks the state `idle` or `active`.
   explicit PartPort(AttachedPart* part);
 
   void begin(Picoseconds now) {

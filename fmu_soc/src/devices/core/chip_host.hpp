@@ -12,14 +12,15 @@
 #include <string_view>
 #include <vector>
 
-/// Services of the chip for the kinds of devices that come with MEbots, in addition to those of DeviceHost.
+/// Declares the services of the chip for the kinds of devices that are part of MEbots. They supplement those of
+/// DeviceHost.
 namespace mebots::soc {
 
 namespace gap8_devices {
 struct Signals;
 }
 
-/// The settings of the chip that the firmware can change.
+/// Stores the settings of the chip that the firmware can change.
 struct PowerSettings {
   std::uint32_t clock_hz = 0;
   std::uint32_t cluster_clock_hz = 0;
@@ -38,54 +39,54 @@ struct PowerSettings {
   }
 };
 
-/// The power supply and the clocks of the chip.
+/// Provides the power settings and the clocks of the chip.
 class PowerSource {
  public:
   virtual ~PowerSource() = default;
   virtual const Chip& chip() const = 0;
   virtual PowerSettings power_at_start() const = 0;
   virtual bool has_cluster() const = 0;
-  /// Returns the present clock of the fabric controller.
+  /// Returns the present clock frequency of the fabric controller.
   virtual double clock_hz() const = 0;
 };
 
-/// The parts of the board that are attached to devices, and the energy of loads.
+/// Provides the parts of the board that are attached to devices, and the energy of loads.
 class PartSource {
  public:
   virtual ~PartSource() = default;
-  /// Returns the part that is attached to the device's connection point `place`. If no part is attached, returns an
-  /// empty port.
+  /// Returns a port for the part that is attached to the device's connection point `place`. If no part is attached, the
+  /// port is empty.
   virtual PartPort part_at(const BoardDevice& entry, std::string_view place) = 0;
-  /// Returns the names of the connection points for parts, as DEVICE.PLACE.
+  /// Returns the names of all connection points, in the form DEVICE.PLACE.
   virtual std::span<const std::string> places() const = 0;
-  /// Returns the energy of the chip or of a device, by its name, up to a time [J].
+  /// Returns the energy [J] that a load has used up to `now`. The load is the chip or a device, given by its name.
   virtual double load_energy_j(std::string_view load, Picoseconds now) const = 0;
 };
 
-/// Pictures for a camera on a board without a world.
+/// Provides pictures for a camera on a board that is simulated without a world.
 class PictureRoll {
  public:
   virtual ~PictureRoll() = default;
-  /// True if there are pictures; the camera then ignores the world.
+  /// Returns true if there are pictures. The camera then ignores the pictures of the world.
   virtual bool exists() const = 0;
-  /// Returns a picture: grey pixels in rows of Himax::kWidth. Returns an empty span after the last picture.
+  /// Returns the grey pixels of a picture in rows of Himax::kWidth. After the last picture, returns an empty span.
   virtual std::span<const std::uint8_t> picture(std::size_t number) const = 0;
 };
 
-/// The files that the board starts with.
+/// Provides the contents of the files with which the board starts.
 class ImageSource {
  public:
   virtual ~ImageSource() = default;
-  /// Returns the initial content of the board's flash.
+  /// Returns the bytes that the board's flash contains at the start.
   virtual std::span<const std::uint8_t> flash() const = 0;
   virtual const PictureRoll& pictures() const = 0;
 };
 
-/// The devices of the chip that already exist.
+/// Provides the devices of the chip that were created earlier.
 class DeviceSource {
  public:
   virtual ~DeviceSource() = default;
-  /// Returns the first device of this class; null if there is none.
+  /// Returns the first device of class T, or null if there is none.
   template <typename T>
   T* find() const {
     for (auto* device : made_devices()) {
@@ -93,24 +94,24 @@ class DeviceSource {
     }
     return nullptr;
   }
-  /// Wires between GAP8's devices.
+  /// Returns the signals between GAP8's devices.
   virtual gap8_devices::Signals& signals() = 0;
 
  protected:
   virtual std::vector<Device*> made_devices() const = 0;
 };
 
-/// Byte-by-byte input and output of the console of a stand-alone program.
+/// Reads and writes the console of a stand-alone program byte by byte.
 class ConsolePort {
  public:
   static constexpr int kNothingYet = -1;
-  static constexpr int kEnded = -2;  // there will never be input again
+  static constexpr int kEnded = -2;  // the input has ended; no byte will follow
 
   virtual ~ConsolePort() = default;
-  /// Writes a byte. Returns false, without effect, if the console takes whole lines only (DeviceHost::print()).
+  /// Writes a byte. If the console accepts whole lines only (DeviceHost::print()), returns false without effect.
   virtual bool write_console(std::uint8_t byte) = 0;
-  /// Removes and returns the next byte of input. If there is no byte, returns kNothingYet, or kEnded after the end of
-  /// the input.
+  /// Removes and returns the next byte of input. Returns kNothingYet if no byte has arrived, and kEnded after the end
+  /// of the input.
   virtual int read_console(Picoseconds now) = 0;
 };
 
@@ -121,7 +122,7 @@ class ProgramEnd {
   virtual void end_program(std::int32_t exit_code) = 0;
 };
 
-/// All services of the chip. The code of a kind passes to its device only the services that the device needs.
+/// Combines all services of the chip. The code of a kind passes to its device only those that the device needs.
 class ChipHost : public DeviceHost,
                  public PowerSource,
                  public PartSource,
@@ -130,14 +131,14 @@ class ChipHost : public DeviceHost,
                  public ConsolePort,
                  public ProgramEnd {};
 
-/// A device that collects the interrupts of other devices and has one line to the core. In the board file, the key
-/// `interrupt` of this device names the line.
+/// Collects the interrupts of other devices and has one interrupt line to the core. The key `interrupt` of its own
+/// entry in the board file selects this line.
 class InterruptController {
  public:
   virtual ~InterruptController() = default;
-  /// Returns the highest number of a source; the lowest is 1.
+  /// Returns the highest source number. The lowest source number is 1.
   virtual unsigned last_source() const = 0;
-  /// Sets the level of a source.
+  /// Sets the level of a source's line.
   virtual void set_source(unsigned source, bool level) = 0;
 };
 

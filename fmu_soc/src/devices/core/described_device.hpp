@@ -11,8 +11,8 @@
 
 namespace mebots::soc {
 
-/// A device without C++ code. The board file describes which variables its registers show and send. It also lists the
-/// opcodes, and the states with their current, delay and next state.
+/// Models a device that the board file describes completely. The board file lists the variables that the registers show
+/// and send, the opcodes, and the states with their current, delay and next state.
 ///
 /// - If an opcode is stored, the device enters the opcode's state. The device refuses a value that is not an opcode.
 ///   While a delay runs, it also refuses the opcode of a state with a delay.
@@ -39,7 +39,7 @@ class DescribedDevice final : public Device {
   DescribedDevice(const BoardDevice& entry, DeviceHost& host);
 
   double* input(std::string_view variable) override;
-  /// Returns the value that a register has sent; 0 before the first store.
+  /// Returns the value of a variable that a register has sent. Before the first store, the value is 0.
   const double* output(std::string_view variable) const override;
   double energy_j(Picoseconds now) const override;
 
@@ -49,20 +49,20 @@ class DescribedDevice final : public Device {
   Picoseconds next_event() const override { return done_at_; }
   bool interrupt() const override { return (status_ & kReady) != 0; }
   std::string_view state_name() const override;
-  /// Reports each parameter that differs from its start value and that the program never read.
+  /// Reports each parameter that differs from its start value and that the program has never read.
   void program_ended() override;
   void visit(state::Visitor& v) override;
 
  private:
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
-  /// Properties of a register from the board file; its variables are stored as indices.
+  /// Stores the properties of a register. Variables are stored as indices.
   struct Register {
-    std::size_t input = kNone;   // variable that it shows
-    std::size_t output = kNone;  // variable that it sends
-    bool is_live = false;        // shows the present value, not the one measured at the end of a delay
+    std::size_t input = kNone;   // index of the variable that a load returns
+    std::size_t output = kNone;  // index of the variable that a store sets
+    bool is_live = false;        // a load returns the present value, not the value at the end of the last delay
     bool takes_opcodes = false;
-    const BoardEnumeration* items = nullptr;  // items of the enumeration that it sends
+    const BoardEnumeration* items = nullptr;  // items of the enumeration whose values a store may send
   };
 
   std::size_t register_at(std::uint32_t offset) const;
@@ -70,21 +70,22 @@ class DescribedDevice final : public Device {
   void enter(std::size_t state, Picoseconds now);
   void obey(std::size_t reg, std::uint32_t value, Picoseconds now);
   void measure();
-  /// Returns the reason why the register's value cannot be sent. If the value can be sent, returns an empty text.
+  /// Returns the reason why the value of the register cannot be sent. If it can be sent, returns an empty text.
   std::string fault_of(std::size_t reg) const;
   bool pass_over(std::uint32_t offset, std::string_view access);
   void send(std::size_t first, std::size_t last, Picoseconds now);
 
   const BoardDevice& entry_;
   DeviceHost& host_;
-  std::vector<std::uint32_t> warned_;    // offsets without a register that were reported; not part of a state
-  std::vector<Register> registers_;      // in the order of the entry
-  bool commits_ = false;                 // true if a register commits
-  std::vector<double> inputs_;           // inputs and parameters, in the order of the entry
-  std::vector<double> outputs_;          // outputs, in the order of the entry
-  std::vector<std::uint32_t> values_;    // in the order of registers_
-  std::vector<std::uint32_t> was_read_;  // likewise, 0 or 1
-  std::vector<Picoseconds> spent_;       // in each state, up to the last change
+  std::vector<std::uint32_t> warned_;  // offsets without a register that were reported; not part of a state
+  std::vector<Register> registers_;    // in the order of the board entry
+  bool commits_ = false;               // at least one register commits
+  std::vector<double> inputs_;         // values of inputs and parameters, in the order of the board entry
+  std::vector<double> outputs_;        // values of outputs, in the order of the board entry
+  std::vector<std::uint32_t> values_;  // words of the registers, in the order of registers_
+  /// 1 if the program has read the register, otherwise 0; in the order of registers_.
+  std::vector<std::uint32_t> was_read_;
+  std::vector<Picoseconds> spent_;  // time spent in each state, up to the last change of state
   std::uint64_t state_ = 0;
   std::uint32_t status_ = 0;
   Picoseconds since_ = 0;

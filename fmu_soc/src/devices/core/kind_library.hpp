@@ -11,10 +11,10 @@
 
 namespace mebots::soc {
 
-/// A shared library with kinds of devices. It stays open as long as this object exists.
+/// Opens a shared library that implements kinds of devices. The library stays open as long as this object exists.
 class KindLibrary {
  public:
-  /// Throws Error if the file cannot be opened, is not a library of device kinds, or was built for another version of
+  /// Throws Error if the file cannot be opened, does not define device kinds, or was built for another version of
   /// MEbots.
   explicit KindLibrary(const std::filesystem::path& path);
 
@@ -27,8 +27,8 @@ class KindLibrary {
   const DeviceLibrary* library_ = nullptr;
 };
 
-/// Returns the file of a library that a board names. The function searches the folder of the board's file, and then
-/// `folders` in their order. Throws Error if no folder contains it.
+/// Returns the path of a library that the board names. Searches the folder of the board file first, and then `folders`
+/// in their order. Throws Error if no folder contains the library.
 std::filesystem::path kind_library_file(const BoardDescription& board, const std::string& name,
                                         std::span<const std::filesystem::path> folders);
 

@@ -16,36 +16,38 @@
 
 namespace mebots::soc {
 
-/// A kind that comes with MEbots. MEBOTS_CHIP_KIND defines one next to its device.
+/// Describes a kind that is part of MEbots. The macro MEBOTS_CHIP_KIND defines it in the source file of its device.
 struct ChipKind {
   std::string_view name;
-  std::span<const board::RegisterName> registers;  // required in an entry; empty = those of the entry
-  /// Returns null for a kind that is part of the cluster.
+  /// Registers that an entry must list; empty = an entry may list any registers.
+  std::span<const board::RegisterName> registers;
+  /// Creates the device of an entry. Returns null if the device is part of the cluster.
   std::unique_ptr<Device> (*make)(const BoardDevice& entry, ChipHost& host);
 };
 
-/// Creates a device whose constructor needs only its entry and the host.
+/// Creates a device whose constructor takes only the entry and the host.
 template <typename T>
 std::unique_ptr<Device> make_of_entry(const BoardDevice& entry, ChipHost& host) {
   return std::make_unique<T>(entry, host);
 }
 
-/// GAP8's event unit of the fabric controller. On a board with this unit, the controller has GAP8's interrupts.
+/// Names GAP8's event unit of the fabric controller. On a board with this device, the fabric controller has GAP8's
+/// interrupts.
 inline constexpr std::string_view kGap8EventUnitKind = "gap8_event_unit";
-/// Devices that the cluster creates itself; the board gives their addresses.
+/// Name the devices that the cluster creates itself. The board file defines only their addresses.
 inline constexpr std::string_view kEventUnitKind = "event_unit";
 inline constexpr std::string_view kClusterDmaKind = "cluster_dma";
 inline constexpr std::string_view kGap8ClusterKind = "gap8_cluster";
 
-/// The kinds that a board can name: built-in kinds, and kinds from the board's libraries.
+/// Contains all kinds that a board can name: those of MEbots, and those of the board's libraries.
 class Kinds {
  public:
-  /// Opens the board's libraries, which are next to its file or in one of `folders`. Throws Error if a library is
-  /// missing or was built for another version of MEbots, or if two kinds have the same name.
+  /// Opens the board's libraries, which are in the folder of the board file or in one of `folders`. Throws Error if a
+  /// library is missing or was built for another version of MEbots, or if two kinds have the same name.
   Kinds(const BoardDescription& board, std::span<const std::filesystem::path> folders);
 
-  /// Creates the device of an entry. Returns null for a device that is part of the cluster. Throws Error if the kind is
-  /// unknown, or if the registers are not those of the kind.
+  /// Creates the device of an entry. Returns null if the device is part of the cluster. Throws Error if the kind is
+  /// unknown, or if the registers of the entry differ from those of the kind.
   std::unique_ptr<Device> make(const BoardDevice& entry, ChipHost& host) const;
 
  private:

@@ -11,9 +11,10 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// GAP8's advanced timer (PWM): four 16-bit counters, each with four channels that set, clear or toggle an output when
-/// the counter reaches their threshold. A counter counts from its low to its high limit, and then starts again or
-/// reverses. No pad is connected, so only the counters and up to four SoC events at rising outputs are visible.
+/// Models GAP8's advanced timer (PWM). It has four 16-bit counters. Each counter has four channels that set, clear or
+/// toggle an output when the counter reaches their threshold. A counter counts from its low to its high limit, and then
+/// starts again or reverses. No pad is connected, so only the counters and up to four SoC events at rising outputs are
+/// visible.
 ///
 /// Sources: archi/pwm/pwm_v1.h of GreenWaves' gap_sdk; bits of commands, configuration and events: pulp-platform's
 /// apb_adv_timer. Counting at edges of input pads is not modelled; its use is reported.
@@ -45,13 +46,13 @@ class AdvancedTimer final : public Device {
   };
   struct Counter {
     Settings stored;
-    Settings active;  // since the last update
+    Settings active;  // settings that the last update command copied from `stored`
     bool runs = false;
     Picoseconds since = 0;
-    std::uint64_t ticks = 0;   // at `since`
-    double fraction = 0;       // elapsed part of the next tick at that time
-    std::uint64_t raised = 0;  // ticks up to which events have been raised
-    bool is_fresh = true;      // never updated: uses the stored settings when it starts
+    std::uint64_t ticks = 0;   // number of ticks at the time `since`
+    double fraction = 0;       // elapsed part of the next tick at the time `since`
+    std::uint64_t raised = 0;  // number of ticks for which events have been raised
+    bool is_fresh = true;      // true until the first update or start; the first start copies the stored settings
 
     void visit(state::Visitor& v) {
       v("stored", stored);
@@ -64,11 +65,10 @@ class AdvancedTimer final : public Device {
       v("is_fresh", is_fresh);
     }
   };
-  /// The ticks at which a channel's output rises: the tick of the first rising edge, and the period of the following
-  /// edges.
+  /// Describes the ticks at which a channel's output rises: first at tick `first`, then every `step` ticks.
   struct RisingEdges {
     std::uint64_t first;
-    std::uint64_t step;  // 0: once
+    std::uint64_t step;  // 0: the output rises once
   };
 
   static std::uint64_t period(const Settings& settings);
@@ -81,7 +81,7 @@ class AdvancedTimer final : public Device {
   void settle(std::size_t timer, Picoseconds now);
   void enable(std::uint32_t value, Picoseconds now);
   void command(std::size_t timer, std::uint32_t value, Picoseconds now);
-  /// Returns the channel of event `event`; nullopt if the event is off.
+  /// Returns the index of the channel that raises event `event`, or nullopt if the event is off.
   std::optional<std::size_t> chosen(unsigned event) const;
   std::optional<std::uint64_t> next_rising_edge(unsigned event) const;
 
@@ -91,7 +91,8 @@ class AdvancedTimer final : public Device {
   std::array<Counter, kTimers> counters_;
   std::uint32_t events_ = 0;
   std::uint32_t enabled_ = 0;
-  std::array<bool, kTimers> warned_pads_{};  // not part of a state: a restored run reports again
+  /// Pads already reported; not part of a state, so that a restored run reports them again.
+  std::array<bool, kTimers> warned_pads_{};
 };
 
 }  // namespace mebots::soc::gap8_devices

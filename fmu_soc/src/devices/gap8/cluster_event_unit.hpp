@@ -11,9 +11,9 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// GAP8's event unit of the cluster's cores. Each core has a buffer of 32 events, a mask of events that end a wait, and
-/// a mask of events that interrupt. All cores share eight software events, eight barriers, mutexes, and the dispatcher,
-/// which passes words from one core to a group of cores.
+/// Models GAP8's event unit of the cluster's cores. Each core has a buffer of 32 events, a mask of events that end a
+/// wait, and a mask of events that interrupt. All cores share eight software events, eight barriers, mutexes, and the
+/// dispatcher, which passes words from one core to a group of cores.
 ///
 /// A wait is a p.elw. The wait ends when the buffer contains an event of the core's mask. Barrier, mutex and dispatcher
 /// raise events 16, 17 and 18 for waiting cores. Sources: archi/eu/eu_v3.h for registers; pulp-platform/event_unit_flex
@@ -22,14 +22,14 @@ class ClusterEventUnit {
  public:
   static constexpr unsigned kDmaEvent = 8;
   static constexpr unsigned kDmaInterruptEvent = 9;
-  static constexpr unsigned kTimerEvent = 10;  // of the low counter; the high one has the next number
+  static constexpr unsigned kTimerEvent = 10;  // event of the low counter; the high counter raises the next event
   static constexpr unsigned kBarrierEvent = 16;
   static constexpr unsigned kMutexEvent = 17;
   static constexpr unsigned kDispatchEvent = 18;
   static constexpr unsigned kBarriers = 8;
   static constexpr unsigned kMutexes = 1;
   static constexpr unsigned kLines = 32;
-  /// Maximum number of dispatcher words that wait for a core; a further word replaces the oldest.
+  /// Maximum number of dispatcher words that wait for a core. A further word replaces the oldest one.
   static constexpr std::size_t kDispatchWords = 8;
 
   explicit ClusterEventUnit(unsigned cores);
@@ -39,12 +39,12 @@ class ClusterEventUnit {
   /// Serves the registers of all cores, 0x000 to 0x7FF, on the peripheral bus.
   BusReply shared(std::uint32_t offset, const std::uint32_t* stored);
 
-  /// Raises an event for the cores whose bits are set.
+  /// Sets the event in the buffers of the cores whose bits are set in `cores`.
   void raise(std::uint32_t cores, unsigned event);
 
   std::uint32_t take_woken();
   std::uint32_t take_line_changes();
-  /// Returns a core's interrupt lines. Only the pending line with the highest number is active.
+  /// Returns the interrupt lines of a core. Only the pending line with the highest number is active.
   std::uint32_t lines(unsigned core) const;
   void interrupt_taken(unsigned core, unsigned line);
 
@@ -57,9 +57,9 @@ class ClusterEventUnit {
     std::uint32_t buffer = 0;
     std::uint32_t event_mask = 0;
     std::uint32_t interrupt_mask = 0;
-    std::uint32_t software_targets = 0;  // of an event that the core raises before it waits
+    std::uint32_t software_targets = 0;  // cores that receive the software event when this core starts to wait
     Wait waits_for = Wait::nothing;
-    bool has_mutex = false;  // handed over while the core waited
+    bool has_mutex = false;  // the mutex was passed to this core while it waited
     std::vector<std::uint32_t> dispatched;
 
     void visit(state::Visitor& v) {
@@ -73,9 +73,9 @@ class ClusterEventUnit {
     }
   };
   struct Barrier {
-    std::uint32_t team = 0;     // cores that must arrive
-    std::uint32_t arrived = 0;  // cores that have arrived
-    std::uint32_t targets = 0;  // cores that get the event
+    std::uint32_t team = 0;     // cores that must arrive at the barrier
+    std::uint32_t arrived = 0;  // cores that have arrived at the barrier
+    std::uint32_t targets = 0;  // cores that receive the barrier's event
 
     void visit(state::Visitor& v) {
       v("team", team);
@@ -99,8 +99,8 @@ class ClusterEventUnit {
   std::array<Core, kMostClusterCores> of_;
   std::array<Barrier, kBarriers> barriers_;
   bool mutex_locked_ = false;
-  std::uint32_t mutex_message_ = 0;  // written by the core that unlocked it last
-  std::uint32_t team_ = 0;           // of the dispatcher
+  std::uint32_t mutex_message_ = 0;  // word that the last unlock of the mutex has stored
+  std::uint32_t team_ = 0;           // cores to which the dispatcher passes words
   std::uint32_t woken_ = 0;
   std::uint32_t line_changes_ = 0;
 };

@@ -14,9 +14,9 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// Registers of GAP8's cluster, from 0x10200000 on: control unit (boot addresses, fetch enable), timer, event unit,
-/// control of the instruction cache, DMA. A core also has them at 0x00200000, and its own registers of event unit and
-/// DMA at +0x4000 and +0x4400. A register that is not modelled is reported once, and reads 0.
+/// Models the registers of GAP8's cluster, from 0x10200000 on: control unit (boot addresses, fetch enable), timer,
+/// event unit, control of the instruction cache, DMA. A core also has them at 0x00200000, and its own registers of
+/// event unit and DMA at +0x4000 and +0x4400. A register that is not modelled is reported once, and reads 0.
 ///
 /// 1 MiB above L1, each word of L1 appears again for test-and-set. A load there returns the word and sets all its bits,
 /// so only one core gets a lock. Sources: archi/chips/gap/memory_map.h, properties.h (ARCHI_L1_TAS_BIT),
@@ -40,8 +40,8 @@ class ClusterPeripherals final : public soc::ClusterPeripherals {
 
   void reset(std::uint32_t boot) override;
   std::uint32_t take_started() override;
-  /// Returns the address of a core's first instruction: 0x80 bytes after the start of the core's interrupt vectors.
-  /// Source: RI5CY's user manual of 2018, instruction fetch.
+  /// Returns the address of a core's first instruction, which is 0x80 bytes after the start of the core's interrupt
+  /// vectors. Source: RI5CY's user manual of 2018, instruction fetch.
   std::uint32_t boot_address(unsigned core) const override { return (boot_[core] & ~0xffU) + 0x80U; }
   std::uint32_t take_woken() override { return events_.take_woken(); }
   std::uint32_t take_line_changes() override { return events_.take_line_changes(); }
@@ -67,9 +67,10 @@ class ClusterPeripherals final : public soc::ClusterPeripherals {
   Mchan mchan_;
   ClusterTimer timer_;
   std::array<std::uint32_t, kMostClusterCores> boot_{};
-  std::uint32_t fetching_ = 0;         // cores with fetch enabled
-  std::uint32_t started_ = 0;          // consumed by the access that starts them
-  std::vector<std::uint32_t> warned_;  // offsets without a model that were reported; not part of a state
+  std::uint32_t fetching_ = 0;  // cores whose fetch is enabled
+  std::uint32_t started_ = 0;   // cores that the present access starts; cleared by take_started()
+  /// Offsets that were reported because they are not modelled; not part of a state.
+  std::vector<std::uint32_t> warned_;
 };
 
 }  // namespace mebots::soc::gap8_devices

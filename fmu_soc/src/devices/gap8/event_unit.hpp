@@ -10,35 +10,35 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// GAP8's event unit of the fabric controller: a buffer of 32 events, a mask of events that end a wait, and a mask of
-/// events that interrupt. Event 27 is set as long as the queue of SoC events is not empty. If several events are set in
-/// both the buffer and the interrupt mask, the core sees only the event with the highest number. When the core takes
-/// the interrupt, the event is cleared. Sources: archi/eu/eu_v3.h; behaviour of event_unit_flex (pulp-platform), README
-/// and RTL.
+/// Models GAP8's event unit of the fabric controller. It has a buffer of 32 events, a mask of events that end a wait,
+/// and a mask of events that interrupt. Event 27 is set as long as the queue of SoC events is not empty. If several
+/// events are set in both the buffer and the interrupt mask, the core sees only the event with the highest number. When
+/// the core takes the interrupt, the event is cleared. Sources: archi/eu/eu_v3.h; behaviour of event_unit_flex
+/// (pulp-platform), README and RTL.
 class EventUnit {
  public:
-  /// Maximum number of SoC events in the queue; a further one is lost.
+  /// Maximum number of SoC events in the queue. If the queue is full, a new event is lost.
   static constexpr std::size_t kQueue = 8;
 
   explicit EventUnit(Signals& signals);
   EventUnit(const EventUnit&) = delete;
   EventUnit& operator=(const EventUnit&) = delete;
 
-  /// These functions serve the core's own registers, 0x00 to 0x3F, and its software events at 0x100.
+  /// Serve the core's own registers at 0x00 to 0x3F, and its software events at 0x100.
   bool load(std::uint32_t offset, std::uint32_t& value);
   bool store(std::uint32_t offset, std::uint32_t value);
-  /// Serves a p.elw.
+  /// Serves a p.elw of the core.
   BusReply load_event(std::uint32_t offset);
-  /// Removes and returns the next event from the queue of SoC events. Bit 31 is set if the queue contained an event.
+  /// Removes and returns the next SoC event of the queue. Bit 31 is set if the queue contained an event.
   std::uint32_t take_soc_event();
 
   void raise(unsigned event);
   void queue_soc_event(unsigned event);
-  /// Called when the core takes an interrupt.
+  /// Clears the event whose interrupt the core has taken.
   void acknowledge(unsigned line);
-  /// Returns the core's interrupt lines. Only the pending line with the highest number is active.
+  /// Returns the interrupt lines of the core. Only the pending line with the highest number is active.
   std::uint32_t lines() const;
-  /// True if an event ends the wait of a core. Returns true only once for each wait.
+  /// Returns true if an event ends the wait of the core. Returns true only once for each wait.
   bool take_wake();
 
   void visit(state::Visitor& v);
@@ -53,8 +53,8 @@ class EventUnit {
   std::vector<std::uint8_t> queue_;
 };
 
-/// The registers of the event unit on the fabric controller's peripheral bus: those of the core at 0, software events
-/// at 0x600, and the queue of SoC events at 0x700.
+/// Maps the event unit to the fabric controller's peripheral bus. The registers of the core are at 0, the software
+/// events at 0x600, and the queue of SoC events at 0x700.
 class EventUnitPort final : public Device {
  public:
   explicit EventUnitPort(Signals& signals) : unit_(signals) {}
@@ -68,7 +68,7 @@ class EventUnitPort final : public Device {
   EventUnit unit_;
 };
 
-/// The registers of the event unit in the demultiplexed range, which the core uses to wait for events.
+/// Maps the event unit to the demultiplexed range, in which the core waits for events.
 class EventUnitDemux final : public Device {
  public:
   explicit EventUnitDemux(EventUnit& unit) : unit_(unit) {}

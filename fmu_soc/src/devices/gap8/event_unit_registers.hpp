@@ -3,12 +3,13 @@
 
 #include <cstdint>
 
-/// Registers of GAP8's event units. Source: archi/eu/eu_v3.h of pulp-platform's and GreenWaves' archi headers.
+/// Lists the registers of GAP8's event units. Source: archi/eu/eu_v3.h of pulp-platform's and GreenWaves' archi
+/// headers.
 namespace mebots::soc::gap8_devices::event_unit_reg {
 
-/// A core's own registers.
+/// Offsets of the registers that each core has.
 inline constexpr std::uint32_t kMask = 0x00;
-inline constexpr std::uint32_t kMaskAnd = 0x04;  // clears these bits
+inline constexpr std::uint32_t kMaskAnd = 0x04;  // a store clears these bits of the mask
 inline constexpr std::uint32_t kMaskOr = 0x08;
 inline constexpr std::uint32_t kMaskIrq = 0x0C;
 inline constexpr std::uint32_t kMaskIrqAnd = 0x10;
@@ -25,24 +26,24 @@ inline constexpr std::uint32_t kEventWait = 0x38;
 inline constexpr std::uint32_t kEventWaitClear = 0x3C;
 inline constexpr std::uint32_t kCoreBytes = 0x40;
 
-/// Registers in the demultiplexed range of the core.
+/// Offsets of the registers that are only in the demultiplexed range of a core.
 inline constexpr std::uint32_t kDispatch = 0x80;
 inline constexpr std::uint32_t kDispatchTeam = 0x84;
 inline constexpr std::uint32_t kMutex = 0xC0;
-inline constexpr std::uint32_t kTriggerSoftwareEvent = 0x100;  // eight words, one per event
+inline constexpr std::uint32_t kTriggerSoftwareEvent = 0x100;  // eight words, one for each software event
 inline constexpr std::uint32_t kBarriers = 0x200;
 inline constexpr std::uint32_t kShortEnd = 0x400;
 
-/// Registers on the peripheral bus.
+/// Offsets of the registers that are only on the peripheral bus.
 inline constexpr std::uint32_t kLongBarriers = 0x400;
 inline constexpr std::uint32_t kLongSoftwareEvents = 0x600;
 inline constexpr std::uint32_t kLongSocEvents = 0x700;
 
-/// Three blocks of software events: raise; raise and wait; raise, wait and clear.
+/// Software events have three blocks of registers: raise; raise and wait; raise, wait and clear.
 inline constexpr std::uint32_t kTriggerBytes = 0x40;
 inline constexpr std::uint32_t kSoftwareEvents = 8;
 
-/// Registers of a barrier.
+/// Offsets within the registers of a barrier.
 inline constexpr std::uint32_t kBarrierBytes = 0x20;
 inline constexpr std::uint32_t kBarrierTeam = 0x00;
 inline constexpr std::uint32_t kBarrierArrived = 0x04;

@@ -13,37 +13,37 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// Interface of a device on an I2C bus. The model of the bus master calls the functions of this interface.
+/// Connects a device to an I2C bus. The model of the bus master calls these functions.
 class I2cDevice {
  public:
   virtual ~I2cDevice() = default;
-  /// Returns the device's address on the bus, seven bits.
+  /// Returns the seven-bit address of the device on the bus.
   virtual std::uint8_t address() const = 0;
   virtual void start() = 0;
   virtual void write(std::uint8_t byte, Picoseconds now) = 0;
   virtual std::uint8_t read() = 0;
 };
 
-/// Window, step and orientation of a frame.
+/// Describes the window, the step and the orientation of a frame.
 struct FrameFormat {
-  std::uint32_t window_height = 0;  // rows of the array
-  std::uint32_t row_step = 1;       // 2: every second row
+  std::uint32_t window_height = 0;  // number of rows of the sensor array
+  std::uint32_t row_step = 1;       // 1: every row is read out; 2: every second row
   std::uint32_t column_step = 1;
   std::uint32_t binning = 0;
   std::uint32_t orientation = 0;
 
-  /// Size of a frame at the output.
+  /// Return the size of a frame at the output, in pixels.
   std::uint32_t width() const;
   std::uint32_t height() const { return window_height / row_step; }
   /// Copies the pixels of a frame in the order of the output. The picture must have Himax::kWidth columns and at least
-  /// window_height rows; the rows in the middle are used.
+  /// window_height rows. If it has more rows, the rows in the middle are used.
   void read_out(std::span<const std::uint8_t> picture, std::vector<std::uint8_t>& pixels) const;
 
   void visit(state::Visitor& v);
 };
 
-/// HM01B0, the camera of AI-deck and GAPuino. It has 8-bit registers at 16-bit addresses over I2C, and sends frames in
-/// the mode that MODE_SELECT sets. These registers have an effect:
+/// Models the HM01B0, the camera of AI-deck and GAPuino. It has 8-bit registers at 16-bit addresses over I2C, and sends
+/// frames in the mode that MODE_SELECT sets. These registers have an effect:
 ///
 ///   0x0100 mode                  0x0340 lines of a frame                    0x0390 binning: bit 0 rows, bit 1 columns
 ///   0x0101 orientation           0x0342 pixel clocks of a line              0x3010 window of 244 lines, not 324
@@ -78,20 +78,20 @@ class Himax final : public I2cDevice {
   std::uint8_t read() override;
 
   bool streams() const { return streams_; }
-  /// Returns the start of read-out of the first frame at or after `time`; kNever if there is none. Must be called only
-  /// while the camera streams.
+  /// Returns the time at which the read-out of the first frame at or after `time` starts, or kNever if there is no such
+  /// frame. Must be called only while the camera streams.
   Picoseconds frame_at(Picoseconds time) const;
-  /// Returns the time at which the camera enters standby without a command.
+  /// Returns the time at which the camera enters standby after the last frame of mode 3, or kNever if it does not.
   Picoseconds next_event() const { return streams_ ? ends_at_ : kNever; }
   void advance(Picoseconds now);
-  /// Returns the time from the start of a frame to the end of this many lines.
+  /// Returns the time from the start of a frame to the end of its first `lines` lines.
   Picoseconds lines_time(std::uint32_t lines) const;
-  /// Returns the start of read-out of the first frame of the present stream. Each standby ends a stream. Must be called
-  /// only while the camera streams.
+  /// Returns the time at which the read-out of the stream's first frame starts. Each standby ends a stream. Must be
+  /// called only while the camera streams.
   Picoseconds first_frame_at() const { return first_at_; }
-  /// Returns the integration time of each line.
+  /// Returns the time for which each row is exposed.
   Picoseconds exposure_time() const;
-  /// Returns the format of a frame that begins now.
+  /// Returns the format of a frame that starts now.
   FrameFormat format() const;
 
   void visit(state::Visitor& v);
@@ -102,7 +102,7 @@ class Himax final : public I2cDevice {
   void reset();
   void select_mode(std::uint32_t mode, Picoseconds now);
   void stand_by(Picoseconds now);
-  /// Returns the time from one frame to the next.
+  /// Returns the time from the start of one frame to the start of the next.
   Picoseconds period() const;
   Picoseconds frame_after(Picoseconds time) const;
   std::uint8_t reg(std::size_t at) const { return registers_[at]; }
@@ -110,11 +110,11 @@ class Himax final : public I2cDevice {
 
   PartPort port_;
   std::vector<std::uint8_t> registers_;
-  std::uint32_t at_ = 0;             // next register
-  std::uint32_t address_bytes_ = 0;  // bytes of the address received since the start condition
+  std::uint32_t at_ = 0;             // address of the register that is accessed next
+  std::uint32_t address_bytes_ = 0;  // address bytes received since the start condition
   bool streams_ = false;
-  Picoseconds first_at_ = 0;      // first frame of the stream
-  Picoseconds ends_at_ = kNever;  // last frame of the stream
+  Picoseconds first_at_ = 0;      // start of the stream's first frame
+  Picoseconds ends_at_ = kNever;  // time at which the stream ends without a command; kNever = never
 };
 
 }  // namespace mebots::soc::gap8_devices

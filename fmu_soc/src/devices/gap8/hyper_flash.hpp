@@ -9,32 +9,32 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// A HyperFlash with the commands of its driver. Writes of 16-bit words are commands, each after a pair of unlock
-/// words, or data of a command. Programming changes ones to zeros within a line; erasing sets a whole sector to ones.
-/// The flash is ready at once, because the times of silicon are not modelled. Source of the commands: GreenWaves'
-/// gap_sdk, hyperflash.c.
+/// Models a HyperFlash. A write of a 16-bit word is part of an unlock sequence, a command, or data of a command. Each
+/// command needs two unlock words before it. Programming changes ones to zeros within a line; erasing sets a whole
+/// sector to ones. The flash is ready at once, because the times of silicon are not modelled. Source of the commands:
+/// GreenWaves' gap_sdk, hyperflash.c.
 class HyperFlash {
  public:
-  static constexpr std::uint32_t kBytes = 64U << 20;         // of a GAPuino's S71KS512S
-  static constexpr std::uint32_t kSectorBytes = 256U << 10;  // of the same chip
-  static constexpr std::uint32_t kLineBytes = 512;           // maximum of one program command
+  static constexpr std::uint32_t kBytes = 64U << 20;         // size of the GAPuino's S71KS512S
+  static constexpr std::uint32_t kSectorBytes = 256U << 10;  // size of a sector of the S71KS512S
+  static constexpr std::uint32_t kLineBytes = 512;           // maximum size of the data of one program command
 
-  /// At first, the flash contains `image`, followed by ones. `image` must outlive this object.
+  /// The flash first contains `image`, followed by ones. `image` must outlive this object.
   explicit HyperFlash(std::span<const std::uint8_t> image) : image_(image) {}
-  /// Replaces the whole contents of the flash by another image.
+  /// Replaces the contents of the whole flash with another image.
   void set_image(std::span<const std::uint8_t> image);
 
-  /// Writes bytes, all of which must be inside the flash. After an unknown command, returns false and resets the
-  /// sequence of commands.
+  /// Writes bytes, all of which must be inside the flash. If a command is unknown, returns false and waits for the next
+  /// unlock sequence.
   bool write(std::uint32_t place, std::span<const std::uint8_t> bytes);
   void read(std::uint32_t place, std::span<std::uint8_t> bytes);
 
   void visit(state::Visitor& v);
 
  private:
-  /// The expected meaning of the next write.
+  /// Determines how the next write is interpreted.
   enum class Expects : std::uint32_t { unlock, second_unlock, command, erase_unlock, second_erase_unlock, erase, data };
-  /// A sector that differs from the image.
+  /// Stores the bytes of a sector that differs from the image.
   struct Sector {
     std::uint32_t place = 0;
     std::vector<std::uint8_t> bytes;
@@ -55,8 +55,8 @@ class HyperFlash {
 
   std::span<const std::uint8_t> image_;
   Expects expects_ = Expects::unlock;
-  bool shows_status_ = false;    // the next read returns the status
-  std::vector<Sector> changed_;  // by address
+  bool shows_status_ = false;    // the next read returns the status instead of data
+  std::vector<Sector> changed_;  // sorted by address
 };
 
 }  // namespace mebots::soc::gap8_devices

@@ -11,12 +11,12 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// Registers of GAP8's cluster DMA, MCHAN. A load of the queue register allocates one of 16 counters. Stores into it
-/// form a command (flags and size, address in L1, address in L2, and for 2D transfers step and length of rows). The
-/// bytes of a command are added to the counter that the core allocated last. The status register shows which counters
-/// have bytes left to transfer, and which counters are allocated. A store into the status register frees counters. When
-/// a counter reaches 0, the command of the transfer that ended last determines the events: 8, 9 or none, for the core
-/// that issued the command or for all cores.
+/// Models the registers of GAP8's cluster DMA, MCHAN. A load of the queue register allocates one of 16 counters. Stores
+/// into it form a command (flags and size, address in L1, address in L2, and for 2D transfers step and length of rows).
+/// The bytes of a command are added to the counter that the core allocated last. The status register shows which
+/// counters have bytes left to transfer, and which counters are allocated. A store into the status register frees
+/// counters. When a counter reaches 0, the command of the transfer that ended last determines the events: 8, 9 or none,
+/// for the core that issued the command or for all cores.
 ///
 /// On silicon, a core stalls if it requests a counter while all counters are allocated, or if it issues too many
 /// commands. In this model, the first case is an access fault. The second case never occurs, because the queue is
@@ -27,15 +27,15 @@ class Mchan {
 
   struct L1 {
     std::uint32_t base = 0;
-    std::uint32_t size = 0;  // a power of two
+    std::uint32_t size = 0;  // bytes; must be a power of two
   };
 
   Mchan(L1 l1, ClusterDma& dma) : l1_(l1), dma_(dma) {}
 
   BusReply access(unsigned who, std::uint32_t offset, const std::uint32_t* stored, std::uint64_t tick);
 
-  /// The events that a completed transfer raises. A transfer raises no event while other transfers of the same counter
-  /// are not completed.
+  /// Selects the events that the end of a transfer raises, and their receivers. No event is raised while other
+  /// transfers of the same counter are not completed.
   struct Ended {
     bool raises_event = false;
     bool raises_interrupt = false;
@@ -58,7 +58,7 @@ class Mchan {
   };
   struct Command {
     std::uint32_t who = 0;
-    ClusterDma::Draft what;  // its id is the tag, packed as below
+    ClusterDma::Draft what;  // the field `id` contains the packed tag
     bool out = false;
 
     void visit(state::Visitor& v) {
@@ -77,7 +77,7 @@ class Mchan {
   ClusterDma& dma_;
   std::array<Draft, kRequesters> drafts_;
   std::array<std::uint32_t, kCounters> bytes_to_come_{};
-  std::uint32_t taken_ = 0;  // allocated counters
+  std::uint32_t taken_ = 0;  // bit mask of the allocated counters
   std::vector<Command> waiting_;
 };
 

@@ -8,10 +8,10 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// GAP8's real-time clock, from Dolphin: calendar, alarm and countdown, driven by a tick, whose period is one second
-/// after reset. Its registers are accessed through a window: a store into CTRL copies a register from or to DATA. In
-/// this model, the copy takes no time. The copy, the alarm and the countdown each raise a SoC event. Calendar and alarm
-/// use BCD.
+/// Models GAP8's real-time clock by Dolphin. A tick drives its calendar, alarm and countdown; after reset, the tick has
+/// a period of one second. Its registers are accessed through a window: a store into CTRL copies a register from or to
+/// DATA. In this model, the copy takes no time. The copy, the alarm and the countdown each raise a SoC event. Calendar
+/// and alarm use BCD.
 ///
 /// Sources: archi/vendors/dolphin/rtc.h and rtc_periph.h of GreenWaves' gap_sdk; effect of a tick, and reset values:
 /// GVSoC's model there (rtc_impl.cpp). Our addition: leap years from 2000 to 2099, as in the driver's calculation.
@@ -39,11 +39,11 @@ class Rtc final : public Device {
   void raise(std::uint32_t flag, Picoseconds time);
 
   Signals& signals_;
-  // The window.
+  // Registers of the window.
   std::uint32_t data_ = 0;
   std::uint32_t window_mask_ = 0;
   std::uint32_t window_flags_ = 0;
-  // Registers accessed through the window.
+  // Registers that are accessed through the window.
   std::uint32_t control_ = 0;
   std::uint32_t clock_control_ = 0;
   std::uint32_t irq_control_ = 0;
@@ -58,10 +58,10 @@ class Rtc final : public Device {
   std::uint32_t countdown_control_ = 0;
   std::uint32_t countdown_init_ = 0;
   std::uint32_t countdown_ = 0;
-  std::uint32_t divider_ = 0;       // as stored
-  std::int64_t edges_of_tick_ = 1;  // divider at the last start
-  std::int64_t first_edge_ = 0;     // edge of the reference clock from which ticks are counted
-  std::int64_t ticks_ = 0;          // ticks since then
+  std::uint32_t divider_ = 0;       // divider that was stored last
+  std::int64_t edges_of_tick_ = 1;  // value of the divider when the ticks were started
+  std::int64_t first_edge_ = 0;     // edge of the reference clock at which the ticks were started
+  std::int64_t ticks_ = 0;          // number of ticks since `first_edge_`
 };
 
 }  // namespace mebots::soc::gap8_devices

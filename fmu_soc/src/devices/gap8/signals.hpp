@@ -11,13 +11,13 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// Events of the fabric controller: bits of its event unit. Source: archi/chips/gap/properties.h of pulp-platform's and
-/// GreenWaves' archi headers.
+/// Number the events of the fabric controller; each number is a bit of its event unit. Source:
+/// archi/chips/gap/properties.h of pulp-platform's and GreenWaves' archi headers.
 inline constexpr unsigned kTimerLowEvent = 10;
 inline constexpr unsigned kTimerHighEvent = 11;
 inline constexpr unsigned kSocEvent = 27;
 
-/// Events of the SoC: numbers in the queue of kSocEvent. Source: as for the events above.
+/// Number the events of the SoC, which enter the queue of kSocEvent. Source: as for the events above.
 inline constexpr unsigned kClusterPowerChanged = 31;
 inline constexpr unsigned kClusterClockChanged = 35;
 inline constexpr unsigned kScuOk = 37;
@@ -26,15 +26,15 @@ inline constexpr unsigned kReferenceClockEvent = 56;
 
 inline constexpr std::int64_t kReferenceClockHz = 32768;
 
-/// Signals between GAP8's devices. The constructor of the receiving device sets the function of a signal. On a board
-/// without the sender or the receiver, a signal has no effect.
+/// Connects GAP8's devices. The constructor of the receiving device sets the function of a signal. On a board without
+/// the sender or the receiver, a signal has no effect.
 struct Signals {
   std::function<void(unsigned event)> raise_fabric_event = [](unsigned) {};
   std::function<void(unsigned event, Picoseconds now)> raise_soc_event = [](unsigned, Picoseconds) {};
   /// Called before the fabric controller's clock changes. A receiver that replaces this function must also call the
   /// previous function.
   std::function<void(Picoseconds now)> clock_changes = [](Picoseconds) {};
-  /// Settings that the FLLs and the power unit request; nullopt on a board without FLLs.
+  /// Settings that the FLLs and the power unit have requested; nullopt on a board without FLLs.
   std::optional<PowerSettings> power;
   std::optional<std::int32_t> exit_code;
   /// Number of cluster cores of this chip; not part of a state.
@@ -46,13 +46,13 @@ struct Signals {
   }
 };
 
-/// Returns the number of rising edges of the reference clock from reset up to `now`.
+/// Returns the number of rising edges of the reference clock from reset to `now`.
 inline std::int64_t reference_edges(Picoseconds now) {
   const auto whole_s = now / 1'000'000'000'000;
   const auto rest_ps = now % 1'000'000'000'000;
   return whole_s * kReferenceClockHz + rest_ps * kReferenceClockHz / 1'000'000'000'000;
 }
-/// Returns the time of the rising edge number `edge` of the reference clock.
+/// Returns the time at which the rising edge number `edge` of the reference clock occurs.
 inline Picoseconds reference_edge_time(std::int64_t edge) {
   const auto whole_s = edge / kReferenceClockHz;
   if (whole_s >= kNever / 1'000'000'000'000) return kNever;

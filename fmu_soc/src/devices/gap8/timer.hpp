@@ -12,7 +12,7 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// The clock of a timer's counters, in the unit of time of the timer's owner: picoseconds, or ticks of a clock.
+/// Defines the clock of a timer's counters. Times have the unit of the timer's owner: picoseconds, or ticks of a clock.
 class TimerClock {
  public:
   TimerClock() = default;
@@ -20,23 +20,23 @@ class TimerClock {
   TimerClock& operator=(const TimerClock&) = delete;
   virtual ~TimerClock() = default;
 
-  /// Returns the largest time. If it is the time of an event, the event never occurs.
+  /// Returns the largest time. An event at this time never occurs.
   virtual std::int64_t never() const = 0;
-  /// Returns the number of counts of a counter with this configuration between two times.
+  /// Returns by how much a counter with this configuration increases between two times.
   virtual std::uint64_t counts(std::uint32_t config, std::int64_t from, std::int64_t to) const = 0;
-  /// Returns the time after `counts` more counts; never() if this time is out of range.
+  /// Returns the time at which a counter has made `counts` further counts since `since`, or never() if this time is out
+  /// of range.
   virtual std::int64_t time_of(std::uint32_t config, std::int64_t since, std::uint64_t counts) const = 0;
 };
 
-/// Registers of GAP8's timers, of the fabric controller and of the cluster: two 32-bit counters. When a counter reaches
-/// its compare value, it can raise an event, restart and stop. The two counters can form one 64-bit counter. Source:
-/// archi/timer/timer_v2.h.
+/// Models the counters of GAP8's timers: two 32-bit counters. When a counter reaches its compare value, it can raise an
+/// event, restart and stop. The two counters can form one 64-bit counter. Source: archi/timer/timer_v2.h.
 class TimerCounters {
  public:
   static constexpr std::uint32_t kReferenceClock = 1U << 7;
   static constexpr std::uint32_t kSpan = 0x28;
 
-  /// `raise` is called when a comparison of the low (0) or the high (1) counter matches. `clock` must outlive this
+  /// `raise` is called when the low (0) or the high (1) counter matches its compare value. `clock` must outlive this
   /// object.
   TimerCounters(const TimerClock& clock, std::function<void(unsigned counter)> raise)
       : clock_(clock), raise_(std::move(raise)) {}
@@ -44,7 +44,7 @@ class TimerCounters {
   /// load() and store() return false if there is no such register.
   bool load(std::uint32_t offset, std::int64_t now, std::uint32_t& value);
   bool store(std::uint32_t offset, std::int64_t now, std::uint32_t value);
-  /// Updates the counts. Must be called before the clock changes. The class itself calls this function at a match.
+  /// Updates the counts to `now`. Must be called before the clock changes. advance() calls it at a match.
   void count(std::int64_t now);
   void advance(std::int64_t now);
   std::int64_t next_event() const;
@@ -57,9 +57,9 @@ class TimerCounters {
   struct Counter {
     std::uint32_t config = 0;
     std::uint32_t compare = 0;
-    std::uint64_t value = 0;        // at `since`; the low counter of a pair holds both
-    std::uint64_t compared_at = 0;  // value at the last match
-    bool met = false;               // a match has occurred, and the counter has not changed since
+    std::uint64_t value = 0;        // count at `since`; for a 64-bit counter, the low counter stores all bits
+    std::uint64_t compared_at = 0;  // count at the last match
+    bool met = false;               // true from a match until the counter changes
     std::int64_t since = 0;
 
     void visit(state::Visitor& v) {
@@ -85,10 +85,10 @@ class TimerCounters {
   std::array<Counter, 2> counters_;
 };
 
-/// GAP8's timer of the fabric controller. Its counters count the controller's clock or the reference clock.
+/// Models GAP8's timer of the fabric controller. Its counters count the controller's clock or the reference clock.
 class Timer final : public Device, private TimerClock {
  public:
-  /// `clock_hz` returns the present clock of the fabric controller.
+  /// `clock_hz` returns the present clock frequency of the fabric controller.
   Timer(Signals& signals, std::function<double()> clock_hz);
 
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override {
@@ -110,9 +110,9 @@ class Timer final : public Device, private TimerClock {
   TimerCounters counters_;
 };
 
-/// The timer that the cores of GAP8's cluster share. It counts the cluster's ticks, which are also its unit of time. On
-/// silicon, a program can select the reference clock for a counter. This is not modelled: such a counter does not
-/// count.
+/// Models the timer that the cores of GAP8's cluster share. It counts the cluster's ticks, which are also its unit of
+/// time. On silicon, a program can select the reference clock for a counter. This is not modelled: such a counter does
+/// not count.
 class ClusterTimer : private TimerClock {
  public:
   explicit ClusterTimer(std::function<void(unsigned counter)> raise) : counters_(*this, std::move(raise)) {}
@@ -123,12 +123,12 @@ class ClusterTimer : private TimerClock {
   bool store(std::uint32_t offset, std::uint64_t tick, std::uint32_t value) {
     return counters_.store(offset, static_cast<std::int64_t>(tick), value);
   }
-  /// True if a store of `value` selects the reference clock.
+  /// Returns true if a store of `value` selects the reference clock for a counter.
   static bool wants_reference_clock(std::uint32_t offset, std::uint32_t value) {
     return offset < 8 && (value & TimerCounters::kReferenceClock) != 0;
   }
   void advance(std::uint64_t tick) { counters_.advance(static_cast<std::int64_t>(tick)); }
-  /// Returns the tick of the timer's next event; kNoTick if there is none.
+  /// Returns the tick of the timer's next event, or kNoTick if there is none.
   std::uint64_t next_tick() const;
   void reset() { counters_.reset(); }
   void visit(state::Visitor& v) { counters_.visit(v); }

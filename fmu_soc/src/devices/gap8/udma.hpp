@@ -20,21 +20,21 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// Parts of the board whose energy depends on the uDMA.
+/// Connects the parts of the board whose energy depends on the uDMA.
 struct UdmaParts {
   HyperBusParts hyper_bus;
   PartPort camera;
 };
 
-/// GAP8's uDMA with the channels of its HyperBus, UART, I2C and SPI masters and its camera interface, and the connected
-/// parts of a GAPuino: RAM, flash, terminal, HM01B0. A store into a channel's CFG with the enable bit starts a
-/// transfer, or queues it. The end of a transfer is the channel's SoC event. Bytes are copied at the end of the
+/// Models GAP8's uDMA with the channels of its HyperBus, UART, I2C and SPI masters and its camera interface, and the
+/// connected parts of a GAPuino: RAM, flash, terminal, HM01B0. A store into a channel's CFG with the enable bit starts
+/// a transfer, or queues it. The end of a transfer is the channel's SoC event. Bytes are copied at the end of the
 /// transfer. The camera is on both I2C buses: a GAPuino has it on the second one, a PULP-Shield on the first.
 ///
-/// Its variables are those of its peripherals, and the parameter flash.image. This is the path of an image that
-/// replaces the flash's initial content; if it is empty, the image of the board is used.
+/// The uDMA has the variables of its peripherals, and the parameter flash.image. This parameter is the path of an image
+/// that replaces the flash's initial content. If the path is empty, the image of the board is used.
 ///
-/// Channels of other peripherals behave as described by their entry in the board file. Source: archi/udma/udma_v2.h.
+/// A channel of another peripheral behaves as its entry in the board file describes. Source: archi/udma/udma_v2.h.
 class Udma final : public Device {
  public:
   static constexpr std::uint32_t kFlashBytes = UdmaHyperBus::kFlashBytes;
@@ -94,8 +94,8 @@ class Udma final : public Device {
   std::array<Queue, kLines> queues_;
   std::uint32_t outside_ = 0;
 
-  std::string_view flash_path_;  // value of the parameter
-  std::string loaded_;           // path of the image that was loaded
+  std::string_view flash_path_;  // value of the parameter flash.image
+  std::string loaded_;           // path of the image that the flash contains
   std::vector<std::uint8_t> flash_image_;
 };
 

@@ -14,7 +14,7 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// Settings of the camera interface for a frame, from its registers.
+/// Stores the settings of the camera interface for one frame, as its registers define them.
 struct InterfaceSettings {
   std::uint32_t global = 0;
   std::uint32_t lower_left = 0;
@@ -24,10 +24,11 @@ struct InterfaceSettings {
   void visit(state::Visitor& v);
 };
 
-/// The camera interface (CPI) of the uDMA with an HM01B0. A transfer takes the next frame that begins while interface
-/// and camera are on. It ends with the last line of the frame's window. If the interface or the camera is switched off
-/// before the transfer ends, the frame is lost. The transfer then takes the next frame. The settings at the start of a
-/// frame determine its format and lines. The interface's function to drop frames is not modelled; its use is reported.
+/// Models the camera interface (CPI) of the uDMA with an HM01B0. A transfer takes the next frame that begins while
+/// interface and camera are on. It ends with the last line of the frame's window. If the interface or the camera is
+/// switched off before the transfer ends, the frame is lost. The transfer then takes the next frame. The settings at
+/// the start of a frame determine its format and lines. The interface's function to drop frames is not modelled; its
+/// use is reported.
 ///
 /// When the exposure of the frame's first row starts, its picture is requested, from the roll or from the world. A
 /// picture of the world arrives later, usually before the last line, and is copied at the end of the transfer. If steps
@@ -43,7 +44,8 @@ class UdmaCamera final : public UdmaPeripheral {
   Picoseconds end_time(const UdmaTransfer& transfer, Picoseconds start) override;
   void end(const UdmaTransfer& transfer) override;
   void cancel(const UdmaTransfer& transfer, Picoseconds now) override;
-  /// Returns the time of the next event: the start of the frame for which a transfer waits, or the end of that frame.
+  /// Returns the time of the next event. If a transfer waits for a frame, this is the start of the frame; otherwise it
+  /// is the end of the frame.
   Picoseconds next_event() const;
   void advance(Picoseconds now);
   void registers_changed(std::uint32_t offset, Picoseconds now) override;
@@ -53,8 +55,8 @@ class UdmaCamera final : public UdmaPeripheral {
   std::span<const std::uint8_t>* bytes_input(std::string_view variable) override;
   const double* output(std::string_view variable) const override;
   void begin_step(Picoseconds now) override;
-  /// True while a transfer of the camera's channel runs. On a board with a picture roll: true if the transfer waits
-  /// although the roll has no picture left.
+  /// Returns true while a transfer of the camera's channel runs. On a board with a picture roll, returns true if the
+  /// transfer waits although the roll has no picture left.
   bool takes_picture() const override { return roll_.exists() ? waits_ : requested_at_ != kNever; }
 
   void visit(state::Visitor& v) override;
@@ -78,26 +80,27 @@ class UdmaCamera final : public UdmaPeripheral {
   Himax& sensor_;
   const PictureRoll& roll_;
   std::int32_t requests_ = 0;
-  // Times of the running transfer; kNever = there is no transfer, or the time is not known yet.
+  // Times of the running transfer. kNever means that there is no transfer, or that the time is not known yet.
   Picoseconds requested_at_ = kNever;
   Picoseconds frame_at_ = kNever;
   Picoseconds light_at_ = kNever;
   Picoseconds ends_at_ = kNever;
-  Picoseconds first_frame_at_ = kNever;  // first frame of the sensor's stream; each standby ends a stream
-  // Settings at the start of the frame. They may change before its picture arrives.
+  /// Start of the first frame in the sensor's stream; each standby ends a stream.
+  Picoseconds first_frame_at_ = kNever;
+  // Settings at the start of the frame. The registers may change before the picture of the frame arrives.
   FrameFormat format_;
   InterfaceSettings interface_;
-  bool waits_ = false;  // for its picture
+  bool waits_ = false;  // true while the transfer waits for its picture
   bool has_picture_ = false;
   Picoseconds arrived_at_ = 0;
-  std::vector<std::uint8_t> picture_;  // as received
-  std::vector<std::uint8_t> pixels_;   // of the frame; not part of a state
-  std::vector<std::uint8_t> stream_;   // bytes for memory; not part of a state
+  std::vector<std::uint8_t> picture_;  // picture that the roll or the world has sent
+  std::vector<std::uint8_t> pixels_;   // pixels of the frame; not part of a state
+  std::vector<std::uint8_t> stream_;   // bytes to copy to memory; not part of a state
 
-  // Variables.
+  // Variables of the FMU.
   double frame_id_ = 0;
   double frame_width_ = Himax::kWidth;
-  double frame_height_ = 0;  // 0 = any
+  double frame_height_ = 0;  // 0 = any height
   double trigger_ = 0;
   std::span<const std::uint8_t> frame_;
   std::string_view frame_base64_;

@@ -11,20 +11,20 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// Parts of the board whose energy depends on the bus.
+/// Connects the parts of the board whose energy depends on the HyperBus.
 struct HyperBusParts {
   PartPort ram;
   PartPort flash;
-  PartPort pads;  // of the chip
+  PartPort pads;  // pads of the chip
 };
 
-/// The HyperBus with a GAPuino's memories: 8 MiB of RAM, and flash. The flash begins at the address in field MBR1 of
-/// register MEM_CFG4 (16 MiB after reset). A transfer takes 3 clocks of the bus for command and address, 12 clocks of
-/// latency, and one clock per two bytes (HyperBus specification: the fixed latency is twice 6 clocks). The bus has half
-/// the clock of the SoC, which is our assumption. Source of registers: archi/udma/udma_hyper_v1.h.
+/// Models the HyperBus with a GAPuino's memories: 8 MiB of RAM, and flash. The flash begins at the address in field
+/// MBR1 of register MEM_CFG4 (16 MiB after reset). A transfer takes 3 clocks of the bus for command and address, 12
+/// clocks of latency, and one clock per two bytes (HyperBus specification: the fixed latency is twice 6 clocks). The
+/// bus has half the clock of the SoC, which is our assumption. Source of registers: archi/udma/udma_hyper_v1.h.
 class UdmaHyperBus final : public UdmaPeripheral {
  public:
-  static constexpr std::uint32_t kRamBytes = 8U << 20;  // S71KS512S, the GAPuino's HyperBus memory
+  static constexpr std::uint32_t kRamBytes = 8U << 20;  // RAM of the S71KS512S, the GAPuino's HyperBus memory
   static constexpr std::uint32_t kFlashBytes = HyperFlash::kBytes;
 
   /// `flash` is the initial content of the flash; all bytes after it are ones. `flash` must outlive this object.
@@ -52,8 +52,8 @@ class UdmaHyperBus final : public UdmaPeripheral {
   HyperFlash flash_;
   std::uint32_t send_channel_;
   HyperBusParts parts_;
-  std::vector<std::uint8_t> ram_;    // up to the last byte that was written
-  std::vector<std::uint8_t> bytes_;  // of a transfer
+  std::vector<std::uint8_t> ram_;    // contents up to the last byte that was written
+  std::vector<std::uint8_t> bytes_;  // bytes of the present transfer; a member so that its memory is reused
 };
 
 }  // namespace mebots::soc::gap8_devices

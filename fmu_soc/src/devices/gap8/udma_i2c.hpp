@@ -9,13 +9,13 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// An I2C master of the uDMA. Its sending channel fetches commands with operands (start, stop, write a byte, read a
-/// byte, repeat, divider); bytes that are read go to the receiving channel. A bit takes twice the divider in clocks of
-/// the SoC, because the driver divides by half the baud rate. Without a device, reads return ones, as with a pulled-up
-/// line. Sources: archi/udma/i2c/udma_i2c_v1.h; GVSoC's udma_i2c_v2.
+/// Models an I2C master of the uDMA. Its sending channel fetches commands with operands (start, stop, write a byte,
+/// read a byte, repeat, divider). Bytes that the master reads go to the receiving channel. A bit takes twice the
+/// divider in clocks of the SoC, because the driver divides by half the baud rate. Without a device, reads return ones,
+/// as with a pulled-up line. Sources: archi/udma/i2c/udma_i2c_v1.h; GVSoC's udma_i2c_v2.
 class UdmaI2c final : public UdmaPeripheral {
  public:
-  /// `device` is the only device on the bus; null if the bus has none.
+  /// `device` is the only device on the bus, or null if the bus has no device.
   UdmaI2c(UdmaHost& host, std::uint32_t send_channel, I2cDevice* device)
       : host_(host), send_channel_(send_channel), device_(device) {}
 
@@ -24,14 +24,14 @@ class UdmaI2c final : public UdmaPeripheral {
   void visit(state::Visitor& v) override;
 
  private:
-  /// Meaning of the next byte of the commands.
+  /// Determines how the next byte of the command stream is interpreted.
   enum class Next : std::uint32_t { command, divider_high, divider_low, repeats, data, waits };
 
   struct Master {
     Next next = Next::command;
     std::uint32_t divider = 0;
     std::uint32_t repeats = 1;
-    bool is_address = false;  // the next byte to write is an address
+    bool is_address = false;  // the next byte to write is the address of a device
     bool is_selected = false;
 
     void visit(state::Visitor& v) {
@@ -43,8 +43,8 @@ class UdmaI2c final : public UdmaPeripheral {
     }
   };
 
-  /// Executes a byte of the commands. Returns the number of clocks of the SoC that this byte takes. If `acts` is false,
-  /// only computes the time.
+  /// Executes one byte of the command stream. Returns the number of SoC clocks that this byte takes. If `acts` is
+  /// false, only computes this number.
   double obey(Master& master, std::uint8_t byte, bool acts, Picoseconds now);
   double command(Master& master, std::uint8_t byte, bool acts);
   void write(Master& master, std::uint8_t byte, Picoseconds now);
@@ -55,7 +55,7 @@ class UdmaI2c final : public UdmaPeripheral {
   I2cDevice* device_;
   Master master_;
   std::vector<std::uint8_t> received_;
-  std::vector<std::uint8_t> bytes_;  // of a transfer
+  std::vector<std::uint8_t> bytes_;  // bytes of the present transfer; a member so that its memory is reused
 };
 
 }  // namespace mebots::soc::gap8_devices

@@ -15,13 +15,13 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// A transfer of a channel of the uDMA.
+/// Describes a transfer of a uDMA channel.
 struct UdmaTransfer {
-  std::uint32_t address = 0;  // in the chip's memory
+  std::uint32_t address = 0;  // address in the chip's memory
   std::uint32_t size = 0;     // bytes
   std::uint32_t outside = 0;  // address on the HyperBus
   std::uint32_t channel = 0;  // index of the channel
-  Picoseconds done_at = 0;    // of the first transfer of its queue; kNever = it waits for its peripheral
+  Picoseconds done_at = 0;    // time of the end, for the first transfer in its queue; kNever = waits for its peripheral
 
   void visit(state::Visitor& v) {
     v("address", address);
@@ -32,8 +32,8 @@ struct UdmaTransfer {
   }
 };
 
-/// A peripheral on channels of the uDMA, with its connected parts of the board. Offsets of registers are relative to
-/// the uDMA's base address.
+/// Models a peripheral that uses channels of the uDMA, together with the parts of the board that are connected to it.
+/// Register offsets are relative to the uDMA's base address.
 class UdmaPeripheral {
  public:
   UdmaPeripheral() = default;
@@ -41,22 +41,22 @@ class UdmaPeripheral {
   UdmaPeripheral& operator=(const UdmaPeripheral&) = delete;
   virtual ~UdmaPeripheral() = default;
 
-  /// Returns the end of a transfer that begins at `start`. Returns kNever if the transfer waits for another event; the
-  /// function is called again after that event.
+  /// Returns the time at which a transfer that begins at `start` ends. Returns kNever if the transfer waits for another
+  /// event. In this case, the function is called again after that event.
   virtual Picoseconds end_time(const UdmaTransfer& transfer, Picoseconds start) = 0;
-  /// Ends a transfer: copies its bytes.
+  /// Ends a transfer and copies its bytes.
   virtual void end(const UdmaTransfer& transfer) = 0;
-  /// Cancels a transfer that has begun. No byte is copied.
+  /// Cancels a transfer that has begun. Copies no bytes.
   virtual void cancel(const UdmaTransfer& /*transfer*/, Picoseconds /*now*/) {}
 
-  /// These functions access registers that the device's entry in the board file does not describe. They return false if
-  /// there is no such register.
+  /// Access registers that the device's entry in the board file does not describe. Return false if there is no such
+  /// register.
   virtual bool load(std::uint32_t /*offset*/, std::uint32_t& /*value*/) { return false; }
   virtual bool store(std::uint32_t /*offset*/, Picoseconds /*now*/, std::uint32_t /*value*/) { return false; }
   /// Called after a store into a register that the entry describes.
   virtual void registers_changed(std::uint32_t /*offset*/, Picoseconds /*now*/) {}
 
-  /// These functions have the same meaning as those of a device: see mebots/soc/device.hpp.
+  /// These functions have the same meaning as those of mebots/soc/device.hpp.
   virtual double* input(std::string_view /*variable*/) { return nullptr; }
   virtual std::string_view* text_input(std::string_view /*variable*/) { return nullptr; }
   virtual std::span<const std::uint8_t>* bytes_input(std::string_view /*variable*/) { return nullptr; }
@@ -68,24 +68,24 @@ class UdmaPeripheral {
   virtual void visit(state::Visitor& v) = 0;
 };
 
-/// Services of the uDMA for its peripherals. Must outlive them.
+/// Provides the services of the uDMA to its peripherals. Must outlive the peripherals.
 struct UdmaHost {
   const BoardDevice& entry;
   DeviceHost& host;
   Signals& signals;
-  std::function<double()> clock_hz;  // returns the clock of the SoC
-  DescribedDevice registers;         // registers without effect
+  std::function<double()> clock_hz;  // returns the clock frequency of the SoC
+  DescribedDevice registers;         // registers that only store words
 
   std::uint32_t config(std::uint32_t offset) {
     std::uint32_t value = 0;
     registers.load(offset, 0, value);
     return value;
   }
-  /// Returns the time that is `clocks` clock periods of the SoC after `time`.
+  /// Returns the time that is `clocks` periods of the SoC's clock after `time`.
   Picoseconds later(Picoseconds time, double clocks) const {
     return time + std::llround(clocks / clock_hz() * kPsPerS);
   }
-  /// Reports a transfer whose address is not in memory.
+  /// Reports that a transfer has an address range outside memory.
   void complain_of_memory(std::uint32_t address, std::uint32_t size) const;
 };
 

@@ -11,9 +11,10 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// An SPI master of the uDMA with a slave that only receives. The sending channel fetches command words and, after a
-/// command that sends, data. Received data are zeros. A bit takes twice the divider in clocks of the SoC; with divider
-/// 0, one clock. The command that ends a transaction raises the event of the master. Source:
+/// Models an SPI master of the uDMA with a slave that only receives. The sending channel fetches command words and,
+/// after a command that sends, data. Received data are zeros. A bit takes twice the divider in clocks of the SoC, or
+/// one clock if the divider is
+/// 0. The command that ends a transaction raises the event of the master. Source:
 /// archi/udma/spim/udma_spim_v2.h.
 ///
 /// Its variables are those of the entry that begin with its name, spim0 or spim1. .transactions counts transactions
@@ -33,7 +34,7 @@ class UdmaSpim final : public UdmaPeripheral {
   struct Master {
     std::uint32_t divider = 0;
     std::uint32_t bits_to_send = 0;
-    bool sends_data = false;  // the next bits are data, not an address
+    bool sends_data = false;  // true if the next bits are data, false if they are an address
 
     void visit(state::Visitor& v) {
       v("divider", divider);
@@ -42,10 +43,11 @@ class UdmaSpim final : public UdmaPeripheral {
     }
   };
 
-  static constexpr std::size_t kWords = 4;  // number of words in variables
+  static constexpr std::size_t kWords = 4;  // number of words in the variables .sent
 
   bool fetch(const UdmaTransfer& transfer);
-  /// Executes fetched words. Returns the clocks of the SoC that they take. If `acts` is false, only computes the time.
+  /// Executes the fetched words. Returns the number of SoC clocks that they take. If `acts` is false, only computes
+  /// this number.
   double obey(Master& master, bool acts, Picoseconds now);
   void publish_transaction(Picoseconds now);
 
@@ -54,11 +56,11 @@ class UdmaSpim final : public UdmaPeripheral {
   std::uint32_t send_channel_;
   unsigned end_event_;
   Master master_;
-  std::uint32_t bytes_to_receive_ = 0;  // received, but not fetched yet
-  std::vector<std::uint8_t> bytes_;     // of a transfer
-  std::vector<std::uint8_t> data_;      // sent in this transaction, up to kWords
+  std::uint32_t bytes_to_receive_ = 0;  // bytes that were received, but that no transfer has fetched yet
+  std::vector<std::uint8_t> bytes_;     // bytes of the present transfer; a member so that its memory is reused
+  std::vector<std::uint8_t> data_;      // bytes sent in this transaction, at most kWords words
 
-  // Variables.
+  // Variables of the FMU.
   double transactions_ = 0;
   std::array<double, kWords> sent_{};
 };

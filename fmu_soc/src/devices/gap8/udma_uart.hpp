@@ -9,9 +9,9 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// The UART with a terminal. The terminal prints the bytes that it receives and sends nothing. Therefore a transfer on
-/// the receiving channel waits until the program clears it. A bit takes CLKDIV + 1 clocks of the SoC. Source:
-/// archi/udma/udma_uart_v1.h.
+/// Models the UART with a terminal. The terminal prints the bytes that it receives and sends nothing. Therefore a
+/// transfer on the receiving channel waits until the program clears it. A bit takes CLKDIV + 1 clocks of the SoC.
+/// Source: archi/udma/udma_uart_v1.h.
 class UdmaUart final : public UdmaPeripheral {
  public:
   UdmaUart(UdmaHost& host, std::uint32_t receive_channel)
@@ -34,7 +34,7 @@ class UdmaUart final : public UdmaPeripheral {
   std::uint32_t receive_channel_;
   Console terminal_;
   bool sends_ = false;
-  std::vector<std::uint8_t> bytes_;  // of a transfer
+  std::vector<std::uint8_t> bytes_;  // bytes of the present transfer; a member so that its memory is reused
 };
 
 }  // namespace mebots::soc::gap8_devices

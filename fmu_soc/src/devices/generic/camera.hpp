@@ -13,7 +13,7 @@
 
 namespace mebots::soc {
 
-/// A camera that serves one request at a time:
+/// Models a camera that serves one request at a time:
 ///
 ///   CONTROL = 1      The request is counted; busy is set. The world reads the count and provides the picture.
 ///   offer()          The picture with that count has arrived: exposure and read-out start.
@@ -35,20 +35,20 @@ class Camera final : public Device {
   static constexpr std::uint32_t kBusy = 1;
   static constexpr std::uint32_t kReady = 2;
   static constexpr std::uint32_t kRefused = 4;
-  /// Pictures up to this size are held without taking memory from the heap.
+  /// Up to this size, a picture needs no further memory from the heap.
   static constexpr std::size_t kReservedBytes = std::size_t{512} * 512;
 
   /// Throws Error if the entry lacks a state.
   Camera(const BoardDevice& entry, DeviceHost& host);
 
-  /// Returns whether the camera waits for the picture with this number. If it does not, offer() must not be called.
+  /// Returns true if the camera waits for the picture with this number. Otherwise offer() must not be called.
   bool wants(std::int32_t frame_id) const { return state_.waiting && frame_id == state_.requests; }
   void offer(std::span<const std::uint8_t> picture, Picoseconds now);
 
-  /// True from a request to the end of its picture.
+  /// Returns true from a request until its picture is in the buffer.
   bool busy() const { return (state_.status & kBusy) != 0; }
   bool takes_picture() const override { return busy(); }
-  /// Returns the number of requests since reset.
+  /// Returns the number of requests since reset of the chip.
   std::int32_t requests() const { return state_.requests; }
   double energy_j(Picoseconds now) const override;
 
@@ -56,7 +56,7 @@ class Camera final : public Device {
   std::string_view* text_input(std::string_view variable) override;
   std::span<const std::uint8_t>* bytes_input(std::string_view variable) override;
   const double* output(std::string_view variable) const override;
-  /// Accepts a picture that has arrived.
+  /// Starts exposure and read-out if the requested picture has arrived.
   void begin_step(Picoseconds now) override;
 
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
@@ -73,15 +73,15 @@ class Camera final : public Device {
   struct State {
     std::int32_t requests = 0;
     std::uint32_t status = 0;
-    bool waiting = false;  // for a picture
+    bool waiting = false;  // true while a request waits for its picture
     bool interrupt = false;
-    bool warned_of_format = false;  // a picture had another size than the parameters
+    bool warned_of_format = false;  // reported already: the size of a picture differs from the parameters
     std::int32_t frame_id = 0;
     Picoseconds requested_at = 0;
     Picoseconds done_at = kNever;
-    std::optional<Picoseconds> read_out_at;  // of the present or last picture
+    std::optional<Picoseconds> read_out_at;  // start of the read-out of the present or last picture
     Picoseconds active_since = 0;
-    Picoseconds active_total = 0;  // up to the end of the last activity
+    Picoseconds active_total = 0;  // active time up to the end of the last activity
     std::uint32_t buffer = 0;
     std::uint32_t buffer_size = 0;
     std::uint32_t width = 0;
@@ -96,11 +96,11 @@ class Camera final : public Device {
   DeviceHost& host_;
   double idle_w_;
   double active_w_;
-  Picoseconds delay_ps_;  // exposure and read-out if the camera has no lines
+  Picoseconds delay_ps_;  // time for exposure and read-out; only used if .frame_lines is 0
   State state_;
   std::vector<std::uint8_t> picture_;
 
-  // Variables.
+  // Variables of the FMU.
   double frame_id_ = 0;
   double frame_width_ = 0;
   double frame_height_ = 0;
@@ -111,7 +111,7 @@ class Camera final : public Device {
   double trigger_ = 0;
   std::span<const std::uint8_t> frame_;
   std::string_view frame_base64_;
-  std::vector<std::uint8_t> decoded_;  // member only to keep its memory
+  std::vector<std::uint8_t> decoded_;  // decoded .frame.base64; a member only so that its memory is reused
 };
 
 }  // namespace mebots::soc

@@ -8,7 +8,8 @@
 
 namespace mebots::soc {
 
-/// Collects characters and prints lines. A line longer than kMaxLine is printed in pieces.
+/// Collects the characters that the firmware writes, and prints complete lines. If a line is longer than kMaxLine,
+/// prints the line in pieces.
 class Console final : public Device {
  public:
   static constexpr std::size_t kMaxLine = 1000;
@@ -17,9 +18,9 @@ class Console final : public Device {
 
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
   bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) override;
-  /// Adds the character in the low byte.
+  /// Appends the character in the low byte of `value`.
   bool put(std::uint32_t value, Picoseconds now);
-  /// Prints an unfinished line.
+  /// Prints the last line even if it has no end.
   void program_ended() override;
   void visit(state::Visitor& v) override;
 

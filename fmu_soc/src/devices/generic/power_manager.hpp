@@ -6,8 +6,8 @@
 
 namespace mebots::soc {
 
-/// Registers for clocks, voltage, power of the cluster, and the end of the firmware. A request outside the chip's
-/// limits changes nothing and sets the refused bit.
+/// Models the registers with which the firmware sets clocks and voltage, switches the cluster, and ends itself. A
+/// request outside the chip's limits changes nothing and sets the refused bit.
 class PowerManager final : public Device {
  public:
   static constexpr std::uint32_t kRefused = 1;
@@ -20,8 +20,8 @@ class PowerManager final : public Device {
   void visit(state::Visitor& v) override;
 
   const PowerSettings& settings() const { return settings_; }
-  /// Called after the chip has woken from retention sleep. The firmware must request retention again for the next
-  /// sleep.
+  /// Clears the request for retention sleep. Called after the chip has woken. The firmware must request retention again
+  /// before the next sleep.
   void woken() { settings_.retention = 0; }
   bool exited() const { return exited_; }
   std::int32_t exit_code() const { return exit_code_; }

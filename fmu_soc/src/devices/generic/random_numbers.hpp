@@ -7,7 +7,7 @@ namespace mebots::soc {
 
 inline constexpr std::uint64_t kSplitMixStep = 0x9e3779b97f4a7c15U;
 
-/// Returns the output of splitmix64 for a state, as a number from 0 to below 1 (Steele, Lea and Flood 2014).
+/// Returns a number in [0, 1), computed from the output of splitmix64 for `state` (Steele, Lea and Flood 2014).
 /// Consecutive states differ by `kSplitMixStep`.
 constexpr double uniform_number(std::uint64_t state) {
   state = (state ^ (state >> 30)) * 0xbf58476d1ce4e5b9U;
@@ -15,7 +15,8 @@ constexpr double uniform_number(std::uint64_t state) {
   return static_cast<double>((state ^ (state >> 31)) >> 11) * 0x1p-53;
 }
 
-/// Returns the state for the first of the `count` numbers of `index`. These numbers depend only on `seed` and `index`.
+/// Returns the state for the first of the `count` numbers that belong to `index`. The numbers depend only on `seed` and
+/// `index`.
 constexpr std::uint64_t random_state(std::uint64_t seed, std::uint64_t index, unsigned count) {
   return seed * 0xd1342543de82ef95U + index * count * kSplitMixStep + kSplitMixStep;
 }

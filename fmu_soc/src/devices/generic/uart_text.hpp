@@ -9,7 +9,8 @@
 #include <string_view>
 #include <vector>
 
-/// The bytes of one communication step on a line between two UARTs, as a text:
+/// Reads and writes the texts that a line between two UARTs transfers. A text contains the bytes of one communication
+/// step:
 ///
 ///     12 =8680556 a5@86805556 07@173611112
 ///
@@ -21,7 +22,7 @@ namespace mebots::soc {
 inline constexpr Picoseconds kLongestUartBit = 1'000'000'000'000;
 
 struct UartByte {
-  Picoseconds end = 0;  // of the stop bit, since the start of the step in a text, or else since reset
+  Picoseconds end = 0;  // end of the stop bit, since the start of the step in a text, and otherwise since reset
   Picoseconds bit = 0;  // length of a bit
   std::uint8_t value = 0;
 
@@ -37,11 +38,11 @@ struct UartText {
   std::vector<UartByte> bytes;
 };
 
-/// Writes the text of the bytes of one step, byte by byte.
+/// Builds the text that contains the bytes of one step.
 class UartTextWriter {
  public:
   void clear() { text_.clear(); }
-  /// Appends the byte with this number.
+  /// Appends a byte. `number` is the count of bytes before it since reset.
   void add(std::uint64_t number, const UartByte& byte);
   const std::string& text() const { return text_; }
 
@@ -52,10 +53,10 @@ class UartTextWriter {
 
  private:
   std::string text_;
-  Picoseconds bit_ = 0;  // of the last byte in the text
+  Picoseconds bit_ = 0;  // length of a bit that was written last
 };
 
-/// Reads a text into `result`. Throws Error if the text has another form; `name` is the variable that contains it.
+/// Parses a text into `result`. Throws Error that names the variable `name` if the text has another form.
 void read_uart_text(std::string_view name, std::string_view text, UartText& result);
 
 }  // namespace mebots::soc
