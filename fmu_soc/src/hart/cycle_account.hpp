@@ -11,7 +11,7 @@
 namespace mebots::soc {
 
 /// Divides the cycles of a core among their causes, instruction by instruction, and counts RI5CY's events. Only cores
-/// that are observed or that count events use this class.
+/// that that are observed or that count events use this class.
 ///
 /// The cycles from one retired instruction to the next have five parts: waits for cache lines; entries of traps; a
 /// cycle for an unaligned target; the cycles known from decoding, with stalls; and the cycles that depend on the
@@ -20,26 +20,25 @@ class CycleAccount {
  public:
   CycleAccount(const Execution& execution, const Timing& timing) : execution_(execution), timing_(timing) {}
 
-  /// Starts a new account at the core's present counts.
+  /// Starts a new account from the present counts of the core.
   void restart();
-  /// Called when a trap is taken. Adds the cycles of the trap's entry.
+  /// Adds the cycles that the entry of a trap takes. Called when a trap is taken.
   void entered_trap() { trap_cycles_ += kTrapEntryCycles; }
 
-  /// Called before an instruction runs. `start` is the cycle after the waits for the instruction's cache lines and
-  /// before its stall. `decoded` is the instruction's number of cycles that is known from decoding, including the
-  /// stall.
+  /// Must be called before an instruction runs. `start` is the cycle after the waits for the instruction's cache lines
+  /// and before its stall. `decoded` is the number of cycles that is known from decoding, including the stall.
   void begin(std::uint64_t start, std::uint32_t decoded);
-  /// Does the same as begin() for an instruction that runs alone and whose cache lines have not been fetched yet.
+  /// Like begin(), for an instruction that runs alone and whose cache lines have not been fetched yet.
   void begin_alone(std::uint32_t decoded);
   /// Called after the instruction has retired and has been counted. Sets the instruction's cycles. `hidden` is the
   /// number of cycles of the following jump that this instruction hides.
   void retire(Retired& instruction, std::uint32_t hidden);
-  /// Adds the events of the instruction that retired last. `external` is true if the core counts accesses outside its
-  /// first memory.
+  /// Adds the events of the last retired instruction to `events`. `external` is true if the core counts accesses
+  /// outside its first memory.
   void count_events(EventCounts& events, const Retired& instruction, bool external) const;
 
  private:
-  /// The counts of the core at one moment.
+  /// Stores the counts of the core at one moment.
   struct Mark {
     std::uint64_t cycles = 0;
     std::uint64_t fetch_cycles = 0;
@@ -54,15 +53,15 @@ class CycleAccount {
 
   const Execution& execution_;
   const Timing& timing_;
-  Mark last_;                      // after the instruction before
-  std::uint32_t trap_cycles_ = 0;  // of entries since then
-  std::int32_t gap_ = 0;           // cycles from there to the instruction's start
+  Mark last_;                      // counts after the previous instruction
+  std::uint32_t trap_cycles_ = 0;  // cycles of trap entries since `last_`
+  std::int32_t gap_ = 0;           // cycles from `last_` to the start of the instruction
   std::int32_t decoded_ = 0;
-  std::int32_t hidden_ = 0;  // cycles of the next instruction that the last one has subtracted
-  bool is_far_ = false;      // the access of the last instruction
+  std::int32_t hidden_ = 0;  // cycles of the next instruction that the last one hides
+  bool is_far_ = false;      // the last instruction accessed another memory than the first one
   bool is_device_ = false;
-  bool waited_for_load_ = false;  // the last instruction
-  Previous before_;               // the instruction before
+  bool waited_for_load_ = false;  // the last instruction waited for a load
+  Previous before_;               // the previous instruction
 };
 
 }  // namespace mebots::soc

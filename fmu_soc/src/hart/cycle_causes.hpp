@@ -8,34 +8,34 @@
 
 namespace mebots::soc {
 
-/// The cause of a cycle. Each active cycle of a core has exactly one cause.
+/// Lists the causes of cycles. Each active cycle of a core has exactly one cause.
 enum class CycleCause : std::uint8_t {
   base,             // one cycle per retired instruction
-  load_use,         // a load has not delivered its register yet
-  jump_register,    // jalr: its address register is not ready yet
-  jump,             // the rest of jal and jalr, with unaligned targets
-  branch,           // the rest of taken branches, with unaligned targets
-  multiply_divide,  // the rest of mulh, div, rem
-  floats,           // the rest of floating-point operations
-  system,           // the rest of CSR accesses and fences
-  misaligned,       // the second access to a word
+  load_use,         // wait for the register that a load has not delivered yet
+  jump_register,    // wait of a jalr for its address register
+  jump,             // further cycles of jal and jalr, including unaligned targets
+  branch,           // further cycles of taken branches, including unaligned targets
+  multiply_divide,  // further cycles of mulh, div and rem
+  floats,           // further cycles of floating-point operations
+  system,           // further cycles of CSR accesses and fences
+  misaligned,       // second bus access of a misaligned load or store
   cache,            // waits for the instruction cache
-  memory,           // latency of the first memory
-  bank_conflict,    // the bank served another core or the DMA
-  far_memory,       // latency and conflicts of the other memories: L2 of a cluster
-  device,           // waits for registers of devices, the DMA's among them
-  trap,             // entry and return of traps and interrupts
-  other,            // no known cause; always 0 unless the account is wrong
+  memory,           // latency of the core's first memory
+  bank_conflict,    // wait for a bank that served another core or the DMA
+  far_memory,       // latency and conflicts of the other memories, such as L2 for a cluster
+  device,           // waits for device registers, including those of the DMA
+  trap,             // entry of traps and interrupts, and return from them
+  other,            // no known cause; always 0 unless the account has a defect
 };
 inline constexpr std::size_t kCycleCauses = static_cast<std::size_t>(CycleCause::other) + 1;
 
-/// Names of the causes in reports, by cause.
+/// Names of the causes in reports, indexed by CycleCause.
 inline constexpr std::array<std::string_view, kCycleCauses> kCycleCauseNames{
     "base",       "load_use", "jump_register", "jump",          "branch",     "multiply_divide", "floats", "system",
     "misaligned", "cache",    "memory",        "bank_conflict", "far_memory", "device",          "trap",   "other"};
 
-/// The cycles of an instruction by cause. Their sum is the change of the core's cycle count since the previous
-/// instruction. There is one exception: if a misaligned load hides cycles of the following jump, these cycles are
+/// Stores the cycles of an instruction for each cause. Their sum is the change of the core's cycle count since the
+/// previous instruction, with one exception: if a misaligned load hides cycles of the following jump, these cycles are
 /// subtracted from the load.
 struct CycleShares {
   std::array<std::int32_t, kCycleCauses> cycles{};

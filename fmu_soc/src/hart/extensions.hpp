@@ -7,13 +7,13 @@
 #include <string>
 #include <string_view>
 
-/// Instructions of RISC-V extensions that the core lacks, for messages.
+/// Identifies instructions of RISC-V extensions that the core lacks, for error messages.
 namespace mebots::soc {
 
-/// An instruction or a group of instructions, and its extension.
+/// Names an instruction or a group of instructions, and the extension that contains it.
 struct ForeignInstruction {
-  std::string_view name;       // "amoadd.w", "a load of a float"; empty: unknown
-  std::string_view extension;  // "A", "RV64I"
+  std::string_view name;       // such as "amoadd.w" or "a load of a float"; empty = unknown
+  std::string_view extension;  // such as "A" or "RV64I"
 };
 
 /// Returns the instruction that the word encodes in a ratified extension of RISC-V. If there is no such instruction,
@@ -21,9 +21,9 @@ struct ForeignInstruction {
 /// each extension.
 ForeignInstruction foreign_instruction(std::uint32_t word);
 
-/// Returns a text with the name of an illegal instruction and a way to avoid it. The text is empty if the instruction
-/// is unknown. `has` contains the extensions of the core. `architecture` is the architecture of the program from
-/// Elf::architecture(), or empty.
+/// Returns a text that names an illegal instruction and a way to avoid it. If the instruction is unknown, the text is
+/// empty. `has` contains the extensions of the core. `architecture` is the result of Elf::architecture() for the
+/// program, or empty.
 std::string advice_for_illegal(std::uint32_t word, Extensions has, std::string_view architecture);
 
 }  // namespace mebots::soc

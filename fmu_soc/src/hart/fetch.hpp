@@ -17,23 +17,23 @@ namespace mebots::soc {
 /// of runs.
 class Fetch {
  public:
-  /// `cache` may be null.
+  /// If `cache` is null, no fetch waits.
   Fetch(Execution& execution, InstructionCache* cache) : execution_(execution), cache_(cache) {}
 
   bool is_cached() const { return cache_ != nullptr; }
   const InstructionCache* cache() const { return cache_; }
   void flush();
-  /// Fetches the lines of an instruction that the core reaches in active cycle `cycle`. Returns the wait cycles.
+  /// Fetches the cache lines of an instruction that the core reaches in active cycle `cycle`. Returns the wait cycles.
   std::uint32_t fetch_lines(const Instruction* at, std::uint64_t cycle);
   /// True if `at` lies in the cache line in which the previous instruction, `before`, ends.
   bool shares_line(const Instruction* before, const Instruction* at) const {
     MEBOTS_ASSERT(is_cached());
     return cache_->line_of(before[1].pc - 1) == cache_->line_of(at[1].pc - 1);
   }
-  /// Returns the first instruction after `at` that may have to wait for a cache line. If there is none, returns the end
-  /// of the block.
+  /// Returns the first instruction after `at` that may have to wait for a cache line. If no instruction has to wait,
+  /// returns the end of the block.
   const Instruction* next_to_wait(const Instruction* at) const;
-  /// True if all lines of a block from this instruction on are in the cache.
+  /// True if all lines from this instruction to the end of the block are in the cache.
   bool is_present(const Instruction* at) const;
 
  private:

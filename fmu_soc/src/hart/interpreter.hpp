@@ -12,8 +12,8 @@
 
 namespace mebots::soc {
 
-/// The limit of a run: every instruction starts before active cycle `end`. With a loose limit, a block that starts
-/// before `end` runs to its own end.
+/// Limits a run. Every instruction of the run starts before active cycle `end`. If the limit is loose, a block that
+/// starts before `end` is executed to its end.
 class RunLimit {
  public:
   explicit RunLimit(bool loose) : counted_(loose ? 0 : ~std::uint64_t{0}) {}
@@ -22,61 +22,63 @@ class RunLimit {
   void set_end(std::uint64_t cycle) { end_ = std::min(cycle, kLongest); }
   bool reached_at(std::uint64_t cycle) const { return cycle >= end_; }
   std::uint64_t cycles_from(std::uint64_t cycle) const { return end_ - cycle; }
-  /// True if a block may begin in `cycle`. `bound` is the largest number of cycles from its start to the start of its
-  /// last instruction.
+  /// True if a block may start in `cycle`. `bound` is the largest number of cycles from the start of the block to the
+  /// start of its last instruction.
   bool admits(std::uint64_t cycle, std::uint64_t bound) const { return cycle + (bound & counted_) < end_; }
 
  private:
-  static constexpr std::uint64_t kLongest = std::uint64_t{1} << 62;  // beyond any run
+  static constexpr std::uint64_t kLongest = std::uint64_t{1} << 62;  // more cycles than any run can take
 
   std::uint64_t end_ = 0;
-  std::uint64_t counted_;  // mask of the bits of a bound that count
+  std::uint64_t counted_;  // a mask: 0 if the limit is loose, otherwise all bits
 };
 
-/// Replaces the interpreter's loop over the instructions of a block, in order to observe each instruction.
+/// Replaces the interpreter's loop over the instructions of a block, so that each instruction can be observed.
 class BlockWalk {
  public:
   BlockWalk() = default;
   BlockWalk(const BlockWalk&) = delete;
   BlockWalk& operator=(const BlockWalk&) = delete;
 
-  /// Runs like Interpreter::run_until(). If `stop` is null, runs to the end of the block.
+  /// Executes instructions like Interpreter::run_until(). If `stop` is null, executes the block to its end.
   virtual const Instruction* walk(const Instruction* at, const Instruction* stop) = 0;
 
  protected:
   ~BlockWalk() = default;
 };
 
-/// Executes decoded code by the handlers of the instructions: a single instruction, a block, or the rest of a block. If
-/// a line is absent from the instruction cache, the line is fetched when the core reaches it.
+/// Executes decoded code through the handlers of its instructions: a single instruction, a block, or the rest of a
+/// block. When the core reaches a line that is absent from the instruction cache, the line is fetched.
 class Interpreter {
  public:
   Interpreter(Execution& execution, const Memory& memory, BlockCache& blocks, Fetch& fetch, const RunLimit& limit)
       : execution_(execution), memory_(memory), blocks_(blocks), fetch_(fetch), limit_(limit) {}
 
-  /// Sets an object that replaces the interpreter's loop over the instructions of a block; null removes it.
+  /// Sets the object that replaces the loop over the instructions of a block; null restores the interpreter's loop.
   void set_walk(BlockWalk* walk) { walk_ = walk; }
 
-  /// Runs only the instruction at the pc, decoded for the present pipeline. Ignores the BlockWalk.
+  /// Executes only the instruction at the pc, decoded for the present state of the pipeline. Does not use the
+  /// BlockWalk.
   void step();
-  /// Runs a block to the limit, or to the end of the block. The first instruction stalls for `stall` cycles after a
-  /// load. Ignores the BlockWalk.
+  /// Executes a block to the limit or to the block's end. The first instruction stalls for `stall` cycles because of a
+  /// load before it. Does not use the BlockWalk.
   void run_to_limit(const Block& block, std::uint32_t stall);
-  /// Continues at the instruction before which the last limit stopped a block, and runs up to the new limit. If the
-  /// core is no longer at that instruction, returns false without effect.
+  /// Continues a block that the last limit has cut, and executes it up to the new limit. If the core is no longer at
+  /// the instruction of the cut, returns false without effect.
   bool resume_to_limit();
-  /// Runs a block whose first instruction stalls for `stall` cycles. If the block might reach the limit, returns false
-  /// without effect.
+  /// Executes a block whose first instruction stalls for `stall` cycles. If the block might reach the limit, returns
+  /// false without effect.
   bool run(const Block& block, std::uint32_t stall);
-  /// Runs a block and then the blocks that are linked to it, until a check between two blocks requires a return.
-  /// Ignores the BlockWalk.
+  /// Executes a block and then the blocks that are linked to it, until a check between two blocks requires a return.
+  /// Does not use the BlockWalk.
   bool run_linked(const Block& block, std::uint32_t stall, const Csrs& csrs);
-  /// Resumes a block that translated code has left after `wait_cycles` of waiting. If lines may be absent from the
-  /// instruction cache, `fetches` must be true.
+  /// Resumes a block that translated code has left after it waited for `wait_cycles` cycles. `fetches` must be true if
+  /// lines may be absent from the instruction cache.
   void resume(const Instruction* at, std::uint32_t wait_cycles, std::uint32_t stall, const Instruction* slow_load,
               bool fetches);
 
-  /// Runs a block from `at` up to, but not including, `stop`. Returns `stop`, or null if execution has left the block.
+  /// Executes a block from `at` up to, but not including, `stop`. Returns `stop`, or null if execution has left the
+  /// block.
   const Instruction* run_until(const Instruction* at, const Instruction* stop);
 
  private:
@@ -86,11 +88,11 @@ class Interpreter {
   void run_one_by_one(const Instruction* at);
   void cut_at(const Instruction* at);
 
-  /// The instruction before which a limit stopped a block. The pointer is valid as long as the blocks and the pipeline
-  /// do not change.
+  /// Stores the instruction before which a limit has cut a block. The pointer is valid as long as the blocks and the
+  /// pipeline do not change.
   struct Cut {
-    const Instruction* at = nullptr;  // null = none
-    std::uint64_t generation = 0;     // of blocks
+    const Instruction* at = nullptr;  // null = no block was cut
+    std::uint64_t generation = 0;     // BlockCache::generation() at the cut
     Pipeline pipeline;
   };
 

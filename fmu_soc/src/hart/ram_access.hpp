@@ -6,15 +6,15 @@
 
 namespace mebots::soc {
 
-/// The target of a load or store in fast RAM. If both pointers are null, the address is not in fast RAM, and the hart's
-/// slow path must make the access.
+/// Points to the bytes of a load or store in fast RAM. If both pointers are null, the address is not in fast RAM, and
+/// the hart's slow path must perform the access.
 struct RamAccess {
   std::uint8_t* data = nullptr;
-  std::uint8_t* marks = nullptr;  // of the first word that the bytes touch
+  std::uint8_t* marks = nullptr;  // marks of the first word that the access touches
 };
 
-/// The fast region that contains an access, and the offset in this region. If there is no such region, `region` is
-/// null.
+/// Stores the fast region that contains an access, and the offset of the access in this region. If no fast region
+/// contains the access, `region` is null.
 struct RamPlace {
   const FastRegion* region = nullptr;
   std::uint32_t offset = 0;
@@ -29,7 +29,7 @@ struct RamPlace {
   return {};
 }
 
-/// Counts an access that lies within one word. Does not claim the bank of that word.
+/// Counts an access that lies within one word. Does not claim the bank of the word.
 [[gnu::always_inline]] inline RamAccess count_access(Execution& e, const RamPlace& place) {
   MEBOTS_ASSERT(place.region != nullptr && place.offset < place.region->span);
   const auto& ram = *place.region;
@@ -38,8 +38,8 @@ struct RamPlace {
   return {ram.data + place.offset, ram.marks + place.offset / 4};
 }
 
-/// Performs an access for which one check is sufficient: in fast RAM, within a word, without shared banks. For other
-/// accesses, the function has no effect. Calls no function, so that a handler saves no registers.
+/// Performs an access if one check is sufficient: it must be in fast RAM, within one word, and without shared banks.
+/// Otherwise has no effect. The function makes no calls, so that a handler need not save registers.
 template <unsigned Size>
 [[gnu::always_inline]] inline RamAccess quick_access(Execution& e, std::uint32_t address) {
   const auto place = find_ram(e, address);
@@ -48,8 +48,8 @@ template <unsigned Size>
   return count_access(e, place);
 }
 
-/// Finds the bytes of an access in the two fast regions and adds the wait cycles of the access: latency, and waits for
-/// the bank if banks are shared. An access across two words consists of two bus accesses, and each of them waits. The
+/// Finds the bytes of an access in the two fast regions and adds its wait cycles: the latency and, if banks are shared,
+/// the waits for the bank. An access that crosses a word boundary is two bus accesses, and each of them waits. The
 /// caller adds the extra cycle of the second bus access (kMisalignedExtra).
 template <unsigned Size>
 [[gnu::always_inline]] inline RamAccess ram_access(Execution& e, const Instruction* at, std::uint32_t address) {

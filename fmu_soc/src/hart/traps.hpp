@@ -11,12 +11,12 @@
 
 namespace mebots::soc {
 
-/// An exception, and the instruction that raised it.
+/// Describes an exception and the instruction that raised it.
 struct Exception {
   std::uint32_t cause = 0;
   std::uint32_t pc = 0;
-  std::uint32_t value = 0;        // mtval
-  std::uint32_t instruction = 0;  // the word at pc; 0 if it cannot be fetched
+  std::uint32_t value = 0;        // value written to mtval
+  std::uint32_t instruction = 0;  // word at `pc`; 0 if it cannot be fetched
   std::uint32_t return_address = 0;
   std::uint32_t stack_pointer = 0;
 
@@ -30,12 +30,13 @@ struct Exception {
   }
 };
 
-/// The reason why a core ended: a trap without a handler, or a trap in a handler that repeats without end.
+/// Stores the reason why a core stopped for good: a trap without a handler, or an endless repetition of traps in a
+/// handler.
 struct Fault {
   bool happened = false;
   bool double_trap = false;
   Exception last;
-  Exception first;  // the first one since a handler returned
+  Exception first;  // first exception since a handler last returned
 
   void visit(state::Visitor& v) {
     v("happened", happened);
@@ -52,15 +53,15 @@ class Traps {
       : execution_(execution), csrs_(csrs), blocks_(blocks) {}
 
   void restart();
-  /// Takes the exception that ended the last block. The cycles of the entry of its handler are not counted yet. If the
-  /// core cannot continue, returns false, and fault() gives the reason.
+  /// Takes the exception that ended the last block. Does not count the cycles of the handler's entry. If the core
+  /// cannot continue, returns false, and fault() contains the reason.
   bool take_exception();
-  /// Returns the pending interrupt of the highest priority.
+  /// Returns the number of the pending interrupt with the highest priority.
   unsigned next_interrupt() const;
-  /// Enters the handler of an exception or interrupt. If the first instruction of the handler cannot be fetched, ends
-  /// the core and returns false.
+  /// Enters the handler of an exception or interrupt. If the handler's first instruction cannot be fetched, stops the
+  /// core and returns false.
   bool enter_handler(std::uint32_t cause, std::uint32_t value);
-  /// mret
+  /// Executes mret.
   const Instruction* leave_handler(const Instruction* at);
 
   const Fault& fault() const { return fault_; }
@@ -72,17 +73,17 @@ class Traps {
 
  private:
   enum class Progress : std::uint8_t {
-    none,     // the same registers, or nested handlers
-    unknown,  // the registers are the same, but memory may have changed
+    none,     // the registers are unchanged, or handlers are nested
+    unknown,  // the registers are unchanged, but memory may have changed
     some,
   };
 
-  /// The state at the last exception, to compare with the next one at the same pc. The comparison also detects endless
-  /// exceptions whose handlers leave without mret, for example by longjmp.
+  /// Stores the state at the last exception, which is compared with the state at the next exception at the same pc. The
+  /// comparison also detects endless exceptions whose handlers leave without mret, for example by longjmp.
   struct LastException {
     std::uint32_t pc = 0;
     std::uint32_t cause = 0;
-    std::uint64_t instructions = 0;  // retired before it
+    std::uint64_t instructions = 0;  // number of instructions that had retired
     std::uint64_t accesses = 0;
     std::array<std::uint32_t, 32> registers{};
 
@@ -105,8 +106,8 @@ class Traps {
   const BlockCache& blocks_;
   Fault fault_;
   LastException last_exception_;
-  std::uint32_t repeats_ = 0;  // exceptions in a row without progress; 0: none since a handler returned
-  std::uint32_t returns_ = 0;  // exceptions in a row with unchanged registers
+  std::uint32_t repeats_ = 0;  // consecutive exceptions without progress; 0 = no exception since a handler returned
+  std::uint32_t returns_ = 0;  // consecutive exceptions with unchanged registers
 };
 
 }  // namespace mebots::soc

@@ -13,7 +13,8 @@ namespace mebots::soc {
 
 class ObservedRun;
 
-/// Steps between functions that translated code records in a run. The observer gets these steps after the run.
+/// Records the steps between functions that translated code makes in a run. The observer receives these steps after the
+/// run.
 class FlowLog {
  public:
   /// Maximum number of cycles of a run that records steps. No block takes more cycles.
@@ -21,9 +22,9 @@ class FlowLog {
 
   FlowLog(Execution& execution, const DecodedCode& decoded) : execution_(execution), decoded_(decoded) {}
 
-  /// Reduces the limit of a run, so that the log can hold all steps of the run. Returns the new limit.
+  /// Reduces the limit of a run, so that the log has room for all steps of the run. Returns the new limit.
   std::uint64_t make_room(std::uint64_t cycles);
-  /// Passes the steps of the last run to the observer, if there is one.
+  /// Passes the steps of the last run to the observer. If there is no observer, has no effect.
   void report(const ObservedRun& observed);
 
  private:
@@ -31,7 +32,7 @@ class FlowLog {
 
   Execution& execution_;
   const DecodedCode& decoded_;
-  std::unique_ptr<Flow[]> steps_;  // allocated at first use
+  std::unique_ptr<Flow[]> steps_;  // buffer; allocated when it is first needed
 };
 
 }  // namespace mebots::soc

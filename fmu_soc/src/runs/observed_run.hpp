@@ -12,9 +12,9 @@
 
 namespace mebots::soc {
 
-/// Runs a core with an observer. The run is the same as without an observer, but the observer is called after each
-/// instruction that it needs. Also runs a core whose program counts events, because each instruction must be accounted
-/// for.
+/// Runs a core with an observer. The results are the same as without an observer, but the observer is called after each
+/// instruction that it needs. This class also runs a core whose program counts events, because it must analyse each
+/// instruction.
 class ObservedRun final : private BlockWalk {
  public:
   ObservedRun(const Hart& hart, Execution& execution, DecodedCode& decoded, Interpreter& interpreter,
@@ -28,16 +28,16 @@ class ObservedRun final : private BlockWalk {
 
   /// Sets the observer; null removes it. `sleeping` is true if the core sleeps now.
   void observe(Observer* observer, bool sleeping);
-  /// Starts or ends the counting of events. No code is translated while events are counted.
+  /// Starts or stops the counting of events. While events are counted, no code is translated.
   void count_events(bool counts);
-  /// True if this class must run the instructions.
+  /// True if this class must run the instructions instead of the interpreter or translated code.
   bool is_on() const { return observer_ != nullptr || counts_; }
-  /// Returns the observer; null if there is none.
+  /// Returns the observer, or null if no observer is set.
   Observer* observer() const { return observer_; }
   /// True if there is an observer that needs a call for each instruction.
   bool wants_all() const { return observer_ != nullptr && flow_ == nullptr; }
-  /// True if the program counts no events, and if there is no observer, or translated code reports enough for it.
-  /// Translated code makes no calls before instructions, and does not record all steps.
+  /// True if code may be translated: the program counts no events, and there is no observer, or the observer only needs
+  /// recorded steps. Translated code does not call before(), and does not record all steps.
   bool allows_translation() const {
     if (counts_) return false;
     return observer_ == nullptr || (flow_ != nullptr && flow_ == decoded_.flow);
@@ -45,12 +45,11 @@ class ObservedRun final : private BlockWalk {
 
   /// Calls the observer's before(). Returns true if the run continues with the instruction at the pc.
   bool continues() { return observer_->before(hart_); }
-  /// Runs a block, or only its first instruction if the block may reach the limit. If `alone` is set, runs only the
-  /// first instruction.
+  /// Runs a block. If the block may reach the limit, or if `alone` is set, runs only its first instruction.
   void run_block(const Block& block, std::uint32_t stall, bool alone);
   void step();
 
-  // Functions that call the observer. If there is no observer, they have no effect.
+  // These functions call the observer. If there is no observer, they have no effect.
   void trapped(const Trapped& trap) {
     account_.entered_trap();
     if (observer_ != nullptr) observer_->trapped(hart_, trap);
@@ -63,7 +62,7 @@ class ObservedRun final : private BlockWalk {
     if (sleep_reported_) [[unlikely]]
       report_wake_up();
   }
-  /// Called after a state was restored. `sleeping` is true if the core sleeps in that state.
+  /// Must be called after a state was restored. `sleeping` is true if the core sleeps in that state.
   void restored(bool sleeping) {
     sleep_reported_ = observer_ != nullptr && sleeping;
     account_.restart();
@@ -84,7 +83,7 @@ class ObservedRun final : private BlockWalk {
   Interpreter& interpreter_;
   const RunLimit& limit_;
   Observer* observer_ = nullptr;
-  const FlowMap* flow_ = nullptr;  // of the observer
+  const FlowMap* flow_ = nullptr;  // result of the observer's flow()
   CycleAccount account_;
   bool counts_ = false;
   bool sleep_reported_ = false;

@@ -10,17 +10,17 @@ namespace mebots::soc::translate {
 
 class Assembler;
 
-/// Writes the code that fetches lines of the instruction cache.
+/// Writes host code that fetches lines of the instruction cache.
 class FetchWriter {
  public:
   explicit FetchWriter(Assembler& assembler) : a_(assembler) {}
 
-  /// True if translated code refills the cache. If other cores use the cache, the interpreter refills it.
+  /// True if translated code refills the cache. If the cache has several users, the interpreter refills it instead.
   bool are_inline() const;
-  /// Writes the code that fetches the absent cache lines of an instruction. Excludes a line that also contains the
-  /// previous instruction.
+  /// Writes the code that fetches the absent cache lines of the instruction `at`. Excludes a line that also contains
+  /// the previous instruction `before`.
   void emit(const Block& block, const Instruction* at, const Instruction* before);
-  /// Jumps if the line of this code is absent. May change rdx.
+  /// Writes a jump to `absent` that is taken if the line of this address is absent. The written code may change rdx.
   void jump_when_absent(std::uint32_t address, Xbyak::Label& absent);
 
  private:

@@ -10,15 +10,14 @@
 
 namespace mebots::soc::translate {
 
-/// A block as part of a region.
+/// Describes a block that is part of a region.
 struct Node {
-  std::uint32_t number = 0;  // of the block
+  std::uint32_t number = 0;  // number of the block
   const Block* block = nullptr;
   const Instruction* first = nullptr;
-  std::uint32_t weight = 1;  // estimate of how often it runs: 8 to the power of its loop depth
+  std::uint32_t weight = 1;  // estimated frequency: 8 to the power of the loop depth
 
-  /// Returns the slot after the node's last instruction. The index of this slot is the number of the node's
-  /// instructions.
+  /// Returns the slot after the node's last instruction. Its index is the number of instructions of the node.
   const Instruction* end() const {
     const auto* at = first;
     while (!is_block_end(at->op)) ++at;
@@ -26,9 +25,10 @@ struct Node {
   }
 };
 
-/// Blocks that are translated together. From one block to the next, guest registers stay in host registers.
+/// Lists blocks that are translated together. Guest registers stay in host registers from one of these blocks to the
+/// next.
 struct Region {
-  std::vector<Node> nodes;  // in the order of their code; the first is the one whose translation was requested
+  std::vector<Node> nodes;  // in the order of their code; the first node is the block whose translation was requested
 
   const Node* find(std::uint32_t number) const {
     for (const auto& node : nodes) {
@@ -38,17 +38,17 @@ struct Region {
   }
 };
 
-/// Returns the block `head` and blocks that were executed after it, directly or through others, up to a maximum size.
-/// Blocks that already have code are excluded.
+/// Returns a region that starts with the block `head`. It also contains blocks that were executed after it, directly or
+/// through others, up to a maximum size. Excludes blocks that already have code.
 Region grow_region(const BlockCache& blocks, std::uint32_t head, const std::function<bool(std::uint32_t)>& has_code);
 
-/// Returns the block to which an instruction's link leads. If this block does not start at `pc`, or if the link is not
-/// set, returns 0.
+/// Returns the number of the block to which the link of an instruction leads. If this block does not start at `pc`, or
+/// if the link is not set, returns 0.
 inline std::uint32_t linked(const BlockCache& blocks, std::uint32_t link, std::uint32_t pc) {
   return link != 0 && blocks.block(link).pc == pc ? link : 0;
 }
 
-/// True if the block's first instruction stalls because of a load at the end of the previous block. `end` is the slot
+/// True if the first instruction of the block stalls because the previous block ends with a load. `end` is the slot
 /// after that load.
 inline bool stalls(const Block& block, const Instruction* end) {
   MEBOTS_ASSERT(is_block_end(end->op));
@@ -56,8 +56,8 @@ inline bool stalls(const Block& block, const Instruction* end) {
 }
 
 /// True if the cycles of a jump at the start of the block depend, or may depend, on the last instructions of the
-/// previous block. `end` is the slot after these instructions. If a block ends with a misaligned load, the interpreter
-/// executes the load.
+/// previous block. `end` is the slot after these instructions. A misaligned load at the end of a block is not
+/// considered, because the interpreter executes it.
 inline bool delays_jump(const BlockCache& blocks, const Block& block, const Instruction* end) {
   MEBOTS_ASSERT(is_block_end(end->op));
   if (!block.early_jump) return false;

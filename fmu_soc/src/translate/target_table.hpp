@@ -14,7 +14,7 @@ namespace mebots::soc::translate {
 /// bytes of 128 KiB of code. Real programs have about this code size, so that hot targets rarely evict each other.
 class TargetTable {
  public:
-  static constexpr std::uint32_t kStep = 2;  // bytes of a pc per entry
+  static constexpr std::uint32_t kStep = 2;  // number of bytes of guest code per entry
   static constexpr std::uint32_t kMask = 0x1fffe;
 
   struct Target {
@@ -23,8 +23,8 @@ class TargetTable {
     const std::uint8_t* code;
   };
 
-  /// calloc() sets all entries to zero, which would match pc 0. Therefore the entry of pc 0 is removed. calloc() is
-  /// used because pages that are never touched cost nothing.
+  /// Removes the entry for pc 0, because calloc() sets all entries to zero, which would match pc 0. calloc() is used
+  /// because pages that are never accessed take no memory.
   TargetTable() : targets_(static_cast<Target*>(std::calloc(kMask / kStep + 1, sizeof(Target)))) {
     if (targets_ == nullptr) throw std::bad_alloc();
     forget(0);
@@ -44,7 +44,7 @@ class TargetTable {
     void operator()(Target* targets) const { std::free(targets); }
   };
 
-  static constexpr std::uint32_t kNone = 1;  // no pc is odd
+  static constexpr std::uint32_t kNone = 1;  // marks an empty entry; no valid pc is odd
   Target& entry_of(std::uint32_t pc) { return targets_[(pc & kMask) / kStep]; }
 
   std::unique_ptr<Target[], Free> targets_;

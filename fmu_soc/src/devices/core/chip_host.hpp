@@ -86,7 +86,7 @@ class ImageSource {
 class DeviceSource {
  public:
   virtual ~DeviceSource() = default;
-  /// Returns the first device of class T, or null if there is none.
+  /// Returns the first device of class T. If no such device exists, returns null.
   template <typename T>
   T* find() const {
     for (auto* device : made_devices()) {
@@ -131,8 +131,8 @@ class ChipHost : public DeviceHost,
                  public ConsolePort,
                  public ProgramEnd {};
 
-/// Collects the interrupts of other devices and has one interrupt line to the core. The key `interrupt` of its own
-/// entry in the board file selects this line.
+/// Collects the interrupts of other devices and has one interrupt line to the core. The key `interrupt` in the
+/// controller's entry of the board file selects this line.
 class InterruptController {
  public:
   virtual ~InterruptController() = default;

@@ -128,7 +128,7 @@ class ClusterTimer : private TimerClock {
     return offset < 8 && (value & TimerCounters::kReferenceClock) != 0;
   }
   void advance(std::uint64_t tick) { counters_.advance(static_cast<std::int64_t>(tick)); }
-  /// Returns the tick of the timer's next event, or kNoTick if there is none.
+  /// Returns the tick of the timer's next event, or kNoTick if no event is due.
   std::uint64_t next_tick() const;
   void reset() { counters_.reset(); }
   void visit(state::Visitor& v) { counters_.visit(v); }

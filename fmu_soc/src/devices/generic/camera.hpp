@@ -35,7 +35,7 @@ class Camera final : public Device {
   static constexpr std::uint32_t kBusy = 1;
   static constexpr std::uint32_t kReady = 2;
   static constexpr std::uint32_t kRefused = 4;
-  /// Up to this size, a picture needs no further memory from the heap.
+  /// A picture up to this size is stored without a new allocation.
   static constexpr std::size_t kReservedBytes = std::size_t{512} * 512;
 
   /// Throws Error if the entry lacks a state.
