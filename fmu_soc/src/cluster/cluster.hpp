@@ -20,11 +20,11 @@
 
 namespace mebots::soc {
 
-/// Up to eight cores with a shared L1, event unit and DMA, in their own clock domain. The rest of the chip sets the
-/// cluster's power, its clock, and the latencies of its accesses to the SoC's memories. It also accesses the cluster's
-/// registers, and receives events from the cluster. The cluster counts time in ticks of its clock, also while all cores
-/// sleep. A sleeping core counts no cycles. The rest of the chip counts picoseconds. Only this class converts between
-/// ticks and picoseconds.
+/// Models up to eight cores that share an L1 memory, an event unit and a DMA, in their own clock domain. The rest of
+/// the chip sets the cluster's power, its clock, and the latencies of its accesses to the SoC's memories. It also
+/// accesses the cluster's registers, and receives events from the cluster. The cluster counts time in ticks of its
+/// clock, also while all cores sleep. A sleeping core counts no cycles. The rest of the chip counts picoseconds. Only
+/// this class converts between ticks and picoseconds.
 ///
 /// The scheduler determines the order of cores, event unit and DMA: each core runs a quantum of ticks in turn. Accesses
 /// to the event unit or the DMA are in the order of their ticks. Accesses in the same tick are in the order of the
@@ -37,31 +37,32 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   Cluster(const Cluster&) = delete;
   Cluster& operator=(const Cluster&) = delete;
 
-  /// Sets the function called after a core has stored into a watched word. If the function returns true, the run ends.
+  /// Sets the function that is called after a core has stored into a watched word. If the function returns true, the
+  /// run ends.
   void set_watcher(std::function<bool(std::uint32_t address)> watcher) { watcher_ = std::move(watcher); }
 
-  /// Serves a core's access to an address outside of memory and of the cluster's registers. `now` is the time of the
-  /// access. The access may change the time of the next event of the rest of the chip.
+  /// Serves an access of a core to an address outside memory and outside the cluster's registers. `now` is the time of
+  /// the access. The access may change the time of the next event in the rest of the chip.
   using Outside = std::function<BusReply(const ClusterAccess& access, Picoseconds now)>;
   void set_outside(Outside outside) { outside_ = std::move(outside); }
 
   unsigned cores() const { return static_cast<unsigned>(cores_.size()); }
   bool powered() const { return powered_.runs(); }
 
-  /// power_off() clears all state of cores and devices. power_on() starts the cluster in the first tick at or after
-  /// `now`. The cluster's registers determine the start address of each core. With MEbots' own devices, all cores start
-  /// at `boot`.
+  /// power_off() clears the state of all cores and devices. power_on() starts the cluster in the first tick at or after
+  /// `now`. The cluster's registers determine the start address of each core. On a board with MEbots' own devices, all
+  /// cores start at `boot`.
   void power_off(Picoseconds now);
   void power_on(Picoseconds now, std::uint32_t boot);
-  /// Sets the frequency from the first tick at or after `now` on.
+  /// Sets the clock frequency from the first tick at or after `now` on.
   void set_clock(Picoseconds now, std::uint32_t hz);
   std::uint32_t clock_hz() const { return clock_.hz(); }
-  /// Returns the memories of a core, L1 first.
+  /// Returns the memories that a core can access. The first one is L1.
   const std::vector<MemoryPort>& ports() const { return settings_.ports; }
   /// Sets the latencies. Must be called between quanta.
   void set_latencies(const ClusterLatencies& latencies);
 
-  /// Returns the time of the cluster's next activity; kNever while all cores sleep and no transfer runs.
+  /// Returns the time of the cluster's next activity. While all cores sleep and no transfer runs, returns kNever.
   Picoseconds next() const;
   /// Returns the time that is `ticks` ticks after the first tick at or after `time`.
   Picoseconds later(Picoseconds time, std::uint64_t ticks) const {
@@ -72,14 +73,14 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   /// cycles.
   void advance(Picoseconds until, Picoseconds last, std::uint64_t cycle_limit);
 
-  /// Functions for accesses of the fabric controller. owns() returns whether the cluster serves an address. Before an
-  /// access, the cluster must have been advanced to `now`.
+  /// Serve accesses of the fabric controller. owns() returns true if the cluster serves an address. Before an access,
+  /// the cluster must have been advanced to `now`.
   bool owns(std::uint32_t address) const;
   BusReply load(std::uint32_t address, Picoseconds now);
   BusReply load_event(std::uint32_t address, Picoseconds now);
   BusReply store(std::uint32_t address, Picoseconds now, std::uint32_t value);
 
-  /// Returns true once when the fabric controller's event load can be answered.
+  /// Returns true if the fabric controller's event load can be answered. Returns true only once for each answer.
   bool take_fabric_wake();
   /// Returns the time of the last event for the rest of the chip: a rise of the interrupt line, an answer to the fabric
   /// controller's event load, or an access of a core outside the cluster.
@@ -88,47 +89,49 @@ class Cluster final : private ClusterBus, private ClusterEvents {
 
   const Hart& hart(unsigned core) const;
   Hart& hart(unsigned core);
-  /// Returns the time at which the core's next instruction starts, or at which its sleep began. If the sleep began
-  /// before the last change of the clock, returns the time of that change. The cluster must be on.
+  /// Returns the time at which the core's next instruction starts. For a sleeping core, returns the time at which its
+  /// sleep began, or the time of the last change of the clock if that is later. The cluster must be on.
   Picoseconds core_time(unsigned core) const;
-  /// Returns the start time of an active cycle. Since that cycle, the core must not have slept and the clock must not
-  /// have changed.
+  /// Returns the time at which an active cycle starts. Since that cycle, the core must not have slept, and the clock
+  /// must not have changed.
   Picoseconds core_time_at(unsigned core, std::uint64_t cycle) const;
-  /// Returns the time of the core that is farthest ahead; if the cluster is off, the time at which it went off.
+  /// Returns the time of the core that is farthest ahead. If the cluster is off, returns the time at which it was
+  /// switched off.
   Picoseconds reached() const;
   /// Returns the time of the next instruction of the core that faulted or stopped the run.
   Picoseconds stop_time() const { return stop_time_; }
-  /// Sets the observer of this core; null removes it. Not part of a state.
+  /// Sets the observer of a core; null removes it. The observer is not part of a state.
   void observe(unsigned core, Observer* observer);
   /// Returns the sum of the cores' counters since reset of the chip.
   Counters counters() const;
-  /// Returns the largest number of active cycles of a core.
+  /// Returns the active cycles of the core that has the most.
   std::uint64_t longest_cycles() const;
-  /// Returns the time for which the cluster was on, up to `now`. `now` may lie within the instruction that switches it
-  /// on.
+  /// Returns the total time until `now` in which the cluster was on. `now` may lie within the instruction that switches
+  /// it on.
   Picoseconds powered_time(Picoseconds now) const { return powered_.up_to(now); }
-  /// Returns the time, up to `now`, in which a core was awake or all cores waited for the DMA. If the cluster has not
-  /// reached `now`, its present state is assumed to continue.
+  /// Returns the total time until `now` in which a core was awake or all cores waited for the DMA. If the cluster has
+  /// not reached `now`, assumes that its present state continues.
   Picoseconds busy_time(Picoseconds now) const { return busy_.up_to(now); }
-  /// Returns the core that cannot continue; -1 = none.
+  /// Returns the core that cannot continue because of a fault, or -1 if no core has faulted.
   int faulted_core() const { return faulted_core_; }
   /// True if a store into a watched word ended the run.
   bool stopped() const { return stopped_; }
-  /// Returns the core whose observer ended the run; -1 if none did.
+  /// Returns the core whose observer has ended the run, or -1 if no observer has ended it.
   int core_stopped_by_observer() const { return core_stopped_by_observer_; }
   const ClusterDma& dma() const { return dma_; }
   /// Returns the number of L1's banks.
   unsigned l1_banks() const { return banks_.count(); }
-  /// Returns the instruction cache of all cores; null if there is none.
+  /// Returns the instruction cache of the cores, or null if they have no instruction cache.
   const InstructionCache* instruction_cache() const { return instruction_cache_.get(); }
 
   void visit(state::Visitor& v);
 
  private:
-  /// Ticks from an event to the first instruction of the core that it wakes. Source: GVSoC, event unit of pulp_open.
+  /// Number of ticks from an event to the first instruction of the core that it wakes. Source: GVSoC, event unit of
+  /// pulp_open.
   static constexpr std::uint64_t kWakeLatency = 2;
 
-  // Calls that the cores make.
+  // Functions that the cores call.
   BusReply access(const ClusterAccess& access) override;
   std::uint32_t interrupt_taken(unsigned core, unsigned line) override;
   bool watched(std::uint32_t address) override { return watcher_ && watcher_(address); }
@@ -149,8 +152,8 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   ClusterSettings settings_;
   std::unique_ptr<InstructionCache> instruction_cache_;
   Banks banks_;
-  Banks soc_port_{1};    // port to the SoC: one access of a core per cycle
-  DecodedCode decoded_;  // of all cores: they run the same code
+  Banks soc_port_{1};    // port to the SoC, which serves one access of a core per cycle
+  DecodedCode decoded_;  // code of all cores, which run the same program
   ClusterDma dma_;
   std::unique_ptr<ClusterPeripherals> peripherals_;
   ClusterScheduler scheduler_;
@@ -159,16 +162,16 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   Outside outside_;
   Clock clock_;
   Stopwatch powered_;
-  bool interrupt_ = false;  // last level of the line
+  bool interrupt_ = false;  // level of the interrupt line at the last check
   bool fabric_woken_ = false;
   bool stopped_ = false;
   Picoseconds stop_time_ = 0;  // not part of a state
-  bool has_news_ = false;      // an event for the rest of the chip occurred in this quantum
+  bool has_news_ = false;      // true if an event for the rest of the chip has occurred in this quantum
   std::int32_t faulted_core_ = -1;
   std::int32_t core_stopped_by_observer_ = -1;  // not part of a state
   Picoseconds fabric_event_time_ = 0;
   Stopwatch busy_;
-  std::uint64_t last_asleep_ = 0;  // tick in which the last core fell asleep since the cluster became busy
+  std::uint64_t last_asleep_ = 0;  // tick in which the last awake core fell asleep, since the cluster became busy
 };
 
 }  // namespace mebots::soc

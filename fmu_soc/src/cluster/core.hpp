@@ -15,23 +15,24 @@
 
 namespace mebots::soc {
 
-/// The bus of a cluster's cores. It corresponds to Bus, but serves several cores, and its times are ticks of the
-/// cluster.
+/// Serves the accesses of a cluster's cores. It corresponds to Bus, but serves several cores, and its times are ticks
+/// of the cluster.
 class ClusterBus {
  public:
   virtual ~ClusterBus() = default;
   virtual BusReply access(const ClusterAccess& access) = 0;
-  /// Called when the core takes the interrupt of this line. Returns the lines that are pending afterwards.
+  /// Called when a core takes the interrupt of a line. Returns the lines that are pending afterwards.
   virtual std::uint32_t interrupt_taken(unsigned core, unsigned line) = 0;
   /// Called after a store into a watched word. If the function returns true, the run ends with this store.
   virtual bool watched(std::uint32_t address) = 0;
 };
 
-/// A core of a cluster: its hart, the conversion of its cycles to ticks, and its permission to access shared devices.
+/// Models a core of a cluster: its hart, the conversion of its cycles to ticks, and its permission to access shared
+/// devices.
 class ClusterCore final : private Bus {
  public:
-  /// `code` is the decoded code of all cores. The banks in `code` are those of L1. `way` is the port to the SoC. The
-  /// settings determine whether cores share this port. All references must outlive the core.
+  /// `code` is the decoded code of all cores, and contains the banks of L1. `way` is the port to the SoC. The settings
+  /// determine whether the cores share this port. All references must outlive the core.
   ClusterCore(ClusterBus& bus, const ClusterSettings& settings, unsigned id, Memory& memory, DecodedCode& code,
               Banks& way)
       : bus_(bus),
@@ -59,17 +60,17 @@ class ClusterCore final : private Bus {
   const Hart& hart() const { return hart_; }
   Hart& hart() { return hart_; }
 
-  // Its time.
+  // Functions for the core's time.
 
-  /// Returns the tick of the core's next instruction, or of the start of its sleep.
+  /// Returns the tick in which the core's next instruction starts, or in which its sleep began.
   std::uint64_t tick() const { return tick_of(hart_.counters().cycles); }
-  /// Returns the tick of an active cycle. The core must not have slept since that cycle.
+  /// Returns the tick of an active cycle. Since that cycle, the core must not have slept.
   std::uint64_t tick_of(std::uint64_t cycle) const { return cycle + offset_; }
   bool sleeps() const { return asleep_; }
-  /// Returns the tick of the core's next instruction; kNoTick while the core sleeps.
+  /// Returns the tick in which the core's next instruction starts. While the core sleeps, returns kNoTick.
   std::uint64_t ready() const { return asleep_ ? kNoTick : tick(); }
 
-  /// Resets all registers, and starts at `pc`.
+  /// Resets all registers and starts the core at `pc`.
   void start(std::uint32_t pc, std::uint64_t tick) {
     hart_.restart(pc);
     if (settings_.has_gap8_interrupts) hart_.set_csr(csr::kMtvec, pc & ~0xffU);
@@ -79,12 +80,12 @@ class ClusterCore final : private Bus {
     resume_at(tick);
     if (observer_ != nullptr) observer_->switched(hart_, true);
   }
-  /// Puts the core to sleep, without a message to the observer.
+  /// Puts the core to sleep without a call of the observer.
   void halt() { asleep_ = true; }
   void stop() {
     if (observer_ != nullptr) observer_->switched(hart_, false);
   }
-  /// Wakes the core in this tick. Returns false if the core was awake.
+  /// Wakes the core in this tick. If the core was already awake, returns false.
   bool wake(std::uint64_t tick) {
     if (!asleep_) return false;
     asleep_ = false;
@@ -99,7 +100,7 @@ class ClusterCore final : private Bus {
     return asleep_ && hart_.sleeping() && hart_.wakes() && wake(tick);
   }
 
-  // Its runs.
+  // Functions for the core's runs.
 
   Stop run(std::uint64_t end) { return hart_.run(end - offset_); }
   /// Records how the core's run ended. Must be called with the result of run().
@@ -116,17 +117,17 @@ class ClusterCore final : private Bus {
     hart_.observe(observer);
   }
 
-  // Its turn.
+  // Functions for the order of accesses to shared devices.
 
   /// True if the core's next instruction accesses a shared device.
   bool waits_for_turn() const { return waits_for_turn_; }
-  /// Permits the access for which the core waits, because no other core has an earlier tick. The core performs the
+  /// Permits the access for which the core waits. Called when no other core has an earlier tick. The core performs the
   /// access in its next run.
   void grant_turn() {
     granted_ = waits_for_turn_;
     waits_for_turn_ = false;
   }
-  /// Returns the tick of the core's last access to a shared device.
+  /// Returns the tick in which the core last accessed a shared device.
   std::uint64_t accessed() const { return accessed_; }
 
   void visit(state::Visitor& v) {
@@ -171,7 +172,7 @@ class ClusterCore final : private Bus {
     return turn(address, cycle, &value, false, size);
   }
   void interrupt_taken(unsigned line) override {
-    granted_ = false;  // the handler runs before the access that was granted, and makes accesses of its own
+    granted_ = false;  // the handler runs before the permitted access, and its own accesses need a new permission
     hart_.set_interrupts(bus_.interrupt_taken(id_, line));
   }
   bool watched(std::uint32_t address) override { return bus_.watched(address); }
@@ -181,7 +182,7 @@ class ClusterCore final : private Bus {
   unsigned id_;
   Hart hart_;
   BankSchedule l1_;
-  BankSchedule soc_port_;  // port to the SoC
+  BankSchedule soc_port_;  // reservations at the port to the SoC
   bool shares_banks_ = false;
   Observer* observer_ = nullptr;
   std::uint64_t offset_ = 0;

@@ -11,15 +11,15 @@
 
 namespace mebots::soc {
 
-/// Timing of the cluster's DMA, in cluster cycles.
+/// Stores the timing of the cluster's DMA, in cluster cycles.
 struct DmaTiming {
   std::uint32_t bytes_per_cycle = 8;
   std::uint32_t most_burst_bytes = 256;
-  std::uint32_t latency = 16;            // from the start to the first data
-  std::uint32_t outstanding = 8;         // most bursts in flight
-  std::uint32_t least_burst_cycles = 2;  // least_burst_of(latency)
-  /// Ticks of the cluster per beat, in units of 1/kBeatUnit. If the SoC's clock is slower than the cluster's clock, a
-  /// beat takes more than one tick.
+  std::uint32_t latency = 16;            // cycles from the start of a transfer to its first data
+  std::uint32_t outstanding = 8;         // maximum number of bursts in flight
+  std::uint32_t least_burst_cycles = 2;  // least_burst_of(latency), stored for speed
+  /// Ticks of the cluster that a beat takes, in units of 1/kBeatUnit. A beat takes more than one tick if the SoC's
+  /// clock is slower than the cluster's clock.
   std::uint32_t beat_ticks = kBeatUnit;
 
   std::uint32_t least_burst_of(std::uint32_t its_latency) const {
@@ -27,7 +27,7 @@ struct DmaTiming {
   }
 
   static constexpr std::uint32_t kBeatUnit = 1U << 16;
-  /// Returns the ticks of the first `beats` beats of a burst.
+  /// Returns the ticks that the first `beats` beats of a burst take.
   std::uint32_t ticks_of(std::uint32_t beats) const {
     return static_cast<std::uint32_t>(std::uint64_t{beats} * beat_ticks / kBeatUnit);
   }
@@ -44,14 +44,14 @@ struct DmaTiming {
 class ClusterDma {
  public:
   static constexpr unsigned kTransfers = 16;
-  /// Status bit that is set after a refused START. A START is refused if its value is no direction, if addresses are
-  /// outside L1 and L2, if there are no bytes, if rows do not divide the size, or if all transfers are in use.
+  /// Status bit that is set after a refused START. A START is refused if its value is not a direction, if addresses are
+  /// outside L1 and L2, if the size is 0 or not a multiple of the row, or if all transfers are in use.
   static constexpr std::uint32_t kRefused = 1U << 31;
 
   ClusterDma(Memory& memory, std::size_t l1_region, const DmaTiming& timing)
       : memory_(memory), l1_region_(l1_region), timing_(timing) {}
 
-  /// Sets the timing of transfers that are queued later.
+  /// Sets the timing of the transfers that are queued after this call.
   void set_timing(const DmaTiming& timing) { timing_ = timing; }
 
   BusReply load(unsigned who, std::uint32_t offset) const;
@@ -62,9 +62,9 @@ class ClusterDma {
     std::uint32_t l2 = 0;
     std::uint32_t l1 = 0;
     std::uint32_t size = 0;
-    std::uint32_t row = 0;     // bytes; 0 = one row
-    std::uint32_t stride = 0;  // bytes in L2 from row to row
-    std::uint32_t id = 0;      // tag of the last transfer that was started
+    std::uint32_t row = 0;     // bytes of a row; 0 = the transfer is one row
+    std::uint32_t stride = 0;  // bytes in L2 from the start of a row to the start of the next
+    std::uint32_t id = 0;      // tag of the transfer that was started last
 
     void visit(state::Visitor& v) {
       v("l2", l2);
@@ -76,31 +76,30 @@ class ClusterDma {
     }
   };
 
-  /// Queues a transfer of a requester, for chips with other DMA registers. If the addresses are not allowed, or if all
-  /// transfers are in use, returns false without effect.
+  /// Queues a transfer of the requester `who`. Used by chips with other DMA registers. If the addresses are not
+  /// allowed, or if all transfers are in use, returns false without effect.
   bool enqueue(unsigned who, const Draft& what, bool out, std::uint64_t tick);
-  /// True if one end of the transfer is in L1 and the other end in another memory.
+  /// True if one side of the transfer is in L1 and the other side is in another memory.
   bool fits(const Draft& draft) const;
   /// True if another transfer can be queued.
   bool has_room() const;
 
-  /// Clears all transfers, including transfers with incomplete commands. Keeps the counts.
+  /// Cancels all transfers and clears incomplete commands. Keeps the counts.
   void reset();
 
   /// True if transfers are queued or running.
   bool busy() const { return next_ != kNoTick; }
-  /// Reserves the banks for all beats before `until`. Must be called before any call of advance() for a tick up to
+  /// Reserves the banks for all beats before `until`. Must be called before advance() is called for a tick up to
   /// `until`.
   void occupy(Banks& banks, std::uint64_t until);
-  /// Returns the earliest tick in which the next transfer can end. The tick is exact if occupy() was called for a time
-  /// after it.
+  /// Returns the earliest tick in which a transfer can end. The tick is exact if occupy() was called for a later time.
   std::uint64_t next_tick() const { return next_; }
-  /// Ends every transfer whose end tick is reached.
+  /// Ends every transfer whose last tick is reached, and calls the listener for each.
   void advance(std::uint64_t tick, TransferListener& listener);
 
   struct Counts {
     std::uint64_t bytes = 0;
-    std::uint64_t busy_cycles = 0;  // in which it moves data or waits for banks
+    std::uint64_t busy_cycles = 0;  // cycles in which the DMA moves data or waits for banks
     std::uint64_t transfers = 0;
 
     void visit(state::Visitor& v) {
@@ -116,11 +115,11 @@ class ClusterDma {
  private:
   struct Transfer {
     Draft what;
-    std::uint32_t out = 0;  // L1 to L2
+    std::uint32_t out = 0;  // 1 for a transfer from L1 to L2
     std::uint32_t who = 0;
-    std::uint64_t end = kNoTick;  // kNoTick = unused
+    std::uint64_t end = kNoTick;  // tick in which the transfer ends; kNoTick = this entry is unused
     std::uint64_t next_beat = 0;
-    std::uint32_t moved = 0;  // bytes moved so far
+    std::uint32_t moved = 0;  // bytes that were moved already
 
     void visit(state::Visitor& v) {
       v("what", what);
@@ -144,8 +143,8 @@ class ClusterDma {
   DmaTiming timing_;
   std::array<Draft, kRequesters> drafts_{};
   std::array<Transfer, kTransfers> transfers_{};
-  std::uint64_t next_ = kNoTick;  // earliest end of all transfers
-  std::uint64_t free_from_ = 0;   // the tick in which the last queued transfer ends
+  std::uint64_t next_ = kNoTick;  // earliest tick in which a transfer ends
+  std::uint64_t free_from_ = 0;   // tick in which the last queued transfer ends
   std::uint32_t status_ = 0;
   Counts counts_;
 };

@@ -11,7 +11,7 @@
 
 namespace mebots::soc {
 
-/// Numbers of events: bits of EVENT_MASK and EVENT_BUFFER. Events 0 to 7 are for the firmware.
+/// Numbers the events; each number is a bit of EVENT_MASK and EVENT_BUFFER. Events 0 to 7 are free for the firmware.
 namespace event {
 inline constexpr unsigned kSoftwareEvents = 8;
 inline constexpr unsigned kDmaDone = 8;
@@ -25,8 +25,8 @@ inline constexpr unsigned kJobDone = 17;
 /// answer is available, take_woken() returns the core, which repeats the load.
 class EventUnit {
  public:
-  /// Status bit of an invalid fork: FORK_CORES is 0 or names a core that does not exist, a core is running, or a
-  /// cluster core writes FORK_CORES.
+  /// Status bit that is set after an invalid fork. A fork is invalid if FORK_CORES is 0 or selects a core that does not
+  /// exist, if a core still executes a fork, or if a cluster core writes FORK_CORES.
   static constexpr std::uint32_t kRefused = 1;
 
   explicit EventUnit(unsigned cores) : cores_(cores) {}
@@ -35,10 +35,10 @@ class EventUnit {
   BusReply load_event(unsigned who, std::uint32_t offset);
   bool store(unsigned who, std::uint32_t offset, std::uint32_t value);
 
-  /// Raises an event for all requesters whose bits are set.
+  /// Sets the event in the buffers of all requesters whose bits are set in `targets`.
   void raise(std::uint32_t targets, unsigned event);
 
-  /// Returns the requesters that wait in an event load, and whose answer became available after the last call.
+  /// Returns the requesters that wait in an event load and whose answer became available since the last call.
   std::uint32_t take_woken() {
     const auto woken = woken_;
     woken_ = 0;
@@ -47,7 +47,7 @@ class EventUnit {
   /// Returns the level of the interrupt line to the fabric controller. The line is active if an event of the fabric
   /// controller is pending and enabled.
   bool interrupt() const { return (of_[kFabricController].buffer & of_[kFabricController].mask) != 0; }
-  /// Returns the cores that execute a fork.
+  /// Returns the cores that execute the present fork.
   std::uint32_t at_work() const { return at_work_; }
 
   void visit(state::Visitor& v);
@@ -58,8 +58,8 @@ class EventUnit {
     std::uint32_t mask = 0;
     std::uint32_t buffer = 0;
     Wait waits_for = Wait::nothing;
-    std::uint32_t barrier_open = 0;  // cores whose barrier is complete
-    std::uint32_t dispatched = 0;    // cores selected by a fork that have not read their entry yet
+    std::uint32_t barrier_open = 0;  // cores for which the barrier is complete
+    std::uint32_t dispatched = 0;    // cores that a fork has selected and that have not read their entry yet
     std::uint32_t argument = 0;
 
     void visit(state::Visitor& v) {

@@ -9,7 +9,7 @@
 
 namespace mebots::soc {
 
-/// MEbots' own event unit and DMA registers. All cores start when the cluster is switched on.
+/// Connects MEbots' own event unit and DMA registers. When the cluster is switched on, all cores start.
 class OwnPeripherals final : public ClusterPeripherals {
  public:
   OwnPeripherals(unsigned cores, std::uint32_t event_unit_base, std::uint32_t dma_base, ClusterDma& dma)
@@ -38,8 +38,8 @@ class OwnPeripherals final : public ClusterPeripherals {
   std::uint32_t dma_base_;
   EventUnit event_unit_;
   ClusterDma& dma_;
-  std::uint32_t boot_ = 0;     // consumed by the call that sets it
-  std::uint32_t started_ = 0;  // consumed by the call that sets it
+  std::uint32_t boot_ = 0;     // only valid until the end of the call that sets it
+  std::uint32_t started_ = 0;  // only valid until the end of the call that sets it
 };
 
 }  // namespace mebots::soc

@@ -12,40 +12,39 @@
 #include <string_view>
 #include <vector>
 
-/// Programs as ELF32 files for RISC-V. Source: Tool Interface Standard, ELF 1.2; RISC-V ELF psABI 1.0.
+/// Reads programs in the format ELF32 for RISC-V. Source: Tool Interface Standard, ELF 1.2; RISC-V ELF psABI 1.0.
 namespace mebots::soc {
 
-/// A loadable segment with its load address and its run address. The two addresses differ if the linker script uses
-/// `AT>`. The bytes are stored at the load address, as in Spike, QEMU and a flash programmer. The start-up code of the
-/// program copies the bytes to the run address.
+/// Stores a loadable segment with its load address and its run address. The two addresses differ if the linker script
+/// uses `AT>`. The bytes are stored at the load address, as Spike, QEMU and a flash programmer do. The program's
+/// start-up code copies them to the run address.
 struct ElfSegment {
-  std::uint32_t load_address = 0;   // p_paddr: where `bytes` are stored
-  std::uint32_t run_address = 0;    // p_vaddr: where the program expects them
-  std::vector<std::uint8_t> bytes;  // from the file; empty for .bss and for NOLOAD sections
-  std::uint32_t size = 0;           // at the run address; bytes that the file lacks are 0 after reset
+  std::uint32_t load_address = 0;   // p_paddr: address at which `bytes` are stored
+  std::uint32_t run_address = 0;    // p_vaddr: address at which the program expects the bytes
+  std::vector<std::uint8_t> bytes;  // content of the file; empty for .bss and for NOLOAD sections
+  std::uint32_t size = 0;           // bytes at the run address; those that the file lacks are 0 after reset
 };
 
 struct ElfSymbol {
-  std::string_view name;  // valid as long as its Elf or a copy of it
+  std::string_view name;  // valid as long as its Elf or a copy of that Elf exists
   std::uint32_t address = 0;
   std::uint32_t size = 0;
   bool function = false;
 
-  /// Returns the name as written in C++, such as "Gauge::read() const" for _ZNK5Gauge4readEv.
+  /// Returns the name in the form of C++ source, such as "Gauge::read() const" for _ZNK5Gauge4readEv.
   std::string shown() const;
 };
 
-/// A program, read from its file and checked.
+/// Stores a program that was read from its file and checked.
 class Elf {
  public:
   /// Throws Error if the bytes are not a complete ELF32 little-endian executable for RISC-V (RV32, without
-  /// floating-point registers). `origin` is the name of the file for messages.
+  /// floating-point registers). Error messages name the file `origin`.
   static Elf parse(std::span<const std::uint8_t> file, const std::string& origin);
   static Elf read(const std::filesystem::path& path);
 
   const std::string& origin() const { return origin_; }
-  /// Returns the first instruction. If the entry point is a run address, this is the load address of the same
-  /// instruction.
+  /// Returns the load address of the first instruction, also if the file's entry point is a run address.
   std::uint32_t entry() const { return entry_; }
   /// Returns the extensions in the file's attributes (Tag_RISCV_arch), such as "rv32i2p1_m2p0_c2p0". If the file has no
   /// such attribute, returns an empty text.
@@ -57,15 +56,15 @@ class Elf {
   /// Returns all symbols that have an address, sorted by address. Excludes mapping symbols ($x, $d, $xrv32imc...) and
   /// the compiler's local labels (.L...).
   const std::vector<ElfSymbol>& symbols() const { return symbols_; }
-  /// Returns the function that contains an address. If there is no such function, returns the label that contains the
-  /// address, or null if there is none.
+  /// Returns the function that contains an address. If no function contains it, returns the label that contains it. If
+  /// there is no such label, returns null.
   const ElfSymbol* covering(std::uint32_t address) const;
   /// Returns a text such as "camera_handler+0x12 (camera.c:41)". If the program was compiled without -g, the text has
   /// no line. If no symbol contains the address, the text is empty.
   std::string where(std::uint32_t address) const;
-  /// Returns a text like that of where() for a return address, but with the source line of the call.
+  /// Returns the text of where() for a return address, but with the source line of the call.
   std::string where_called(std::uint32_t return_address) const;
-  /// Returns the code of all source lines. If the program was compiled without -g, returns an empty list.
+  /// Returns the address ranges of all source lines. If the program was compiled without -g, returns an empty list.
   std::vector<LineRange> line_ranges() const;
 
  private:
@@ -76,13 +75,13 @@ class Elf {
   bool uses_float_registers_ = false;
   std::string architecture_;
   std::vector<ElfSegment> segments_;
-  std::shared_ptr<const std::string> names_;  // of the symbols
-  std::vector<ElfSymbol> symbols_;            // by address
+  std::shared_ptr<const std::string> names_;  // storage of the symbols' names
+  std::vector<ElfSymbol> symbols_;            // sorted by address
   std::shared_ptr<const LineSections> lines_;
 };
 
-/// Returns Tag_RISCV_arch of a section .riscv.attributes, such as "rv32i2p1_m2p0_c2p0"; the text is empty if the
-/// section is damaged or has no such tag. Source: RISC-V ELF psABI 1.0, chapter "Attributes".
+/// Returns the attribute Tag_RISCV_arch of a section .riscv.attributes, such as "rv32i2p1_m2p0_c2p0". If the section is
+/// damaged or lacks the attribute, the text is empty. Source: RISC-V ELF psABI 1.0, chapter "Attributes".
 std::string architecture_in(std::span<const std::uint8_t> attributes);
 
 }  // namespace mebots::soc

@@ -8,37 +8,37 @@
 
 namespace mebots::soc {
 
-/// The sections of a program with line numbers; empty if the file has none.
+/// Stores the sections of a program that contain line numbers. A section that the file lacks is empty.
 struct LineSections {
   std::vector<std::uint8_t> line;         // .debug_line
   std::vector<std::uint8_t> line_string;  // .debug_line_str
   std::vector<std::uint8_t> string;       // .debug_str
 };
 
-/// A line of a source file, such as line 41 of camera.c.
+/// Names a line of a source file, such as line 41 of camera.c.
 struct SourceLine {
-  std::string file;  ///< without its folders
+  std::string file;  ///< file name without folders
   std::uint32_t line = 0;
 
   std::string text() const;
 };
 
-/// A contiguous range of code that belongs to one source line.
+/// Describes a contiguous range of code that belongs to one source line.
 struct LineRange {
   std::uint32_t begin = 0;
   std::uint32_t end = 0;
-  std::string file;  ///< with its folders, as the compiler was given them
+  std::string file;  ///< file name with folders, as it was passed to the compiler
   std::uint32_t line = 0;
 };
 
-/// Returns the ranges of all statements' lines, in the order of the sections. The list of a damaged unit ends at the
-/// damage.
+/// Returns the address ranges of the lines of all statements, in the order of the sections. If a unit is damaged,
+/// returns its ranges up to the damage.
 std::vector<LineRange> all_lines(const LineSections& sections);
 
-/// Returns the source line of the instruction at `address`; nullopt if the sections do not contain it or are damaged.
-/// Reads all sections at each call, which is fast enough for messages. Source: DWARF 5, 6.2 (versions 2 to 5, 32 bits).
-/// MEbots has its own reader, because neither libdw nor libdwarf can be linked statically into the shared library of an
-/// FMU.
+/// Returns the source line of the instruction at `address`. If the sections do not contain it or are damaged, returns
+/// nullopt. Reads all sections at each call, which is fast enough for messages. Source: DWARF 5, 6.2 (versions 2 to 5,
+/// 32 bits). MEbots has its own reader, because neither libdw nor libdwarf can be linked statically into the shared
+/// library of an FMU.
 std::optional<SourceLine> find_line(const LineSections& sections, std::uint32_t address);
 
 }  // namespace mebots::soc

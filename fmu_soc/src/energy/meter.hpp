@@ -13,23 +13,23 @@
 
 namespace mebots::soc {
 
-/// The parts of the chip's energy.
+/// Lists the parts into which the chip's energy is divided.
 enum class Part : std::uint8_t {
-  fabric_controller,   // its instructions, and its clock gate while it sleeps
-  cluster_cores,       // the same for all cores of the cluster together
-  fc_memory,           // accesses to the near memory of the fabric controller
-  l2,                  // accesses
-  l1,                  // accesses to banks
-  interconnect,        // words between cluster and the rest, accesses to devices
-  dma,                 // its transfers, and its clock
-  fc_background,       // clock tree, bus and peripherals of its domain
-  cluster_background,  // clock tree and bus of the cluster, while it is on
-  leakage,             // of all powered domains
-  retention,           // of memories in retention sleep
+  fabric_controller,   // instructions of the fabric controller, and its clock while it sleeps
+  cluster_cores,       // instructions and sleep of all cluster cores together
+  fc_memory,           // accesses of the fabric controller to its near memory
+  l2,                  // accesses to L2
+  l1,                  // accesses to the banks of L1
+  interconnect,        // words between the cluster and the rest of the chip, and accesses to devices
+  dma,                 // transfers of the DMA, and its clock
+  fc_background,       // clock tree, bus and peripherals in the fabric controller's domain
+  cluster_background,  // clock tree and bus of the cluster while it is on
+  leakage,             // leakage of all powered domains
+  retention,           // memories during retention sleep
 };
 inline constexpr std::size_t kParts = 11;
 
-/// Names of the parts in the FMU's variables.
+/// Names of the parts in the FMU's variables, indexed by Part.
 inline constexpr std::array<std::string_view, kParts> kPartNames{
     "fabric_controller", "cluster_cores",      "fc_memory", "l2",       "l1", "interconnect", "dma",
     "fc_background",     "cluster_background", "leakage",   "retention"};
@@ -39,16 +39,16 @@ struct EnergyComponent {
   double energy_j = 0;
 };
 
-/// Energy by part since reset [J].
+/// Stores the energy of each part since reset [J].
 struct EnergyLedger {
   std::array<double, kParts> by_part_j{};
 
   double operator[](Part part) const { return by_part_j[static_cast<std::size_t>(part)]; }
   double& operator[](Part part) { return by_part_j[static_cast<std::size_t>(part)]; }
   double total_j() const;
-  /// Returns the parts of the total with their names.
+  /// Returns the energy of each part together with the part's name.
   std::array<EnergyComponent, kParts> components() const;
-  /// Energy by group: executed instructions; accesses and transfers; all other parts.
+  /// Return the energy of executed instructions, of accesses and transfers, and of all other parts.
   double core_active_j() const;
   double memory_j() const;
   double standing_j() const;
@@ -56,12 +56,12 @@ struct EnergyLedger {
   void visit(state::Visitor& v) { v("by_part_j", by_part_j); }
 };
 
-/// Counts of one core of the cluster since reset.
+/// Stores the counts of one cluster core since reset.
 struct CoreActivity {
-  std::uint64_t instruction_fj = 0;  // at the reference point
-  std::uint64_t cycles = 0;          // awake
+  std::uint64_t instruction_fj = 0;  // energy of the instructions at the reference clock and voltage
+  std::uint64_t cycles = 0;          // cycles in which the core was awake
   std::uint64_t l1_accesses = 0;
-  std::uint64_t far_accesses = 0;  // to L2, through the interconnect
+  std::uint64_t far_accesses = 0;  // accesses to L2, through the interconnect
 
   void visit(state::Visitor& v) {
     v("instruction_fj", instruction_fj);
@@ -71,30 +71,30 @@ struct CoreActivity {
   }
 };
 
-/// The energy [J] by which the total increases if one of a hart's counts increases by one. The settings and all other
-/// counts stay the same.
+/// Stores the energy [J] by which the total increases if one count of a hart increases by one, while the settings and
+/// all other counts stay the same.
 struct CountEnergy {
   double cycle_j = 0;
-  double instruction_j = 0;  // per femtojoule at the reference point
+  double instruction_j = 0;  // for each femtojoule at the reference clock and voltage
   double near_access_j = 0;
   double far_access_j = 0;
   double refill_word_j = 0;
 };
 
-/// Counts and durations of the chip since reset. All are integers.
+/// Stores counts and durations of the chip since reset. All are integers.
 struct Activity {
-  std::uint64_t fc_instruction_fj = 0;       // at the reference point
-  std::uint64_t cluster_instruction_fj = 0;  // at the reference point
+  std::uint64_t fc_instruction_fj = 0;       // energy at the reference clock and voltage
+  std::uint64_t cluster_instruction_fj = 0;  // energy at the reference clock and voltage
   std::uint64_t fc_memory_accesses = 0;
   std::uint64_t l2_accesses = 0;
   std::uint64_t l1_accesses = 0;
-  std::uint64_t far_words = 0;       // through the interconnect
-  std::uint64_t dma_cycles = 0;      // of the cluster's clock, in which it moves data
-  std::uint64_t cluster_cycles = 0;  // awake, sum over the cores
+  std::uint64_t far_words = 0;       // words through the interconnect
+  std::uint64_t dma_cycles = 0;      // cycles of the cluster's clock in which the DMA moves data
+  std::uint64_t cluster_cycles = 0;  // sum of the cycles in which each core was awake
   Picoseconds powered = 0;
   Picoseconds fc_asleep = 0;
   Picoseconds cluster_powered = 0;
-  Picoseconds retained = 0;  // part of `powered` in retention sleep
+  Picoseconds retained = 0;  // part of `powered` that was spent in retention sleep
   std::array<CoreActivity, kMostClusterCores>
       of_cores{};  // the cluster's cores one by one; the sums above contain them
 
@@ -115,29 +115,29 @@ struct Activity {
   }
 };
 
-/// Energies and powers of the chip, from params/*.json, object "energy".
+/// Stores the tables of energy and power from the object "energy" of params/*.json.
 struct EnergyTables {
-  EnergyTable instruction;  // relative cost of an instruction: J at the point over J at the reference point
+  EnergyTable instruction;  // energy of an instruction, relative to its energy at the reference point
   double reference_instruction_j = 0;
-  EnergyTable core_clock_gated;    // W of a sleeping core
-  EnergyTable core_leakage;        // W of a core
-  EnergyTable memory_access;       // J of a word in L2 or the fabric controller's memory
-  EnergyTable l1_access;           // J of a word
-  EnergyTable memory_leakage;      // W of 4 KiB
-  EnergyTable interconnect_word;   // J
-  EnergyTable dma_active;          // W while it moves data
-  EnergyTable dma_background;      // W while the cluster is on
-  EnergyTable fc_background;       // W
-  EnergyTable cluster_background;  // W while the cluster is on
-  EnergyTable cluster_leakage;     // W while the cluster is on, without cores and L1
+  EnergyTable core_clock_gated;    // power of a sleeping core [W]
+  EnergyTable core_leakage;        // leakage of a core [W]
+  EnergyTable memory_access;       // energy of a word in L2 or in the fabric controller's memory [J]
+  EnergyTable l1_access;           // energy of a word in L1 [J]
+  EnergyTable memory_leakage;      // leakage of 4 KiB [W]
+  EnergyTable interconnect_word;   // energy of a word [J]
+  EnergyTable dma_active;          // power while the DMA moves data [W]
+  EnergyTable dma_background;      // power while the cluster is on [W]
+  EnergyTable fc_background;       // power [W]
+  EnergyTable cluster_background;  // power while the cluster is on [W]
+  EnergyTable cluster_leakage;     // leakage while the cluster is on, without cores and L1 [W]
   double retention_voltage_v = 0;
-  double scale = 1;  // multiplies every energy
+  double scale = 1;  // factor for every energy
 
-  /// Reads the tables. Records mistakes in the node's document.
+  /// Reads the tables. Reports mistakes to the document that contains the node.
   static EnergyTables read(const data::Node& node);
 };
 
-/// The settings that determine energy: supplies, clocks, temperature.
+/// Stores the settings on which the chip's energy depends: supplies, clocks and temperature.
 struct PowerState {
   double temperature_c = 25;
   double voltage_v = 1.2;
@@ -152,40 +152,42 @@ struct PowerState {
   }
 };
 
-/// Sizes of the chip's memories and number of cluster cores, on which the energies of the parts depend.
+/// Stores the sizes of the chip's memories and the number of cluster cores. The energies of the parts depend on them.
 struct Inventory {
-  std::uint32_t fc_memory_bytes = 0;  // memories of the fabric controller's domain, with L2
+  std::uint32_t fc_memory_bytes = 0;  // size of the memories in the fabric controller's domain, including L2
   std::uint32_t l1_bytes = 0;
   unsigned cluster_cores = 0;
 };
 
-/// Converts activity to energy. While the settings stay the same, energy is computed from the integers since the last
-/// change, and never accumulated. Therefore the result does not depend on how often the energy is read.
+/// Converts the activity of the chip to energy. While the settings stay the same, the energy is computed from the
+/// integer counts since the last change, and is not accumulated. Therefore the result does not depend on how often the
+/// energy is read.
 class EnergyMeter {
  public:
   EnergyMeter(const EnergyTables& tables, const Inventory& inventory, const PowerState& state);
 
   EnergyLedger at(const Activity& now) const;
-  /// Returns the energy of the instructions and accesses of core `number` of the cluster [J], without the energy of its
-  /// gated clock. This energy is a part of the ledger.
+  /// Returns the energy of the instructions and accesses of cluster core `number` [J], without the energy of its gated
+  /// clock. The ledger contains this energy.
   double core_j(unsigned number, const CoreActivity& now) const;
-  /// Returns the energy of one more unit of each count. The energy of the fabric controller's counts is part of the
-  /// ledger. The energy of a cluster core's counts is part of core_j().
+  /// Return the energy of one more unit of each count. The ledger contains the energy of the fabric controller's
+  /// counts, and core_j() the energy of a cluster core's counts.
   CountEnergy per_count_of_fabric_controller(bool cluster_on) const;
   CountEnergy per_count_of_core() const;
-  /// Changes the settings from `now` on. Must be called before a clock changes the meaning of cycles.
+  /// Applies new settings from `now` on. Must be called before a clock changes, because the energy of a cycle changes
+  /// with it.
   void change(const PowerState& state, const Activity& now);
 
-  /// Returns the time of the last change of settings, since the supply was applied. The ledger of an earlier time is
-  /// not available.
+  /// Returns the time at which the settings last changed, since the supply was applied. The ledger cannot be computed
+  /// for earlier times.
   Picoseconds settled_until() const { return since_.powered; }
 
   void visit(state::Visitor& v);
 
  private:
-  /// Energies and powers at the present settings.
+  /// Stores energies and powers that apply at the present settings.
   struct Rates {
-    double instruction = 1;  // relative to the reference point
+    double instruction = 1;  // relative to the energy at the reference point
     double core_gated_w = 0;
     double memory_access_j = 0;
     double l1_access_j = 0;
@@ -194,8 +196,8 @@ class EnergyMeter {
     double dma_background_w = 0;
     double fc_background_w = 0;
     double cluster_background_w = 0;
-    double leakage_w = 0;          // of domains that are always powered
-    double cluster_leakage_w = 0;  // of the cluster's domain while it is on
+    double leakage_w = 0;          // leakage of the domains that are always powered
+    double cluster_leakage_w = 0;  // leakage of the cluster's domain while it is on
     double retention_w = 0;
   };
   Rates rates_at(const PowerState& state) const;
@@ -204,8 +206,8 @@ class EnergyMeter {
   Inventory inventory_;
   PowerState state_;
   Rates rates_;
-  Activity since_;        // at the last change
-  EnergyLedger settled_;  // up to that change
+  Activity since_;        // activity at the last change of settings
+  EnergyLedger settled_;  // energy up to the last change of settings
   std::array<double, kMostClusterCores> settled_of_cores_j_{};
 };
 

@@ -16,25 +16,25 @@
 
 namespace mebots::soc {
 
-/// Connects the chip with the FMU's variables: parameters and inputs go to the devices; devices and energy ledger
-/// determine the outputs. Plain C++; fmu.cpp binds it to FMI.
+/// Connects the chip with the FMU's variables. Parameters and inputs are passed to the devices, and the devices and the
+/// energy ledger determine the outputs. The class does not use FMI; fmu.cpp does.
 ///
-/// Inputs are sampled at the start of a step. They apply to the instructions that start after the start of the step, up
-/// to and including its end. The outputs at the end of the step contain the requests of these instructions.
+/// Inputs are read at the start of a step. They apply to the instructions that start after the start of the step, up to
+/// and including its end. The outputs at the end of the step contain the effects of these instructions.
 class Model {
  public:
-  /// Reads the board file in `resources` and the firmware. The firmware is the file that the parameter names, or the
-  /// one in `resources`. `variables` contains the variables of the board's devices, and must not move. Throws Error
-  /// that names parameter or file, value and limit.
+  /// Reads the firmware, and the board file in `resources`. The firmware is the file that the parameter names, or the
+  /// file in `resources`. `variables` contains the variables of the board's devices, and must not move. Throws Error
+  /// that names the parameter or file, the value and the limit.
   Model(Variables& variables, const std::filesystem::path& resources, Listeners listeners);
-  /// Completes the files of the observe.* parameters.
+  /// Completes the files that the parameters observe.* have requested.
   ~Model();
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;
 
-  /// Writes the outputs at the start.
+  /// Writes the initial outputs.
   void start(std::int64_t start_ns);
-  /// Advances from start_ns to start_ns + duration_ns (> 0). Throws Error if an input is not a number.
+  /// Advances the chip from start_ns to start_ns + duration_ns (> 0). Throws Error if an input is not a number.
   void step(std::int64_t start_ns, std::int64_t duration_ns);
 
   void visit(state::Visitor& v);
@@ -54,7 +54,7 @@ class Model {
   void report_spinning();
 
   Variables& variables_;
-  std::optional<Past> past_;  // if a debugger can go back in time
+  std::optional<Past> past_;  // set if a debugger can return to earlier instructions
   Listeners listeners_;
   std::string energies_;
   Chip chip_;

@@ -13,13 +13,13 @@
 
 namespace mebots::soc {
 
-/// Data with which a debugger can go back over the steps of a mission: saved states of the chip, and the inputs of all
-/// steps. Only the chip goes back. A replay with the same inputs ends in exactly the present state. The other models
-/// wait and are not affected.
+/// Stores what a debugger needs to return to earlier steps of a mission: states of the chip, and the inputs of all
+/// steps. Only the chip returns. A replay with the same inputs ends in exactly the present state. The other models wait
+/// and are not affected.
 struct Past {
   struct Step {
-    std::uint64_t position = 0;  // of the history at the start of the step
-    Picoseconds began = 0;       // the chip's time there
+    std::uint64_t position = 0;  // position in the history at the start of the step
+    Picoseconds began = 0;       // time of the chip at the start of the step
     std::int64_t end_ns = 0;
     StepInputs inputs;
   };
@@ -33,13 +33,13 @@ struct Past {
     steps.push_back({history.position(), now, end_ns, fields.inputs(before)});
   }
 
-  /// Records that a step begins again. After a change by gdb, the step begins after another number of instructions.
+  /// Records that a step begins again. After a change by gdb, its start may have another position in the history.
   void repeat_step(std::size_t step, Picoseconds now) {
     steps[step].position = history.position();
     steps[step].began = now;
   }
 
-  /// Returns the index of the step that begins at the chip's present position. Throws Error if there is none.
+  /// Returns the index of the step that begins at the chip's present position. Throws Error if no step begins there.
   std::size_t current_step(Picoseconds now) const {
     const auto found = std::ranges::find_if(
         steps, [&](const Step& step) { return step.position == history.position() && step.began == now; });
@@ -47,7 +47,7 @@ struct Past {
     throw Error("gdb cannot go back to a state at which no recorded step of the mission begins");
   }
 
-  /// Forgets all steps, because the co-simulation has restored another state.
+  /// Deletes all steps and states, because the co-simulation has restored another state.
   void clear() {
     history.clear();
     steps.clear();

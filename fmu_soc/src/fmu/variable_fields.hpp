@@ -14,35 +14,36 @@
 
 namespace mebots::soc {
 
-/// The parameters and inputs of a step. Successive steps share equal texts and equal bytes.
+/// Stores the parameters and inputs of a step. Successive steps share equal texts and equal bytes.
 struct StepInputs {
   std::vector<double> numbers;
   std::vector<std::shared_ptr<const std::string>> texts;
   std::vector<std::shared_ptr<const std::vector<std::uint8_t>>> bytes;
 };
 
-/// Copies values between the FMU's variables and the devices that use them, as described by the entries in the board
-/// file:
+/// Copies values between the FMU's variables and the devices that use them. The entries of the board file define the
+/// variables:
 ///
 ///   parameters, inputs -> take() -> devices        at the start of a step
 ///   devices -> write() -> outputs                  at its end
 ///
-/// The power of a device is the mean over a step, from its energies at start and end.
+/// The power of a device is its mean over a step, computed from the energies at start and end.
 class VariableFields {
  public:
-  /// `variables` is the generated struct of the instance. The struct must not move. Throws Error with the name of a
-  /// variable that is in the board file, but not in the FMU or in the device's kind.
+  /// `variables` is the generated struct of the FMU instance, and must not move. Throws Error that names a variable if
+  /// the board file contains it, but the FMU or the kind of the device does not.
   VariableFields(Soc& soc, void* variables);
 
-  /// Throws Error if an input is not a number.
+  /// Passes the parameters and inputs to the devices. Throws Error if an input is not a number.
   void take();
-  /// Returns what take() has just passed to the devices. `before` are the inputs of the previous step, or null.
+  /// Returns the values that take() has just passed to the devices. `before` contains the inputs of the previous step,
+  /// or is null.
   StepInputs inputs(const StepInputs* before) const;
   /// Passes the inputs of an earlier step to the devices. `inputs` must stay valid until begin_step() of the devices
   /// has returned.
   void set(const StepInputs& inputs);
   void write(double step_s);
-  /// Returns the supply voltage of the chip; null if the board has none.
+  /// Returns the supply voltage of the chip, or null if the board has no supply.
   const double* supply_v() const { return supply_v_; }
 
  private:
@@ -71,7 +72,7 @@ class VariableFields {
     const Device* device = nullptr;
     std::optional<fmu::NumberField> power_w;
     std::optional<fmu::NumberField> energy_j;
-    double before_j = 0;  // at the start of the step
+    double before_j = 0;  // energy at the start of the step
   };
 
   void find(const DeviceSet::Member& slot, const BoardVariable& variable, void* variables);

@@ -63,7 +63,7 @@ struct Instruction;
 /// Records a step from one instruction to the next that may enter another function, with the hart's counts since reset.
 /// Translated code writes the counts in the form "as recorded", and the hart converts them for the observer.
 struct Flow {
-  /// As recorded: count of the run in the lower half, and its loads and stores in the upper half.
+  /// As recorded: the lower half counts the instructions of the run, and the upper half its loads and stores.
   std::uint64_t instructions = 0;
   std::uint64_t instruction_fj = 0;  // as recorded: energy of the run
   std::uint64_t cycles = 0;          // as recorded: value of HostState::position

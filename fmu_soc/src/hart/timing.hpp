@@ -18,27 +18,29 @@
 ///          + extra cycles of multi-cycle instructions
 namespace mebots::soc {
 
-/// `rv32imc` is a generic core. It has the cycles of CV32E40P, and the CSRs of the privileged specification: mtvec
-/// aligned to 4 bytes, counters that run after reset, mtval written by exceptions.
+/// Selects the core that is modelled. `rv32imc` is a generic core with the cycles of CV32E40P and the CSRs of the
+/// privileged specification: mtvec is aligned to 4 bytes, counters run after reset, and exceptions write mtval.
 enum class CoreKind : std::uint8_t { cv32e40p, ri5cy, rv32imc };
 
-/// Returns the kind of "cv32e40p", "ri5cy" or "rv32imc"; nullopt for other names. An ISA string also names a generic
-/// core.
+/// Returns the kind that a name selects: "cv32e40p", "ri5cy", or an ISA string such as "rv32imc", which selects a
+/// generic core. For other names, returns nullopt.
 std::optional<CoreKind> core_kind(std::string_view name);
 
-/// Differences between the cores. Source of CV32E40P's CSRs: its user manual 1.8.3, chapter "Control and status
-/// registers", with the default of one event counter.
+/// Contains the differences between the cores. Source of CV32E40P's CSRs: its user manual 1.8.3, chapter "Control and
+/// status registers", with the default of one event counter.
 struct Timing {
   CoreKind kind = CoreKind::ri5cy;
-  Extensions options = {};   // beyond RV32IMC and what the kind always has
-  unsigned pmp_entries = 0;  // of physical memory protection: 0 to 16
+  Extensions options = {};   // extensions besides RV32IMC and those that the kind always has
+  unsigned pmp_entries = 0;  // number of entries of the physical memory protection, 0 to 16
 
-  bool load_after_load_stalls() const { return kind == CoreKind::ri5cy; }      // same destination register
-  bool store_offset_looks_like_rd() const { return kind == CoreKind::ri5cy; }  // imm[4:0] compared with the load's rd
+  /// If both loads have the same destination register.
+  bool load_after_load_stalls() const { return kind == CoreKind::ri5cy; }
+  /// Imm[4:0] is compared with the load's rd.
+  bool store_offset_looks_like_rd() const { return kind == CoreKind::ri5cy; }
   /// True if an unaligned jump target costs no cycle after this operation, because the target is fetched while the core
   /// is still busy.
   bool hides_unaligned_target(Op before) const { return kind == CoreKind::ri5cy && is_multi_cycle(before); }
-  /// Xpulp v2 in the encodings of RI5CY. (CV32E40P has its own.)
+  /// True if the core has Xpulp v2 in the encodings of RI5CY. CV32E40P has other encodings.
   bool has_xpulp() const { return kind == CoreKind::ri5cy; }
   Extensions extensions() const { return has_xpulp() ? options.with(Extension::xpulp) : options; }
   unsigned csr_cycles(unsigned csr) const;
@@ -53,22 +55,22 @@ struct Timing {
 inline constexpr unsigned kTakenBranchExtra = 2;
 inline constexpr unsigned kUnalignedTargetExtra = 1;
 inline constexpr unsigned kMisalignedExtra = 1;
-/// Cycles of a trap's entry. Only the sum of entry and mret was measured: 9 cycles. The division into 4 and 5 cycles is
-/// an assumption.
+/// Number of cycles that the entry of a trap takes. Only the sum of entry and mret was measured, which is 9 cycles. The
+/// division into 4 and 5 cycles is an assumption.
 inline constexpr unsigned kTrapEntryCycles = 4;
 
-/// The part of a previous instruction's state that affects the cycles of later instructions.
+/// Stores those properties of a previous instruction that affect the cycles of later instructions.
 struct Previous {
-  Op op = Op::end_of_block;  // = nothing
-  std::uint8_t rd = 0;       // 0 or kNoRegister = none
-  /// The number of the register that a post-increment wrote, or 0. If the instruction took several cycles (mulh, div,
+  Op op = Op::end_of_block;  // end_of_block = there is no previous instruction
+  std::uint8_t rd = 0;       // destination register; 0 or kNoRegister = none
+  /// Number of the register that a post-increment has written, or 0. If the instruction took several cycles (mulh, div,
   /// misaligned load), the bit kSlow is also set.
   std::uint8_t pointer_and_slow = 0;
 
   static constexpr std::uint8_t kSlow = 0x80;
   constexpr bool slow() const { return (pointer_and_slow & kSlow) != 0; }
   constexpr std::uint8_t pointer() const { return pointer_and_slow & static_cast<std::uint8_t>(~kSlow); }
-  /// True if the previous instruction wrote a register.
+  /// True if the previous instruction has written a register.
   constexpr bool writes() const { return rd != 0 && rd < kRegisters; }
 
   bool operator==(const Previous&) const = default;
@@ -79,7 +81,7 @@ struct Previous {
   }
 };
 
-/// Returns the pipeline state of an executed instruction (Decoded or Instruction).
+/// Returns the properties of an executed instruction (Decoded or Instruction) that affect later instructions.
 template <typename Executed>
 Previous executed(const Executed& instruction, bool across_words) {
   const auto pointer = is_post_increment(instruction.op) ? instruction.rs1 : std::uint8_t{0};
@@ -87,28 +89,28 @@ Previous executed(const Executed& instruction, bool across_words) {
   return {instruction.op, instruction.rd, static_cast<std::uint8_t>(pointer | (slow ? Previous::kSlow : 0))};
 }
 
-/// Returns the state for the instruction after the next one. The bit for slow instructions is cleared, because it only
-/// affects a jump directly after the slow instruction.
+/// Returns the same properties for the instruction after the next one. Clears the bit kSlow, because it only affects a
+/// jump directly after the slow instruction.
 constexpr Previous one_later(Previous before) {
   before.pointer_and_slow = before.pointer();
   return before;
 }
 
-/// An instruction, with the fields that static_cycles() needs.
+/// Contains the fields of an instruction that static_cycles() needs.
 struct Current {
   Op op = Op::end_of_block;
   std::uint8_t rd = 0;
   std::uint8_t rs1 = 0;
   std::uint8_t rs2 = 0;
-  std::uint8_t rs3 = 0;  // a third register that is read; 0 = none
+  std::uint8_t rs3 = 0;  // third source register; 0 = none
   std::int32_t imm = 0;
 };
 
-/// Returns the cycles of an instruction that is not a jump. Excludes stalls and cycles that depend on data.
+/// Returns the cycles of an instruction that is not a jump, without stalls and without cycles that depend on data.
 unsigned own_cycles(const Timing& timing, const Current& current);
 
-/// Returns those cycles of an instruction that are known after decoding. The result depends on the two previous
-/// instructions. Excludes taken branches, operands of divisions, misaligned addresses and unaligned targets.
+/// Returns the cycles of an instruction that are known after decoding. They depend on the two previous instructions.
+/// Excludes the cycles of taken branches, operands of divisions, misaligned addresses and unaligned targets.
 unsigned static_cycles(const Timing& timing, const Previous& two_before, const Previous& before,
                        const Current& current);
 
@@ -116,11 +118,11 @@ unsigned static_cycles(const Timing& timing, const Previous& two_before, const P
 /// instruction, and takes one cycle.
 bool overlaps_slow(const Previous& slow, const Current& current);
 
-/// Returns the largest number of cycles that execution can add to static_cycles(). An additional cycle for an unaligned
-/// target is not included.
+/// Returns the largest number of cycles that execution can add to static_cycles(), without the cycle for an unaligned
+/// target.
 unsigned most_extra_cycles(Op op);
 
-/// Returns the steps of the serial divider beyond kDivideBaseCycles.
+/// Returns by how many cycles a serial division exceeds kDivideBaseCycles.
 constexpr unsigned divide_extra_unsigned(std::uint32_t divisor) {
   return static_cast<unsigned>(std::countl_zero(divisor));
 }
@@ -129,7 +131,7 @@ constexpr unsigned divide_extra_signed(std::uint32_t divisor) {
                                                 : divide_extra_unsigned(divisor);
 }
 
-/// True if an access touches two words, which costs a second bus access.
+/// True if an access touches two words. Such an access needs a second bus access.
 constexpr bool crosses_word(std::uint32_t address, unsigned size) {
   return (address & 3U) + size > 4;
 }

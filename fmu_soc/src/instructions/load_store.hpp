@@ -9,7 +9,7 @@
 #include <cstring>
 #include <type_traits>
 
-/// Loads and stores of RV32I, and those of Xpulp v2 with other address modes.
+/// Implements the loads and stores of RV32I, and those of Xpulp v2 with other address modes.
 namespace mebots::soc {
 
 namespace translate {
@@ -33,25 +33,26 @@ constexpr bool is_post(Mode mode) {
   }
 }
 
-/// Called after an access on the slow path. Returns true if the access was performed, and false if it trapped or was
-/// deferred.
+/// Returns true if an access on the slow path was performed, and false if it trapped or was deferred. Called after the
+/// access.
 inline bool retired(const Execution& e, const Instruction* at) {
   return e.exit == at + 1;
 }
 
-/// Writes back an address register; x0 stays 0.
+/// Writes the incremented address back to the address register. x0 stays 0.
 [[gnu::always_inline]] inline void increment(Execution& e, const Instruction* at, std::uint32_t value) {
   e.x[at->rs1] = value;
   e.x[0] = 0;
 }
 
-/// Address of an access, and the new value of its address register.
+/// Contains the address of an access, and the new value of its address register.
 struct Addresses {
   std::uint32_t access;
   std::uint32_t moved;
 };
 
-/// For loads, the register with the offset or increment is rs2. For stores, `imm` contains the number of this register.
+/// Computes the addresses. For a load, the register with the offset or increment is rs2. For a store, `imm` contains
+/// the number of this register.
 template <Mode kMode>
 [[gnu::always_inline]] inline Addresses addresses_of(const Execution& e, const Instruction* at, std::uint32_t in) {
   const auto base = e.x[at->rs1];
@@ -59,7 +60,7 @@ template <Mode kMode>
   return {is_post(kMode) ? base : moved, moved};
 }
 
-/// Finishes a load. If the load writes its own address register, the register gets the loaded value, not the
+/// Finishes a load. If the load writes its own address register, the register receives the loaded value instead of the
 /// incremented address.
 template <typename T, Mode kMode>
 [[gnu::always_inline]] inline void finish_load(Execution& e, const Instruction* at, const std::uint8_t* data,
@@ -132,7 +133,7 @@ template <typename T, Mode kMode>
   return next(e, at);
 }
 
-/// Type of the value that a load or store of `size` bytes moves.
+/// Type of the value that a load or store of `kSize` bytes transfers.
 template <std::uint8_t kSize, bool kSign>
 using Moved = std::conditional_t<kSize == 4, std::int32_t,
                                  std::conditional_t<kSize == 2, std::conditional_t<kSign, std::int16_t, std::uint16_t>,
@@ -151,7 +152,7 @@ const Instruction* execute_store(Execution& e, const Instruction* at) {
   return load_store::store<std::make_unsigned_t<load_store::Moved<kTraits.size, false>>, kTraits.mode>(e, at);
 }
 
-/// Writes host code for a load or store. Returns false if there is no fast memory.
+/// Writes host code for a load or store. If the core has no fast memory, returns false.
 bool emit_load(translate::Assembler& c, const Instruction* at);
 bool emit_store(translate::Assembler& c, const Instruction* at);
 

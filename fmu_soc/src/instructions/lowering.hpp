@@ -5,8 +5,8 @@
 
 #include <utility>
 
-/// Lowerings that several operations share. The argument of each lowering is a function that writes the host
-/// instruction of one operation.
+/// Generates host code that several operations share. Each function takes a function that writes the host instruction
+/// of one operation.
 namespace mebots::soc::lowering {
 
 using namespace Xbyak::util;
@@ -83,7 +83,8 @@ inline void emit_compare(Assembler& c, unsigned rs1, unsigned rs2) {
   }
 }
 
-/// Writes code that sets rd to 1 or 0, depending on the host's flags. `set_al()` writes the setcc of al.
+/// Writes code that sets rd to 1 or 0, depending on the host's flags. `set_al()` must write the setcc instruction for
+/// al.
 template <typename Set>
 void finish_set(Assembler& c, unsigned rd, Set set_al) {
   set_al();

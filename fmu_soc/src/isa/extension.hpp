@@ -8,22 +8,22 @@
 
 namespace mebots::soc {
 
-/// The extension that a core must have for a row of the tables of instructions. The last two values are properties of a
-/// core that add no instructions.
+/// Names the extension that a core must have for a row in the tables of instructions. The last two values are
+/// properties of a core that add no instructions.
 enum class Extension : std::uint8_t {
-  standard,  // RV32IMC_Zicsr_Zifencei, machine mode
+  standard,  // RV32IMC_Zicsr_Zifencei with machine mode
   xpulp,     // Xpulp v2 as in RI5CY
   a,
   f,
-  zfinx,  // the operations of F on integer registers
+  zfinx,  // operations of F on integer registers
   zba,
   zbb,
   zbc,
   zbs,
-  user,  // U mode
+  user,  // user mode
 };
 
-/// A set of extensions. It always contains `standard`.
+/// Stores a set of extensions. The set always contains `standard`.
 class Extensions {
  public:
   constexpr Extensions() = default;
@@ -36,7 +36,7 @@ class Extensions {
     more.add(extension);
     return more;
   }
-  /// True if the core computes with floats, in separate registers (F) or in the integer registers (Zfinx).
+  /// True if the core has floating-point operations, on separate registers (F) or on integer registers (Zfinx).
   constexpr bool has_floats() const { return has(Extension::f) || has(Extension::zfinx); }
   bool operator==(const Extensions&) const = default;
 
@@ -46,7 +46,7 @@ class Extensions {
   std::uint32_t bits_ = bit(Extension::standard);
 };
 
-/// All extensions that a core can have at the same time; Zfinx excludes F.
+/// Contains all extensions that a core can have at the same time. Zfinx is not included, because F excludes it.
 inline constexpr auto kMostExtensions = [] {
   Extensions most;
   for (const auto extension : {Extension::xpulp, Extension::a, Extension::f, Extension::zba, Extension::zbb,
@@ -56,17 +56,18 @@ inline constexpr auto kMostExtensions = [] {
   return most;
 }();
 
-/// Reads an ISA string such as "rv32imafc_zicsr_zba_zbb"; `u` is U mode. The result never contains Xpulp. If an
-/// extension is unsupported or missing, throws Error with its name and a valid alternative.
+/// Parses an ISA string such as "rv32imafc_zicsr_zba_zbb"; the letter `u` means user mode. The result never contains
+/// Xpulp. If an extension is unsupported or missing, throws Error with its name and a valid alternative.
 Extensions read_isa(std::string_view text);
 
-/// Returns the ISA string of a set, without Xpulp: "rv32imac_zicsr_zifencei_zba".
+/// Returns the ISA string of a set, such as "rv32imac_zicsr_zifencei_zba". Leaves out Xpulp.
 std::string isa_string(Extensions extensions);
 
-/// Returns the extension with this name, such as "A" or "Zba"; `standard` if it is not an option of a core.
+/// Returns the extension with this name, such as "A" or "Zba". If the name is not an option of a core, returns
+/// `standard`.
 Extension optional_extension(std::string_view name);
 
-// Registers: x0 to x31 are 0 to 31, f0 to f31 follow.
+// Numbers of registers: x0 to x31 are 0 to 31, and f0 to f31 follow.
 inline constexpr unsigned kFirstFloat = 32;
 inline constexpr unsigned kRegisters = 64;
 

@@ -9,15 +9,15 @@
 
 namespace mebots::soc {
 
-/// Layout of an encoding's operands. Formats that start with `c` are 16 bits long.
+/// Names the layout of an encoding's operands. Formats that start with `c` are 16 bits long.
 enum class Format : std::uint8_t {
 #include "fmu_soc_isa/format_enum.inc"
 };
 
-/// The source of an operation's second operand.
+/// Selects the source of an operation's second operand.
 enum class Operand : std::uint8_t {
   reg,        // register rs2
-  scalar,     // the low half or byte of register rs2, for all parts
+  scalar,     // low half or byte of register rs2, copied to all parts
   immediate,  // the immediate
 };
 
@@ -26,10 +26,10 @@ constexpr std::uint32_t field(std::uint32_t word, unsigned high, unsigned low, u
   return ((word >> low) & ((1U << (high - low + 1)) - 1U)) << to;
 }
 
-/// The field that contains the number of a register.
+/// Describes the bits of a word that contain the number of a register.
 struct RegisterField {
-  std::uint8_t low = 0;   // its lowest bit
-  std::uint8_t bits = 0;  // 0: the number is always `add`
+  std::uint8_t low = 0;   // lowest bit
+  std::uint8_t bits = 0;  // number of bits; 0 = the number is always `add`
   std::uint8_t add = 0;
 
   constexpr std::uint8_t of(std::uint32_t word) const {
@@ -37,12 +37,12 @@ struct RegisterField {
   }
 };
 
-/// The bits of an immediate in the word.
+/// Describes which bits of a word form an immediate.
 struct Immediate {
   struct Piece {
     std::uint8_t high;
     std::uint8_t low;
-    std::uint8_t to = 0;  // lowest bit of the piece in the immediate
+    std::uint8_t to = 0;  // bit of the immediate to which the lowest bit of the piece is moved
   };
   static constexpr std::uint8_t kUnsigned = 31;
   static constexpr std::size_t kMostPieces = 8;
@@ -54,7 +54,7 @@ struct Immediate {
 
   std::array<Piece, kMostPieces> pieces{};
   std::size_t count = 0;
-  std::uint8_t sign = kUnsigned;  // the bit that is copied to all bits above it
+  std::uint8_t sign = kUnsigned;  // bit of the immediate that is copied to all higher bits
 
   constexpr std::int32_t of(std::uint32_t word) const {
     std::uint32_t value = 0;
@@ -63,27 +63,27 @@ struct Immediate {
   }
 };
 
-/// The meaning of an immediate as a second operand.
+/// Selects how an immediate is converted to the second operand.
 enum class Value : std::uint8_t {
   as_it_is,
-  bound,           // of a clip: the immediate is the number of its bits
-  in_all_parts,    // of a SIMD operation
-  selects_halves,  // of a shuffle, from the highest part to the lowest
+  bound,           // clip: the immediate is the number of bits
+  in_all_parts,    // SIMD: the immediate is copied to all parts
+  selects_halves,  // shuffle: one bit for each half, from the highest half to the lowest
   selects_bytes,
 };
 
-/// Conditions under which an encoding is reserved or belongs to another instruction.
+/// Lists the conditions under which an encoding is reserved or belongs to another instruction.
 enum class Reserved : std::uint8_t {
   never,
   zero_immediate,
   zero_immediate_or_sp,  // rd = x2
-  long_shift,            // 32 places or more
-  zero_at_7,             // x0 in bits 11:7
-  zero_at_2,             // x0 in bits 6:2
-  rounding,              // no rounding mode in bits 14:12
+  long_shift,            // the shift amount is 32 or more
+  zero_at_7,             // bits 11:7 contain x0
+  zero_at_2,             // bits 6:2 contain x0
+  rounding,              // bits 14:12 contain no valid rounding mode
 };
 
-/// A format of isa/formats.decode.
+/// Describes a format of isa/formats.decode.
 struct FormatRow {
   std::uint8_t bytes = 4;
   RegisterField rd{};
@@ -94,7 +94,7 @@ struct FormatRow {
   Operand operand = Operand::reg;  // source of the second operand
   Value value = Value::as_it_is;
   Reserved reserved = Reserved::never;
-  std::string_view text{};  // text of the operands; disassembly.cpp replaces names in braces
+  std::string_view text{};  // assembly text of the operands; disassembly.cpp replaces the names in braces
 };
 
 namespace format_rows {

@@ -8,12 +8,12 @@
 
 namespace mebots::soc {
 
-/// An operation, independent of its encoding: `c.addi` and `addi` are both `addi`.
+/// Names an operation, independent of its encoding: `c.addi` and `addi` are both `addi`.
 enum class Op : std::uint16_t {
 #include "fmu_soc_isa/op_enum.inc"
 };
 
-/// The kind of an operation, for timing, decoding and translation. `other` contains plain arithmetic, and operations
+/// Classifies the operations for timing, decoding and translation. `other` contains plain arithmetic, and operations
 /// with special handlers.
 enum class OpKind : std::uint8_t {
   other,
@@ -27,65 +27,66 @@ enum class OpKind : std::uint8_t {
   csr_immediate,
   hardware_loop,
   shifted_sum,          // Xpulp: adds or subtracts, then shifts right
-  multiply_accumulate,  // Xpulp: of words
+  multiply_accumulate,  // Xpulp: multiplies words and adds the product
   multiply_halves,      // Xpulp: multiplies, may add, then shifts right
-  simd,                 // Xpulp, on halves or bytes; those of the next four are SIMD as well
+  simd,                 // Xpulp: works on halves or bytes, like the next four kinds
   simd_compare,
   simd_shift,
-  simd_parts,  // moves halves or bytes
+  simd_parts,  // copies halves or bytes
   dot_product,
-  float_arithmetic,  // F: sums, and those of the next kinds
+  float_arithmetic,  // F: sums; the next six kinds are also operations of F
   float_multiply,
   float_multiply_add,
   float_divide,
   float_root,
-  float_convert,  // from or to an integer
-  float_other,    // signs, comparisons, classes, moves
-  block_end,      // not an instruction: the slot after the last one of a decoded block
+  float_convert,  // conversion from or to an integer
+  float_other,    // signs, comparisons, classes and moves
+  block_end,      // marks the slot after the last instruction of a decoded block
 };
 
-/// How a load or store computes its address and changes the address register.
+/// Selects how a load or store computes its address and changes the address register.
 enum class AddressMode : std::uint8_t { offset, offset_register, post_immediate, post_register };
 
-/// True if the offset or increment is in a register.
+/// True if a register contains the offset or increment.
 constexpr bool has_step_register(AddressMode mode) {
   return mode == AddressMode::offset_register || mode == AddressMode::post_register;
 }
 
-/// Condition that a SIMD comparison tests for each pair of parts.
+/// Names the condition that a SIMD comparison tests for each pair of parts.
 enum class Relation : std::uint8_t { eq, ne, gt, ge, lt, le };
 
-// Cycles of multi-cycle instructions, measured on the RTL (hart/timing.hpp).
+// Cycles of instructions that take several cycles, measured on the RTL (hart/timing.hpp).
 inline constexpr unsigned kMultiplyHighCycles = 5;
 inline constexpr unsigned kDivideBaseCycles = 3;
 inline constexpr unsigned kFenceCycles = 4;
-/// Maximum numbers of cycles in CV32E40P's user manual for FPU_ADDMUL_LAT = FPU_OTHERS_LAT = 0. With these values, all
-/// other floating-point operations take one cycle. The real core may continue earlier if the next instructions do not
-/// need the result.
+/// Maximum numbers of cycles in CV32E40P's user manual for FPU_ADDMUL_LAT = FPU_OTHERS_LAT = 0. With these parameters,
+/// all other floating-point operations take one cycle. The real core may continue earlier if the next instructions do
+/// not need the result.
 inline constexpr unsigned kFloatDivideCycles = 19;
 inline constexpr unsigned kFloatRootCycles = 19;
-/// Cycles of mret. Only the sum of a trap's entry and mret was measured: 9 cycles. The division into 4 and 5 cycles is
-/// an assumption.
+/// Number of cycles that mret takes. Only the sum of a trap's entry and mret was measured, which is 9 cycles. The
+/// division into 4 and 5 cycles is an assumption.
 inline constexpr unsigned kMretCycles = 5;
 
-/// Properties that all encodings of an operation share. Properties that a kind does not have keep their default values.
+/// Stores the properties that all encodings of an operation share. Properties that do not apply to a kind keep their
+/// default values.
 struct OpTraits {
   OpKind kind = OpKind::other;
-  std::uint8_t size = 0;   // of a load or store [byte]
-  std::uint8_t parts = 0;  // SIMD: 2 halves or 4 bytes
-  bool sign = false;       // operands are signed; for a dot product, the first; a load extends the sign
+  std::uint8_t size = 0;   // bytes that a load or store accesses
+  std::uint8_t parts = 0;  // SIMD: 2 for halves, 4 for bytes
+  bool sign = false;  // operands are signed; for a dot product, only the first one; for a load, the sign is extended
   AddressMode mode = AddressMode::offset;
   Relation relation = Relation::eq;
-  bool second_sign = false;  // of a dot product
-  bool reads_rd = false;     // also reads the register that it writes; a shifted sum is then shifted by a register
-  bool rounds = false;       // before it shifts
+  bool second_sign = false;  // dot product: the second operand is signed
+  bool reads_rd = false;     // the operation also reads rd; a shifted sum is then shifted by a register
+  bool rounds = false;       // rounds before it shifts
   bool subtracts = false;
-  bool high = false;        // takes the upper halves
-  bool ends_block = false;  // the next instruction is unknown, or may depend on this one
-  unsigned cycles = 1;      // without cycles that depend on data; for CSR accesses see Timing::csr_cycles
-  bool reads_rs2 = true;    // false: the field contains a value or the number of a loop
-  bool atomic = false;      // of the A extension
-  bool floats = false;      // of F or Zfinx
+  bool high = false;        // uses the upper halves
+  bool ends_block = false;  // a block ends here: the next instruction is unknown, or may depend on this one
+  unsigned cycles = 1;      // without cycles that depend on data; for CSR accesses, see Timing::csr_cycles
+  bool reads_rs2 = true;    // if false, the field rs2 contains a value or the number of a loop
+  bool atomic = false;      // operation of the A extension
+  bool floats = false;      // operation of F or Zfinx
 };
 
 namespace op_rows {
@@ -94,7 +95,7 @@ inline constexpr auto kTraits = std::to_array<OpTraits>({
 #include "fmu_soc_isa/op_traits.inc"
 });
 
-/// Returns a name such as "op 1f0a93c2". Its digits are a hash (FNV-1a) of the operations' names in their order.
+/// Returns a name such as "op 1f0a93c2". The digits are a hash (FNV-1a) of all operations' names in their order.
 consteval auto name_in_states() {
   std::uint32_t hash = 0x811c9dc5;
   for (const char letter : std::string_view(
@@ -126,7 +127,7 @@ constexpr bool is_load(Op op) {
 constexpr bool is_store(Op op) {
   return traits_of(op).kind == OpKind::store;
 }
-/// True if the address register is incremented after the access.
+/// True if the operation increments the address register after the access.
 constexpr bool is_post_increment(Op op) {
   const auto mode = traits_of(op).mode;
   return mode == AddressMode::post_immediate || mode == AddressMode::post_register;
@@ -143,7 +144,7 @@ constexpr bool is_multiply_high(Op op) {
 constexpr bool is_divide(Op op) {
   return traits_of(op).kind == OpKind::divide;
 }
-/// True for mulh* and divisions, which take several cycles, whichever instructions come before them.
+/// True for mulh* and divisions, which always take several cycles.
 constexpr bool is_multi_cycle(Op op) {
   return is_multiply_high(op) || is_divide(op);
 }
@@ -166,14 +167,15 @@ constexpr bool is_dot_product(Op op) {
 constexpr bool is_multiply_accumulate(Op op) {
   return traits_of(op).kind == OpKind::multiply_accumulate || traits_of(op).kind == OpKind::multiply_halves;
 }
-/// True for an operation of F or Zfinx, which is illegal while the floating-point unit is off.
+/// True if the operation belongs to F or Zfinx. Such an operation is illegal while the floating-point unit is off.
 constexpr bool is_float(Op op) {
   return traits_of(op).floats;
 }
 constexpr bool is_atomic(Op op) {
   return traits_of(op).atomic;
 }
-/// True if the operation reads a third register, whose number is in the immediate above the rounding mode.
+/// True if the operation reads a third register. The number of this register is in the immediate, above the rounding
+/// mode.
 constexpr bool is_float_multiply_add(Op op) {
   return traits_of(op).kind == OpKind::float_multiply_add;
 }

@@ -14,22 +14,22 @@
 
 namespace mebots::soc {
 
-/// The claimed cycles of the banks of a shared memory: a table with a row per tick and a byte per bank. A bank serves
-/// one word per cycle; consecutive words lie in consecutive banks.
+/// Stores the cycles in which the banks of a shared memory are claimed: a table with a row for each tick and a byte for
+/// each bank. A bank serves one word per cycle. Consecutive words are in consecutive banks.
 ///
-/// Translated code keeps pointers into the table, and increases them without checks. Therefore the table has spare rows
+/// Translated code stores pointers into the table and increases them without checks. Therefore the table has spare rows
 /// after the last tick that a core can reach, and only the scheduler starts the table again from its first row.
 class Banks {
  public:
   static constexpr unsigned kMost = 32;
-  /// When the time reaches this row, the table should be started again.
+  /// When the time has advanced by this number of rows, the table should be started again.
   static constexpr std::uint64_t kTurn = 4096;
-  /// The maximum number of ticks of one run of translated code, and the maximum number of ticks by which the run's last
-  /// block can exceed this limit.
+  /// Maximum number of ticks of one run of translated code, and maximum number of ticks by which the last block of the
+  /// run can exceed this limit.
   static constexpr std::uint64_t kLongestRun = 1024;
   static constexpr std::uint64_t kLongestBlock = 5120;
-  /// Number of ticks that can be claimed, from the start of the table. In the last block of a run, a core may reach the
-  /// last of these ticks and wait.
+  /// Number of ticks, from the start of the table, that can be claimed. In the last block of a run, a core may reach
+  /// the last of these ticks and wait.
   static constexpr std::uint64_t kReach = kLongestRun + kLongestBlock + 1024;
 
   /// `count` must be a power of two, at most kMost.
@@ -39,8 +39,8 @@ class Banks {
 
   unsigned count() const { return count_; }
 
-  /// Returns the ticks from `tick` to the first free cycle of the bank. A tick before the start of the table counts as
-  /// the start. All cycles from kReach after the start are free.
+  /// Returns the number of ticks from `tick` to the first free cycle of the bank. A tick before the start of the table
+  /// counts as the start. All cycles from kReach after the start are free.
   std::uint32_t wait(std::uint64_t tick, std::uint32_t address) const {
     const auto end = start_ + kReach;
     if (tick >= end) return 0;
@@ -48,32 +48,32 @@ class Banks {
     while (at < end && taken_[place_of(at, address)] != 0) ++at;
     return static_cast<std::uint32_t>(at - tick);
   }
-  /// Reserves the cycle that wait() finds. Returns the ticks up to that cycle.
+  /// Reserves the cycle that wait() finds. Returns the number of ticks from `tick` to that cycle.
   std::uint32_t claim(std::uint64_t tick, std::uint32_t address) {
     const auto waited = wait(tick, address);
     if (tick + waited < start_ + kReach) byte_of(tick + waited, address) = 1;
     return waited;
   }
-  /// Returns the ticks from `tick` on in which conflicts are possible.
+  /// Returns the number of ticks from `tick` on in which conflicts are possible.
   std::uint64_t ticks_left(std::uint64_t tick) const { return start_ + kReach - std::min(tick, start_ + kReach); }
 
-  /// Claims the banks of all words from `address` to before `end` in `tick`. If a bank is claimed already, claims its
-  /// next tick instead, without a check. Therefore at most one other user may claim cycles. Returns 1 if any bank was
-  /// already claimed, and 0 if none was.
+  /// Claims the banks of all words from `address` up to, but not including, `end` in `tick`. If a bank is already
+  /// claimed, claims its next tick instead, without a check. Therefore at most one other user may claim cycles. Returns
+  /// 1 if any bank was already claimed, and 0 if none was.
   std::uint32_t claim_or_next(std::uint64_t tick, std::uint32_t address, std::uint32_t end) {
     if (tick < start_ || tick + 1 >= start_ + kReach) return 0;
     auto* row = &byte_of(tick, 0);
     std::uint32_t wait = 0;
     for (; address < end; address += 4) {
       const auto bank = address / 4 & (count_ - 1);
-      const std::uint32_t taken = row[bank];  // 0 or 1, without a branch that the host cannot predict
+      const std::uint32_t taken = row[bank];  // 0 or 1; avoids a branch that the host cannot predict
       row[bank + taken * count_] = 1;
       wait |= taken;
     }
     return wait;
   }
 
-  /// Drops ticks before `tick`. `tick` must not decrease from call to call.
+  /// Removes the rows before `tick`. `tick` must not decrease from call to call.
   void move_to(std::uint64_t tick) {
     MEBOTS_ASSERT(tick >= start_, "ticks do not go back");
     clear(start_, tick);
@@ -81,13 +81,13 @@ class Banks {
     set_horizon();
   }
   std::uint64_t start() const { return start_; }
-  /// Frees all cycles.
+  /// Frees all claimed cycles.
   void free_all() { std::fill(taken_.begin(), taken_.end(), std::uint8_t{0}); }
 
-  /// True if the table must restart before it can move to `tick`.
+  /// True if the table must be started again before it can move to `tick`.
   bool must_start_over(std::uint64_t tick) const { return tick >= base_ + kTurn; }
-  /// Moves the table so that it begins at `tick`. No cycle after `last` is reserved. Returns the number of bytes by
-  /// which the rows have moved to the front.
+  /// Moves the table so that its first row is `tick`. No cycle after `last` may be claimed. Returns the number of bytes
+  /// by which the rows were moved to the front.
   std::uint64_t start_over(std::uint64_t tick, std::uint64_t last) {
     move_to(tick);
     const auto first = std::min(tick - base_, kRows);
@@ -101,12 +101,12 @@ class Banks {
     return moved;
   }
 
-  /// Returns the byte of the first bank in a tick, for translated code. The row of the next tick follows count() bytes
-  /// later.
+  /// Returns the address of the first bank's byte in a tick, for translated code. The row of the next tick is count()
+  /// bytes later.
   std::uint8_t* row(std::uint64_t tick) { return &byte_of(std::max(tick, start_), 0); }
-  /// Returns the address of the row after the last row that a core can wait for.
+  /// Returns the address of a pointer to the row after the last row that a core can wait for.
   const std::uint8_t* const* horizon() const { return &horizon_; }
-  /// Returns a table that a single user of the memory may write to. Its content has no meaning.
+  /// Returns a table to which translated code writes if the memory has a single user. Its content is not used.
   std::uint8_t* unread() { return unread_.data(); }
 
   void visit(state::Visitor& v) {
@@ -125,8 +125,8 @@ class Banks {
  private:
   static constexpr std::uint64_t kRows = kTurn + kReach + kLongestBlock;
 
-  /// Returns the claims from the start of the table on, up to the last claim. The result is short, because nearly all
-  /// of the table is free.
+  /// Returns the claims from the start of the table to the last claim. The result is short, because nearly all of the
+  /// table is free. of the table is free.
   std::vector<std::uint8_t> taken_from_start() const {
     const auto begin = std::min<std::uint64_t>((start_ - base_) * count_, taken_.size());
     MEBOTS_ASSERT(start_ >= base_, "the table begins before what it shows");
@@ -153,19 +153,19 @@ class Banks {
   void set_horizon() { horizon_ = taken_.data() + std::min(start_ - base_ + kReach, kRows) * count_; }
 
   unsigned count_;
-  std::uint64_t base_ = 0;   // tick of the first row
-  std::uint64_t start_ = 0;  // earlier rows are cleared
+  std::uint64_t base_ = 0;   // tick of the table's first row
+  std::uint64_t start_ = 0;  // rows of earlier ticks were cleared
   std::vector<std::uint8_t> taken_;
   std::vector<std::uint8_t> unread_;
   const std::uint8_t* horizon_ = nullptr;
 };
 
-/// Access to the banks for one core. Converts the core's active cycles to ticks.
+/// Connects one core to the banks. Converts the core's active cycles to ticks.
 class BankSchedule {
  public:
   explicit BankSchedule(Banks& banks) : banks_(&banks) {}
 
-  /// Sets the ticks for which an access occupies its bank; at least 1.
+  /// Sets the number of ticks for which an access occupies its bank, at least 1.
   void set_ticks(std::uint32_t ticks) { ticks_ = ticks; }
 
   /// Sets the difference between the core's cycles and the banks' ticks: active cycle `cycle` is tick `cycle + offset`
@@ -179,7 +179,7 @@ class BankSchedule {
   /// Returns the number of cycles from active cycle `cycle` on in which conflicts are possible.
   std::uint64_t cycles_left(std::uint64_t cycle) const { return banks_->ticks_left(cycle + offset_); }
 
-  /// Claims a bank for an access in active cycle `cycle`. Returns the cycles to wait.
+  /// Claims a bank for an access in active cycle `cycle`. Returns the number of cycles that the access waits.
   std::uint32_t claim(std::uint64_t cycle, std::uint32_t address) {
     const auto wait = banks_->claim(cycle + offset_, address);
     for (std::uint32_t i = 1; i < ticks_; ++i) banks_->claim(cycle + offset_ + wait + i, address);

@@ -15,14 +15,15 @@ namespace mebots::soc {
 
 class Memory;
 
-/// Shape and cost of an instruction cache, from the board. Sizes and number of ways are powers of two.
+/// Stores the shape and the timing of an instruction cache, as the board defines them. Sizes and number of ways are
+/// powers of two.
 struct InstructionCacheSettings {
   std::uint32_t size = 0;  // bytes; 0 = no cache
   std::uint32_t line = 16;
   std::uint32_t ways = 4;
-  std::uint32_t refill_cycles = 0;      // from the miss until the core has its instruction
-  std::uint32_t refill_soc_cycles = 0;  // of a cluster: additional cycles in the clock of the SoC
-  bool invalid_ways_first = false;      // of a cluster: a refill prefers an invalid way
+  std::uint32_t refill_cycles = 0;      // cycles from a miss until the core has its instruction
+  std::uint32_t refill_soc_cycles = 0;  // cluster only: additional cycles in the clock of the SoC
+  bool invalid_ways_first = false;      // cluster only: a refill prefers an invalid way
 };
 
 /// Models which lines a cache contains. It stores no instructions; they are always read from memory.
@@ -51,8 +52,8 @@ class InstructionCache {
   std::uint32_t address_of(std::uint32_t line) const { return line << line_bits_; }
   std::uint32_t words_per_line() const { return 1U << (line_bits_ - 2); }
   std::uint32_t refill_cycles() const { return refill_cycles_; }
-  /// Sets the cycles of later refills. Only allowed for a shared cache. For other caches, translated code contains the
-  /// number of cycles as a constant.
+  /// Sets the number of cycles that later refills take. Only allowed for a shared cache. For other caches, translated
+  /// code contains the number as a constant.
   void set_refill_cycles(std::uint32_t cycles) {
     MEBOTS_ASSERT(is_shared());
     refill_cycles_ = cycles;
@@ -61,20 +62,20 @@ class InstructionCache {
 
   bool is_shared() const { return !arrivals_.empty(); }
 
-  /// True if the line is present or being fetched.
+  /// True if the cache contains the line or is fetching it.
   bool holds(std::uint32_t line) const { return find(line) != nullptr; }
-  /// True if a line of the covered memory has arrived, for all cores.
+  /// True if the line is in a covered memory and has arrived for all cores.
   bool has_arrived(std::uint32_t line) const {
     const auto* entry = find(line);
     return entry != nullptr && *entry->present != 0;
   }
-  /// Returns the presence byte of the line of this address. The presence bytes of the next lines of the same memory
-  /// follow this byte. A byte is 1 if its line has arrived, so that translated code needs one instruction to test it.
-  /// Returns null if no covered memory contains the address.
+  /// Returns the presence byte of the line that contains this address. The presence bytes of the next lines of the same
+  /// memory follow this byte. A byte is 1 if its line has arrived, so that translated code can test it with one
+  /// instruction. If no covered memory contains the address, returns null.
   const std::uint8_t* presence(std::uint32_t address) const;
-  /// Returns the wait cycles of a fetch from this line in cycle `tick`. Fetches the line if it is absent.
+  /// Fetches the line if it is absent. Returns the number of cycles that a fetch in cycle `tick` waits.
   std::uint32_t fetch(std::uint32_t line, std::uint64_t tick);
-  /// Fetches an absent line. Returns the wait cycles.
+  /// Fetches an absent line. Returns the number of cycles that the fetch waits.
   std::uint32_t refill(std::uint32_t line, std::uint64_t tick) {
     const auto place = (line & set_mask_) * ways_ + way_for(line);
     auto& entry = entries_[place];
@@ -89,12 +90,13 @@ class InstructionCache {
     }
     return refill_cycles_;
   }
-  /// For a shared cache: reports that no core will access the cache before this tick.
+  /// Informs a shared cache that no core will access it before this tick.
   void settle(std::uint64_t tick) {
     if (!pending_refills_.empty()) [[unlikely]]
       note_arrivals(tick);
   }
-  /// For a shared cache: true if no other core can need a line before the line arrives for the core that fetches it.
+  /// Only for a shared cache: `alone` must be true if no other core can need a line before it arrives for the core that
+  /// fetches it.
   void set_alone(bool alone);
   /// Invalidates all lines.
   void flush();
@@ -103,26 +105,26 @@ class InstructionCache {
 
   void visit(state::Visitor& v);
 
-  static constexpr std::uint32_t kNoLine = ~std::uint32_t{0};  // marks an empty entry; the last line contains no code
+  static constexpr std::uint32_t kNoLine = ~std::uint32_t{0};  // marks an empty entry; no code is in the last line
 
   struct Entry {
-    std::uint8_t* present = nullptr;  // presence byte of its line; derived from the line
+    std::uint8_t* present = nullptr;  // presence byte of `line`; derived from `line`
     std::uint32_t line = kNoLine;
 
     void visit(state::Visitor& v) { v("line", line); }
   };
 
-  /// State that a refill changes, for translated code of the only user of the cache.
+  /// Stores what a refill changes. Translated code accesses it if the cache has one user.
   struct State {
-    Entry* entries = nullptr;  // by set, then way
+    Entry* entries = nullptr;  // sorted by set, then by way
     std::uint64_t refills = 0;
     std::uint8_t shift_register = 0;
-    std::array<std::uint8_t, 256> next_shift{};  // successor of each value of the shift register
+    std::array<std::uint8_t, 256> next_shift{};  // next value for each value of the shift register
   };
-  /// Number of the bit in the advanced shift register that is the lowest bit of the way for a refill.
+  /// Bit of the advanced shift register that is the lowest bit of the way to refill.
   static constexpr unsigned kWayBit = 1;
   const State& state() const { return state_; }
-  /// Returns the first entry of a line's set, as an offset in bytes.
+  /// Returns the byte offset of the first entry in the set of a line.
   std::uint32_t first_of_set(std::uint32_t line) const {
     return (line & set_mask_) * ways_ * static_cast<std::uint32_t>(sizeof(Entry));
   }
@@ -135,7 +137,7 @@ class InstructionCache {
     }
     return nullptr;
   }
-  /// Presence bytes of the lines of one memory.
+  /// Stores the presence bytes of the lines of one memory.
   struct Presence {
     std::uint32_t base = 0;
     std::uint32_t size = 0;
@@ -156,7 +158,7 @@ class InstructionCache {
     state_.shift_register = state_.next_shift[state_.shift_register];
     return (state_.shift_register >> kWayBit) & (ways_ - 1);
   }
-  /// Returns the presence byte of a line; a dummy byte if no covered memory contains the line.
+  /// Returns the presence byte of a line. If no covered memory contains the line, returns a dummy byte.
   std::uint8_t* byte_of(std::uint32_t line) {
     if (line - covered_first_ >= covered_count_) cover_line(line);
     return line - covered_first_ < covered_count_ ? &covered_[line - covered_first_] : &nowhere_;
@@ -172,22 +174,22 @@ class InstructionCache {
   std::uint32_t refill_cycles_;
   bool invalid_ways_first_;
   std::vector<Entry> entries_;
-  std::vector<std::uint64_t> arrivals_;  // tick in which each line arrives; empty if one core uses the cache
+  std::vector<std::uint64_t> arrivals_;  // tick in which each line arrives; empty if the cache has one user
   State state_;
-  // These members are not part of a state, because they follow from the entries: presence bytes of each memory, and the
-  // memory of the last look-up.
+  // These members are not part of a state, because they follow from the entries. They are the presence bytes of each
+  // memory, and the memory that was found last.
   std::vector<Presence> presence_;
   std::uint8_t* covered_ = nullptr;
   std::uint32_t covered_first_ = 0;
   std::uint32_t covered_count_ = 0;
   std::uint8_t nowhere_ = 0;
-  // Not part of a state. For a shared cache: the lines that may not have arrived for all cores. The list may also
-  // contain lines that have arrived.
-  std::vector<std::size_t> pending_refills_;  // indices of entries
-  bool is_alone_;                             // set_alone()
+  // Only for a shared cache: indices of entries whose lines may not have arrived for all cores. The list may also
+  // contain lines that have arrived. Not part of a state.
+  std::vector<std::size_t> pending_refills_;
+  bool is_alone_;  // value of set_alone()
 };
 
-/// Returns null if the settings describe no cache.
+/// Creates the cache that the settings describe. If they describe no cache, returns null.
 std::unique_ptr<InstructionCache> make_instruction_cache(const InstructionCacheSettings& settings,
                                                          InstructionCache::Users users);
 

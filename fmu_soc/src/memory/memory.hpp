@@ -14,33 +14,34 @@
 
 namespace mebots::soc {
 
-/// Frees zero-initialised bytes. Pages that are never accessed take no memory of the host.
+/// Frees bytes that calloc() allocated. Pages that are never accessed take no memory of the host.
 struct FreeBytes {
   void operator()(std::uint8_t* bytes) const { std::free(bytes); }
 };
 using ZeroedBytes = std::unique_ptr<std::uint8_t[], FreeBytes>;
 
-/// A region of RAM. Each word has a byte of marks, which show that a listener must be called for a store.
+/// Stores a range of RAM. Each word has a byte of marks. A mark means that a listener must be called if the word is
+/// written.
 struct Region {
-  static constexpr std::uint8_t kCode = 1;   // instructions decoded by the first decode cache
-  static constexpr std::uint8_t kWatch = 2;  // watched by the host
-  static constexpr std::uint8_t kLoop = 4;   // the last instruction of a hardware loop starts here
+  static constexpr std::uint8_t kCode = 1;   // contains instructions that the first decode cache has decoded
+  static constexpr std::uint8_t kWatch = 2;  // the host watches this word
+  static constexpr std::uint8_t kLoop = 4;   // contains the start of the last instruction of a hardware loop
   static constexpr std::uint8_t kAnyCode =
       0xf9;  // kCode, and the marks that Memory::add_code_mark() gives to other decode caches
 
   std::string name;
   std::uint32_t base = 0;
-  std::uint32_t size = 0;  // bytes, a multiple of 4
+  std::uint32_t size = 0;  // bytes; a multiple of 4
   ZeroedBytes data;
   ZeroedBytes marks;
 
-  /// True if `count` bytes from `address` are inside.
+  /// True if `count` bytes from `address` on are inside the region.
   bool holds(std::uint32_t address, std::uint32_t count) const {
     return address >= base && count <= size && address - base <= size - count;
   }
 };
 
-/// The RAM of the chip. Regions do not overlap and do not move.
+/// Stores the RAM of the chip. Regions do not overlap and do not move.
 class Memory {
  public:
   /// Throws Error if the region overlaps another one, is empty, is not a multiple of 4 bytes, or exceeds the address
@@ -50,45 +51,45 @@ class Memory {
   std::deque<Region>& regions() { return regions_; }
   const std::deque<Region>& regions() const { return regions_; }
 
-  /// Returns the region that contains all `count` bytes; null if there is none.
+  /// Returns the region that contains all `count` bytes. If no region contains them, returns null.
   Region* find(std::uint32_t address, std::uint32_t count);
   const Region* find(std::uint32_t address, std::uint32_t count) const;
 
-  /// Copies bytes in or out. If the bytes are not all in one region, has no effect and returns false.
+  /// Copy bytes out of RAM or into RAM. If the bytes are not all in one region, return false without effect.
   bool read(std::uint32_t address, std::span<std::uint8_t> bytes) const;
   bool write(std::uint32_t address, std::span<const std::uint8_t> bytes);
 
   /// True if each of the `count` bytes is in a region. The bytes may continue from one region into the next.
   bool covers(std::uint32_t address, std::uint32_t count) const;
 
-  /// Sets marks on every word that the bytes touch.
+  /// Sets marks on every word that contains one of the bytes.
   void mark(std::uint32_t address, std::uint32_t count, std::uint8_t marks);
-  /// True if any word that the bytes touch has one of the marks.
+  /// True if a word that contains one of the bytes has one of the marks.
   bool marked(std::uint32_t address, std::uint32_t count, std::uint8_t marks) const;
-  /// Clears marks of every word that the bytes touch.
+  /// Clears marks on every word that contains one of the bytes.
   void unmark(std::uint32_t address, std::uint32_t count, std::uint8_t marks);
 
-  /// Reserves a mark for a further decode cache, and returns it. Each cache has its own mark, which it can clear
-  /// without effect on the other caches. Throws Error if there are no more marks.
+  /// Reserves a mark for a further decode cache and returns it. Each cache has its own mark, so that it can clear the
+  /// mark without effect on other caches. Throws Error if all marks are in use.
   std::uint8_t add_code_mark();
-  /// Must be called after bytes in RAM were changed other than by loading a program. The cores then invalidate the code
-  /// that was decoded from these bytes. Returns true if there was such code.
+  /// Must be called after bytes in RAM were changed, except by loading a program. Invalidates the code that was decoded
+  /// from these bytes. Returns true if there was such code.
   bool changed(std::uint32_t address, std::uint32_t count);
-  /// Reports a change of these bytes like the function above, even if no code was decoded from them. Used if an
-  /// instruction that begins or ends in these bytes has changed.
+  /// Reports a change of these bytes to all cores, even if no code was decoded from them. Used if an instruction that
+  /// begins or ends in these bytes has changed.
   void invalidate_code(std::uint32_t address, std::uint32_t count);
   /// Invalidates all decoded code.
   void forget_code();
 
-  /// Bytes whose decoded instructions have become invalid.
+  /// Describes bytes whose decoded instructions have become invalid.
   struct Change {
     std::uint32_t address = 0;
     std::uint32_t count = 0;
   };
-  /// Returns the number of changes so far. A core compares this number before it continues.
+  /// Returns the number of changes so far. Each core compares this number before it continues.
   std::uint64_t code_generation() const { return code_generation_; }
-  /// Returns change number `generation`, which must be below code_generation(). Null if the change is too old, or if it
-  /// concerned all code.
+  /// Returns the change with the number `generation`, which must be below code_generation(). If the change is too old,
+  /// or if it concerned all code, returns null.
   const Change* change(std::uint64_t generation) const {
     return generation < oldest_change_ ? nullptr : &changes_[generation % kKeptChanges];
   }
@@ -105,7 +106,7 @@ class Memory {
   std::uint64_t code_generation_ = 1;
   std::uint64_t oldest_change_ = 1;
   std::array<Change, kKeptChanges> changes_{};
-  unsigned code_marks_ = 0;  // number of marks in use
+  unsigned code_marks_ = 0;  // number of code marks that are in use
 };
 
 }  // namespace mebots::soc

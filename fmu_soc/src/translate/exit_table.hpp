@@ -103,7 +103,7 @@ class ExitTable {
   const CodeMemory& memory_;
   std::uint32_t segment_ = 0;
   std::array<std::vector<Exit>, Segments::kCount> exits_;
-  /// One vector per segment, indexed by patch point.
+  /// Stores a vector for each segment. Each vector is indexed by patch point.
   std::array<std::vector<const std::uint8_t*>, Segments::kCount> unpatched_;
 };
 
