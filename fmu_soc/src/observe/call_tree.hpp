@@ -9,7 +9,7 @@
 
 namespace mebots::soc::observe {
 
-/// The counts of a profile. All counts are integers, so that sums of parts are exact.
+/// Stores the counts of a profile. All counts are integers, so that a sum of parts is exact.
 struct Cost {
   std::int64_t cycles = 0;
   std::int64_t instructions = 0;
@@ -29,11 +29,12 @@ struct Cost {
   friend bool operator==(const Cost&, const Cost&) = default;
 };
 
-/// Costs by call stack. A node is a function, or a state of the core, together with the chain of its callers.
+/// Stores costs for each call stack. A node is a function, or a state of the core, together with the chain of its
+/// callers.
 class CallTree {
  public:
   struct Node {
-    std::uint32_t parent = 0;  // the root is its own parent
+    std::uint32_t parent = 0;  // number of the calling node; the root is its own parent
     std::uint32_t place = 0;
     std::uint64_t calls = 0;
     Cost self;
@@ -43,8 +44,8 @@ class CallTree {
   CallTree() : nodes_(1) {}
   static constexpr std::uint32_t kRoot = 0;
 
-  /// Returns the node of `place` under `parent`. If there is no such node, creates it. A child's number is greater than
-  /// its parent's.
+  /// Returns the number of the node for `place` whose caller is `parent`. If there is no such node, creates it. The
+  /// number of a child is greater than the number of its parent.
   std::uint32_t child(std::uint32_t parent, std::uint32_t place) {
     const auto& recent = recent_[index_of_recent(parent, place)];
     // The root is never a child.
@@ -55,9 +56,9 @@ class CallTree {
   Node& node(std::uint32_t number) { return nodes_[number]; }
   const std::vector<Node>& nodes() const { return nodes_; }
 
-  /// Returns for each node the sum of its own cost and the costs of its descendants.
+  /// Returns a list with one cost for each node: the sum of its own cost and of the costs of its descendants.
   std::vector<Cost> inclusive() const;
-  /// Returns for each node its children in the order of their creation.
+  /// Returns a list with the children of each node, in the order of their creation.
   std::vector<std::vector<std::uint32_t>> children() const;
 
  private:
@@ -74,8 +75,9 @@ class CallTree {
   std::uint32_t find(std::uint32_t parent, std::uint32_t place);
 
   std::vector<Node> nodes_;
-  std::unordered_map<std::uint64_t, std::uint32_t> numbers_;  // never iterated, so its order has no effect
-  std::array<Recent, kRecent> recent_{};                      // cache of the most recent entries
+  /// Maps a parent and a place to the node; never iterated, so that the order has no effect.
+  std::unordered_map<std::uint64_t, std::uint32_t> numbers_;
+  std::array<Recent, kRecent> recent_{};  // cache of the entries that were used last
 };
 
 }  // namespace mebots::soc::observe

@@ -11,7 +11,7 @@
 
 namespace mebots::soc::observe {
 
-/// Costs of one hart by function and call stack.
+/// Counts the costs of one hart for each function and call stack.
 ///
 /// Stacks follow the calling convention: jal and jalr that write a link register (ra, t0) are calls. A jump through a
 /// link register to a return address on the stack is a return. Any other step into another function replaces the
@@ -23,7 +23,7 @@ namespace mebots::soc::observe {
 /// cluster's cache). The sum over the harts is therefore the energy of the chip.
 class CoreProfile final : public Observer {
  public:
-  /// `number` is the hart's number in the chip. `functions` are shared by all harts.
+  /// `number` is the number of the hart in the chip. All harts share `functions`.
   CoreProfile(const Soc& soc, unsigned number, Functions& functions);
 
   void retired(const Hart& hart, const Retired& instruction) override;
@@ -35,17 +35,17 @@ class CoreProfile final : public Observer {
   void woke(const Hart& hart) override;
   void switched(const Hart& hart, bool on) override;
 
-  /// Called after the chip was restored to an earlier state. The counts are kept, and the call stack starts again.
+  /// Restarts the call stack after the chip was restored to an earlier state. The counts are kept.
   void restored() { start(); }
-  /// Adds all costs up to now. Called between two steps of a run.
+  /// Adds all costs up to now. Must be called between two steps of a run.
   void settle();
-  /// Called at the end of a run. Adds all costs since the last step, up to the chip's present time and energy. If the
-  /// last block of a cluster core ended later, the end of that block is used.
+  /// Adds all costs since the last step, up to the present time and energy of the chip. If the last block of a cluster
+  /// core ended later, adds its costs up to that end. Must be called at the end of a run.
   void finish();
 
   unsigned number() const { return number_; }
   const CallTree& tree() const { return tree_; }
-  /// Returns the sum over the tree, which is exactly the cost of the run.
+  /// Returns the sum over the call tree, which is exactly the cost of the run.
   Cost total() const { return tree_.inclusive()[CallTree::kRoot]; }
 
  private:
@@ -57,12 +57,12 @@ class CoreProfile final : public Observer {
     Kind kind = Kind::function;
   };
 
-  /// A step from one instruction to the next.
+  /// Describes a step from one instruction to the next.
   struct Step {
     Op op;
     unsigned rd;
     unsigned rs1;
-    std::uint32_t after;  // address after the instruction
+    std::uint32_t after;  // address after the first of the two instructions
     std::uint32_t next;
   };
 

@@ -13,26 +13,26 @@
 
 namespace mebots::soc::observe {
 
-/// Counts how often each instruction of a program ran, on all harts together. Writes the counts of source lines,
-/// functions and branches in lcov's format, which genhtml and editors read.
+/// Counts how often all harts together execute each instruction of a program. Writes the counts of source lines,
+/// functions and branches in lcov's format, which genhtml and editors can read.
 ///
 /// The count of a line is the greatest count among the first instructions of its statements. Lines of code that the
 /// linker dropped are not listed.
 class Coverage {
  public:
-  /// Throws Error if the program has no line numbers, or the file cannot be written. `program` must outlive this
-  /// object.
+  /// `option` is the command-line option for error messages. Throws Error if the program has no line numbers, or if the
+  /// file cannot be written. `program` must outlive this object.
   Coverage(const std::string& option, const std::string& path, const Elf& program);
 
-  /// Observes any hart.
+  /// Returns the observer, which may be attached to any hart.
   Observer& observer() { return observer_; }
-  /// Writes the file. Throws Error if that fails.
+  /// Writes the file. Throws Error if the file cannot be written.
   void finish();
 
  private:
   struct Count {
     std::uint64_t executed = 0;
-    std::uint64_t taken = 0;  // of a branch
+    std::uint64_t taken = 0;  // how often the branch was taken
     bool branch = false;
   };
   static constexpr unsigned kPageBits = 12;

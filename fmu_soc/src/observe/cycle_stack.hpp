@@ -13,29 +13,30 @@
 
 namespace mebots::soc::observe {
 
-/// The cycles of some code by cause. The causes add up to the active cycles.
+/// Stores the cycles of some code for each cause. The sum over the causes is the number of active cycles.
 struct StackCost {
   std::array<std::int64_t, kCycleCauses> causes{};
   std::int64_t instructions = 0;
-  Picoseconds asleep = 0;  // waiting for an interrupt or event; these are no active cycles
+  Picoseconds asleep = 0;  // time of waiting for an interrupt or event; no active cycles belong to it
 
   std::int64_t cycles() const;
   StackCost& operator+=(const StackCost& other);
 };
 
-/// Accesses to one bank of a core's first memory, by all observed cores.
+/// Counts the accesses of all observed cores to one bank of their first memory.
 struct BankUse {
   std::uint64_t accesses = 0;
-  std::uint64_t conflicts = 0;        // accesses that waited
-  std::uint64_t conflict_cycles = 0;  // their waits
+  std::uint64_t conflicts = 0;        // number of accesses that had to wait
+  std::uint64_t conflict_cycles = 0;  // number of cycles that these accesses waited
 };
 
-/// The cycles of one hart by cause, for each function. An instruction counts for the function in which it lies. A
-/// function's cycles exclude the functions that it calls. Inlined code belongs to the function that contains it.
+/// Counts the cycles of one hart for each function and cause. An instruction counts for the function that contains it.
+/// The cycles of a function exclude those of the functions that it calls. Inlined code belongs to the function that
+/// contains it.
 class CoreStack final : public Observer {
  public:
-  /// `number` is the hart's number in the chip. All harts share `functions`. If the hart's first memory has shared
-  /// banks, `banks` has an element for each bank, which counts the accesses. If not, `banks` is empty.
+  /// `number` is the number of the hart in the chip. All harts share `functions`. `banks` counts the accesses to each
+  /// bank of the hart's first memory. If the memory has no shared banks, `banks` is empty.
   CoreStack(const Soc& soc, unsigned number, Functions& functions, std::vector<BankUse>& banks);
 
   void retired(const Hart& hart, const Retired& instruction) override;
@@ -43,8 +44,8 @@ class CoreStack final : public Observer {
   void woke(const Hart& hart) override;
   void switched(const Hart& hart, bool on) override;
   void trapped(const Hart& hart, const Trapped& trap) override;
-  /// Called at the end of the run. Counts the sleep of a sleeping hart up to now, and assigns causes to cycles after
-  /// the last instruction.
+  /// Adds the sleep of a sleeping hart up to now, and assigns causes to the cycles after the last instruction. Must be
+  /// called at the end of the run.
   void finish();
 
   unsigned number() const { return number_; }
@@ -52,7 +53,7 @@ class CoreStack final : public Observer {
   StackCost total() const;
 
  private:
-  /// The counts of the hart after the last instruction, and the events since then.
+  /// Stores the counts of the hart after the last instruction, and the events that have occurred since.
   struct Last {
     Counters counters;
     bool jump = false;
@@ -68,14 +69,14 @@ class CoreStack final : public Observer {
   unsigned number_;
   Functions& functions_;
   std::vector<BankUse>& banks_;
-  std::map<std::uint32_t, StackCost> costs_;  // by place
+  std::map<std::uint32_t, StackCost> costs_;  // indexed by the number of a place in Functions
   StackCost* current_ = nullptr;
   std::uint32_t place_ = 0;
   Last last_;
-  Picoseconds asleep_since_ = -1;  // negative = awake
+  Picoseconds asleep_since_ = -1;  // start of the present sleep; negative = the hart is awake
 };
 
-/// Divides the cycles of all harts among their causes.
+/// Counts the cycles of all harts for each function and cause.
 class CycleStack {
  public:
   explicit CycleStack(const Soc& soc);
@@ -85,7 +86,7 @@ class CycleStack {
 
   const std::deque<CoreStack>& harts() const { return harts_; }
   const Functions& functions() const { return functions_; }
-  /// One element per bank of the cluster's L1; empty without a cluster.
+  /// Returns one element for each bank of the cluster's L1. Without a cluster, the list is empty.
   const std::vector<BankUse>& banks() const { return banks_; }
 
  private:

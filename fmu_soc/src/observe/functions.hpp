@@ -13,25 +13,28 @@
 
 namespace mebots::soc::observe {
 
-/// Numbers and names of the places of a profile: functions of the program and states of the core.
+/// Numbers and names the places to which a profile assigns costs: functions of the program, and states of the core.
 class Functions final : public FlowMap {
  public:
   explicit Functions(const Elf& program);
 
-  /// True if a step from `pc` to `next`, which is neither a call nor a return, may enter another function.
+  /// Returns true if a step from `pc` to `next` may enter another function. The step must be neither a call nor a
+  /// return.
   bool may_leave_function(std::uint32_t pc, std::uint32_t next) const override;
 
-  /// Returns the function that a call of `address` enters. If there is no symbol, the address is the function's name.
+  /// Returns the function that a call of `address` enters. If no symbol contains the address, the address is used as
+  /// the name.
   std::uint32_t entered(std::uint32_t address);
-  /// Returns the function of the code at `address`, which the function `current` has reached without a call. Code
-  /// without a symbol belongs to the function from which it was reached.
+  /// Returns the function that contains the code at `address`. The function `current` has reached this code without a
+  /// call. If no symbol contains the address, returns `current`.
   std::uint32_t reached(std::uint32_t address, std::uint32_t current);
   /// Returns the number of a place that is not code, such as "asleep".
   std::uint32_t named(std::string_view name);
 
-  /// True if `address` is certainly inside `function`. This is a fast check.
+  /// Returns true if `address` is certainly inside `function`. May return false although it is inside. This is a fast
+  /// check.
   bool inside(std::uint32_t function, std::uint32_t address) const { return code(function).holds(address); }
-  /// Returns code that certainly belongs to the function.
+  /// Returns a range of code that certainly belongs to the function.
   QuietCode code(std::uint32_t function) const { return {places_[function].begin, places_[function].size}; }
   const std::string& name(std::uint32_t function) const { return places_[function].name; }
   std::uint32_t count() const { return static_cast<std::uint32_t>(places_.size()); }
@@ -40,10 +43,10 @@ class Functions final : public FlowMap {
   struct Place {
     std::string name;
     std::uint32_t begin = 0;
-    std::uint32_t size = 0;  // bytes of code that certainly belong to it
+    std::uint32_t size = 0;  // size of the code that certainly belongs to the function [bytes]
   };
   struct Recent {
-    std::uint32_t address = 1;  // no pc is odd
+    std::uint32_t address = 1;  // 1 marks an empty entry, because no pc is odd
     std::uint32_t place = 0;
   };
   std::uint32_t of_symbol(const ElfSymbol& symbol);
@@ -52,8 +55,9 @@ class Functions final : public FlowMap {
   const Elf& program_;
   std::vector<Place> places_;
   std::map<std::string, std::uint32_t, std::less<>> by_name_;
-  std::map<std::uint32_t, std::uint32_t> by_address_;  // functions, and targets of calls without a symbol
-  std::array<Recent, 256> recent_{};                   // cache of called functions
+  /// Maps an address to a function; also contains targets of calls without a symbol.
+  std::map<std::uint32_t, std::uint32_t> by_address_;
+  std::array<Recent, 256> recent_{};  // cache of the functions that were called last
 };
 
 }  // namespace mebots::soc::observe

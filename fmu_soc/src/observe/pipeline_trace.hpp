@@ -10,12 +10,13 @@
 
 namespace mebots::soc::observe {
 
-/// Writes the instructions of one hart as a pipeline of four stages (F fetch, D decode, X execute, W write back), in
-/// the format Kanata 0004, which Konata shows. Time is the hart's active cycles; a sleep takes none.
+/// Writes the instructions of one hart as a pipeline of four stages (F fetch, D decode, X execute, W write back). The
+/// file has the format Kanata 0004, which the viewer Konata displays. Time is counted in active cycles of the hart, so
+/// that a sleep takes no time.
 ///
-/// The stages are derived from the cycles by cause, not from a model of the pipeline. F has waits for cache lines,
-/// entries of traps, and cycles of the previous jump. D has stalls, and X has all other cycles. The next instruction is
-/// decoded while one executes, unless it was not fetched in time.
+/// The stages are derived from the causes of the cycles, not from a model of the pipeline. F contains waits for cache
+/// lines, entries of traps, and cycles of the previous jump. D contains stalls, and X contains all other cycles. While
+/// an instruction executes, the next one is decoded, unless it was not fetched in time.
 class PipelineTrace final : public Observer {
  public:
   PipelineTrace(const std::string& option, const std::string& path);
@@ -29,23 +30,23 @@ class PipelineTrace final : public Observer {
     std::int64_t cycle = 0;
     std::uint64_t id = 0;
     Stage stage = Stage::fetch;
-    std::string label;  // only for fetch
+    std::string label;  // only set for the stage `fetch`
   };
 
   void write_before(std::int64_t cycle);
   void write(const Event& event);
 
   TextFile file_;
-  std::vector<Event> waiting_;  // later than the last fetch
+  std::vector<Event> waiting_;  // events that are later than the last fetch
   std::uint64_t next_id_ = 0;
   bool began_ = false;
   std::int64_t written_cycle_ = 0;
-  // The cycles in which the stages of the last instruction began, and the earliest possible cycles for the stages of
-  // the next instruction.
+  // Cycles in which the stages of the last instruction started, and the earliest cycles in which the stages of the next
+  // instruction can start.
   std::int64_t fetch_ = 0;
   std::int64_t decode_ = 0;
   std::int64_t execute_ = 0;
-  std::int64_t end_ = 0;  // with the cycles that its jump or branch costs
+  std::int64_t end_ = 0;  // end of the last instruction, including the cycles that its jump or branch costs
   bool redirected_ = false;
 };
 

@@ -12,20 +12,21 @@
 
 namespace mebots::soc::observe {
 
-/// Records the states of core and devices, the clock, the voltage, and the power of each component, over time.
+/// Records over time: the states of cores and devices, the clock, the voltage, and the power of each component.
 class PowerTrace final : public StateListener {
  public:
   static constexpr Picoseconds kShortest = 10'000'000;  // 10 us
 
-  /// `option` is the name of the option for messages. The extension .json is for Perfetto (Chrome's trace events), .vcd
-  /// for GTKWave. Throws Error for another extension, and if the file cannot be written.
+  /// `option` is the command-line option for error messages. The extension of `path` selects the format: .json for
+  /// Perfetto (Chrome's trace events), .vcd for GTKWave. Throws Error if the extension is another one, or if the file
+  /// cannot be written.
   PowerTrace(const std::string& option, const std::string& path, const Soc& soc);
 
   void changed(Picoseconds time) override;
-  /// Called after the chip was restored to an earlier state. Power is computed from that state on. Time in the file
-  /// does not decrease: nothing is written until the chip reaches the file's last time again.
+  /// Must be called after the chip was restored to an earlier state. Power is computed from that state on. Because time
+  /// in the file cannot decrease, nothing is written until the chip reaches the last time of the file again.
   void restored();
-  /// Writes all data up to now. Throws Error if that fails.
+  /// Writes all data up to now. Throws Error if the file could not be written.
   void finish();
 
  private:
@@ -41,8 +42,8 @@ class PowerTrace final : public StateListener {
 
   const Soc& soc_;
   std::unique_ptr<PowerWriter> writer_;
-  std::vector<std::string_view> states_;  // last state of each track
-  std::vector<Change> waiting_;           // changes of state within the open span
+  std::vector<std::string_view> states_;  // state that was written last, for each track
+  std::vector<Change> waiting_;           // changes of state that belong to the span that is not written yet
   Picoseconds span_start_ = 0;
   std::vector<double> span_energies_j_;
   double span_clock_hz_ = 0;

@@ -15,8 +15,8 @@
 
 namespace mebots::soc::observe {
 
-/// The counts of a profile by consecutive windows of time. The sum over all windows is equal to the sum over the call
-/// trees.
+/// Stores the counts of a profile in consecutive windows of time. The sum over all windows is equal to the sum over the
+/// call trees.
 ///
 /// A window is a whole number of the caller's steps. If there are too many windows, pairs of neighbours are joined, and
 /// later windows are twice as long. Therefore the memory does not grow with the length of the run.
@@ -26,20 +26,21 @@ class ProfileWindows {
 
   struct Part {
     std::uint32_t hart = 0;
-    std::uint32_t node = 0;  // in the hart's call tree
+    std::uint32_t node = 0;  // number of the node in the hart's call tree
     Cost self;
   };
   struct Window {
     Picoseconds from = 0;
     Picoseconds to = 0;
-    std::vector<Part> parts;  // ordered by hart and node
+    std::vector<Part> parts;  // sorted by hart, then by node
   };
 
   ProfileWindows(Picoseconds start, std::size_t harts) : from_(start), to_(start), counted_(harts) {}
 
-  /// Ends a step at `time`. The harts have counted up to that time.
+  /// Ends a step at `time`. The harts must have counted up to that time.
   void stepped(Picoseconds time, const std::deque<CoreProfile>& harts);
-  /// Starts a new window at `time`, which may be earlier than the present window. Also called at the end of the run.
+  /// Starts a new window at `time`, which may be earlier than the present window. Must also be called at the end of the
+  /// run.
   void restart(Picoseconds time, const std::deque<CoreProfile>& harts);
 
   const std::vector<Window>& windows() const { return windows_; }
@@ -50,30 +51,32 @@ class ProfileWindows {
 
   Picoseconds from_;
   Picoseconds to_;
-  std::size_t steps_ = 0;                   // in the open window
-  std::size_t steps_a_window_ = 1;          // a power of 2
-  std::vector<std::vector<Cost>> counted_;  // by hart and node, in closed windows
+  std::size_t steps_ = 0;                   // number of steps in the open window
+  std::size_t steps_a_window_ = 1;          // number of steps in a closed window; a power of 2
+  std::vector<std::vector<Cost>> counted_;  // costs in all closed windows, indexed by hart and node
   std::vector<Window> windows_;
 };
 
-/// Writes a profile file: time and energy of the chip by hart, function and call stack, for the whole run and by
-/// windows of time.
+/// Writes a profile file. It contains the time and energy of the chip for each hart, function and call stack, both for
+/// the whole run and for windows of time.
 class Profile {
  public:
-  /// `option` is the name of the option for messages. The extension determines the format: .json is speedscope's;
-  /// .callgrind and .out are callgrind's. Throws Error for another extension, and if the file cannot be written.
+  /// `option` is the command-line option for error messages. The extension of `path` selects the format: .json for
+  /// speedscope, .callgrind and .out for callgrind. Throws Error if the extension is another one, or if the file cannot
+  /// be written.
   Profile(const std::string& option, const std::string& path, const Soc& soc);
 
-  /// Returns the observer of a hart. `number` is the hart's number in the chip.
+  /// Returns the observer that must be attached to the hart `number` of the chip.
   CoreProfile& hart(unsigned number) { return harts_[number]; }
   const Functions& functions() const { return functions_; }
 
-  /// Called after the chip was restored to an earlier state. The counts are kept, and the call stacks start again.
+  /// Restarts the call stacks after the chip was restored to an earlier state. The counts are kept.
   void restored();
-  /// Ends a step of the caller.
+  /// Must be called at the end of each step of the caller.
   void stepped();
   const ProfileWindows& windows() const { return windows_; }
-  /// Counts up to now and writes the file, without cluster cores that executed nothing. Throws Error if that fails.
+  /// Counts up to now and writes the file. Leaves out cluster cores that executed nothing. Throws Error if the file
+  /// cannot be written.
   void finish();
 
  private:

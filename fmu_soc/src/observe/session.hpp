@@ -20,7 +20,7 @@
 
 namespace mebots::soc::observe {
 
-/// Combines several observers. They are called in the order in which they were added.
+/// Combines several observers, which are called in the order in which they were added.
 class Observers final : public Observer {
  public:
   void add(Observer& observer) { list_.push_back(&observer); }
@@ -37,8 +37,8 @@ class Observers final : public Observer {
     for (auto* observer : list_) observer->retired(hart, instruction);
   }
   QuietCode quiet() const override { return list_.size() == 1 ? list_.front()->quiet() : QuietCode{}; }
-  /// Steps between functions are only supported for a single observer. If there are several observers, translated code
-  /// cannot be used.
+  /// Returns null if there are several observers, because only a single observer can receive steps between functions.
+  /// Then no code is translated.
   const FlowMap* flow() const override { return list_.size() == 1 ? list_.front()->flow() : nullptr; }
   void flowed(const Hart& hart, std::span<const Flow> steps) override {
     for (auto* observer : list_) observer->flowed(hart, steps);
@@ -60,7 +60,7 @@ class Observers final : public Observer {
   std::vector<Observer*> list_;
 };
 
-/// Combines several listeners; they are called in the order in which they were added.
+/// Combines several listeners, which are called in the order in which they were added.
 class StateListeners final : public StateListener {
  public:
   void add(StateListener& listener) { list_.push_back(&listener); }
@@ -72,8 +72,8 @@ class StateListeners final : public StateListener {
   std::vector<StateListener*> list_;
 };
 
-/// The recordings that a user has requested of a run: files, or a port. `names` are the options or parameters of these
-/// requests, for messages.
+/// Lists the recordings of a run that the user has requested: files, or a port for gdb. `names` contains the options or
+/// parameters that made these requests, for error messages.
 struct Requests {
   struct Names {
     std::string trace = "--trace";
@@ -87,44 +87,45 @@ struct Requests {
   Trace::Columns trace_columns;
   std::optional<std::string> profile;
   std::optional<std::string> power_trace;
-  bool cycle_stack = false;  // cycles by cause: Session::cycle_stack()
+  bool cycle_stack = false;  // count cycles for each cause; see Session::cycle_stack()
   std::optional<std::string> coverage;
   std::optional<std::string> pipeline;
   unsigned pipeline_hart = kFabricControllerHart;
   std::optional<int> gdb_port;
   debug::GdbServer::Kill gdb_kill = debug::GdbServer::Kill::ends_run;
-  debug::History* history = nullptr;               // for steps of gdb into the past; must outlive the session
-  std::function<void(std::string_view)> announce;  // prints the port for gdb
+  /// Lets gdb return to earlier instructions; must outlive the session; null = it cannot.
+  debug::History* history = nullptr;
+  std::function<void(std::string_view)> announce;  // prints the port on which gdb can connect
 
-  /// True if a recording other than the connection for gdb was requested.
+  /// Returns true if at least one recording was requested, apart from the connection for gdb.
   bool writes() const { return trace || profile || power_trace || cycle_stack || coverage || pipeline; }
   bool any() const { return writes() || gdb_port; }
 };
 
-/// The observers of a run. The chip must outlive the session.
+/// Contains all observers of a run. The chip must outlive the session.
 class Session {
  public:
-  /// Throws Error if a file cannot be written or a port cannot be opened.
+  /// Creates the requested observers. Throws Error if a file cannot be written or a port cannot be opened.
   Session(const Requests& requests, Soc& soc);
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
   ~Session();
 
-  /// Adds an observer of the fabric controller until it is removed.
+  /// Adds an observer to the fabric controller. It must be removed before it is destroyed.
   void add(Observer& observer);
   void remove(Observer& observer);
   /// Adds a listener, which must outlive the session.
   void listen(StateListener& listener);
-  /// Called after the chip was restored to an earlier state.
+  /// Must be called after the chip was restored to an earlier state.
   void restored();
-  /// These two functions call GdbServer::checkpoint() and GdbServer::rewind().
+  /// Call GdbServer::checkpoint() and GdbServer::rewind(), if there is a connection for gdb.
   void checkpoint();
   bool rewind();
-  /// Ends a step of the caller.
+  /// Must be called at the end of each step of the caller.
   void stepped();
-  /// Completes the files at the end of the run, and reports the end to the debugger.
+  /// Completes the files and reports the end of the run to the debugger.
   void finish(int exit_code);
-  /// Returns the cycles by cause; null if they were not requested. They are complete after finish().
+  /// Returns the cycles of each cause, or null if they were not requested. They are complete after finish().
   const CycleStack* cycle_stack() const { return cycle_stack_ ? &*cycle_stack_ : nullptr; }
 
  private:
@@ -138,7 +139,7 @@ class Session {
   std::optional<Coverage> coverage_;
   std::optional<PipelineTrace> pipeline_;
   std::optional<debug::GdbServer> gdb_;
-  std::deque<Observers> observers_;  // by hart
+  std::deque<Observers> observers_;  // indexed by hart number
   StateListeners listeners_;
 };
 

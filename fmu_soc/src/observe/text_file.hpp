@@ -10,7 +10,8 @@
 
 namespace mebots::soc::observe {
 
-/// A text file that is opened before a run and written during the run. Errors name the option that requested it.
+/// Writes a text file during a run. The file is opened before the run. Error messages name the option that requested
+/// it.
 class TextFile {
  public:
   /// Throws Error if the file cannot be written.
@@ -26,7 +27,7 @@ class TextFile {
     if (buffer_.size() > kFull) flush();
   }
 
-  /// Throws Error if something could not be written, now or earlier.
+  /// Closes the file. Throws Error if any part of it could not be written.
   void close();
 
   const std::string& path() const { return path_; }

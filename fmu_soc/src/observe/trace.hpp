@@ -10,7 +10,7 @@
 
 namespace mebots::soc::observe {
 
-/// Writes every instruction that a hart retires, one line each, in the format of Spike's `--log-commits`: `core 0: 3
+/// Writes a line for every instruction that a hart retires, in the format of Spike's `--log-commits`: `core 0: 3
 /// 0x80000008 (0x00c5a603) x12 0x00000007 mem 0x80001100`. The columns are privilege mode, pc, instruction word,
 /// written register, written CSR, address of a load, address and value of a store. A post-increment of Xpulp, which
 /// Spike does not have, lists the address register as a second register. Harts have the chip's numbers. The lines of
@@ -18,11 +18,11 @@ namespace mebots::soc::observe {
 class Trace {
  public:
   struct Columns {
-    bool cycles = false;  // "# cycle" at the end of a line: the active cycle after the instruction
+    bool cycles = false;  // append "# cycle" to each line: the active cycle after the instruction
   };
   Trace(const std::string& option, const std::string& path, Columns columns, unsigned harts);
 
-  /// Returns the observer of a hart.
+  /// Returns the observer that must be attached to the hart `number`.
   Observer& hart(unsigned number) { return harts_[number]; }
   void close() { file_.close(); }
 

@@ -19,22 +19,22 @@
 
 namespace mebots::soc {
 
-/// Receivers of a system's messages. Each may be empty.
+/// Stores the functions that receive the messages of a chip. Each of them may be empty.
 struct Listeners {
   std::function<void(std::string_view line)> console;
   std::function<void(std::string_view text)> faults;
-  std::function<void(std::string_view text)> observe = {};   // messages of debugger and profile
-  std::function<void(std::uint8_t byte)> console_byte = {};  // output of serial ports; empty: `console` gets lines
-  /// Reads input for serial ports. Returns a byte, or another result of ConsolePort::read_console(). `waits` is true if
-  /// the core sleeps. In this case, the function may wait for input until the wall clock has reached the time of the
-  /// chip.
+  std::function<void(std::string_view text)> observe = {};  // receives messages of debugger and profile
+  /// Receives the bytes of serial ports; if empty, `console` receives their lines.
+  std::function<void(std::uint8_t byte)> console_byte = {};
+  /// Reads input for serial ports. Returns a byte, or another result of ConsolePort::read_console(). If `waits` is
+  /// true, the core sleeps, and the function may wait for input until the wall clock has reached the time of the chip.
   std::function<int(Picoseconds now, bool waits)> console_input = {};
 };
 
-/// The services of a chip to its devices.
+/// Provides the services of a chip to its devices.
 class DeviceServices final : public ChipHost, private PictureRoll {
  public:
-  /// The parts of the chip that serve devices.
+  /// Refers to the parts of the chip that serve devices.
   struct Parts {
     Hardware& hardware;
     const Timeline& timeline;

@@ -22,23 +22,23 @@
 
 namespace mebots::soc {
 
-/// The devices of a chip and the parts of its board, without devices that the cluster creates itself.
+/// Contains the devices of a chip and the parts of its board, except for the devices that the cluster creates itself.
 class DeviceSet {
  public:
-  /// A device and its entry in the board file.
+  /// Stores a device together with its entry in the board file.
   struct Member {
     const BoardDevice* entry = nullptr;
     Device* device = nullptr;
   };
-  /// Addresses of a device.
+  /// Stores an address range of a device and the interrupt of the device.
   struct Slot {
     std::string name;
     std::uint32_t base = 0;
     std::uint32_t size = 0;  // bytes
     int interrupt = -1;
-    InterruptController* controller = nullptr;  // that has the interrupt as a source; null: a line of the core
+    InterruptController* controller = nullptr;  // controller that receives the interrupt; null = the core receives it
     Device* device = nullptr;
-    bool sets_power = false;  // clocks, voltage or the cluster's power
+    bool sets_power = false;  // true if the device sets clocks, voltage or the power of the cluster
   };
   struct State {
     std::string_view name;
@@ -52,18 +52,18 @@ class DeviceSet {
   /// Creates all devices. Throws Error if the devices of the board are not compatible with each other.
   void make(ChipHost& host);
 
-  /// Iterate over the members: first the parts of the board, and then the devices. Each group is in the order of the
+  /// Iterate over the members: first the parts of the board, then the devices. Each group is in the order of the board
   /// file.
   auto begin() const { return members_.begin(); }
   auto end() const { return members_.end(); }
-  /// Returns null if the board has no device of this name.
+  /// Returns the device with this name, or null if the board has no such device.
   Device* find(std::string_view name) const;
-  /// Returns the storage of a device's variable; null if there is none. See mebots/soc/device.hpp.
+  /// Return the storage of a device's variable, or null if no device has it. See mebots/soc/device.hpp.
   double* input(std::string_view variable) const;
   const double* output(std::string_view variable) const;
-  /// Returns the states of all devices that have more than one state.
+  /// Returns the present state of each device that has more than one state.
   std::vector<State> states() const;
-  /// True while a camera waits for its picture.
+  /// True while a camera waits for a picture that it has requested.
   bool wait_for_picture() const;
   std::vector<Device*> made() const;
 
@@ -74,13 +74,13 @@ class DeviceSet {
     return nullptr;
   }
   PowerManager* power_manager() const { return power_manager_; }
-  /// Returns GAP8's event unit of the fabric controller; null on other boards.
+  /// Returns GAP8's event unit of the fabric controller. On a board without this device, returns null.
   gap8_devices::EventUnit* event_unit() const { return event_unit_; }
   gap8_devices::Signals& signals() { return signals_; }
   const gap8_devices::Signals& signals() const { return signals_; }
 
-  /// Drops cached data about the devices. Must be called at every access, at every event, and at every change by a
-  /// caller outside the chip.
+  /// Discards cached data about the devices. Must be called at every access, at every event, and at every change that a
+  /// caller outside the chip makes.
   void touch() { cached_ = {}; }
   void begin_step(Picoseconds now) const;
   void end_program();
@@ -88,12 +88,12 @@ class DeviceSet {
   Picoseconds next_event();
   void forget_next_event() { cached_.next_event = false; }
   void advance(Picoseconds time);
-  /// Sets the interrupt lines of the fabric controller.
+  /// Sets the interrupt lines of the fabric controller to the levels of the devices and of the cluster.
   void update_lines(Hart& hart, const Cluster* cluster, int cluster_interrupt);
   void acknowledge(unsigned line, Hart& hart);
 
-  /// Returns the clocks, the voltage and the power of the cluster that the firmware requests. If no device sets them,
-  /// returns null.
+  /// Returns the clocks, the voltage and the power of the cluster that the firmware has requested. If no device sets
+  /// them, returns null.
   const PowerSettings* power_settings() const;
   bool power_is_applied() const { return cached_.power; }
   void set_power_applied() { cached_.power = true; }
@@ -104,7 +104,7 @@ class DeviceSet {
   void visit(state::Visitor& v);
 
  private:
-  /// Cached data, valid until the next touch(). Not part of a state.
+  /// Stores data about the devices that are valid until the next touch(). Not part of a state.
   struct Cached {
     bool next_event = false;
     bool lines = false;

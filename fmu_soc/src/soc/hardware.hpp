@@ -22,39 +22,40 @@
 
 namespace mebots::soc {
 
-/// Cores and memories of a chip, and the connections between them.
+/// Contains the cores and memories of a chip, and connects them.
 class Hardware {
  public:
-  /// `board` and `chip` must outlive the hardware. `bus` serves accesses outside the memories.
+  /// `board` and `chip` must outlive this object. `bus` serves accesses outside the memories.
   Hardware(const BoardDescription& board, const Chip& chip, const Settings& settings, Bus& bus);
   Hardware(const Hardware&) = delete;
   Hardware& operator=(const Hardware&) = delete;
 
-  /// Adds the cluster if board and settings have one. Its devices are of the kinds in the board file.
+  /// Adds the cluster if both board and settings define one. The board file selects the kinds of its devices.
   void add_cluster(const Settings& settings, DeviceHost& host);
-  /// Connects the fabric controller with the memories, including those of the cluster if it is on.
+  /// Connects the fabric controller to the memories. Includes the memories of the cluster if the cluster is on.
   void connect_memories();
-  /// Sets the latencies of the cluster's accesses, which depend on the clocks of cluster and SoC.
+  /// Sets the latencies with which the cluster accesses the SoC. They depend on the clocks of cluster and SoC.
   void set_latencies(std::uint32_t soc_hz);
-  /// Copies each segment to its load address; start-up code copies it to its run address. Throws Error for a segment
-  /// outside of the memories; a segment without bytes may also be in a device.
+  /// Copies each segment to its load address. The program's start-up code must copy it to its run address. Throws Error
+  /// for a segment outside the memories. A segment without bytes may also be in the address range of a device.
   void load_program(const Elf& program, const DeviceSet& devices);
-  /// Changes memory between instructions. If the bytes are not all in one memory, returns false without effect.
+  /// Writes bytes to memory between two instructions. If the bytes are not all in one memory, returns false without
+  /// effect.
   bool poke(std::uint32_t address, std::span<const std::uint8_t> bytes);
 
   const Chip& chip() const { return chip_; }
   const BoardDescription& board() const { return board_; }
   Memory& memory() { return memory_; }
   const Memory& memory() const { return memory_; }
-  /// Returns the cache of the fabric controller; null if there is none.
+  /// Returns the instruction cache of the fabric controller, or null if it has no instruction cache.
   InstructionCache* instruction_cache() { return instruction_cache_.get(); }
   const InstructionCache* instruction_cache() const { return instruction_cache_.get(); }
   Hart& controller() { return controller_; }
   const Hart& controller() const { return controller_; }
-  /// Returns the cluster; null if there is none.
+  /// Returns the cluster, or null if the chip has no cluster.
   Cluster* cluster() { return cluster_.get(); }
   const Cluster* cluster() const { return cluster_.get(); }
-  /// Returns the interrupt line of the fabric controller for events of the cluster; -1 = none.
+  /// Returns the interrupt line of the fabric controller that events of the cluster use, or -1 if they use none.
   int cluster_interrupt() const { return cluster_interrupt_; }
   unsigned harts() const { return 1 + (cluster_ ? cluster_->cores() : 0); }
   Hart& hart(unsigned number) {
@@ -70,7 +71,7 @@ class Hardware {
   std::uint32_t wait_of_controller(std::size_t memory) const;
   bool has_latencies() const;
   void choose_peripherals(ClusterSettings& cluster, DeviceHost& host);
-  /// True if a memory contains this range, at the memory's own address or at its alias.
+  /// Returns true if a memory contains this range, at its own address or at its alias.
   bool runs_in_memory(std::uint32_t address, std::uint32_t size) const;
   [[noreturn]] void fail_outside(const Elf& program, const ElfSegment& segment, std::string_view what,
                                  std::uint32_t address, std::uint32_t size) const;

@@ -11,15 +11,15 @@
 
 namespace mebots::soc {
 
-/// The host's reply to a call of a program.
+/// Contains the host's reply to a call by the program.
 struct HostReply {
   std::uint32_t value = 0;
-  std::optional<std::uint32_t> exit_code = {};  // if set, the program ends the run
+  std::optional<std::uint32_t> exit_code = {};  // if set, the run ends with this exit code
 
   static HostReply exit(std::uint32_t code) { return {0, code}; }
 };
 
-/// Serves programs that call the host. No time passes on the chip during a call.
+/// Serves the calls that a program makes to the host. No time passes on the chip during a call.
 class HostCalls {
  public:
   HostCalls() = default;
@@ -27,52 +27,54 @@ class HostCalls {
   HostCalls& operator=(const HostCalls&) = delete;
   virtual ~HostCalls() = default;
 
-  /// A semihosting call: slli x0, x0, 31; ebreak; srai x0, x0, 7, with the operation in a0 and its parameter in a1.
-  /// Source: RISC-V Semihosting 1.0, which takes the operations of Arm's "Semihosting for AArch32 and AArch64".
+  /// Serves a semihosting call: slli x0, x0, 31; ebreak; srai x0, x0, 7, with the operation in a0 and its parameter in
+  /// a1. Source: RISC-V Semihosting 1.0, which adopts the operations of Arm's "Semihosting for AArch32 and AArch64".
   virtual HostReply semihosting(std::uint32_t operation, std::uint32_t parameter) = 0;
-  /// A system call through `tohost`, with seven arguments. Source: riscv-isa-sim, fesvr/syscall.cc.
+  /// Serves a system call through `tohost`, with seven arguments. Source: riscv-isa-sim, fesvr/syscall.cc.
   virtual HostReply system_call(std::uint32_t number, std::span<const std::uint32_t> arguments) = 0;
-  /// A system call by ecall, with the number in a7, six arguments from a0 on, and the result in a0. Source: RISC-V
-  /// Linux; newlib, libgloss/riscv.
+  /// Serves a system call through ecall, with the number in a7, six arguments from a0 on, and the result in a0. Source:
+  /// RISC-V Linux; newlib, libgloss/riscv.
   virtual HostReply environment_call(std::uint32_t number, std::span<const std::uint32_t> arguments) = 0;
-  /// A command through `tohost` to a device other than that of system calls. The command has no reply.
+  /// Executes a command through `tohost` to a device other than that of system calls. The command has no reply.
   virtual void device_command(unsigned device, unsigned command, std::uint64_t payload) = 0;
 };
 
-/// A program's calls to the machine that simulates it: semihosting, and commands through the word `tohost`, which also
-/// ends the program. These calls are served only in `mebots-soc run`, without FMI. They are not part of a state.
+/// Detects the calls of a program to the machine that simulates it: semihosting, and commands through the word
+/// `tohost`, which also ends the program. The calls are only served in `mebots-soc run`, without FMI. They are not part
+/// of a state.
 class ProgramHost {
  public:
   ProgramHost(Hardware& hardware, const Elf& program) : hardware_(hardware), program_(program) {}
 
-  /// Watches the word at this address. Throws Error if this word is not in a memory.
+  /// Watches the word at this address as `tohost`. Throws Error if no memory contains the word.
   void watch(std::uint32_t address);
-  /// Sets the server of the program's calls; null removes it. If `serves_ecall` is true, an ecall is a system call. If
-  /// it is false, an ecall is an exception.
+  /// Sets the object that serves the calls; null removes it. If `serves_ecall` is true, an ecall is a system call.
+  /// Otherwise, an ecall is an exception.
   void serve(HostCalls* calls, bool serves_ecall = false) {
     calls_ = calls;
     serves_ecall_ = calls != nullptr && serves_ecall;
   }
 
-  /// Returns the value of the watched word, including the upper half if there is one. 0 means no command.
+  /// Returns the value of the watched word, including the upper half if the program has one. 0 means that there is no
+  /// command.
   std::uint64_t command() const;
-  /// True if the program is about to store the other half of this command, and this store changes the command. A 32-bit
-  /// core may store the two halves in either order.
+  /// Returns true if the program has stored only one half of this command, and is about to store the other half. A
+  /// 32-bit core may store the two halves in either order.
   bool is_half_stored(std::uint64_t command) const;
-  /// Serves a command. Returns true if the program ends.
+  /// Serves a command. Returns true if the command ends the program.
   bool serve_command(std::uint64_t command);
-  /// Serves a command that a core of the cluster has stored, before that core executes its next instruction. Returns
-  /// true if the program ends.
+  /// Serves a command that a cluster core has stored, before that core executes its next instruction. Returns true if
+  /// the command ends the program.
   bool serve_stored() { return command() != 0 && serve_command(command()); }
-  /// Serves the ebreak at the fabric controller's pc. Returns false if it is not a semihosting call.
+  /// Serves the ebreak at the fabric controller's pc. If the ebreak is not a semihosting call, returns false.
   bool serve_semihosting();
-  /// Serves the ecall at the fabric controller's pc. Returns false if ecall is an exception.
+  /// Serves the ecall at the fabric controller's pc. If ecall is an exception, returns false.
   bool serve_environment_call();
 
-  /// Returns the exit code if the program ended itself by a semihosting call or an ecall. If it did not, returns
+  /// Returns the exit code if the program has ended itself by a semihosting call or an ecall. Otherwise returns
   /// nullopt.
   std::optional<std::uint32_t> exit_code() const { return exit_code_; }
-  /// Returns the function that the fabric controller executes; empty if it is unknown.
+  /// Returns the name of the function that the fabric controller executes. If it is unknown, the text is empty.
   std::string function() const { return program_.where(hardware_.controller().pc()); }
 
  private:
@@ -82,7 +84,8 @@ class ProgramHost {
   Hardware& hardware_;
   const Elf& program_;
   std::optional<std::uint32_t> stop_word_;
-  bool has_upper_half_ = false;  // if set, the program can send commands to devices of the host
+  /// True if `tohost` has 64 bits; only then the program can send commands to devices of the host.
+  bool has_upper_half_ = false;
   HostCalls* calls_ = nullptr;
   bool serves_ecall_ = false;
   std::optional<std::uint32_t> exit_code_;

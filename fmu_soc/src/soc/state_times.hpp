@@ -10,17 +10,17 @@
 
 namespace mebots::soc {
 
-/// The state of a chip, in the order of the FMU's outputs. The first of these conditions that holds gives the state.
-/// `cluster`: the cluster is on. `controller`: the fabric controller is awake. `waiting`: a requested picture has not
-/// arrived. `asleep`: none of these conditions holds.
+/// Names the states of a chip, in the order of the FMU's outputs. `cluster`: the cluster is on. `controller`: the
+/// fabric controller is awake. `waiting`: a requested picture has not arrived. `asleep`: none of these conditions
+/// holds. If several conditions hold, the first of them determines the state.
 enum class ChipState : std::uint8_t { asleep, waiting, cluster, controller, off };
 
-/// Time in each state. Time without supply is not counted.
+/// Measures the time that a chip spends in each state. Time without supply is not counted.
 class StateTimes {
  public:
   static constexpr std::size_t kCounted = 4;
 
-  /// Sets the state from `time` on. If `time` is before the last change, changes only the state.
+  /// Sets the state from `time` on. If `time` is before the last change, sets the state without counting time.
   void pass(Picoseconds time, ChipState state) {
     if (time > since_) {
       if (state_ != ChipState::off) total_[static_cast<std::size_t>(state_)] += time - since_;
@@ -42,9 +42,9 @@ class StateTimes {
   std::array<Picoseconds, kCounted> total_{};
 };
 
-/// Gets a call with each time at which the state of a chip may have changed, except for changes by instructions alone.
-/// Such times are accesses to devices, events of devices, sleep, wake-up or end of a core, and the end of the time that
-/// the caller requested. Times never decrease.
+/// Is called at each time at which the state of a chip may have changed, except for changes by instructions alone.
+/// These are the times of accesses to devices, of events of devices, of sleep, wake-up or end of a core, and the end of
+/// the time that the caller requested. The times of successive calls never decrease.
 class StateListener {
  public:
   StateListener() = default;

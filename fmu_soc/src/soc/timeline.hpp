@@ -11,10 +11,10 @@
 
 namespace mebots::soc {
 
-/// The reason why a system has stopped.
+/// Names the reason for which a chip has stopped.
 enum class End : std::uint8_t { none, exited, faulted, powered_off, host, stopped };
 
-/// The time of a chip: the clock of the fabric controller, its sleep, and the end of the program.
+/// Stores the time of a chip: the clock of the fabric controller, its sleep, and the end of the program.
 class Timeline {
  public:
   explicit Timeline(const Hart& hart) : hart_(hart) {}
@@ -23,27 +23,27 @@ class Timeline {
   const Clock& clock() const { return clock_; }
   Picoseconds now() const { return now_; }
   void reach(Picoseconds time) { now_ = time; }
-  /// Returns the start of the fabric controller's next instruction, or of its sleep.
+  /// Returns the time at which the fabric controller's next instruction or its sleep starts.
   Picoseconds core_time() const { return clock_.time_of(hart_.counters().cycles); }
 
   End end() const { return end_; }
   bool running() const { return end_ == End::none; }
-  /// True while the fabric controller waits for an interrupt or has ended.
+  /// True while the fabric controller waits for an interrupt, and after it has ended.
   bool asleep() const { return asleep_; }
   Picoseconds asleep_since() const { return asleep_since_; }
-  /// True if the chip is in retention sleep.
+  /// True while the chip is in retention sleep.
   bool retained() const { return retained_; }
-  /// Returns the number of the core that ended the program.
+  /// Returns the number of the core that has ended the program.
   int ended_by() const { return ended_by_; }
   void set_ended_by(unsigned core) { ended_by_ = static_cast<std::int32_t>(core); }
 
   void sleep(bool retained);
-  /// Ends the sleep: the next instruction starts at the first tick at or after `time`.
+  /// Ends the sleep. The next instruction starts at the first tick at or after `time`.
   void wake(Picoseconds time);
   void end_retention(Picoseconds time);
   /// Ends the program at `time`, or at the fabric controller's time if that is later.
   void finish(End why, Picoseconds time);
-  /// Switches the supply off now.
+  /// Switches the supply of the chip off at the present time.
   void power_off();
 
   Picoseconds slept_at(Picoseconds now) const {
@@ -52,20 +52,20 @@ class Timeline {
   Picoseconds retention_at(Picoseconds now) const {
     return retention_ + (retained_ && now > asleep_since_ ? now - asleep_since_ : 0);
   }
-  /// Returns `time`, or the end of the supply if that is earlier.
+  /// Returns `time`, or the time at which the supply was switched off if that is earlier.
   Picoseconds supplied_until(Picoseconds time) const {
     return end_ == End::powered_off ? std::min(time, end_time_) : time;
   }
-  /// Returns the time that a run without a time limit has reached. If the program has ended, this is the time of the
-  /// end. If not, it is the latest time of all cores.
+  /// Returns the time that a run without a time limit has reached. After the end of the program, this is the time of
+  /// the end. Otherwise it is the latest time of all cores.
   Picoseconds reached(const Cluster* cluster) const;
-  /// Returns the next time at which the cluster acts; kNever if there is none.
+  /// Returns the next time at which the cluster acts. If the cluster has nothing to do, returns kNever.
   Picoseconds next_of(const Cluster* cluster) const {
     return cluster != nullptr && running() ? cluster->next() : kNever;
   }
 
   void visit(state::Visitor& v);
-  /// Throws Error if the restored state names a core that the chip does not have.
+  /// Throws Error if a restored state names a core that the chip does not have.
   void check(const Cluster* cluster) const;
 
  private:
@@ -77,9 +77,9 @@ class Timeline {
   Picoseconds end_time_ = 0;
   bool asleep_ = false;
   Picoseconds asleep_since_ = 0;
-  Picoseconds slept_ = 0;  // up to the last wake-up
+  Picoseconds slept_ = 0;  // total time asleep, up to the last wake-up
   bool retained_ = false;
-  Picoseconds retention_ = 0;  // up to the last wake-up
+  Picoseconds retention_ = 0;  // total time in retention sleep, up to the last wake-up
 };
 
 }  // namespace mebots::soc

@@ -12,26 +12,28 @@
 
 namespace mebots::soc {
 
-/// The work of a chip: time in each state, time of its cores, and decisions from pictures to set-points.
+/// Measures the work of a chip: its time in each state, the time of its cores, and decisions from pictures to
+/// set-points.
 class WorkAccount {
  public:
-  /// `sender` has the meaning that Decisions describes.
+  /// `sender` is the name of the device that sends set-points; see Decisions.
   WorkAccount(const Hardware& hardware, const Timeline& timeline, const DeviceSet& devices, std::string sender)
       : hardware_(hardware), timeline_(timeline), devices_(devices), decisions_(std::move(sender)) {}
 
-  /// Returns the time that the chip has spent in each state up to now. If an instruction is in progress, its whole
-  /// duration counts.
+  /// Returns the time that the chip has spent in each state up to now. The whole duration of an instruction in progress
+  /// counts.
   const StateTimes& state_times() const { return state_times_; }
   const Decisions& decisions() const { return decisions_; }
 
-  /// Adds the time since the last call to the previous state of the chip, and determines the new state. The call's time
-  /// is `time`, or the fabric controller's time if the controller is awake and has advanced further.
+  /// Adds the time since the last call to the previous state of the chip, and determines the new state. The time of the
+  /// call is `time`, or the fabric controller's time if the controller is awake and has advanced further.
   void pass(Picoseconds time);
   void picture_stored(const PictureTimes& times) { decisions_.picture_stored(times, work_at(times.stored)); }
   void setpoints_sent(std::string_view sender, Picoseconds now);
-  /// Publishes the set-points that were sent in this step. Must be called at the end of a step.
+  /// Publishes the set-points that were sent in this step. Must be called at the end of each step.
   void publish(Picoseconds now) { decisions_.published(now); }
-  /// Must be set for a program without a world, whose set-points are published at once. Not part of a state.
+  /// Must be set to true for a program without a world. Its set-points are published when they are sent. Not part of a
+  /// state.
   void set_alone(bool alone) { alone_ = alone; }
 
   void visit(state::Visitor& v);
@@ -48,7 +50,8 @@ class WorkAccount {
   StateTimes state_times_;
   Decisions decisions_;
   bool alone_ = false;
-  Picoseconds controller_work_ = 0;  // while the cluster did nothing, up to work_noted_
+  /// Awake time of the fabric controller while the cluster did nothing, up to work_noted_.
+  Picoseconds controller_work_ = 0;
   Picoseconds work_noted_ = 0;
   Picoseconds cluster_work_noted_ = 0;
   bool awake_noted_ = true;

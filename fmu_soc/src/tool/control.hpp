@@ -16,16 +16,16 @@
 
 namespace mebots::soc::tool {
 
-/// The console of a program that a test controls. It collects the program's output, and holds the input for the
-/// program. Input arrives in simulated time, so a run does not depend on the host's time.
+/// Provides the console of a program that a test controls. It collects the program's output, and stores the input for
+/// the program. Input arrives in simulated time, so that a run does not depend on the host's time.
 class ControlledConsole final : public Console {
  public:
   void write(std::span<const char> bytes) override { printed_.append(bytes.data(), bytes.size()); }
   void send(std::string_view bytes) { input_.insert(input_.end(), bytes.begin(), bytes.end()); }
   /// Removes and returns the next input byte, like ConsolePort::read_console().
   int read_byte();
-  /// Returns -EAGAIN if no input has been sent. The program cannot wait for input, because a call takes no simulated
-  /// time.
+  /// If the test has sent no input, returns -EAGAIN. The program cannot wait for input, because a call takes no
+  /// simulated time.
   long read(std::span<char> into) override;
   const std::string& printed() const { return printed_; }
 
@@ -34,18 +34,18 @@ class ControlledConsole final : public Console {
   std::deque<char> input_;
 };
 
-/// Controls a program by commands from standard input. Each command is a JSON object on one line. The answer to each
-/// command is one line on standard output. docs/chip/testing.md lists the commands. Python's mebots.testing sends such
-/// commands.
+/// Controls a program by commands that it reads from standard input. Each command is a JSON object on one line. The
+/// reply to each command is one line on standard output. docs/chip/testing.md lists the commands. The Python module
+/// mebots.testing sends them.
 class Control {
  public:
-  /// `report` returns the report of the run up to now, as JSON. `host_code` returns the exit code of a program that has
-  /// ended by tohost. All arguments must outlive this object.
+  /// `report` must return the report of the run up to now, as JSON. `host_code` must return the exit code of a program
+  /// that has ended by tohost. All arguments must outlive this object.
   Control(Soc& soc, observe::Session& session, ControlledConsole& console, std::function<std::string()> report,
           std::function<int()> host_code)
       : soc_(soc), session_(session), console_(console), report_(std::move(report)), host_code_(std::move(host_code)) {}
 
-  /// Serves commands until the end of the input.
+  /// Reads and executes commands until the input ends.
   void serve();
 
  private:
@@ -65,7 +65,7 @@ class Control {
   ControlledConsole& console_;
   std::function<std::string()> report_;
   std::function<int()> host_code_;
-  std::size_t told_ = 0;  // bytes of the console in earlier answers
+  std::size_t told_ = 0;  // number of console bytes that earlier replies contained
 };
 
 }  // namespace mebots::soc::tool

@@ -14,20 +14,20 @@
 
 namespace mebots::soc::tool {
 
-/// The host's files for a program: 0 and 1 are the console, 2 is standard error. Other files must be below one folder.
-/// Negative results are -errno.
+/// Gives a program access to files of the host: 0 and 1 are the console, and 2 is standard error. Other files must be
+/// inside one folder. Negative results are -errno.
 class HostFiles {
  public:
-  /// If there is no folder, a program can use only the console. The console must outlive this object.
+  /// If `folder` is empty, a program can use only the console. The console must outlive this object.
   HostFiles(const std::optional<std::string>& folder, Console& console);
 
-  /// Opens a file with flags of POSIX's open(). ":tt" is the console.
+  /// Opens a file. `flags` has the values of POSIX's open(). The name ":tt" opens the console.
   int open(const std::string& name, int flags);
   int close(int file);
-  /// Returns the number of bytes read; 0 at the end.
+  /// Reads into `into`. Returns the number of bytes read, or 0 at the end of the file.
   long read(int file, std::span<char> into);
   long write(int file, std::span<const char> bytes);
-  /// Returns the new position. `origin` has the values of fseek().
+  /// Changes the position in a file and returns the new one. `origin` has the values of fseek().
   long seek(int file, long offset, int origin);
   long length(int file);
   int remove(const std::string& name);
@@ -48,7 +48,7 @@ class HostFiles {
 
   Console& console_;
   std::optional<std::filesystem::path> folder_;
-  std::vector<File> files_;  // from kFirstFile on
+  std::vector<File> files_;  // open files; the first one has the number kFirstFile
 };
 
 }  // namespace mebots::soc::tool

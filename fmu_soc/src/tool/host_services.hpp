@@ -16,14 +16,14 @@
 
 namespace mebots::soc::tool {
 
-/// Serves a program that runs without FMI: console, files, simulated time and exit, through semihosting or system
-/// calls.
+/// Serves a program that runs without FMI. It provides console, files, simulated time and exit through semihosting or
+/// system calls.
 class HostServices final : public HostCalls {
  public:
   HostServices(Soc& soc, HostFiles& files, std::string program)
       : soc_(soc), files_(files), calls_(soc, files), program_(std::move(program)) {}
 
-  /// Calls SystemCalls::begin_program(), with the name of the program as the first argument.
+  /// Calls SystemCalls::begin_program(). The name of the program is inserted as the first argument.
   void begin_program(const std::string& name, std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), name);
     calls_.begin_program(arguments);
@@ -50,7 +50,7 @@ class HostServices final : public HostCalls {
   HostFiles& files_;
   SystemCalls calls_;
   std::string program_;
-  int errno_ = 0;  // of the last operation that failed
+  int errno_ = 0;  // error number of the last operation that failed
 };
 
 }  // namespace mebots::soc::tool

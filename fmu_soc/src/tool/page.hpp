@@ -15,10 +15,10 @@
 
 namespace mebots::soc::tool {
 
-/// A file in the folder for temporary files. The destructor removes it.
+/// Owns a file in the folder for temporary files. The destructor deletes the file.
 class ScratchFile {
  public:
-  /// `ending` is the end of the file's name, such as .json. Throws Error if the file cannot be created.
+  /// `ending` is the end of the file name, such as .json. Throws Error if the file cannot be created.
   explicit ScratchFile(std::string_view ending);
   ScratchFile(const ScratchFile&) = delete;
   ScratchFile& operator=(const ScratchFile&) = delete;
@@ -29,24 +29,24 @@ class ScratchFile {
   std::string path_;
 };
 
-/// The page of a run: energy by part, counts, functions, and power over time. It uses the page of `mebots report`, with
-/// the chip in place of a system.
+/// Writes the page of a run: energy of each part, counts, functions, and power over time. It uses the page of `mebots
+/// report` and shows the chip in place of a system.
 class RunPage {
  public:
-  /// Throws Error if the file cannot be written or this installation has no pages. `profile` is the file for the
+  /// Throws Error if the file cannot be written, or if this installation has no pages. `profile` is the file of the
   /// profile that the user has requested, if any.
   RunPage(const std::string& path, const std::optional<std::string>& profile);
 
-  /// Returns the path of the profile, which is in speedscope's format.
+  /// Returns the path at which the profile must be written, in speedscope's format.
   const std::string& profile() const { return profile_ ? *profile_ : scratch_->path(); }
 
   /// Starts to record the chip, which must outlive the page.
   void follow(const Soc& soc, observe::Session& session);
-  /// Adds a line that the program printed.
+  /// Adds a line that the program has printed to the page.
   void printed(std::string_view line);
-  /// Adds a byte that the program sent to a serial port.
+  /// Adds a byte that the program has sent to a serial port.
   void sent(char byte);
-  /// Writes the page. `outcome` says how the program ended. The profile must be complete.
+  /// Writes the page. `outcome` describes how the program ended. The profile must be complete.
   void write(const ChipReport& report, const std::string& program, const std::string& outcome);
 
  private:
@@ -57,7 +57,7 @@ class RunPage {
   const Soc* soc_ = nullptr;
   std::optional<PowerCourse> course_;
   std::string log_;
-  std::string sent_;  // the line that is not complete yet
+  std::string sent_;  // last line from the serial port, which is not complete yet
   std::size_t lines_ = 0;
 };
 

@@ -11,7 +11,7 @@
 
 namespace mebots::soc::tool {
 
-/// Counts, times and energies of a run.
+/// Contains counts, times and energies of a run.
 struct ChipReport {
   struct Cores {
     std::string name;

@@ -18,44 +18,44 @@
 
 namespace mebots::soc::tool {
 
-/// Returns a board for a program that needs no devices. The board has only RAM: at the addresses to which the program's
-/// segments are loaded, and at the addresses from which they run. Each RAM begins at the page of its lowest segment,
-/// has at least 4 MiB, and ends at least 1 MiB after its highest segment. The last RAM ends `heap` bytes after its
-/// highest segment. Segments with more than 64 MiB between them get separate RAMs. Throws Error if that would be more
-/// than 2 GiB.
+/// Returns a board for a program that needs no devices. The board has only RAM, which contains the load addresses and
+/// the run addresses of the program's segments. Each RAM starts at the page of its lowest segment, has at least 4 MiB,
+/// and ends at least 1 MiB after its highest segment. The last RAM ends `heap` bytes after its highest segment.
+/// Segments with more than 64 MiB between them get separate RAMs. Throws Error if the RAMs would exceed 2 GiB.
 BoardDescription board_around(const Elf& program, std::uint64_t heap);
 
-/// Adds RAM given as BASE:SIZE, such as 0x80000000:64M. If the board has a memory with this base, its size is changed.
-/// Throws Error if the text has another form, or if the RAM overlaps a device.
+/// Adds RAM that `text` describes as BASE:SIZE, such as 0x80000000:64M. If the board has a memory with this base,
+/// changes its size instead. Throws Error if the text has another form, or if the RAM overlaps a device.
 void add_ram(BoardDescription& board, const std::string& text);
 
-/// Returns a time given as 10s, 2.5ms or 3 (seconds). Throws Error that names the option.
+/// Parses a time such as 10s, 2.5ms or 3 (seconds). Throws Error that names the option if the text has another form.
 Picoseconds time_of(std::string_view option, const std::string& text);
 
-/// Returns the board files that came with this program.
+/// Returns the paths of the board files that are part of this installation.
 std::vector<std::filesystem::path> own_boards();
 
-/// Returns the possible paths of a folder with MEbots' data: in the share/ of an installation, or next to the bin/ of a
-/// build.
+/// Returns the possible paths of a folder that contains data of MEbots: in the share/ of an installation, or next to
+/// the bin/ of a build.
 std::vector<std::filesystem::path> own_folders(std::string_view name);
 
-/// Returns the file of a board. `asked` is a path, or the name of a board that came with this program. For any other
-/// name, throws Error with a list of these boards.
+/// Returns the path of a board file. `asked` is a path, or the name of a board that is part of this installation. For
+/// any other name, throws Error that lists these boards.
 std::filesystem::path board_file(const std::string& asked);
 
-/// Returns the pictures of a folder: its .png and .pgm files in the order of their names, as grey pixels row by row.
-/// Colours are converted to grey with libpng's weights. Throws Error that names the file if it cannot be read, is not
-/// `width` pixels wide, or is lower than `least_height`. Also throws for a folder without pictures.
+/// Reads the .png and .pgm files of a folder in the order of their names, and returns their grey pixels row by row.
+/// Colours are converted to grey with libpng's weights. Throws Error that names the file if it cannot be read, if it is
+/// not `width` pixels wide, or if it is lower than `least_height`. Also throws if the folder contains no pictures.
 std::vector<std::vector<std::uint8_t>> read_pictures(const std::filesystem::path& folder, std::uint32_t width,
                                                      std::uint32_t least_height);
 
-/// Writes the words between the symbols begin_signature and end_signature, 8 hexadecimal digits per line.
+/// Writes the words between the symbols begin_signature and end_signature to a file, with 8 hexadecimal digits per
+/// line.
 class Signature {
  public:
-  /// Called before the run. Throws Error if the program lacks the symbols, if they are outside of its memory, or if the
-  /// file cannot be written.
+  /// Must be created before the run. Throws Error if the program lacks the symbols, if they are outside its memory, or
+  /// if the file cannot be written.
   Signature(const std::string& path, const Soc& soc);
-  /// Writes the present words.
+  /// Writes the words that the memory contains now.
   void write(const Soc& soc);
 
  private:
@@ -64,7 +64,7 @@ class Signature {
   observe::TextFile file_;
 };
 
-/// The options of `mebots-soc run`.
+/// Contains the options of `mebots-soc run`.
 struct Options {
   std::string program;
   std::vector<std::string> arguments;
@@ -102,19 +102,19 @@ struct Options {
 /// parsed.
 void add_options(CLI::App& command, Options& options);
 
-/// Throws Error for invalid options: an empty name, one file for two purposes, an output that is also an input of the
-/// run, or a path in a folder that does not exist.
+/// Throws Error if an option is invalid: a name is empty, a file has two purposes, an output is also an input of the
+/// run, or a path is in a folder that does not exist.
 void check(const Options& options);
 
-/// Returns advice about the fault that ended a run: an option that serves the program's system call, or a board that
-/// has a device at the address. If there is no advice, returns an empty text.
+/// Returns advice about the fault that has ended a run. The advice names an option that serves the program's system
+/// call, or a board that has a device at the address. If there is no advice, returns an empty text.
 std::string advice_after_fault(const Soc& soc, const Options& options);
 
 inline constexpr int kFaultOrLimit = 101;
 inline constexpr int kBadInput = 102;
 
-/// Runs a program to its end and prints the report. Returns the exit code: tohost >> 1 or the value passed to EXIT (low
-/// 8 bits), or kFaultOrLimit. Throws Error for bad input.
+/// Runs a program to its end and prints the report. Returns the exit code: tohost >> 1, or the value passed to EXIT
+/// (low 8 bits), or kFaultOrLimit. Throws Error for bad input.
 int run(const Options& options);
 
 }  // namespace mebots::soc::tool

@@ -13,25 +13,25 @@
 
 namespace mebots::soc::tool {
 
-/// Reads and writes a chip's state in a file, with `--load-state` and `--save-state`.
+/// Writes a chip's state to a file (`--save-state`) and reads it back (`--load-state`).
 ///
-/// The file begins with lines of text: the version of the format, a checksum of each input of the run and of this
-/// program, and the layout of the state. When the state is loaded, these lines must be equal to those of the present
-/// run. A checksum of the state and its bytes follow.
+/// The file begins with lines of text. They contain the version of the format, a checksum of each input of the run and
+/// of this program, and the layout of the state. When a state is loaded, these lines must be equal to those of the
+/// present run. The checksum of the state and the bytes of the state follow.
 class StateFile {
  public:
-  /// Reads the inputs of the run for their checksums. Throws Error if an input cannot be read.
+  /// Computes the checksums of the run's inputs. Throws Error if an input cannot be read.
   StateFile(const Options& options, const Soc& soc);
 
-  /// Restores the chip's state. Throws Error if the file is not readable, is damaged, or has the state of another
+  /// Restores the chip's state. Throws Error if the file cannot be read, is damaged, or contains the state of another
   /// program, board or build. If the function throws, the chip must not be used.
   void load(const std::string& path, Soc& soc) const;
-  /// Writes the chip's state. If the program has ended or an observer has stopped it, removes the file and throws
-  /// Error, because such a state cannot continue.
+  /// Writes the chip's state. If the program has ended or an observer has stopped it, the state cannot be resumed. In
+  /// this case, deletes the file and throws Error.
   void save(observe::TextFile& file, const Soc& soc) const;
 
  private:
-  /// Name and value of a line before the state.
+  /// Stores the name and the value of each text line before the state.
   std::vector<std::pair<std::string_view, std::string>> lines_;
 };
 
