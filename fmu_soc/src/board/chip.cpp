@@ -20,11 +20,12 @@
 namespace mebots::soc {
 namespace {
 
-/// Upper bound that keeps a block's sum of femtojoules within 32 bits.
+/// Limits the energy of an instruction, so that the sum over a block fits in 32 bits of femtojoules.
 constexpr double kMostWeight = 100;
 
-/// Returns the class of instructions whose energy an operation has. Floating-point operations have the energy of the
-/// most similar integer operation, because no values are published: GAP8's cores have no floating-point unit.
+/// Returns the class of instructions that has the same energy as the operation. A floating-point operation has the
+/// energy of the most similar integer operation, because no values are published: GAP8's cores have no floating-point
+/// unit.
 std::string_view class_of(Op op) {
   const auto kind = traits_of(op).kind;
   if (kind == OpKind::float_multiply || kind == OpKind::float_multiply_add) return "multiply";
@@ -40,7 +41,7 @@ std::string_view class_of(Op op) {
   return "alu";
 }
 
-/// Reads the energy of every operation at the reference point [fJ].
+/// Reads the energy of every operation at the reference clock and voltage [fJ].
 InstructionEnergy read_instruction_energy(const data::Node& node, double reference_j) {
   static constexpr std::array<std::string_view, 9> kClasses = {"alu",   "multiply", "multiply_high", "divide", "load",
                                                                "store", "branch",   "jump",          "system"};
@@ -138,7 +139,7 @@ Chip read_chip(const data::Node& node) {
   return chip;
 }
 
-/// Returns a copy of `base` with other energies.
+/// Returns a copy of `base` whose energies are replaced by those of `node`.
 Chip read_energy_model(const data::Node& node, const Chip& base) {
   data::Object object(node);
   Chip chip = base;
@@ -195,7 +196,7 @@ const Chip& gap8_silicon() {
 
 namespace {
 
-/// Returns null for an unknown name.
+/// Returns the chip with these energies, or null for an unknown name.
 const Chip* chip_named(std::string_view energies) {
   if (energies == "gap8") return &gap8();
   return energies == "gap8_silicon" ? &gap8_silicon() : nullptr;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Entries of a board's devices: registers, states, variables, and their references to each other.
+// Reads the entries of a board's devices: registers, states, variables, and the references between them.
 #include "board/readers.hpp"
 
 #include "board/settings.hpp"
@@ -22,12 +22,12 @@ namespace {
 using data::Node;
 using data::Object;
 
-/// The highest source of a PLIC that a device can use; source 0 does not exist. Source: RISC-V Platform-Level Interrupt
-/// Controller Specification 1.0.0.
+/// Highest source number of a PLIC. Source 0 does not exist. Source: RISC-V Platform-Level Interrupt Controller
+/// Specification 1.0.0.
 constexpr std::int64_t kMostSources = 1023;
 
-/// Reads an interrupt: a source of the interrupt controller, or a line of RI5CY and CV32E40P: software, timer,
-/// external, and 16 fast ones.
+/// Reads an interrupt number. With an interrupt controller, this is a source of the controller. Otherwise it is a line
+/// of RI5CY and CV32E40P: software, timer, external, or one of 16 fast ones.
 int read_interrupt(const Node& node, bool has_controller) {
   if (has_controller) return static_cast<int>(node.whole_number(1, kMostSources));
   const auto line = static_cast<int>(node.whole_number(0, 31));
@@ -95,7 +95,7 @@ std::vector<BoardRegister> read_registers(const Node& node) {
   return registers;
 }
 
-/// Reads the members of an object with `read`; the key of each member becomes its name.
+/// Reads each member of an object with `read`. The key of a member becomes the name of the result.
 template <typename T, typename Read>
 auto by_name(Read read) {
   return [read](const Node& node) {
@@ -148,11 +148,11 @@ BoardEnumeration read_enumeration(const std::string& name, const Node& node) {
   return enumeration;
 }
 
-/// Minimum delay of a described device. If states with shorter delays formed a cycle, the simulation would process only
-/// these states.
+/// Minimum delay of a state in a described device. With shorter delays, a cycle of states could keep the simulation at
+/// one moment.
 constexpr double kLeastDelayS = 1e-6;
 
-/// Returns the node at the longest existing prefix of these keys, for messages.
+/// Returns the node at the longest prefix of these keys that exists. Error messages point to this node.
 Node nearest(const Node& node, std::initializer_list<std::string_view> keys) {
   Node found = node;
   for (const auto key : keys) {
@@ -163,7 +163,7 @@ Node nearest(const Node& node, std::initializer_list<std::string_view> keys) {
   return found;
 }
 
-/// Returns the node of a register in the board file, for messages.
+/// Returns the node of a register in the board file. Error messages point to this node.
 Node entry_of(const Node& device, const BoardRegister& reg) {
   const auto entries = device.at("registers").elements();
   const auto found =
@@ -180,7 +180,8 @@ std::vector<std::string> numbers_of(const BoardDevice& device, bool inputs) {
   return names;
 }
 
-/// Checks a register that sends a variable. The variable must be an output, and the register must have no other effect.
+/// Checks a register that sends a variable. The variable must be an output, and a store into the register must have no
+/// other effect.
 void check_sender(const Node& node, const BoardDevice& device, const BoardRegister& reg) {
   const auto entry = entry_of(node, reg);
   if (reg.access == "r" || !reg.shows.empty()) {
@@ -212,7 +213,7 @@ void check_display(const Node& node, const BoardDevice& device, const BoardRegis
   }
 }
 
-/// Checks that every output of a described device has one source.
+/// Checks that each output of a described device is sent by exactly one register, or is its power or energy.
 void check_outputs(const Node& node, const BoardDevice& device) {
   for (const auto& variable : device.variables) {
     if (variable.is_input()) continue;
@@ -227,7 +228,8 @@ void check_outputs(const Node& node, const BoardDevice& device) {
   }
 }
 
-/// Checks a register that commits. Other registers must send, and this register must have no other effect.
+/// Checks a register that commits. At least one other register must send a variable, and this register must have no
+/// other effect.
 void check_commit(const Node& node, const BoardDevice& device, const BoardRegister& reg) {
   const auto entry = entry_of(node, reg);
   const bool takes_opcodes =
@@ -262,8 +264,8 @@ void check_opcodes(const Node& node, const BoardDevice& device) {
   }
 }
 
-/// Checks that all names refer to existing entries. Applies to described devices and to devices with their own C++
-/// code.
+/// Checks that all names refer to existing entries. Applies to described devices and to devices that are implemented in
+/// C++.
 void check_names(const Node& node, const BoardDevice& device) {
   check_opcodes(node, device);
   for (const auto& state : device.states) {
@@ -276,7 +278,7 @@ void check_names(const Node& node, const BoardDevice& device) {
   }
 }
 
-/// Checks the states and outputs of a device without C++ code.
+/// Checks the states and outputs of a device that has no C++ code.
 void check_description(const Node& node, const BoardDevice& device) {
   if (device.initial_state.empty()) {
     if (!device.states.empty()) {
@@ -300,7 +302,7 @@ void check_description(const Node& node, const BoardDevice& device) {
   check_outputs(node, device);
 }
 
-/// Reads the start value of a number. The generator of descriptions (modeldesc) checks all other properties of
+/// Reads the start value of a number. The generator of model descriptions (modeldesc) checks all other properties of
 /// variables.
 double start_of(const Node& node) {
   if (!node.has("start")) return 0;
@@ -358,12 +360,13 @@ BoardRegulator read_regulator(const Node& node) {
   return regulator;
 }
 
-/// Returns the kind of an entry without an address, from its key.
+/// Returns the kind that the key of an entry without an address selects.
 std::string_view kind_without_address(const Object& object) {
   return object.has("part") ? "part" : "regulator";
 }
 
-/// Checks a part. A part without an address must not have keys that a program could use.
+/// Checks a part of the board, which has no address. The entry must not have keys that describe registers or other
+/// things that a program could access.
 void check_part(const Node& node, const Object& object, const BoardDevice& device) {
   for (const auto* key :
        {"base", "also_at", "span", "interrupt", "interrupt_controller", "registers", "opcodes", "enumerations"}) {
@@ -431,7 +434,7 @@ BoardDevice read_device(const Node& node, std::set<std::string>& names) {
   object.read_if("variables", device.variables,
                  data::list_of([&](const Node& member) { return read_variable(member, described); }));
   object.read_if("enumerations", device.enumerations, by_name<BoardEnumeration>(&read_enumeration));
-  object.allow({"terminals"});  // for the FMU, not for the chip
+  object.allow({"terminals"});  // the FMU uses this key; the chip does not
   object.finish();
   if (!on_bus) check_part(node, object, device);
   if (!object.sound()) return device;

@@ -15,9 +15,9 @@
 namespace mebots::soc {
 namespace {
 
-/// The member `flight` of network.json.
+/// Contains the member `flight` of network.json.
 struct Flight {
-  std::string none;  ///< why there is no program; empty if there is one
+  std::string none;  ///< reason why there is no program; empty if there is a program
   std::string program;
   std::string board;
   std::vector<std::string> firmware;  ///< names of the firmware that the program replaces
@@ -30,7 +30,7 @@ std::vector<std::string> texts(const data::Node& list) {
   return result;
 }
 
-/// Returns the name of a file in the folder. Refuses a path, because a path could name a file that is not among the
+/// Returns the name of a file in the folder. Rejects a path, because a path could name a file that is not among the
 /// mission's inputs.
 std::string file_name(const data::Node& node) {
   auto name = node.readable_text();

@@ -35,7 +35,7 @@ void Cluster::power_on(Picoseconds now, std::uint32_t boot) {
   peripherals_->reset(boot);
   scheduler_.set_alarm(peripherals_->next_tick());
   dma_.reset();
-  banks_.free_all();  // cores may have claimed banks ahead before they were switched off
+  banks_.free_all();  // cores may have claimed later ticks before the cluster was switched off
   soc_port_.free_all();
   if (instruction_cache_) instruction_cache_->flush();
   for (auto& core : cores_) core->halt();
@@ -92,7 +92,8 @@ void Cluster::advance(Picoseconds until, Picoseconds last, std::uint64_t cycle_l
   const auto stop = std::min(end, clock_.first_after(last));
   has_news_ = false;
   auto start = next_tick();
-  // An awake core counts one cycle per tick. Therefore no core can reach the limit before this many ticks have passed.
+  // An awake core counts one cycle per tick. Therefore no core reaches the limit before this number of ticks has
+  // passed.
   const auto begin = start;
   const auto far_from_limit = cycle_limit - std::min(longest_cycles() + ClusterScheduler::kFarthestAhead, cycle_limit);
   bool undisturbed = false;
@@ -130,7 +131,7 @@ bool Cluster::core_stopped(ClusterCore& core, Stop stop) {
   return false;
 }
 
-/// Handles the effects of events in `tick`: wakes cores whose loads can be answered, and starts cores.
+/// Handles the effects of events in `tick`: wakes the cores whose loads can now be answered, and starts cores.
 void Cluster::spread_events(std::uint64_t tick) {
   scheduler_.set_alarm(peripherals_->next_tick());
   const auto woken = peripherals_->take_woken();

@@ -146,7 +146,7 @@ void ClusterDma::find_next() {
   for (const auto& transfer : transfers_) next_ = std::min(next_, transfer.end);
 }
 
-/// Returns the first queued transfer that has not moved all its data; null if there is none.
+/// Returns the first queued transfer that has not moved all its data, or null if every transfer has moved its data.
 ClusterDma::Transfer* ClusterDma::first_unmoved() {
   Transfer* first = nullptr;
   for (auto& transfer : transfers_) {
@@ -165,7 +165,7 @@ void ClusterDma::occupy(Banks& banks, std::uint64_t until) {
       waited += occupy_burst(banks, *transfer, until);
     }
     if (waited == 0) continue;
-    // Transfers that were queued later also wait.
+    // A wait of this transfer also delays the transfers that were queued later.
     for (auto& other : transfers_) {
       if (other.end == kNoTick || other.end < transfer->end || &other == transfer) continue;
       other.next_beat += waited;
@@ -178,8 +178,8 @@ void ClusterDma::occupy(Banks& banks, std::uint64_t until) {
   }
 }
 
-/// Claims banks for the next beats of a burst that start before `until`. Returns the number of ticks that these beats
-/// wait.
+/// Claims banks for the next beats of a burst, as long as they start before `until`. Returns the number of ticks for
+/// which these beats wait.
 std::uint64_t ClusterDma::occupy_burst(Banks& banks, Transfer& transfer, std::uint64_t until) const {
   const auto& what = transfer.what;
   const auto row = what.row == 0 ? what.size : what.row;

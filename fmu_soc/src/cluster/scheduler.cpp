@@ -37,7 +37,7 @@ std::uint64_t ClusterScheduler::next_tick() const {
   return std::min({dma_.next_tick(), alarm_, first_ready()});
 }
 
-/// Returns the tick at which the earliest core continues; kNoTick while all sleep.
+/// Returns the tick at which the earliest core continues. While all cores sleep, returns kNoTick.
 std::uint64_t ClusterScheduler::first_ready() const {
   auto first = kNoTick;
   // The loop has no branch, because the host could not predict the branch.
@@ -61,7 +61,7 @@ std::uint64_t ClusterScheduler::run_quantum(std::uint64_t start, std::uint64_t u
   while (alarm_ <= start) ring();
   share_banks();
   if (sharing_banks_ && start > banks_.start()) {
-    dma_.occupy(banks_, start);  // claims of beats while all cores slept
+    dma_.occupy(banks_, start);  // claims the beats that were due while all cores slept
     move_banks(start);
   }
   auto end = std::min(start + (sharing_banks_ ? settings_.quantum : kLongQuantum), until);
@@ -74,8 +74,8 @@ std::uint64_t ClusterScheduler::run_quantum(std::uint64_t start, std::uint64_t u
   return finish_quantum(end);
 }
 
-/// A faster form of run_quantum(). The function requires that all awake cores ended the previous quantum in translated
-/// code, and that no other event is due. In this case, only the cores' ticks have changed since the previous quantum.
+/// Does the same as run_quantum() in less time. All awake cores must have ended the previous quantum in translated
+/// code, and no other event may be due. In this case, only the cores' ticks have changed since the previous quantum.
 std::uint64_t ClusterScheduler::run_quantum_in_step(std::uint64_t start, std::uint64_t until) {
   MEBOTS_ASSERT(sharing_banks_ && start > banks_.start());
   move_banks(start);
@@ -89,12 +89,12 @@ std::uint64_t ClusterScheduler::run_quantum_in_step(std::uint64_t start, std::ui
   return finish_quantum(end);
 }
 
-/// Runs cores, registers and DMA in the order of their ticks. Returns the start of the next quantum.
+/// Runs cores, registers and DMA in the order of their ticks up to `end`. Returns the start of the next quantum.
 std::uint64_t ClusterScheduler::finish_quantum(std::uint64_t end) {
   while (goes_on_) {
     if (!sharing_banks_) {
       share_banks();
-      if (sharing_banks_) {  // the only core has woken others, or started a transfer
+      if (sharing_banks_) {  // the only core has woken other cores, or has started a transfer
         const auto now = next_tick();
         end = std::min(end, now + settings_.quantum);
         move_banks(std::max(banks_.start(), now));
@@ -114,7 +114,7 @@ std::uint64_t ClusterScheduler::finish_quantum(std::uint64_t end) {
     if (first >= end) return std::min({transfer, alarm_, first});
     in_step_ = false;
     auto& core = core_at(first);
-    // A core may have set the alarm in this quantum.
+    // A core may have changed the alarm in this quantum.
     const auto stop = std::min(end, alarm_);
     MEBOTS_ASSERT(core.tick() < stop);
     core.grant_turn();
@@ -123,14 +123,15 @@ std::uint64_t ClusterScheduler::finish_quantum(std::uint64_t end) {
   return kNoTick;
 }
 
-/// Runs the registers' event that is due now.
+/// Handles the registers' event that is due now.
 void ClusterScheduler::ring() {
   const auto tick = alarm_;
   events_.alarm_rings(tick);
   MEBOTS_ASSERT(alarm_ > tick, "an alarm rings once per tick");
 }
 
-/// Determines whether conflicts at banks of L1 are possible. A single core finds all banks free.
+/// Determines whether conflicts at banks of L1 are possible. If a single core runs and the DMA is idle, all banks are
+/// free.
 void ClusterScheduler::share_banks() {
   const bool several = awake_ > 1 || dma_.busy();
   if (several == sharing_banks_) return;
@@ -154,19 +155,18 @@ void ClusterScheduler::move_banks(std::uint64_t tick) {
   if (settings_.shares_soc_port) soc_port_.start_over(tick, last + ClusterLatencies::kMostAccessTicks);
 }
 
-/// Selects the first core of the next quantum, and whether the DMA claims banks before or after the cores. The first
-/// core and the order of DMA and cores change in every quantum. With the arbitration tree and an even number of cores,
-/// there is one exception: when the count of quanta starts again, the DMA keeps its place before or after the cores.
-/// Therefore each core is first both in quanta in which the DMA precedes the cores, and in quanta in which the DMA
-/// follows them.
+/// Selects the first core of the next quantum, and whether the DMA claims banks before or after the cores. Both choices
+/// change in every quantum. There is one exception with the arbitration tree and an even number of cores: when the
+/// count of quanta starts again, the order of DMA and cores does not change. Therefore each core is first both in
+/// quanta in which the DMA precedes the cores, and in quanta in which the DMA follows them.
 void ClusterScheduler::next_in_front() {
   if (++first_core_ == cores()) first_core_ = 0;
   const bool stays = settings_.arbitration_tree && first_core_ == 0 && cores() % 2 == 0;
   dma_first_ = dma_first_ != !stays;
 }
 
-/// Builds the queue of a quantum that ends at `end`. Reuses the queue of the last quantum if it contains the same
-/// cores.
+/// Builds the queue of a quantum that ends at `end`. If the cores are the same as in the last quantum, reuses its
+/// queue.
 void ClusterScheduler::line_up(std::uint64_t end) {
   const bool same = in_step_ && queue_.size() == awake_ && last_ready_ < end;
   if (same && !settings_.arbitration_tree) {
@@ -187,7 +187,7 @@ void ClusterScheduler::queue_cores(std::uint64_t end) {
   for (std::uint32_t place = 0; place < places; ++place) {
     auto id = tree ? place ^ first_core_ : place + first_core_;
     if (id >= cores()) {
-      if (tree) continue;  // a leaf of the tree without a core
+      if (tree) continue;  // no core has this number in the tree
       id -= cores();
     }
     auto& core = *cores_[id];

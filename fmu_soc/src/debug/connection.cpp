@@ -23,13 +23,13 @@ constexpr char kInterrupt = '\x03';
 constexpr int kBacklog = 4;
 constexpr std::size_t kLongestPacket = 1U << 20;
 
-/// Maximum time for a refused debugger to send its request and to disconnect [ms].
+/// Maximum time in which a refused debugger must send its request and disconnect [ms].
 constexpr int kRefusalMs = 1000;
-/// gdb shows the text after "E." of the reply to its first packet.
+/// Reply to the first packet of a refused debugger. gdb displays the text after "E.".
 constexpr std::string_view kBusy =
     "E.another debugger is connected to this run: wait until it disconnects, and connect again";
 
-/// Returns whether something can be read or accepted within `timeout_ms`.
+/// Returns true if data can be read, or a connection can be accepted, within `timeout_ms`.
 bool is_readable(const Socket& socket, int timeout_ms) {
   pollfd wanted{socket.descriptor(), POLLIN, 0};
   return ::poll(&wanted, 1, timeout_ms) > 0;
@@ -107,7 +107,7 @@ std::optional<char> Connection::next_byte() {
   return unread_[read_++];
 }
 
-/// Reads more data. If no data has arrived, or if the debugger has disconnected, returns false.
+/// Reads more data into the buffer. If no data has arrived, or if the debugger has disconnected, returns false.
 bool Connection::read_more(int flags) {
   char buffer[4096];
   ssize_t count = 0;
@@ -124,7 +124,7 @@ bool Connection::read_more(int flags) {
   return true;
 }
 
-/// Waits for data from the debugger. Refuses other debuggers during the wait.
+/// Waits for data from the debugger. During the wait, refuses other debuggers.
 void Connection::wait_for_client() {
   while (client_.open()) {
     std::array<pollfd, 2> wanted{{{client_.descriptor(), POLLIN, 0}, {listener_.descriptor(), POLLIN, 0}}};
@@ -143,7 +143,7 @@ void Connection::refuse_others() {
     const auto answer = "+" + framed(kBusy);
     ::send(caller.descriptor(), answer.data(), answer.size(), MSG_NOSIGNAL);
     ::shutdown(caller.descriptor(), SHUT_WR);
-    // Reads all remaining data first. If the connection were closed with unread data, the reply might be lost.
+    // Reads all remaining data before closing. If the connection were closed with unread data, the reply might be lost.
     while (is_readable(caller, kRefusalMs) && ::recv(caller.descriptor(), ignored, sizeof ignored, 0) > 0) continue;
   }
 }
@@ -183,7 +183,7 @@ void Connection::send(std::string_view content) {
     escaped += is_special ? static_cast<char>(c ^ 0x20) : c;
   }
   const auto packet = framed(escaped);
-  // TCP loses no packets, but the debugger may reject a packet, which is then sent again.
+  // TCP loses no packets, but the debugger may reject a packet. A rejected packet is sent again.
   while (write_all(packet) && acknowledges_) {
     auto answer = next_byte();
     while (answer && *answer != '+' && *answer != '-') answer = next_byte();
@@ -211,7 +211,7 @@ bool Connection::interrupted() {
   if (read_ == unread_.size() && !read_more(MSG_DONTWAIT)) return !client_.open();
   const char byte = unread_[read_];
   if (byte == kInterrupt || byte == '+') ++read_;
-  return byte != '+';  // a packet arrived during the run: stop to answer it
+  return byte != '+';  // a packet has arrived during the run: stops, so that the packet can be answered
 }
 
 }  // namespace mebots::soc::debug

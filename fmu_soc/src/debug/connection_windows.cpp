@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Refuses debuggers, because the connection is written for POSIX sockets.
+// Reports that debuggers are not supported, because the connection is written for POSIX sockets.
 #include "debug/connection.hpp"
 
 #include "mebots/error.hpp"

@@ -52,7 +52,7 @@ GdbServer::Resume GdbServer::serve() {
   only_hart_.reset();
   for (;;) {
     const auto packet = connection_.receive();
-    if (!packet) break;  // disconnected: the run continues
+    if (!packet) break;  // gdb has disconnected: the run continues
     const auto resume = obey(*packet);
     if (resume == Resume::no) continue;
     held_ = false;
@@ -74,7 +74,7 @@ GdbServer::Resume GdbServer::obey(const std::string& packet) {
   };
   switch (packet.empty() ? '\0' : packet[0]) {
     case '\x03':
-      return Resume::no;  // stopped already
+      return Resume::no;  // the program is already stopped
     case 'c':
       resume_at(std::string_view(packet).substr(1));
       return Resume::run;
@@ -117,9 +117,9 @@ GdbServer::Resume GdbServer::obey(const std::string& packet) {
   return Resume::no;
 }
 
-/// Resumes threads. "s:2;c": one thread steps, all others continue. "r1c000042,1c00004c:2" steps the thread until it
-/// leaves this range. After "s:2" or "c:2", the other threads should stay stopped. This is impossible if the resumed
-/// thread waits for them. Therefore the other threads also run, but their events are not reported.
+/// Resumes threads. "s:2;c": thread 2 makes a step, and all others continue. "r1c000042,1c00004c:2" runs thread 2 until
+/// it leaves this range. After "s:2" or "c:2", gdb expects the other threads to stay stopped. This is impossible if the
+/// resumed thread waits for them. Therefore the other threads also run, but their events are not reported.
 GdbServer::Resume GdbServer::resume(std::string_view actions) {
   const auto step = actions.find_first_of("sSr");
   const auto begin = step == std::string_view::npos ? 0 : step;
@@ -282,8 +282,8 @@ bool GdbServer::write_register(unsigned number, std::uint32_t value) {
   return true;
 }
 
-/// Forgets the past after a change by gdb. Saved places belong to the run without this change, also those after the
-/// present place.
+/// Deletes the history after a change by gdb. Named positions belong to the run without this change, and become
+/// unreachable.
 void GdbServer::end_history() {
   if (history_ == nullptr) return;
   history_->cut();
@@ -295,7 +295,7 @@ std::string GdbServer::read_memory(std::string_view text) const {
   if (!range || range->size > kLongestRead) return std::string(kError);
   std::string bytes(range->size, '\0');
   if (!soc_.memory().read(range->address, {reinterpret_cast<std::uint8_t*>(bytes.data()), bytes.size()})) {
-    return std::string(kError);  // also for registers of devices: reading them may change them
+    return std::string(kError);  // also for registers of devices, because a read may change them
   }
   return to_hex(bytes);
 }
@@ -336,7 +336,7 @@ std::string GdbServer::change_point(std::string_view text, bool insert) {
   return "OK";
 }
 
-/// Reports a fault to gdb, and answers packets.
+/// Reports a fault to gdb, and answers packets until gdb resumes.
 void GdbServer::hold_at_fault() {
   if (std::exchange(ended_, true) || !connection_.connected()) return;
   const auto number = soc_.cluster() == nullptr ? kFabricControllerHart : hart_of_core(soc_.cluster()->faulted_core());

@@ -26,7 +26,7 @@ std::size_t History::bytes() const {
   return std::accumulate(snapshots_.begin(), snapshots_.end(), start_.state.size(), add);
 }
 
-/// Drops every second saved state except the newest, and doubles the distance between later states.
+/// Deletes every second saved state except the newest, and doubles the distance between later states.
 void History::thin() {
   std::vector<Snapshot> kept;
   for (std::size_t i = 0; i < snapshots_.size(); ++i) {
@@ -66,7 +66,7 @@ void History::clear() {
 }
 
 int History::input(const std::function<int()>& read) {
-  if (leaves_) return ConsolePort::kNothingYet;  // the state is about to be dropped
+  if (leaves_) return ConsolePort::kNothingYet;  // the state will be replaced by an earlier one
   ++calls_;
   const bool again = calls_ <= latest_call_;
   latest_call_ = std::max(latest_call_, calls_);

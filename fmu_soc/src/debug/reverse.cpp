@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Backward steps of gdb. A request ends the run. rewind() restores an earlier state, and the same instructions are
-// executed again:
+// Implements the backward steps of gdb. A request ends the run. rewind() restores an earlier state, and the same
+// instructions are executed again:
 //
-// The mode `searching` runs up to the present position and records the last place at which gdb wants to stop. If there
-// is no such place, the search continues from the preceding saved state. The mode `seeking` runs from the same state to
-// that place, where gdb stops.
+// In the phase `searching`, the replay runs up to the present position and records the last position at which gdb wants
+// to stop. If there is no such position, the search continues from the preceding saved state. In the phase `seeking`,
+// the replay runs from the same state to that position, where gdb stops.
 #include "debug/gdb_server.hpp"
 
 #include <fmt/core.h>
@@ -20,7 +20,7 @@ constexpr std::string_view kHint = "'maintenance flush register-cache' makes gdb
 
 }  // namespace
 
-/// Returns the last state before a position; nullopt if there is none.
+/// Returns the index of the last state before a position, or nullopt if there is no earlier state.
 std::optional<std::size_t> GdbServer::state_before(std::uint64_t position) const {
   const auto& states = history_->snapshots();
   const auto after = std::ranges::lower_bound(states, position, {}, &History::Snapshot::position);
@@ -28,7 +28,8 @@ std::optional<std::size_t> GdbServer::state_before(std::uint64_t position) const
   return static_cast<std::size_t>(after - states.begin()) - 1;
 }
 
-/// Goes back: "bs" by one instruction of the chosen hart, "bc" to the last breakpoint or watchpoint.
+/// Starts a backward request: "bs" returns by one instruction of the chosen hart, "bc" returns to the last breakpoint
+/// or watchpoint.
 GdbServer::Resume GdbServer::reverse(bool by_step) {
   const auto from = state_before(here_);
   if (!from) {
@@ -84,7 +85,7 @@ bool GdbServer::rewind() {
   if (!history_) return false;
   if (!leaves() && !replay_ && soc_.end() == End::faulted) hold_at_fault();
   if (!replay_ || killed_) return false;
-  if (replay_->begun) {  // the run has ended at the search's limit, or before
+  if (replay_->begun) {  // the run has ended at the limit of the search, or earlier
     if (replay_->phase != Replay::Phase::searching) return false;
     next_replay();
   }
@@ -115,7 +116,7 @@ void GdbServer::next_replay() {
   }
 }
 
-/// Handles an instruction that a hart begins during a replay. Returns false if the run must end here, and nullopt if
+/// Is called before a hart executes an instruction in a replay. Returns false if the run must end here, and nullopt if
 /// gdb must stop here.
 std::optional<bool> GdbServer::replay_before(unsigned number, std::uint32_t pc, std::uint64_t position) {
   auto& replay = *replay_;
@@ -135,9 +136,9 @@ std::optional<bool> GdbServer::replay_before(unsigned number, std::uint32_t pc, 
   return true;
 }
 
-/// Stops after a store to a watched word, and reports the hart that stored. gdb assumes that a RISC-V core stops before
-/// the access. Therefore gdb takes one more step in the same direction before it compares the values. The hart is
-/// reported because another hart may execute the next instruction.
+/// Stops after a store to a watched word, and reports the hart that has executed the store. gdb assumes that a RISC-V
+/// core stops before the access. Therefore gdb makes one more step in the same direction before it compares the values.
+/// The hart is reported because another hart may execute the next instruction.
 void GdbServer::replay_retired(unsigned number, const Retired& instruction) {
   auto& replay = *replay_;
   if (replay.phase != Replay::Phase::searching || replay.by_step) return;

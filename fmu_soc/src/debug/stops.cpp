@@ -37,13 +37,13 @@ bool GdbServer::HartObserver::before(const Hart& hart) {
   if (!connection.connected()) {
     if (!(server.awaited_ || look) || !server.accept_debugger()) return true;
     server.stop(number_, kTrap);
-    server.held_ = true;  // gdb queries the reason
+    server.held_ = true;  // gdb will query the reason for the stop
   } else if (look && connection.interrupted()) {
     server.stop(server.only_hart_.value_or(number_), kInterrupted);
   } else if (was_held_ && hart.pc() == held_pc_ && hart.counters().instructions == held_instructions_) {
     return true;
   } else if (server.ends_step(number_, hart.pc())) {
-    server.stop(number_, kTrap);  // a handler was entered, so the instruction itself has not retired
+    server.stop(number_, kTrap);  // a handler was entered, so that the instruction itself has not retired
   } else if (reports_to_gdb() && server.breakpoints_.contains(hart.pc())) {
     server.stop(number_, kTrap, kAtBreakpoint);
   } else {
@@ -53,8 +53,8 @@ bool GdbServer::HartObserver::before(const Hart& hart) {
   return hold(hart, position);
 }
 
-/// Ends a step and reports a watchpoint before any other hart continues. The reason is that gdb expects only one thread
-/// to run during a step. gdb also uses only one thread to step over a breakpoint.
+/// Ends a step and reports a watchpoint before any other hart continues. gdb expects that only one thread runs during a
+/// step, and uses only one thread to step over a breakpoint.
 void GdbServer::HartObserver::retired(const Hart& hart, const Retired& instruction) {
   if (server_.replay_) return server_.replay_retired(number_, instruction);
   if (server_.leaves() || !server_.connection_.connected() || !reports_to_gdb()) return;
@@ -77,7 +77,7 @@ void GdbServer::HartObserver::switched(const Hart& /*hart*/, bool /*on*/) {
   if (server_.only_hart_ == number_) server_.only_hart_.reset();
 }
 
-/// `position` is the position of the instruction that the hart begins next. Returns false if the run must end here.
+/// Stops the hart for gdb. `position` is the position of its next instruction. Returns false if the run must end here.
 bool GdbServer::HartObserver::hold(const Hart& hart, std::uint64_t position) {
   server_.here_ = position;
   server_.killed_ = server_.serve() == Resume::end;
@@ -87,7 +87,8 @@ bool GdbServer::HartObserver::hold(const Hart& hart, std::uint64_t position) {
   return !server_.killed_ && !server_.leaves();
 }
 
-/// Returns the watchpoint that the access touches, in gdb's format. If there is none, returns an empty text.
+/// Returns the watchpoint that the access touches, in gdb's format. If the access touches no watchpoint, returns an
+/// empty text.
 std::string GdbServer::watch_touched(const Access& access) const {
   if (access.size == 0) return {};
   for (const auto& watch : watches_) {

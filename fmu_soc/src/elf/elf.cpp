@@ -132,7 +132,7 @@ void require_room(const ElfBytes& file, unsigned number, std::string_view which,
                         number, size, which, address));
 }
 
-/// Segments may share run addresses (overlays), but each byte of memory is loaded only once.
+/// Throws Error if two segments load the same byte of memory. Segments may share run addresses (overlays).
 void require_apart(const ElfBytes& file, std::vector<ElfSegment> segments) {
   std::erase_if(segments, [](const ElfSegment& segment) { return segment.bytes.empty(); });
   std::ranges::sort(segments, {}, &ElfSegment::load_address);
@@ -167,8 +167,8 @@ std::vector<ElfSegment> read_segments(const ElfBytes& file, const FileHeader& he
   return segments;
 }
 
-/// If the entry point is a run address whose bytes the program has not copied yet, the program starts at the load
-/// address, as in QEMU.
+/// Returns the address of the first instruction. If the entry point is a run address whose bytes the program has not
+/// copied yet, returns the corresponding load address, as QEMU does.
 std::uint32_t loaded_entry(const ElfBytes& file, std::uint32_t entry, const std::vector<ElfSegment>& segments) {
   if (entry % 2 != 0) file.fail(fmt::format("entry point 0x{:08x} is odd", entry));
   const auto holds = [&](std::uint32_t address, const ElfSegment& segment) {
@@ -187,7 +187,7 @@ std::uint32_t loaded_entry(const ElfBytes& file, std::uint32_t entry, const std:
   file.fail(fmt::format("entry point 0x{:08x} lies in none of its segments", entry));
 }
 
-/// True for psABI mapping symbols, which separate code and data, and for the compiler's .L labels.
+/// True for a psABI mapping symbol, which separates code and data, and for a .L label of the compiler.
 bool is_unnamed(std::string_view name) {
   return name.starts_with("$x") || name.starts_with("$d") || name.starts_with(".L");
 }
@@ -206,7 +206,7 @@ std::vector<SectionHeader> read_sections(const ElfBytes& file, const FileHeader&
   return sections;
 }
 
-/// Reads the symbols of the first symbol table; a file has at most one. Sets `names` to the text that contains the
+/// Reads the symbols of the first symbol table; a file has at most one. `names` receives the text that contains the
 /// names of the symbols.
 std::vector<ElfSymbol> read_symbols(const ElfBytes& file, std::span<const SectionHeader> sections,
                                     std::shared_ptr<const std::string>& names) {
@@ -221,7 +221,7 @@ std::vector<ElfSymbol> read_symbols(const ElfBytes& file, std::span<const Sectio
   names = std::make_shared<const std::string>(strings.begin(), strings.end());
   const std::string_view text = *names;
   std::vector<std::size_t>
-      ends;  // ends of names; a search from the start of each would take too long in a hostile file
+      ends;  // ends of the names; a search for the end of each name would be too slow for a hostile file
   for (std::size_t i = 0; i < text.size(); ++i) {
     if (text[i] == '\0') ends.push_back(i);
   }
@@ -231,7 +231,7 @@ std::vector<ElfSymbol> read_symbols(const ElfBytes& file, std::span<const Sectio
     std::memcpy(&entry, table.data() + at, sizeof entry);
     const auto type = entry.info & 0xfU;
     if (entry.name == 0 || entry.section == kUndefined || type > kFunction)
-      continue;  // names of sections and files are skipped, too
+      continue;  // also skips names of sections and files
     if (entry.name >= text.size())
       file.fail(fmt::format("the name of symbol {} is outside of the string table", at / sizeof entry));
     const auto end = *std::lower_bound(ends.begin(), ends.end(), entry.name);
@@ -250,8 +250,8 @@ std::string read_architecture(const ElfBytes& file, std::span<const SectionHeade
   return architecture_in(file.part(section->offset, section->size, "the attributes"));
 }
 
-/// Line numbers are only for messages. If the sections with line numbers are damaged or compressed, the program counts
-/// as one without line numbers.
+/// Reads the line numbers, which are used only in messages. If their sections are damaged or compressed, the program is
+/// treated as one without line numbers.
 std::shared_ptr<const LineSections> read_lines(const ElfBytes& file, const FileHeader& header,
                                                std::span<const SectionHeader> sections) {
   auto lines = std::make_shared<LineSections>();
@@ -335,7 +335,8 @@ std::optional<std::uint32_t> Elf::symbol(std::string_view name) const {
 const ElfSymbol* Elf::covering(std::uint32_t address) const {
   const auto after = std::upper_bound(symbols_.begin(), symbols_.end(), address,
                                       [](std::uint32_t value, const auto& symbol) { return value < symbol.address; });
-  // Labels in assembly code have no size. Such a label extends to the next symbol with a size, or to the next function.
+  // Labels in assembly code have no size. Such a label extends to the next function, or to the next symbol that has a
+  // size.
   const ElfSymbol* label = nullptr;
   bool labels_end = false;
   for (auto at = after; at != symbols_.begin();) {

@@ -13,7 +13,8 @@ namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// Reads a section that may be truncated or damaged. After its end, all values are 0 and `good` is false.
+/// Reads a section that may be truncated or damaged. After the end of the section, all values are 0 and `good` is
+/// false.
 class Cursor {
  public:
   explicit Cursor(Bytes bytes) : bytes_(bytes) {}
@@ -44,7 +45,7 @@ class Cursor {
   }
 
   Bytes rest() { return take(bytes_.size() - at_); }
-  /// Returns the next `size` bytes. If there are fewer bytes, returns none.
+  /// Returns the next `size` bytes. If the section has fewer bytes left, returns no bytes.
   Bytes take(std::size_t size) {
     if (size > bytes_.size() - at_) good_ = false;
     if (!good_) return {};
@@ -90,14 +91,14 @@ enum class Form : std::uint32_t {
 constexpr std::uint32_t kPath = 1;    // DW_LNCT_path
 constexpr std::uint32_t kFolder = 2;  // DW_LNCT_directory_index
 
-/// The text or the number that a form contains.
+/// Stores the text or the number that a form contains.
 struct FormValue {
   std::string_view text;
   std::uint32_t number = 0;
 };
 
-/// Reads a form. Skips a form that is neither text nor a short number. After an unknown form, the cursor is no longer
-/// good.
+/// Reads the value of a form. Skips a form that is neither text nor a short number. After an unknown form, the cursor
+/// is no longer good.
 FormValue read_form(Cursor& cursor, std::uint32_t form, const LineSections& sections) {
   switch (static_cast<Form>(form)) {
     case Form::string:
@@ -129,13 +130,13 @@ FormValue read_form(Cursor& cursor, std::uint32_t form, const LineSections& sect
   return {};
 }
 
-/// A file or a folder of a compilation unit.
+/// Stores the name of a file or folder of a compilation unit.
 struct Entry {
   std::string_view path;
   std::uint32_t folder = 0;
 };
 
-/// Reads the entries of version 5, whose fields are described by a list.
+/// Reads the entries of a version 5 table. A list describes their fields.
 std::vector<Entry> described_entries(Cursor& cursor, const LineSections& sections) {
   struct Field {
     std::uint32_t content, form;
@@ -160,13 +161,13 @@ std::vector<Entry> described_entries(Cursor& cursor, const LineSections& section
   return entries;
 }
 
-/// The folders and files of a unit. Folder 0 is the one in which the compiler ran. Before version 5, the table does not
-/// contain the name of folder 0.
+/// Stores the folders and files of a unit. Folder 0 is the folder in which the compiler ran. Before version 5, the
+/// table does not contain the name of folder 0.
 struct FileTable {
   std::vector<Entry> folders;
   std::vector<Entry> files;
 
-  /// Returns the path of a file by its number in the line number program.
+  /// Returns the path of the file that has this number in the line number program.
   std::string path(std::uint32_t number) const {
     if (number >= files.size()) return {};
     const auto& file = files[number];
@@ -191,11 +192,11 @@ FileTable read_files(Cursor& cursor, unsigned version, const LineSections& secti
     return table;
   }
   table.folders.emplace_back();
-  table.files.emplace_back();  // numbers start at 1
+  table.files.emplace_back();  // file numbers start at 1
   for (auto name = cursor.text(); cursor.good() && !name.empty(); name = cursor.text()) table.folders.push_back({name});
   for (auto name = cursor.text(); cursor.good() && !name.empty(); name = cursor.text()) {
     table.files.push_back({name, cursor.unsigned_number()});
-    for (int field = 0; field < 2; ++field) cursor.unsigned_number();  // time, size
+    for (int field = 0; field < 2; ++field) cursor.unsigned_number();  // time and size of the file
   }
   return table;
 }
@@ -207,17 +208,17 @@ struct Row {
   bool statement = true;
 };
 
-/// A unit's line number program: a state machine that produces rows of (address, file, line).
+/// Executes a unit's line number program, a state machine that produces rows of (address, file, line).
 class LineProgram {
  public:
   LineProgram(Bytes unit, unsigned version, const LineSections& sections) : cursor_(unit) {
     const auto header = cursor_.number(4);
     Cursor fields(cursor_.take(header));
     least_length_ = fields.number(1);
-    if (version >= 4) fields.number(1);  // operations per instruction: more than one only for VLIW
+    if (version >= 4) fields.number(1);  // operations per instruction, which is more than one only for VLIW
     first_.statement = fields.number(1) != 0;
     line_base_ = static_cast<std::int32_t>(fields.number(1));
-    if (line_base_ > 127) line_base_ -= 256;  // signed byte
+    if (line_base_ > 127) line_base_ -= 256;  // a signed byte
     line_range_ = fields.number(1);
     opcode_base_ = fields.number(1);
     for (unsigned op = 1; op < opcode_base_; ++op) operands_.push_back(static_cast<std::uint8_t>(fields.number(1)));
@@ -226,7 +227,7 @@ class LineProgram {
     row_ = first_;
   }
 
-  /// Calls `use` with each row and the address of the next row of its sequence, until `use` returns true. A row applies
+  /// Calls `use` with each row and the address of the next row in its sequence, until `use` returns true. A row applies
   /// up to the address of the next row.
   template <typename Use>
   void for_each(Use use) {

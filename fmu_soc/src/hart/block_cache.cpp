@@ -14,7 +14,7 @@ Current current_of(const Decoded& decoded) {
   return {decoded.op, decoded.rd, decoded.rs1, decoded.rs2, decoded.rs3, decoded.imm};
 }
 
-/// Returns a mask: bit r is set if the instruction stalls for a cycle directly after a load of register r.
+/// Returns a mask whose bit r is set if the instruction stalls for a cycle directly after a load of register r.
 std::uint64_t loads_that_stall(const Timing& timing, const Current& current) {
   std::uint64_t registers = 0;
   const auto alone = static_cycles(timing, {}, {}, current);
@@ -64,8 +64,8 @@ bool BlockCache::fetch(const Memory& memory, std::uint32_t pc, std::uint32_t& wo
   return true;
 }
 
-/// Returns the slot of an instruction. The fields that are sums over the previous instructions of the block are not
-/// set.
+/// Returns an arena slot that contains the instruction. Does not set the fields that are sums over the previous
+/// instructions of the block.
 Instruction BlockCache::instruction_of(const Decoded& decoded, std::uint32_t pc) const {
   Instruction instruction;
   instruction.run = handler_of(decoded.op, decoded.operand);
@@ -99,16 +99,17 @@ bool BlockCache::leaves_soon(std::uint32_t pc) const {
   return false;
 }
 
-/// A block while it is being decoded. `block.end` is the address of the next instruction.
+/// Stores a block that is being decoded. `block.end` is the address of the next instruction.
 struct BlockCache::Decoding {
   Block block;
-  Instruction sums;  // over its instructions
+  Instruction sums;  // sums over the decoded instructions
   Previous two_before;
   Previous before;
-  std::uint32_t next_start_bound = 0;  // most cycles from the start of the block to the start of the next instruction
-  std::uint32_t target = 0;            // nearest target of a forward branch of this block
-  bool branched_back = false;          // its last instruction is a branch back to itself or to code before it
-  bool ends_loop = false;              // its last instruction may be the last one of a hardware loop
+  // Largest number of cycles from the block's start to the next instruction's start.
+  std::uint32_t next_start_bound = 0;
+  std::uint32_t target = 0;    // nearest target of the block's forward branches
+  bool branched_back = false;  // the last instruction is a branch back to itself or to earlier code
+  bool ends_loop = false;      // the last instruction may be the last one of a hardware loop
 };
 
 /// True if the block should end before the next instruction. A block ends where another block begins, and at a target
@@ -163,7 +164,7 @@ void BlockCache::append(Decoding& decoding, const Decoded& decoded) {
   if (is_jump(decoded.op)) {
     instruction.rs2 = timing_.hides_unaligned_target(decoding.before.op)
                           ? 1
-                          : 0;  // RI5CY: the instruction before hides an unaligned target
+                          : 0;  // on RI5CY, the previous instruction hides an unaligned target
     if (sums.index < 2) block.early_jump = true;
   }
   const auto cycles = static_cycles(timing_, decoding.two_before, decoding.before, current_of(decoded));
@@ -196,7 +197,8 @@ void BlockCache::end_block(Decoding& decoding) {
   end.run = handler_of(end.op);
   MEBOTS_ASSERT(sums.index > 0 && end.run != nullptr);
   end.pc = block.end;
-  arena_[block.first + sums.index + 1] = Instruction{};  // `link` holds the block of a loop's next iteration
+  // Its `link` is the block with which a loop's next iteration begins.
+  arena_[block.first + sums.index + 1] = Instruction{};
   arena_used_ += sums.index + 2U;
   decoded_ += sums.index;
   if (cached_lines_ != nullptr) {
@@ -227,7 +229,8 @@ std::uint32_t BlockCache::add(const Block& block) {
   return number;
 }
 
-/// Makes space for one more block. If the present segment is full, evicts the blocks of the next one.
+/// Makes space for one more block. If the present segment is full, continues with the next segment and evicts its
+/// blocks.
 void BlockCache::make_room() {
   const auto end = (segment_ + 1) * kSegmentSize;
   const bool has_numbers = !free_.empty() || blocks_.size() < kMaxBlocks;
@@ -246,7 +249,8 @@ void BlockCache::evict(std::uint32_t segment) {
   }
 }
 
-/// The slots remain unchanged until their segment is filled again, because a hart may still execute these slots.
+/// Removes a block from the tables. Its slots remain unchanged until their segment is filled again, because a hart may
+/// still execute them.
 void BlockCache::invalidate(std::uint32_t number) {
   MEBOTS_ASSERT(number != 0 && blocks_[number].valid());
   auto& block = blocks_[number];
@@ -262,9 +266,9 @@ void BlockCache::invalidate(std::uint32_t number) {
   if (listener_ != nullptr) listener_->invalidated(number);
 }
 
-/// Invalidates every block that overlaps one of the words. A mark covers a whole word, so none of these words is marked
-/// afterwards. No block is longer than a page. Therefore a block that contains a byte begins in the page of that byte
-/// or in the previous page.
+/// Invalidates every block that overlaps one of the words. A mark covers a whole word. Therefore none of these words is
+/// marked afterwards. No block is longer than a page. Therefore a block that contains a byte begins in the page of that
+/// byte or in the previous page.
 void BlockCache::invalidate_overlapping(std::uint32_t address, std::uint32_t count) {
   MEBOTS_ASSERT(count > 0);
   const auto last = (address + (count - 1)) | 3U;

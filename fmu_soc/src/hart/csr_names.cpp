@@ -13,7 +13,7 @@ struct Row {
   unsigned number;
   unsigned count;
   std::string_view name;
-  unsigned first;  // number that the first register has in its name
+  unsigned first;  // number in the name of the first register
   Core core;
 };
 

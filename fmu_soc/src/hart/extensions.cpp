@@ -19,11 +19,11 @@ struct Row {
 
 constexpr std::uint32_t kOpcode = 0x7f;
 constexpr std::uint32_t kFunct3 = 0x707f;
-constexpr std::uint32_t kFunct5 = 0xf800707f;  // of the A extension, with funct3
+constexpr std::uint32_t kFunct5 = 0xf800707f;  // funct5 of the A extension, funct3 and opcode
 constexpr std::uint32_t kTop6 = 0xfc00707f;
 constexpr std::uint32_t kFunct7 = 0xfe00707f;
 constexpr std::uint32_t kFunct12 = 0xfff0707f;
-constexpr std::uint32_t kFormat = 0x0600007f;  // opcode and the format of a floating-point operation
+constexpr std::uint32_t kFormat = 0x0600007f;  // format of a floating-point operation, and opcode
 constexpr std::uint32_t kCompressed = 0xe003;  // quadrant and funct3
 constexpr std::uint32_t kAll = 0xffffffff;
 
@@ -38,7 +38,7 @@ constexpr std::uint32_t kImmediate = 0x13;
 constexpr std::uint32_t kRegister = 0x33;
 constexpr std::uint32_t kSystem = 0x73;
 
-/// A word that matches several rows is decoded as the first of these rows.
+/// If a word matches several rows, the first of these rows applies.
 constexpr auto kRows = std::to_array<Row>({
     // Atomic memory operations.
     {kFunct5, amo(0x00), {"amoadd.w", "A"}},
@@ -156,7 +156,7 @@ struct RegisterGroup {
   std::string_view extension;
 };
 
-/// Control and status registers that the core lacks, by number.
+/// Lists control and status registers that the core lacks, sorted by number.
 constexpr auto kRegisterGroups = std::to_array<RegisterGroup>({
     {0x001, 0x003, "F"},
     {0x008, 0x00f, "V"},
@@ -193,7 +193,7 @@ std::string register_advice(unsigned number) {
   return fmt::format("{}; it belongs to {}", text, group->extension);
 }
 
-/// Returns the compiler options for the core's instructions.
+/// Returns the compiler options with which a program only contains instructions that the core has.
 std::string_view option_for(Extensions has) {
   return has.has(Extension::xpulp) ? "-march=rv32imcxpulpv2 (PULP's compiler), or -march=rv32imc_zicsr"
                                    : "-march=rv32imc_zicsr";

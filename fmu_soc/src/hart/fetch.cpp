@@ -84,7 +84,8 @@ std::optional<std::uint32_t> upcoming_store(const Memory& memory, std::uint32_t 
     if (is_store(at.op)) {
       const auto target = a + offset;
       if (target == address && traits_of(at.op).size == 4) return b;
-      if ((target ^ address) / 8 == 0) return std::nullopt;  // the program stores another command
+      // The program stores another command before this one is complete.
+      if ((target ^ address) / 8 == 0) return std::nullopt;
     } else if (is_load(at.op)) {
       result = loaded(memory, at, a + offset);
     } else if (at.op == Op::jal || at.op == Op::jalr) {

@@ -7,14 +7,15 @@
 namespace mebots::soc {
 namespace {
 
-/// A handler that ends execution before an instruction that must wait. It replaces the handler of this instruction.
+/// Ends execution before an instruction that must wait. This handler temporarily replaces the handler of the
+/// instruction.
 const Instruction* stop_here(Execution& e, const Instruction* at) {
   e.exit = at;
   e.waits_at = at;
   return nullptr;
 }
 
-/// Returns the cycles of a jump that overlap with a misaligned load before it. These cycles have already been
+/// Returns the number of cycles of a jump that overlap with a misaligned load before it. These cycles were already
 /// subtracted at the load.
 std::uint32_t overlapped_cycles(const Execution& e, const Instruction* jump) {
   const bool hides = jump->index != 0 && e.slow_load == jump - 1 &&
@@ -60,9 +61,9 @@ bool Interpreter::resume_to_limit() {
   return true;
 }
 
-/// Runs a block one instruction at a time from `at`, whose line is present. Each instruction takes its static cycles in
-/// the block. The exception is a jump after a misaligned load: cycles of the jump were already subtracted at the load,
-/// and the limit may be between these two instructions.
+/// Executes a block one instruction at a time from `at`, whose line is present. Each instruction takes its static
+/// cycles in the block. There is one exception: if a jump follows a misaligned load, cycles of the jump were already
+/// subtracted at the load, and the limit may be between these two instructions.
 void Interpreter::run_one_by_one(const Instruction* at) {
   MEBOTS_ASSERT(at != nullptr && walk_ == nullptr);
   auto& e = execution_;
@@ -92,7 +93,7 @@ void Interpreter::cut_at(const Instruction* at) {
   e.exit = at;
   e.link = nullptr;
   e.cut_pc = at->pc;
-  if (e.slow_load == at - 1) return;  // a jump takes fewer cycles there than its block says
+  if (e.slow_load == at - 1) return;  // here, a jump takes fewer cycles than its block states
   cut_ = {at, blocks_.generation(), {}};
 }
 
@@ -119,10 +120,10 @@ const Instruction* Interpreter::run_until(const Instruction* at, const Instructi
   return e.waits_at;
 }
 
-/// Runs a block if some of its lines are absent or have not arrived yet.
+/// Executes a block that has lines that are absent or have not arrived yet.
 bool Interpreter::run_fetching(const Block& block, std::uint32_t stall) {
   MEBOTS_ASSERT(fetch_.is_cached());
-  std::uint32_t missing = 0;  // upper bound: a refill may evict lines that the block needs later
+  std::uint32_t missing = 0;  // an upper bound, because a refill may evict lines that the block needs later
   for (std::uint32_t i = 0; i < block.line_count; ++i) {
     if (missing != 0 || block.lines[i] == 0) ++missing;
   }
@@ -135,8 +136,8 @@ bool Interpreter::run_fetching(const Block& block, std::uint32_t stall) {
   return true;
 }
 
-/// Runs an instruction whose line is present, and the rest of its block. Fetches line by line: the core runs to the
-/// next instruction that needs another line, and waits for this line.
+/// Executes an instruction whose line is present, and the rest of its block. Repeatedly executes the instructions up to
+/// the next one that needs another line, and then waits for this line.
 void Interpreter::execute_fetching(const Instruction* at) {
   while (at != nullptr) {
     const auto* stop = fetch_.next_to_wait(at);

@@ -9,21 +9,22 @@
 namespace mebots::soc {
 namespace {
 
-/// True if the decoded field rs1 is a register: the one that the operation reads, or x0 if it reads none. Of
+/// True if the decoded field rs1 contains a register: the one that the operation reads, or x0 if it reads none. In
 /// csr_immediate operations, the field contains data.
 bool reads_rs1(Op op) {
   return traits_of(op).kind != OpKind::csr_immediate;
 }
 
 /// True if an instruction stalls directly after a load, because it reads or writes the register that the load writes.
-/// Not every write stalls, and RI5CY also stalls if the offset of a store looks like the register.
+/// Not every such write causes a stall. RI5CY also stalls if the offset of a store has the number of the register.
 bool load_stall(const Timing& timing, const Previous& load, const Current& current) {
   if (!is_load(load.op) || !load.writes()) return false;
   if (reads_rs1(current.op) && current.rs1 == load.rd) return true;
   if (traits_of(current.op).reads_rs2 && current.rs2 == load.rd) return true;
   if (current.rs3 == load.rd) return true;
   if (is_store(current.op)) {
-    const bool has_offset = traits_of(current.op).mode == AddressMode::offset;  // the field of rd in other instructions
+    // Other instructions have rd in the same field.
+    const bool has_offset = traits_of(current.op).mode == AddressMode::offset;
     return has_offset && timing.store_offset_looks_like_rd() && (static_cast<unsigned>(current.imm) & 31U) == load.rd;
   }
   if (is_branch(current.op) || current.rd != load.rd) return false;
@@ -37,13 +38,13 @@ unsigned jump_cycles(const Previous& two_before, const Previous& before, const C
   const bool needs_before = jump.op == Op::jalr && before.writes() && jump.rs1 == before.rd;
   if (needs_pointer && !needs_before) return 3;
   if (needs_before) return is_load(before.op) ? 4 : 3;
-  if (before.slow()) return 1;  // the jump was fetched while that instruction was busy
+  if (before.slow()) return 1;  // the jump was fetched while the previous instruction was busy
   const bool needs_two_before =
       jump.op == Op::jalr && is_load(two_before.op) && two_before.writes() && jump.rs1 == two_before.rd;
   return needs_two_before ? 3 : 2;
 }
 
-/// The values of the column `pace` of hart/csrs.inc.
+/// Lists the values of the column `pace` of hart/csrs.inc.
 enum class Pace : std::uint8_t { quick, slow, slow_always };
 struct CsrPace {
   unsigned number;

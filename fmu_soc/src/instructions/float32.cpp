@@ -11,13 +11,13 @@ namespace mebots::soc::float32 {
 namespace {
 
 constexpr int kFractionBits = 23;
-constexpr int kLeastExponent = -126;                          // of a normal number
-constexpr int kLeastWeight = kLeastExponent - kFractionBits;  // exponent of the lowest bit of a subnormal number
+constexpr int kLeastExponent = -126;                          // exponent of the smallest normal number
+constexpr int kLeastWeight = kLeastExponent - kFractionBits;  // exponent of the lowest bit in a subnormal number
 constexpr std::uint32_t kHiddenBit = std::uint32_t{1} << kFractionBits;
 constexpr std::uint32_t kLargest = kInfinity - 1;
-constexpr int kTop = 61;  // highest bit of a significand from normal(); a sum of two fits into 63 bits
+constexpr int kTop = 61;  // highest bit of a significand from normal(); the sum of two fits in 63 bits
 
-/// An exact finite value: significand * 2^exponent.
+/// Stores an exact finite value: significand * 2^exponent.
 struct Exact {
   bool sign = false;
   int exponent = 0;
@@ -52,8 +52,8 @@ Exact normal(Exact a) {
   return {a.sign, a.exponent - shift, a.significand << shift};
 }
 
-/// Shifts right. If any of the bits shifted out is 1, the lowest bit of the result is also set, so that the result is
-/// still rounded in the right direction.
+/// Shifts a value to the right. If a bit that is shifted out is 1, sets the lowest bit of the result, so that the
+/// result is still rounded in the right direction.
 std::uint64_t shift_right_sticky(std::uint64_t value, int places) {
   if (places > 63) return value != 0 ? 1 : 0;
   const auto lost = value & ((std::uint64_t{1} << places) - 1U);
@@ -73,7 +73,7 @@ struct Shifted {
 /// Divides by 2^places and rounds to an integer. `value` has at most 63 bits.
 Shifted rounded(std::uint64_t value, int places, bool sign, Rounding rounding) {
   MEBOTS_ASSERT(places > 0 && value >> 63 == 0);
-  const bool all = places > 63;  // then the result is below a half
+  const bool all = places > 63;  // if true, the result is below a half
   const auto kept = all ? 0 : value >> places;
   const auto rest = all ? value : value & ((std::uint64_t{1} << places) - 1U);
   const auto half = all ? std::uint64_t{1} << 63 : std::uint64_t{1} << (places - 1);
@@ -104,7 +104,8 @@ std::uint32_t overflowed(bool sign, Context& context) {
   return with_sign(sign, to_largest ? kLargest : kInfinity);
 }
 
-/// Rounds an exact value to a float. The value's lowest bit may be sticky: set because a lower bit was not 0.
+/// Rounds an exact value to a float. The lowest bit of the significand may be sticky, which means that it is set
+/// because a lower bit was not 0.
 std::uint32_t pack(Exact value, Context& context) {
   if (value.significand == 0) return with_sign(value.sign, 0);
   value = normal(value);
@@ -159,7 +160,7 @@ std::uint32_t to_integer(std::uint32_t a, Context& context, std::int64_t least, 
   if (is_nan(a)) return out_of_range(most);
   if (is_infinite(a)) return out_of_range(is_negative(a) ? least : most);
   const auto value = exact(a);
-  const bool beyond = value.exponent > 8;  // 2^32 or more
+  const bool beyond = value.exponent > 8;  // the magnitude is 2^32 or more
   if (beyond && value.significand != 0) return out_of_range(value.sign ? least : most);
   const auto whole = value.exponent >= 0 ? Shifted{value.significand << value.exponent, false}
                                          : rounded(value.significand, -value.exponent, value.sign, context.rounding);
@@ -227,8 +228,8 @@ std::uint32_t divide(std::uint32_t a, std::uint32_t b, Context& context) {
   if (is_zero(a)) return with_sign(sign, 0);
   const auto x = normal(exact(a));
   const auto y = normal(exact(b));
-  const auto divisor = y.significand >> (kTop - kFractionBits);  // 24 bits, of which none is lost
-  const auto quotient = x.significand / divisor;                 // 38 bits or more
+  const auto divisor = y.significand >> (kTop - kFractionBits);  // 24 bits; no set bit is lost
+  const auto quotient = x.significand / divisor;                 // has 38 bits or more
   const bool rest = x.significand % divisor != 0;
   return pack({sign, x.exponent - (y.exponent + kTop - kFractionBits) - 1, quotient << 1 | (rest ? 1U : 0U)}, context);
 }
@@ -241,9 +242,9 @@ std::uint32_t square_root(std::uint32_t a, Context& context) {
   auto x = normal(exact(a));
   if (x.exponent % 2 != 0) {
     ++x.exponent;
-    x.significand >>= 1;  // a zero
+    x.significand >>= 1;  // shifts out a zero
   }
-  std::uint64_t root = 0;  // of 31 bits
+  std::uint64_t root = 0;  // has 31 bits
   for (auto bit = std::uint64_t{1} << 30; bit != 0; bit >>= 1) {
     if ((root | bit) * (root | bit) <= x.significand) root |= bit;
   }

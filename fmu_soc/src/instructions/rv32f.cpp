@@ -25,7 +25,7 @@ const Instruction* illegal(Execution& e, const Instruction* at) {
   return e.raise(at, cause::kIllegalInstruction, e.units->blocks.word_at(at->pc).value_or(0));
 }
 
-/// Executes an operation that rounds and raises flags. `compute(context)` returns the value of rd.
+/// Executes an operation that rounds and raises flags. `compute(context)` must return the value of rd.
 template <typename Compute>
 const Instruction* run_rounded(Execution& e, const Instruction* at, Compute compute) {
   const auto own = static_cast<unsigned>(at->imm) & 7U;
@@ -38,7 +38,7 @@ const Instruction* run_rounded(Execution& e, const Instruction* at, Compute comp
   return next(e, at);
 }
 
-/// Executes an operation that does not round.
+/// Executes an operation that does not round. `compute(context)` must return the value of rd.
 template <typename Compute>
 const Instruction* run_exact(Execution& e, const Instruction* at, Compute compute) {
   if (e.float_off) [[unlikely]]
@@ -69,9 +69,9 @@ const Instruction* execute_float_move(Execution& e, const Instruction* at) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// Leaves the block if the floating-point unit is off, or if frm is not the host's rounding mode. Only an instruction
-/// that ends a block can change these two conditions. So the check is only needed before the first floating-point
-/// operation of a block.
+/// Writes code that leaves the block if the floating-point unit is off, or if frm is not the host's rounding mode. Only
+/// an instruction that ends a block can change these two conditions. So the check is only needed before the first
+/// floating-point operation of a block.
 void emit_check(Assembler& c, const Instruction* at) {
   static_assert(offsetof(Execution, rounding) == offsetof(Execution, float_off) + 1);
   for (const auto* before = at - at->index; before != at; ++before) {
@@ -104,18 +104,18 @@ void emit_float_move(Assembler& c, const Instruction* at) {
 // Arithmetic
 
 #ifdef MEBOTS_TRANSLATES
-/// Operations that the host executes. They round to nearest. MXCSR collects their flags: see
+/// Lowers operations that the host executes. They round to nearest. MXCSR collects their flags: see
 /// TranslatedRun::take_float_flags().
 
-/// Returns false if the operation needs another rounding mode than the present mode of the host. The interpreter
-/// executes such operations.
+/// Returns false if the operation needs another rounding mode than the present mode of the host. The interpreter then
+/// executes the operation.
 bool emit_rounding(Assembler& c, const Instruction* at) {
   const auto own = static_cast<unsigned>(at->imm) & 7U;
   if (own != static_cast<unsigned>(float32::Rounding::nearest_even) && own != float32::kDynamic) return false;
   emit_check(c, at);
   return true;
 }
-/// Stores xmm0 into rd. If xmm0 is a NaN, stores the canonical NaN.
+/// Writes code that stores xmm0 into rd. If xmm0 is a NaN, the code stores the canonical NaN.
 void finish_float(Assembler& c, const Instruction* at) {
   Label nan;
   Label done;
@@ -130,7 +130,7 @@ void finish_float(Assembler& c, const Instruction* at) {
     c.jmp(done, kNear);
   });
 }
-/// Copies a register to xmm0, xmm1 or xmm2.
+/// Writes code that copies a register to xmm0, xmm1 or xmm2.
 void copy_float(Assembler& c, unsigned reg, const Xmm& to) {
   if (const auto from = c.registers.in_vector_for(reg, to); from.getIdx() != to.getIdx()) c.movaps(to, from);
 }
@@ -199,7 +199,7 @@ bool emit_fnmadd_s(Assembler& c, const Instruction* at) {
 const Instruction* execute_fadd_s(Execution& e, const Instruction* at) {
   return run_rounded(e, at, [&](Context& c) { return float32::add(e.x[at->rs1], e.x[at->rs2], c); });
 }
-/// Computes a - b as a + -b. The change of the sign does not change whether a NaN is quiet or signalling.
+/// Computes a - b as a + -b. A change of the sign does not change whether a NaN is quiet or signalling.
 const Instruction* execute_fsub_s(Execution& e, const Instruction* at) {
   return run_rounded(e, at, [&](Context& c) { return float32::add(e.x[at->rs1], e.x[at->rs2] ^ kSign, c); });
 }
@@ -274,7 +274,7 @@ bool emit_fcvt_w_s(Assembler& c, const Instruction* at) {
   return emit_to_integer(c, at, [&](bool truncates, const Label& leave) {
     const auto from = c.registers.in_vector_for(at->rs1, xmm0);
     truncates ? c.cvttss2si(eax, from) : c.cvtss2si(eax, from);
-    c.cmp(eax, 0x80000000U);  // also the host's result out of range
+    c.cmp(eax, 0x80000000U);  // the result of the host is the same if the value is out of range
     c.je(leave, kNear);
   });
 }
@@ -282,7 +282,7 @@ bool emit_fcvt_wu_s(Assembler& c, const Instruction* at) {
   return emit_to_integer(c, at, [&](bool truncates, const Label& leave) {
     constexpr std::uint32_t kTwoTo32 = 0x4f800000;
     c.registers.copy(eax, at->rs1);
-    c.cmp(eax, kTwoTo32);  // negative ones and NaN are above it, too
+    c.cmp(eax, kTwoTo32);  // negative values and NaN are also above the limit
     c.jae(leave, kNear);
     const auto from = c.registers.in_vector_for(at->rs1, xmm0);
     truncates ? c.cvttss2si(rax, from) : c.cvtss2si(rax, from);
@@ -401,8 +401,7 @@ void emit_feq_s(Assembler& c, const Instruction* at) {
   c.movzx(eax, al);
   c.registers.finish(at->rd, eax);
 }
-/// Writes code that compares rs2 with rs1. With this order of the operands, an unordered result gives the flags of
-/// "below".
+/// Writes code that compares rs2 with rs1. With this order of operands, an unordered result sets the flags of "below".
 template <typename Set>
 void emit_order(Assembler& c, const Instruction* at, Set set_al) {
   emit_check(c, at);

@@ -16,7 +16,7 @@ namespace {
 using namespace lowering;
 #endif
 
-// Instructions that load constants. For auipc, the decoder has already added the pc.
+// Instructions that load constants. The decoder has already added the pc to the immediate of auipc.
 
 const Instruction* execute_lui(Execution& e, const Instruction* at) {
   e.x[at->rd] = static_cast<Word>(at->imm);
@@ -44,7 +44,7 @@ const Instruction* leave_to(Execution& e, const Instruction* at, Word target) {
   e.jumped = at->rs2 == 0;
   e.redirected = true;
   e.exit = at + 1;
-  e.link = &at->link;  // jalr stores its last target there
+  e.link = &at->link;  // jalr stores its last target in the link of its slot
   return nullptr;
 }
 const Instruction* execute_jal(Execution& e, const Instruction* at) {
@@ -83,8 +83,8 @@ void emit_jal(Assembler& c, const Instruction* at) {
   if (at->rd != kNoRegister) c.registers.set(at->rd, at[1].pc);
   c.edges.jump(at, static_cast<std::uint32_t>(at->imm), at->rs2 == 0);
 }
-/// Writes host code for jalr. Returns false in a rare case: a slow instruction before the jalr hides the cost of an
-/// unaligned target (rs2 is not 0).
+/// Writes host code for jalr. If a slow instruction before the jalr hides the cost of an unaligned target (rs2 is not
+/// 0), which is rare, returns false.
 bool emit_jalr(Assembler& c, const Instruction* at) {
   if (at->rs2 != 0) return false;
   const auto base = c.registers.value(at->rs1, eax);
@@ -94,7 +94,8 @@ bool emit_jalr(Assembler& c, const Instruction* at) {
   c.edges.jump_indirect(at);
   return true;
 }
-/// `jump(label)` jumps if the flags of rs1 - rs2 are those of a taken branch.
+/// Writes host code for a conditional branch. `jump(label)` must write a jump that is taken if the flags of rs1 - rs2
+/// are those of a taken branch.
 template <typename Jump>
 void emit_branch(Assembler& c, const Instruction* at, Jump jump) {
   emit_compare(c, at->rs1, at->rs2);
@@ -170,7 +171,7 @@ void emit_addi(Assembler& c, const Instruction* at) {
     c.registers.finish(at->rd, to);
   }
 }
-/// Sets the flags of rs1 - immediate.
+/// Writes code that sets the host's flags to those of rs1 - immediate.
 void emit_compare_immediate(Assembler& c, const Instruction* at) {
   if (at->rs1 == 0) {
     c.mov(eax, 0);

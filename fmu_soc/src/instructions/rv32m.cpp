@@ -80,9 +80,9 @@ constexpr Word execute_remu(Word a, Word b) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// Writes code that counts the cycles of a division. They depend on the number of the divisor's leading zeros or, if
-/// the divisor is negative, of its leading ones minus 1: see divide_extra_signed(). The divisor must be in ecx. Changes
-/// eax and edx.
+/// Writes code that counts the cycles of a division. They depend on the number of leading zeros of the divisor. If the
+/// divisor is negative, they depend on the number of its leading ones minus 1: see divide_extra_signed(). The divisor
+/// must be in ecx. Changes eax and edx.
 void emit_divide_cycles(Assembler& c, bool is_signed) {
   if (is_signed) {
     c.mov(edx, ecx);

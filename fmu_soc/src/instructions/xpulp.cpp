@@ -64,7 +64,7 @@ const Instruction* execute_lp_starti(Execution& e, const Instruction* at) {
   e.loops[at->rs2].start = at->pc + static_cast<Word>(at->imm);
   return next(e, at);
 }
-/// Sets the end of a loop. If the present block continues past the new end, leaves the block, because it must be
+/// Sets the end of a loop. If the present block continues after the new end, leaves the block, because it must be
 /// decoded again.
 const Instruction* set_loop_end(Execution& e, const Instruction* at, Word pc) {
   MEBOTS_ASSERT(at->rs2 < e.loops.size());
@@ -88,16 +88,17 @@ const Instruction* execute_lp_setup(Execution& e, const Instruction* at) {
   e.loops[at->rs2].count = e.x[at->rs1];
   return set_loop_end(e, at, at->pc + static_cast<Word>(at->imm));
 }
-/// The immediate contains the count in its lower half, and the distance to the loop's end in its upper half.
+/// Sets up a loop. The immediate contains the count in its lower half, and the distance to the loop's end in its upper
+/// half.
 const Instruction* execute_lp_setupi(Execution& e, const Instruction* at) {
   const auto fields = static_cast<Word>(at->imm);
   e.loops[at->rs2].start = at->pc + 4;
   e.loops[at->rs2].count = fields & 0xffffU;
   return set_loop_end(e, at, at->pc + (fields >> 16));
 }
-/// Ends a block whose last instruction may end a loop. The inner loop (0) is checked first. If a loop has no further
-/// iteration, its count does not change, and the other loop is checked. If neither loop has a further iteration,
-/// execution continues after the block. The jump back of a loop takes no cycle.
+/// Executes the end of a block whose last instruction may end a loop. The inner loop (0) is checked first. If a loop
+/// has no further iteration, its count does not change, and the other loop is checked. If neither loop has a further
+/// iteration, execution continues after the block. The jump to the start of a loop takes no cycle.
 const Instruction* execute_loop_end(Execution& e, const Instruction* at) {
   MEBOTS_ASSERT(at->index > 0 && is_block_end(at->op));
   const auto last = at[-1].pc;
@@ -121,7 +122,7 @@ Xbyak::Address loop_register(const Instruction* at, std::size_t offset) {
   MEBOTS_ASSERT(is_hardware_loop(at->op) && at->rs2 < 2);
   return dword[rbx + translate::offset_of_loop(at->rs2) + static_cast<int>(offset)];
 }
-/// Writes host code that sets the end of a loop. Returns false if blocks do not end at `pc` yet, because only the
+/// Writes host code that sets the end of a loop. If blocks do not end at `pc` yet, returns false, because only the
 /// interpreter can change this.
 bool emit_set_loop_end(Assembler& c, const Instruction* at, std::uint32_t pc) {
   if (!c.blocks.may_end_loop(pc)) return false;
@@ -172,7 +173,7 @@ void emit_loop_end(Assembler& c, const Instruction* at) {
 // General ALU
 
 constexpr Word execute_p_abs(Word a) {
-  return as_signed(a) < 0 ? Word{0} - a : a;  // of -2^31: itself
+  return as_signed(a) < 0 ? Word{0} - a : a;  // -2^31 stays the same
 }
 constexpr Word execute_p_slet(Word a, Word b) {
   return as_signed(a) <= as_signed(b) ? 1U : 0U;
@@ -310,7 +311,7 @@ constexpr Word execute_shifted_sum(Word a, Word b, Word shift) {
   const Word sum = traits_of(kOp).subtracts ? a - b : a + b;
   return shift_right<kOp>(traits_of(kOp).rounds ? sum + rounding(shift) : sum, shift);
 }
-/// Computes rd + rs1, shifted by the low five bits of rs2.
+/// Computes the sum of rd and rs1 and shifts it right by the low five bits of rs2.
 template <Op kOp>
 constexpr Word execute_shifted_sum_by_register(Word a, Word b, Word shift) {
   return execute_shifted_sum<kOp>(a, b, shift & 31U);
@@ -355,14 +356,14 @@ constexpr Word field_mask(Word bits) {
 constexpr Word execute_p_extractu(Word a, Word bits) {
   return (a >> (bits & 31U)) & field_mask(bits);
 }
-/// Returns a bit field of `a` with sign extension. Bits of the field beyond the end of the word are copies of the
-/// word's sign bit.
+/// Returns a bit field of `a` with sign extension. Bits of the field beyond the end of the word are equal to the word's
+/// sign bit.
 constexpr Word execute_p_extract(Word a, Word bits) {
   const auto shifted = shift_right_signed(a, bits);
   const auto mask = field_mask(bits);
   return (shifted >> (bits >> 5 & 31U) & 1U) != 0 ? shifted | ~mask : shifted & mask;
 }
-/// Returns `into` with the low bits of `a` in the field.
+/// Returns `into` with the bit field replaced by the low bits of `a`.
 constexpr Word execute_p_insert(Word into, Word a, Word bits) {
   const auto mask = field_mask(bits) << (bits & 31U);
   return (into & ~mask) | ((a << (bits & 31U)) & mask);
@@ -373,15 +374,15 @@ constexpr Word execute_p_bclr(Word a, Word bits) {
 constexpr Word execute_p_bset(Word a, Word bits) {
   return a | (field_mask(bits) << (bits & 31U));
 }
-/// Returns the position of the lowest set bit; 32 if there is none.
+/// Returns the position of the lowest set bit, or 32 if no bit is set.
 constexpr Word execute_p_ff1(Word a) {
   return static_cast<Word>(std::countr_zero(a));
 }
-/// Returns the position of the highest set bit; 32 if there is none.
+/// Returns the position of the highest set bit, or 32 if no bit is set.
 constexpr Word execute_p_fl1(Word a) {
   return a == 0 ? 32U : 31U - static_cast<Word>(std::countl_zero(a));
 }
-/// Returns the number of copies of the sign after the sign bit; 0 for the word 0.
+/// Returns the number of bits after the sign bit that are equal to it. Returns 0 for the word 0.
 constexpr Word execute_p_clb(Word a) {
   if (a == 0) return 0;
   return static_cast<Word>(as_signed(a) < 0 ? std::countl_one(a) : std::countl_zero(a)) - 1U;
@@ -397,11 +398,11 @@ constexpr Word execute_p_ror(Word a, Word b) {
 struct Field {
   unsigned position = 0;
   unsigned width = 0;
-  std::uint32_t low = 0;   // ones at the lower end of the word, one for each bit of the field
-  std::uint32_t mask = 0;  // ones at the field's position
+  std::uint32_t low = 0;   // bits at the lower end of the word, one for each bit of the field
+  std::uint32_t mask = 0;  // bits at the position of the field
 };
-/// Returns the bit field of an immediate, without bits beyond the end of the word. If the field is in a register, which
-/// is rare, returns nullopt.
+/// Returns the bit field that an immediate describes, without bits beyond the end of the word. If a register contains
+/// the field, which is rare, returns nullopt.
 std::optional<Field> field_of(const Instruction* at) {
   if (operand_of(*at) != Operand::immediate) return std::nullopt;
   const auto imm = static_cast<unsigned>(at->imm);
@@ -497,7 +498,7 @@ constexpr Word half(Word a) {
   return traits_of(kOp).sign ? static_cast<Word>(static_cast<std::int16_t>(a)) : a & 0xffffU;
 }
 /// Computes `sum` plus the product of two halves, and shifts the result right. If the operation's traits require
-/// rounding, the value is rounded before the shift.
+/// rounding, rounds the value before the shift.
 template <Op kOp>
 constexpr Word execute_accumulate_halves(Word sum, Word a, Word b, Word shift) {
   sum += half<kOp>(a) * half<kOp>(b);

@@ -16,7 +16,7 @@ bool is_link(unsigned reg) {
   return reg == 1 || reg == 5;
 }
 
-/// Rounds like std::llround, but without the call of a library function.
+/// Rounds like std::llround, without the call of a library function.
 std::int64_t rounded(double value) {
   return static_cast<std::int64_t>(value < 0 ? value - 0.5 : value + 0.5);
 }
@@ -33,8 +33,7 @@ CoreProfile::CoreProfile(const Soc& soc, unsigned number, Functions& functions)
   start();
 }
 
-/// Starts to count. If a core does not run, the time of the chip is used, because the core's own time stopped with the
-/// core.
+/// Starts to count. If the core does not run, starts at the time of the chip, because the core's own time has stopped.
 void CoreProfile::start() {
   charged_ = runs() ? now() : now_of_chip();
   start_stack();
@@ -55,7 +54,7 @@ Cost CoreProfile::now_of_chip() const {
   return cost;
 }
 
-/// Returns the energy of the chip that is assigned to this hart.
+/// Returns the energy of the chip that belongs to this hart.
 std::int64_t CoreProfile::energy_fj(double chip_j) const {
   const auto of_core = [this](unsigned number) {
     return std::llround(soc_.power().cluster_core_energy_j(core_of_hart(number)) / kFemtojoule);
@@ -78,7 +77,8 @@ void CoreProfile::start_stack() {
 
 void CoreProfile::charge(const Cost& now) {
   auto cost = now;
-  cost.time_ps = std::max(cost.time_ps, charged_.time_ps);  // the cluster's clock became faster in its last block
+  // The cluster's clock has become faster in its last block, so that the time may have decreased.
+  cost.time_ps = std::max(cost.time_ps, charged_.time_ps);
   tree_.node(stack_.back().node).self += cost - charged_;
   charged_ = cost;
 }
@@ -140,12 +140,12 @@ void CoreProfile::step(const Step& step, Now now) {
   }
 }
 
-/// While the function at the top of the stack continues, its cost need not be updated.
+/// Returns the code of the function at the top of the stack. While it continues, its cost need not be updated.
 QuietCode CoreProfile::quiet() const {
   return stack_.back().kind == Kind::function ? functions_.code(stack_.back().place) : QuietCode{};
 }
 
-/// Continues the top frame at `address`. If this is another function, replaces the frame's function.
+/// Continues the top frame at `address`. If the address is in another function, replaces the function of the frame.
 template <typename Now>
 void CoreProfile::go_to(std::uint32_t address, Now now) {
   auto& top = stack_.back();
@@ -158,8 +158,8 @@ void CoreProfile::go_to(std::uint32_t address, Now now) {
   ++tree_.node(top.node).calls;
 }
 
-/// Removes frames down to the frame whose call returns to `address`. If there is no such frame above the last trap,
-/// returns false.
+/// Removes frames up to and including the frame whose call returns to `address`. If there is no such frame above the
+/// last trap, returns false.
 template <typename Now>
 bool CoreProfile::return_to(std::uint32_t address, Now now) {
   for (auto depth = stack_.size(); depth-- > 1;) {

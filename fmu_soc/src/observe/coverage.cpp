@@ -10,15 +10,15 @@
 
 namespace mebots::soc::observe {
 
-/// The counts of a source file. Source of the format: geninfo(1) of LCOV 1.16, "TRACEFILE FORMAT".
+/// Stores the counts of a source file. Source of the format: geninfo(1) of LCOV 1.16, "TRACEFILE FORMAT".
 struct Coverage::File {
   struct Branch {
     std::uint32_t line = 0;
     Count count;
   };
   std::map<std::uint32_t, std::uint64_t> lines;
-  std::map<std::string, std::pair<std::uint32_t, std::uint64_t>> functions;  // line and count
-  std::map<std::uint32_t, Branch> branches;                                  // by address
+  std::map<std::string, std::pair<std::uint32_t, std::uint64_t>> functions;  // maps a name to a line and a count
+  std::map<std::uint32_t, Branch> branches;                                  // indexed by address
 };
 
 Coverage::Coverage(const std::string& option, const std::string& path, const Elf& program)
@@ -86,7 +86,7 @@ void Coverage::write(const std::string& path, const File& file) {
   }
   file_.print("FNF:{}\nFNH:{}\n", file.functions.size(), hit);
   hit = 0;
-  std::map<std::uint32_t, unsigned> blocks;  // by line
+  std::map<std::uint32_t, unsigned> blocks;  // number of blocks, by line
   for (const auto& [pc, branch] : file.branches) {
     const auto block = blocks[branch.line]++;
     const std::array<std::uint64_t, 2> ways{branch.count.taken, branch.count.executed - branch.count.taken};

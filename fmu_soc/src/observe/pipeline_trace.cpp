@@ -10,7 +10,7 @@
 namespace mebots::soc::observe {
 namespace {
 
-/// This number is added to all cycle numbers, so that the fetch of the first instruction is not before cycle 0.
+/// Is added to all cycle numbers, so that the fetch of the first instruction does not start before cycle 0.
 constexpr std::int64_t kStagesBeforeExecute = 2;
 constexpr std::string_view kStageNames[] = {"F", "D", "X", "W"};
 
@@ -36,7 +36,7 @@ void PipelineTrace::retired(const Hart& hart, const Retired& instruction) {
   std::int64_t all = 0;
   for (const auto share : shares.cycles) all += share;
   if (!began_) end_ = kStagesBeforeExecute + static_cast<std::int64_t>(hart.counters().cycles) - all;
-  // Some cycles in F belong to the previous branch or jump: the fetch of its unaligned target is counted in this
+  // Some cycles in F belong to the previous branch or jump: the fetch of its unaligned target is counted for this
   // instruction.
   const auto before = is_jump(op) ? shares[CycleCause::branch] : is_branch(op) ? shares[CycleCause::jump] : 0;
   const auto fetch = shares[CycleCause::cache] + (op == Op::mret ? 0 : shares[CycleCause::trap]) + before;

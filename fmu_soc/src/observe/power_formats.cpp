@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kNothingYet = std::numeric_limits<double>::quiet_NaN();
 
-/// Trace events: states as slices of one thread per track, values as counters.
+/// Writes trace events: the states of each track as slices of one thread, and values as counters.
 class PerfettoWriter final : public PowerWriter {
  public:
   PerfettoWriter(const std::string& option, const std::string& path, std::vector<std::string> tracks,
@@ -76,7 +76,7 @@ class PerfettoWriter final : public PowerWriter {
   std::vector<double> last_;
 };
 
-/// A value change dump: states as string variables, values as reals.
+/// Writes a value change dump: states as string variables, and values as reals.
 class VcdWriter final : public PowerWriter {
  public:
   VcdWriter(const std::string& option, const std::string& path, const std::vector<std::string>& tracks,

@@ -67,13 +67,14 @@ void PowerTrace::note_states(Picoseconds time) {
 }
 
 void PowerTrace::changed(Picoseconds time) {
-  if (time < span_start_) return;  // before the state that was restored
+  // The time is before the last time in the file, after an earlier state was restored.
+  if (time < span_start_) return;
   if (time - span_start_ >= kShortest) close_span(time);
   note_states(time);
 }
 
-/// Writes the time span since the last reading: mean values at the start of the span, then the changes of state within
-/// the span.
+/// Writes the time span since the last reading: mean values at the start of the span, and then the changes of state
+/// within the span.
 void PowerTrace::close_span(Picoseconds time) {
   const auto now_j = energies(time);
   writer_->value(span_start_, kClockChannel, span_clock_hz_);

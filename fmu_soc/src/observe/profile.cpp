@@ -118,7 +118,7 @@ void ProfileWindows::close(const std::deque<CoreProfile>& harts) {
   from_ = to_;
   steps_ = 0;
   if (window.parts.empty()) return;
-  if (window.from == window.to && !windows_.empty()) {  // costs settled at the end belong to the last window
+  if (window.from == window.to && !windows_.empty()) {  // costs that are added at the end belong to the last window
     windows_.back() = joined(windows_.back(), window);
     return;
   }

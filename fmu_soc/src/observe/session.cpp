@@ -42,7 +42,7 @@ Session::~Session() {
   soc_.listen(nullptr);
 }
 
-/// Without observers, a hart runs at full speed.
+/// Sets the observer of a hart. If no observer was added, sets null, so that the hart runs at full speed.
 void Session::attach(unsigned number) {
   soc_.observe(number, observers_[number].empty() ? nullptr : &observers_[number]);
 }

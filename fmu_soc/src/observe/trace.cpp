@@ -27,8 +27,7 @@ Trace::Trace(const std::string& option, const std::string& path, Columns columns
 void Trace::put(unsigned number, const Hart& hart, const Retired& instruction) {
   const auto& decoded = instruction.decoded;
   const auto& access = instruction.access;
-  // Only mret changes the privilege mode. Therefore any other instruction was executed in the mode that the hart has
-  // after the instruction.
+  // Only mret changes the privilege mode. Any other instruction was executed in the mode that the hart has afterwards.
   const auto mode = static_cast<unsigned>(decoded.op == Op::mret ? Mode::machine : hart.mode());
   if (decoded.length == 2) {
     file_.print("core{:4}: {} 0x{:08x} (0x{:04x})", number, mode, instruction.pc, instruction.word & 0xffffU);

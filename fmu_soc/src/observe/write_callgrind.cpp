@@ -14,14 +14,15 @@ struct Call {
 
 struct Function {
   Cost self;
-  std::map<std::uint32_t, Call> calls;  // by called place
+  std::map<std::uint32_t, Call> calls;  // indexed by the number of the called place
 };
 
 void put_cost(TextFile& file, const Cost& cost) {
   file.print("{} {} {} {}\n", cost.cycles, cost.instructions, cost.time_ps, cost.energy_fj);
 }
 
-/// Names are written in full in each part of the file, because viewers forget the names after each part.
+/// Writes the costs of one hart. Names are written in full in each part of the file, because viewers do not keep names
+/// from part to part.
 void write_part(const HartTree& hart, std::size_t part, const Functions& functions, const std::string& program,
                 TextFile& file) {
   const auto& nodes = hart.tree->nodes();

@@ -33,7 +33,7 @@ class Writer {
   Writer(const CallTree& tree, TextFile& file)
       : tree_(tree), inclusive_(tree.inclusive()), children_(tree.children()), file_(file) {}
 
-  /// `whose` is the hart's name. It is empty if there is only one hart.
+  /// `whose` is the name of the hart. It is empty if there is only one hart.
   void write(const Series& series, const std::string& whose) {
     file_.print(R"({{"type":"evented","name":"{}{}{}","unit":"{}","startValue":0,"endValue":)", series.name,
                 whose.empty() ? "" : ", ", whose, series.unit);
@@ -96,7 +96,7 @@ void write_nodes(std::span<const HartTree> harts, TextFile& file) {
   }
 }
 
-/// Writes the time windows. Omits cores that executed nothing, because the file has no call trees of them.
+/// Writes the time windows. Leaves out cores that executed nothing, because the file contains no call trees of them.
 void write_windows(std::span<const HartTree> harts, std::span<const ProfileWindows::Window> windows, TextFile& file) {
   constexpr int kPsDigits = 3;
   for (const auto& window : windows) {

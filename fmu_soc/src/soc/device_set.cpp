@@ -16,7 +16,7 @@ namespace mebots::soc {
 DeviceSet::DeviceSet(const BoardDescription& board, std::span<const std::filesystem::path> library_folders)
     : board_(board), kinds_(board, library_folders) {}
 
-/// The parts of the board are created before the devices, because devices look up the parts that are attached to them.
+/// Creates the parts of the board before the devices, because devices look up the parts that are attached to them.
 void DeviceSet::make(ChipHost& host) {
   add_parts(host);
   add_on_bus(host);
@@ -41,7 +41,7 @@ void DeviceSet::add_on_bus(ChipHost& host) {
   for (const auto& entry : board_.devices) {
     if (!entry.is_on_bus()) continue;
     auto device = kinds_.make(entry, host);
-    if (!device) continue;  // part of the cluster
+    if (!device) continue;  // the device is part of the cluster
     note_roles(entry, *device);
     const bool sets_power = device.get() == power_manager_ ||
                             dynamic_cast<gap8_devices::Fll*>(device.get()) != nullptr ||
@@ -92,7 +92,7 @@ void DeviceSet::note_roles(const BoardDevice& entry, Device& device) {
   }
 }
 
-/// Checks that each part is attached to an existing place to which no other part is attached.
+/// Checks that each part is attached to an existing connection point to which no other part is attached.
 void DeviceSet::check_attachments(const ChipHost& host) const {
   std::vector<std::string> places(host.places().begin(), host.places().end());
   for (const auto& entry : board_.devices) {

@@ -23,7 +23,8 @@ Memory make_memory(const BoardDescription& board) {
   return memory;
 }
 
-/// Returns the timing of the board's core. If the board names no core, returns the timing of the chip's core.
+/// Returns the timing of the core that the board names. If the board names no core, returns the timing of the chip's
+/// core.
 Timing timing_of(const BoardDescription& board, const Chip& chip) {
   auto timing = chip.timing;
   timing.kind = core_kind(board.core).value_or(timing.kind);
@@ -32,7 +33,7 @@ Timing timing_of(const BoardDescription& board, const Chip& chip) {
   return timing;
 }
 
-/// Returns the board's first device of a kind; null if there is none.
+/// Returns the first device of a kind on the board, or null if the board has no such device.
 const BoardDevice* device_of(const BoardDescription& board, std::string_view kind) {
   const auto found = std::ranges::find(board.devices, kind, &BoardDevice::kind);
   return found == board.devices.end() ? nullptr : &*found;
@@ -67,8 +68,8 @@ Hardware::Hardware(const BoardDescription& board, const Chip& chip, const Settin
                    .keeps_written_mtvec = settings.keeps_written_mtvec,
                    .has_gap8_interrupts = device_of(board, kGap8EventUnitKind) != nullptr}) {}
 
-/// Connects the fabric controller with the memories. Large memories with short latencies come first, because the first
-/// two are on the fast path.
+/// Connects the fabric controller to the memories. Large memories with short latencies are connected first, because the
+/// first two memories are on the fast path.
 void Hardware::connect_memories() {
   MEBOTS_ASSERT(board_.memories.size() == memory_.regions().size());
   std::vector<MemoryPort> ports;
@@ -97,9 +98,9 @@ std::uint32_t Hardware::wait_of_controller(std::size_t memory) const {
   return latency ? latency->fabric_controller : 0;
 }
 
-/// Sets the latencies of memories for which the board gives cycles of the SoC's clock. An access, a refill and a beat
-/// of the DMA each take at least a cycle of the slower clock: the AXI bus between the two clock domains has the same
-/// width on both sides.
+/// Sets the latencies of memories for which the board states cycles of the SoC's clock. An access, a refill and a beat
+/// of the DMA each take at least one cycle of the slower clock, because the AXI bus between the two clock domains has
+/// the same width on both sides.
 void Hardware::set_latencies(std::uint32_t soc_hz) {
   if (!cluster_ || !has_latencies()) return;
   const auto ticks_of = [&](std::uint64_t soc_cycles) {
@@ -114,10 +115,10 @@ void Hardware::set_latencies(std::uint32_t soc_hz) {
   const auto& cache = board_.instruction_cache(Place::cluster);
   latencies.refill_cycles = cache.refill_cycles + ticks_of(cache.refill_soc_cycles);
   latencies.access_ticks = ticks_of(1);
-  // Latency of the largest memory outside the cluster, which the DMA mainly uses.
+  // Uses the latency of the largest memory outside the cluster, because the DMA mainly accesses this memory.
   const auto outside = std::ranges::find_if(
       cluster_->ports(), [&](const MemoryPort& port) { return board_.memories[port.region].latency.has_value(); });
-  const auto least = chip_.dma.latency - chip_.interconnect.cluster_to_soc;  // the part of the DMA itself
+  const auto least = chip_.dma.latency - chip_.interconnect.cluster_to_soc;  // latency of the DMA itself
   latencies.dma.latency = least + latencies.waits[static_cast<std::size_t>(outside - cluster_->ports().begin())];
   latencies.dma.least_burst_cycles = chip_.dma.least_burst_of(latencies.dma.latency);
   const auto beat = std::uint64_t{DmaTiming::kBeatUnit} * cluster_->clock_hz() / soc_hz;
@@ -171,7 +172,7 @@ void Hardware::add_cluster(const Settings& settings, DeviceHost& host) {
   cluster_ = std::make_unique<Cluster>(memory_, cluster, chip_.instruction_energy);
 }
 
-/// Selects GAP8's own cluster devices, or those of MEbots' boards.
+/// Selects the cluster devices: those of GAP8, or those of MEbots' boards.
 void Hardware::choose_peripherals(ClusterSettings& cluster, DeviceHost& host) {
   if (const auto* gap8 = device_of(board_, kGap8ClusterKind); gap8 != nullptr) {
     cluster.has_gap8_interrupts = true;

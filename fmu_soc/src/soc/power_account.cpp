@@ -79,8 +79,8 @@ CoreActivity PowerAccount::core_activity(unsigned core) const {
 
 EnergyLedger PowerAccount::energy_at(Picoseconds time) const {
   const auto until = timeline_.supplied_until(time);
-  // The last instruction may end after `until`. If it changed the clock or the voltage, the meter has already computed
-  // the energy up to its end, and values for earlier times are not available.
+  // The last instruction may end after `until`. If it has changed the clock or the voltage, the meter has already
+  // computed the energy up to the end of the instruction, and cannot compute it for earlier times.
   return meter_.at(activity_at(std::max(until, meter_.settled_until())));
 }
 

@@ -78,9 +78,9 @@ void ProgramHost::clear_command() {
   hardware_.poke(*stop_word_, std::span(kNone).first(has_upper_half_ ? kCommandSize : 4));
 }
 
-/// Serves a system call of the HTIF, device 0. At `block`, there are eight 64-bit words: the number of the call and its
-/// arguments. The first word receives the result. Returns true if the program ends. Source: riscv-isa-sim,
-/// fesvr/syscall.cc.
+/// Serves a system call of the HTIF, which is device 0. There are eight 64-bit words at `block`: the number of the call
+/// and its arguments. The first word receives the result. Returns true if the call ends the program. Source:
+/// riscv-isa-sim, fesvr/syscall.cc.
 bool ProgramHost::serve_system_call(std::uint32_t block) {
   std::array<std::uint64_t, 8> words{};
   const auto bytes = std::span(reinterpret_cast<std::uint8_t*>(words.data()), sizeof words);
@@ -101,8 +101,8 @@ bool ProgramHost::serve_system_call(std::uint32_t block) {
   return false;
 }
 
-/// Serves a semihosting call, which is an ebreak between two instructions without effect. Source: RISC-V Semihosting
-/// 1.0.
+/// Serves a semihosting call, which is an ebreak between two instructions that have no effect. Source: RISC-V
+/// Semihosting 1.0.
 bool ProgramHost::serve_semihosting() {
   constexpr std::array<std::uint32_t, 3> kCall{0x01f01013, 0x00100073, 0x40705013};
   std::array<std::uint32_t, 3> words{};

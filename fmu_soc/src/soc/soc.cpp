@@ -26,7 +26,8 @@ std::uint32_t checked_clock(const Chip& chip, const Settings& settings) {
   return clock_hz;
 }
 
-/// Returns the board. Registers that show parameters of the chip contain the values of these parameters.
+/// Returns the board with the settings: registers that show parameters of the chip contain the values of these
+/// parameters.
 BoardDescription with_settings(BoardDescription board, const Settings& settings) {
   for (auto& device : board.devices) {
     for (auto& reg : device.registers) {
@@ -37,7 +38,8 @@ BoardDescription with_settings(BoardDescription board, const Settings& settings)
   return board;
 }
 
-/// A core without F would stop only at the first floating-point instruction, perhaps late in a run.
+/// Throws Error if the program needs F and the core lacks it. Otherwise the program would stop only at its first
+/// floating-point instruction, perhaps late in a run.
 void require_float_registers(const BoardDescription& board, const Elf& program) {
   if (!program.uses_float_registers() || board.isa.has(Extension::f)) return;
   throw Error(fmt::format(
@@ -77,7 +79,7 @@ Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settin
   hardware_.set_latencies(timeline_.clock().hz());
   hardware_.load_program(program_, devices_);
   hart().reset(program_.entry());
-  apply_power_settings(core_time());  // GAP8's own devices set the power at the start
+  apply_power_settings(core_time());  // GAP8's own devices set clocks and voltage at the start
 }
 
 void Soc::begin_step() {
@@ -100,7 +102,7 @@ bool Soc::sleeps_for_good() {
 }
 
 void Soc::run(Picoseconds until, std::uint64_t cycle_limit, bool is_alone) {
-  devices_.touch();  // an access from outside
+  devices_.touch();  // the caller may have accessed a device
   notify(now());
   bool at_time = !is_alone;
   for (;;) {
@@ -134,7 +136,7 @@ void Soc::run(Picoseconds until, std::uint64_t cycle_limit, bool is_alone) {
       continue;
     }
     if (hart().counters().cycles < limit) {
-      timeline_.reach(core_time());  // at the cycle limit
+      timeline_.reach(core_time());  // the cycle limit was reached
       notify(now());
       return;
     }
@@ -154,12 +156,13 @@ void Soc::run(Picoseconds until, std::uint64_t cycle_limit, bool is_alone) {
 }
 
 /// Runs the cluster to `until`. While the fabric controller sleeps, runs all quanta that begin at or before `last`, but
-/// stops at an event that may wake the controller.
+/// stops at an event that may wake the fabric controller.
 void Soc::advance_cluster(Picoseconds until, Picoseconds last, std::uint64_t cycle_limit) {
   auto* cluster = hardware_.cluster();
   do {
     cluster->advance(until, last, cycle_limit);
-    if (devices_.event_unit() != nullptr && !devices_.power_is_applied()) {  // a core has used devices of GAP8's SoC
+    // A cluster core has accessed devices of GAP8's SoC.
+    if (devices_.event_unit() != nullptr && !devices_.power_is_applied()) {
       apply_power_settings(cluster->fabric_event_time());
       if (devices_.signals().exit_code && running()) {
         end_by_program(cluster->fabric_event_time());
@@ -254,8 +257,8 @@ void Soc::update_lines() {
 }
 
 /// Applies the settings that a core has requested at `time`. The cluster's clock changes at that time, because all
-/// cores of the cluster have reached it. All other settings change after the fabric controller's last instruction. This
-/// instruction may be later than `time`, but used the old settings.
+/// cluster cores have reached it. All other settings change after the fabric controller's last instruction, which may
+/// be later than `time`, but was executed with the old settings.
 void Soc::apply_power_settings(Picoseconds time) {
   devices_.set_power_applied();
   const auto* settings = devices_.power_settings();
@@ -273,7 +276,7 @@ void Soc::apply_power_settings(Picoseconds time) {
   if (changed) {
     power_.change(before);
     hardware_.set_latencies(clock.hz());
-    devices_.forget_next_event();  // of timers
+    devices_.forget_next_event();  // the timers' next events have changed
   }
   if (cluster == nullptr || (wanted.cluster_on != 0) == cluster->powered()) return;
   if (wanted.cluster_on != 0) {
@@ -290,7 +293,7 @@ void Soc::wake_if_interrupted(Picoseconds time) {
   if (timeline_.retained()) {
     timeline_.end_retention(wake);
     devices_.power_manager()->woken();
-    // Retention keeps the memories, but not the cache.
+    // In retention sleep, the memories keep their contents, but the cache does not.
     if (auto* cache = hardware_.instruction_cache()) cache->flush();
     wake += std::llround(hardware_.chip().wake_up_s * kPsPerS);
   }

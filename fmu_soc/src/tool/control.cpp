@@ -20,9 +20,9 @@
 namespace mebots::soc::tool {
 namespace {
 
-/// If a run waits for a text, it checks for the text at this interval of simulated time.
+/// Interval of simulated time at which a run checks whether the program has printed the text.
 constexpr std::int64_t kLookNs = 10'000;
-/// The longest time of one command: beyond it, a double cannot represent nanoseconds.
+/// Longest time of one command. Beyond it, a double cannot represent all nanoseconds.
 constexpr double kLongestS = 1e6;
 constexpr std::uint32_t kLongestRead = 1U << 20;
 
@@ -93,8 +93,8 @@ Control::Json Control::obey(const Json& command) {
   throw Error(fmt::format("unknown command {}; there are run, send, read, get, set and report", name));
 }
 
-/// Handles the command {"run": seconds, "until": text}. The run ends early if the program prints the text or ends.
-/// Output that was already returned in an earlier answer does not count.
+/// Executes the command {"run": seconds, "until": text}. The run ends early if the program prints the text or ends.
+/// Output that an earlier reply has already returned does not count.
 Control::Json Control::run(const Json& command) {
   const auto duration = command.at("run").get<double>();
   if (!(duration >= 0 && duration <= kLongestS)) {
@@ -140,8 +140,8 @@ std::uint32_t Control::address_of(const Json& place) const {
   return *address;
 }
 
-/// Handles the command {"read": symbol or address, "size": bytes}. Without a size, reads the size of the symbol,
-/// or 4 bytes at an address without a symbol.
+/// Executes the command {"read": symbol or address, "size": bytes}. Without a size, reads the size of the symbol, or 4
+/// bytes at an address without a symbol.
 Control::Json Control::read(const Json& command) const {
   const auto address = address_of(command.at("read"));
   const auto& symbols = soc_.program().symbols();

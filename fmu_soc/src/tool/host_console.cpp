@@ -22,8 +22,8 @@
 namespace mebots::soc::tool {
 namespace {
 
-/// The mode of standard input's terminal before this process changed it. The variable is global because signal handlers
-/// use it.
+/// Stores the mode of standard input's terminal before this process changed it. The variable is global because signal
+/// handlers use it.
 termios saved_mode{};
 
 void restore_terminal() {
@@ -36,7 +36,7 @@ void restore_and_end(int signal) {
   std::raise(signal);
 }
 
-/// Switches the terminal to raw mode without echo, so that each typed byte arrives at once. Signals of the terminal
+/// Switches the terminal to raw mode without echo, so that each typed byte arrives at once. Signals from the keyboard
 /// still end the process.
 void set_raw_terminal() {
   if (::isatty(STDIN_FILENO) == 0 || ::tcgetattr(STDIN_FILENO, &saved_mode) != 0) return;
@@ -115,15 +115,15 @@ void HostConsole::end_line() {
   in_line_ = false;
 }
 
-/// Waits for input as long as the buffer is empty, at most `timeout_ms` (-1: without limit). Returns true if there is
-/// input.
+/// Waits for input while the buffer is empty, at most `timeout_ms` (-1: without limit). Returns true if input is
+/// available.
 bool HostConsole::fill(int timeout_ms) {
   if (next_ < end_) return true;
   if (ended_ || input_ < 0) return false;
   std::fflush(stdout);
   pollfd state{input_, POLLIN, 0};
   if (!is_file_ && ::poll(&state, 1, timeout_ms) <= 0) return false;
-  if (!is_file_ && (state.revents & POLLIN) == 0 && kind_ == Kind::pty) {  // no program has it open
+  if (!is_file_ && (state.revents & POLLIN) == 0 && kind_ == Kind::pty) {  // no program has the pseudo terminal open
     ::poll(nullptr, 0, timeout_ms < 0 ? 100 : timeout_ms);
     return false;
   }
@@ -134,7 +134,7 @@ bool HostConsole::fill(int timeout_ms) {
   return end_ != 0;
 }
 
-/// Returns by how much the chip's time is ahead of the wall clock, in whole milliseconds.
+/// Returns the number of whole milliseconds by which the chip's time is ahead of the wall clock.
 int HostConsole::milliseconds_ahead(Picoseconds now) {
   const std::chrono::nanoseconds chip(now / kPsPerNs);
   if (!start_) start_ = Clock::now() - chip;

@@ -17,8 +17,8 @@ namespace mebots::soc::tool {
 namespace {
 
 constexpr std::string_view kConsole = ":tt";
-/// The name of the file in which semihosting lists the extensions of a host. This host has two extensions: exit with a
-/// code, and separate stdout and stderr.
+/// Name of the file that lists the semihosting extensions of a host. This host has two extensions: exit with a code,
+/// and separate stdout and stderr.
 constexpr std::string_view kFeatures = ":semihosting-features";
 constexpr std::string_view kFeatureBytes = "SHFB\x03";
 /// Limits the number of open files, because a program may forget to close them.
@@ -35,7 +35,7 @@ HostFiles::HostFiles(const std::optional<std::string>& folder, Console& console)
   }
 }
 
-/// Returns the path of a file; nullopt if it is outside the folder. Links are followed.
+/// Returns the path of a file, or nullopt if the file is outside the folder. Follows links.
 std::optional<std::filesystem::path> HostFiles::inside(const std::string& name) const {
   if (!folder_ || name.empty()) return std::nullopt;
   std::error_code error;
@@ -94,7 +94,7 @@ long HostFiles::read(int file, std::span<char> into) {
   if (is_console(file)) return console_.read(into);
   auto* held = file_of(file);
   if (held == nullptr) return -EBADF;
-  std::fseek(held, 0, SEEK_CUR);  // required between writing and reading
+  std::fseek(held, 0, SEEK_CUR);  // C requires a seek between writing and reading
   const auto count = std::fread(into.data(), 1, into.size(), held);
   return count == 0 && std::ferror(held) != 0 ? (std::clearerr(held), -EIO) : static_cast<long>(count);
 }

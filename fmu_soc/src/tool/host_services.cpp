@@ -13,7 +13,7 @@
 namespace mebots::soc::tool {
 namespace {
 
-/// Operation numbers of "Semihosting for AArch32 and AArch64".
+/// Lists the operation numbers of "Semihosting for AArch32 and AArch64".
 enum class Operation : std::uint32_t {
   open = 0x01,
   close = 0x02,
@@ -46,7 +46,7 @@ constexpr std::uint64_t kCentiseconds = 100;
 constexpr std::uint64_t kTicks = 1'000'000;
 
 /// Flags of open() for each mode of SYS_OPEN. The modes are those of fopen(), each as text and as binary. On this host,
-/// text and binary are equal.
+/// text and binary are the same.
 constexpr std::array kModes{O_RDONLY,
                             O_RDWR,
                             O_WRONLY | O_CREAT | O_TRUNC,
@@ -66,7 +66,7 @@ std::optional<HostServices::Block> HostServices::words_at(std::uint32_t address)
   return words;
 }
 
-/// Returns the result. For a failed operation, stores its errno for SYS_ERRNO and returns -1.
+/// Returns the result of an operation. If it failed, stores its errno for SYS_ERRNO and returns -1.
 HostReply HostServices::answer(long result) {
   if (result >= 0) return {static_cast<std::uint32_t>(result)};
   errno_ = static_cast<int>(-result);
@@ -76,7 +76,7 @@ HostReply HostServices::answer(long result) {
 HostReply HostServices::open(const Block& block) {
   const auto name = calls_.text_at(block[0], block[2]);
   if (!name) return answer(-EFAULT);
-  const auto mode = block[1] / 2;  // the lowest bit: binary
+  const auto mode = block[1] / 2;  // the lowest bit selects binary mode, which is the same
   if (mode >= kModes.size()) return answer(-EINVAL);
   return answer(files_.open(*name, kModes[mode]));
 }
@@ -118,7 +118,8 @@ HostReply HostServices::semihosting(std::uint32_t operation, std::uint32_t param
       return write_text(parameter);
     case Operation::write:
     case Operation::read:
-      return with(kThree, [&](const Block& block) -> HostReply {  // returns the number of bytes left
+      // The reply is the number of bytes that were not transferred.
+      return with(kThree, [&](const Block& block) -> HostReply {
         const bool is_read = operation == static_cast<std::uint32_t>(Operation::read);
         const auto done = calls_.transfer(is_read, static_cast<int>(block[0]), block[1], block[2]);
         if (done < 0) answer(done);
@@ -177,7 +178,8 @@ HostReply HostServices::semihosting(std::uint32_t operation, std::uint32_t param
   return answer(-ENOSYS);
 }
 
-/// If openat is called through `tohost`, the arguments contain the length of the name before the flags. Source:
+/// Serves a system call. If openat is called through `tohost`, the arguments contain the length of the name before the
+/// flags. Source:
 /// riscv-isa-sim, fesvr/syscall.cc.
 HostReply HostServices::system_call(std::uint32_t number, std::span<const std::uint32_t> arguments) {
   if (number == SystemCalls::kOpenAt) {
@@ -186,7 +188,8 @@ HostReply HostServices::system_call(std::uint32_t number, std::span<const std::u
   return calls_.serve(number, arguments);
 }
 
-/// Device numbers of riscv-isa-sim, where fesvr/htif.cc registers the console after the system calls.
+/// Executes a command. The device numbers are those of riscv-isa-sim, where fesvr/htif.cc registers the console after
+/// the system calls.
 void HostServices::device_command(unsigned device, unsigned command, std::uint64_t payload) {
   constexpr unsigned kConsoleDevice = 1;
   constexpr unsigned kWriteCharacter = 1;

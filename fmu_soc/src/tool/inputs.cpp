@@ -28,7 +28,8 @@ namespace {
 
 constexpr std::uint64_t kPage = 4096;
 constexpr std::uint64_t kMiB = 1U << 20;
-/// Ranges that are farther apart than this get separate memories. An example are the flash and the RAM of a chip.
+/// Distance above which two address ranges get separate memories. For example, flash and RAM of a chip are farther
+/// apart.
 constexpr std::uint64_t kFar = 64 * kMiB;
 constexpr std::uint64_t kMost = 2048 * kMiB;
 constexpr std::uint64_t kAddressSpace = std::uint64_t{1} << 32;
@@ -85,7 +86,7 @@ BoardDescription board_around(const Elf& program, std::uint64_t heap) {
     ram.name = fmt::format("ram{}", board.memories.empty() ? "" : std::to_string(board.memories.size() + 1));
     ram.base = static_cast<std::uint32_t>(range.begin);
     ram.size = static_cast<std::uint32_t>(std::min(range.end - range.begin, kMost));
-    ram.leaks = false;  // it is not part of a real chip
+    ram.leaks = false;  // the memory is not part of a real chip
     board.memories.push_back(ram);
     total += range.end - range.begin;
   }
@@ -102,7 +103,7 @@ namespace {
   throw Error(fmt::format("--ram {}: {}; give an address and a size, such as 0x80000000:64M", text, why));
 }
 
-/// Reads a number, which may be hexadecimal, with a suffix K, M or G. Returns nullopt for anything else.
+/// Parses a number, which may be hexadecimal, with a suffix K, M or G. Returns nullopt if the text has another form.
 std::optional<std::uint64_t> read_size(std::string_view text) {
   std::uint64_t unit = 1;
   constexpr std::string_view kSuffixes = "KMG";
@@ -142,7 +143,7 @@ void add_ram(BoardDescription& board, const std::string& text) {
   ram.name = fmt::format("ram_0x{:08x}", *base);
   ram.base = static_cast<std::uint32_t>(*base);
   ram.size = static_cast<std::uint32_t>(*size);
-  ram.leaks = false;  // it is not part of a real chip
+  ram.leaks = false;  // the memory is not part of a real chip
   board.memories.push_back(ram);
 }
 
@@ -207,7 +208,7 @@ constexpr std::uint32_t kMostPixels = 1U << 24;
   throw Error(fmt::format("--pictures: {}: {}", path.string(), why));
 }
 
-/// Reads the next number of a PGM's header, after white space and comments.
+/// Reads the next number of a PGM header. Skips white space and comments before it.
 std::uint32_t number_of_head(std::istream& file) {
   file >> std::ws;
   while (file.peek() == '#') {
@@ -220,7 +221,7 @@ std::uint32_t number_of_head(std::istream& file) {
   return number;
 }
 
-/// Reads Netpbm's binary 8-bit greymap.
+/// Reads a picture in Netpbm's binary 8-bit greymap format.
 GreyPicture read_pgm(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   std::string magic(2, '\0');

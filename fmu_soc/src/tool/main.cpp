@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// mebots-soc run PROGRAM.elf [options]: runs a bare-metal program outside any FMU. Exit code: tohost >> 1, or the low 8
-// bits of the value that the firmware passed to EXIT; 101 after a fault or at a limit; 102 for invalid input.
+// Implements mebots-soc run PROGRAM.elf [options], which runs a bare-metal program outside any FMU. Exit code: tohost
+// >> 1, or the low 8 bits of the value that the firmware passed to EXIT; 101 after a fault or at a limit; 102 for
+// invalid input.
 #include "command_line/command.hpp"
 #include "tool/run.hpp"
 
@@ -15,11 +16,12 @@
 
 int main(int argc, char** argv) {
   using namespace mebots::soc::tool;
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that reaches its size limit then gives an error message, like a full disk
+  std::signal(SIGXFSZ, SIG_IGN);  // if a file reaches its size limit, a write fails with an error, as on a full disk
   CLI::App app{"Runs bare-metal RISC-V programs on the simulated chip"};
   app.set_version_flag("--version", "mebots-soc " MEBOTS_VERSION);
   app.require_subcommand(1);
-  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // the printed lines are kept if the run is killed
+  // Each printed line is written at once, so that it is not lost if the run is killed.
+  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
   Options options;
   auto* command = app.add_subcommand("run", "Run a program until it stores to tohost, exits or faults");
   add_options(*command, options);
@@ -33,7 +35,7 @@ int main(int argc, char** argv) {
     app.parse(static_cast<int>(mark - argv), argv);
     if (mark != last) options.arguments.insert(options.arguments.end(), mark + 1, last);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    if (error.get_exit_code() == 0) return app.exit(error);  // the option was --help or --version
     fmt::print(stderr, "mebots-soc: {}. `mebots-soc run --help` lists its options\n", error.what());
     return kBadInput;
   }

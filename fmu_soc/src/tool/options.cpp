@@ -33,7 +33,7 @@ constexpr auto kFooter =
 
 bool same_file(const std::string& a, const std::string& b) {
   std::error_code ignored;
-  if (std::filesystem::is_character_file(a, ignored)) return false;  // several outputs may use /dev/stdout
+  if (std::filesystem::is_character_file(a, ignored)) return false;  // several outputs may be written to /dev/stdout
   return std::filesystem::equivalent(a, b, ignored) || std::filesystem::path(a).lexically_normal() == b;
 }
 

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::string_view kStatus = "status";
 
-/// Returns the index of a variable among the inputs, or among the outputs.
+/// Returns the index of a variable among the inputs or among the outputs of the entry.
 std::size_t place_of(const BoardDevice& entry, std::string_view name, bool is_input) {
   std::size_t place = 0;
   for (const auto& variable : entry.variables) {
@@ -133,8 +133,8 @@ bool DescribedDevice::pass_over(std::uint32_t offset, std::string_view access) {
   return true;
 }
 
-/// Sends the values of the registers `first` to `last` - 1; skips registers that do not send. If one value is invalid,
-/// sends no value.
+/// Sends the values of the registers from `first` to before `last`. Skips registers that do not send. If one of the
+/// values is invalid, sends none of them.
 void DescribedDevice::send(std::size_t first, std::size_t last, Picoseconds now) {
   for (auto i = first; i < last; ++i) {
     if (const auto fault = fault_of(i); !fault.empty()) {

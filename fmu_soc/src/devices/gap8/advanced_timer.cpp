@@ -17,7 +17,8 @@ constexpr std::uint32_t kPwmCommand = 0x00;
 constexpr std::uint32_t kPwmConfig = 0x04;
 constexpr std::uint32_t kPwmLimits = 0x08;
 constexpr std::uint32_t kPwmChannels = 0x0C;
-constexpr std::uint32_t kPwmTables = 0x1C;  // look-up tables of the channels: no effect without input pads
+// Look-up tables of the channels; without effect, because there are no input pads.
+constexpr std::uint32_t kPwmTables = 0x1C;
 constexpr std::uint32_t kPwmCounterValue = 0x2C;
 constexpr std::uint32_t kPwmEventConfig = 0x100;
 constexpr std::uint32_t kPwmEnable = 0x104;
@@ -37,9 +38,9 @@ constexpr unsigned kPwmFirstEvent = 38;
 constexpr unsigned kPwmEventEnableShift = 16;
 constexpr unsigned kPwmEvents = 4;
 
-/// The operations of a channel. A channel performs the first operation at its threshold. A combined operation has a
-/// second part. With a sawtooth counter, the second part is performed at the end of the period. With a counter that
-/// counts up and down, it is performed at the threshold while the counter counts down.
+/// Lists the operations of a channel. The channel performs the first part of an operation at its threshold. A combined
+/// operation has a second part. If the counter is a sawtooth, the second part is performed at the end of the period. If
+/// the counter counts up and down, it is performed at the threshold during the count down.
 enum PwmOperation : std::uint32_t {
   kPwmSet,
   kPwmToggleClear,
@@ -53,7 +54,7 @@ enum PwmOperation : std::uint32_t {
 std::uint64_t low_limit(std::uint32_t limits) {
   return limits & 0xffffU;
 }
-/// Returns the ticks from the low limit to the high limit.
+/// Returns the number of ticks from the low limit to the high limit.
 std::uint64_t ticks_up_of(std::uint32_t limits) {
   const std::uint64_t high = limits >> 16;
   return high > low_limit(limits) ? high - low_limit(limits) : 0;
@@ -96,7 +97,7 @@ std::optional<AdvancedTimer::RisingEdges> AdvancedTimer::rising_edges(const Sett
     case kPwmToggleClear:
     case kPwmSetClear:
       return RisingEdges{there, whole};
-    case kPwmToggle:  // falls at the next threshold
+    case kPwmToggle:  // a toggled output falls at the next threshold
       return RisingEdges{there, is_saw ? 2 * whole : whole};
     case kPwmToggleSet:
     case kPwmClearSet:
@@ -134,8 +135,8 @@ Picoseconds AdvancedTimer::time_of(const Counter& counter, std::uint64_t ticks) 
   return counter.since + static_cast<Picoseconds>(std::ceil(missing * kPsPerS / tick_hz(counter)));
 }
 
-/// Updates the ticks of a counter to `now`, before its rate changes or when it starts. The elapsed part of a tick is
-/// kept.
+/// Counts the ticks of a counter up to `now`. Must be called before its rate changes and when it starts. The elapsed
+/// part of a tick is kept.
 void AdvancedTimer::settle(std::size_t timer, Picoseconds now) {
   auto& counter = counters_[timer];
   if (counts(timer)) {
@@ -173,7 +174,7 @@ bool AdvancedTimer::store(std::uint32_t offset, Picoseconds now, std::uint32_t v
   }
   if (offset == kPwmEventConfig) {
     events_ = value;
-    // Rising edges up to now raise no event, because the configuration of the events has just changed.
+    // Rising edges up to now raise no event, because the configuration of the events has changed only now.
     for (std::size_t i = 0; i < kTimers; ++i) counters_[i].raised = std::max(counters_[i].raised, ticks_at(i, now));
     return true;
   }
@@ -221,8 +222,8 @@ std::optional<std::size_t> AdvancedTimer::chosen(unsigned event) const {
   return events_ >> 4 * event & 0xfU;
 }
 
-/// Returns the next rising edge of the output that is selected for this event, in ticks of the counter. Edges that have
-/// already raised the event do not count.
+/// Returns the tick of the next rising edge of the output that is selected for this event. Excludes edges that have
+/// already raised the event.
 std::optional<std::uint64_t> AdvancedTimer::next_rising_edge(unsigned event) const {
   const auto channel = chosen(event);
   if (!channel || !counts(*channel / kChannelsOfTimer)) return std::nullopt;

@@ -12,10 +12,10 @@ namespace {
 
 namespace reg = event_unit_reg;
 
-/// Used in place of a core's number for an access through the peripheral bus.
+/// Core number of an access through the peripheral bus.
 constexpr unsigned kNoCore = kMostClusterCores;
 
-/// Additional cycles of an event load if its result is available. Such a load takes 4 cycles in all. Source: CV32E40P
+/// Additional cycles of an event load whose result is available. Such a load takes 4 cycles in total. Source: CV32E40P
 /// user manual.
 constexpr std::uint32_t kEventLoadExtra = 3;
 
@@ -84,7 +84,7 @@ BusReply ClusterEventUnit::core_register(Core& core, std::uint32_t offset, const
     case reg::kSoftwareTargetsAnd:
     case reg::kSoftwareTargetsOr:
       return mask_register(core.software_targets, offset - reg::kSoftwareTargets, stored);
-    case reg::kStatus:  // 1: its clock runs
+    case reg::kStatus:  // 1: the clock of the core runs
       return load_only(core.waits_for == Wait::nothing ? 1 : 0, stored);
     case reg::kBuffer:
       return load_only(core.buffer, stored);
@@ -119,7 +119,7 @@ BusReply ClusterEventUnit::wait(Core& core, Wait what, bool clear, bool event) {
 }
 
 /// Accesses a register of the software events. There are three blocks of registers, each with one word per event. The
-/// first block raises an event. The second block raises it and waits. The third block raises it, waits, and clears the
+/// first block raises the event. The second block raises it and waits. The third block raises it, waits, and clears the
 /// events that ended the wait.
 BusReply ClusterEventUnit::software_event(unsigned core, std::uint32_t offset, const std::uint32_t* stored,
                                           bool event) {
@@ -186,8 +186,8 @@ void ClusterEventUnit::open_if_complete(Barrier& barrier) {
   raise(barrier.targets, kBarrierEvent);
 }
 
-/// A load locks the mutex. A store unlocks it and passes a message to the next owner, which is the waiting core with
-/// the lowest number.
+/// Accesses the mutex. A load locks it. A store unlocks it and passes a message to the next owner, which is the waiting
+/// core with the lowest number.
 BusReply ClusterEventUnit::mutex(unsigned core, const std::uint32_t* stored, bool event) {
   if (stored != nullptr) {
     mutex_message_ = *stored;
@@ -252,7 +252,8 @@ void ClusterEventUnit::raise(std::uint32_t cores, unsigned event) {
   }
 }
 
-/// Updates a core after its masks or its buffer changed.
+/// Must be called after the masks or the buffer of a core have changed. Records
+/// that the core wakes, if an event ends its wait, and that its interrupt lines may have changed.
 void ClusterEventUnit::update(unsigned core) {
   const auto& self = of_[core];
   if (self.waits_for != Wait::nothing && (self.buffer & self.event_mask) != 0) woken_ |= 1U << core;

@@ -11,7 +11,7 @@ namespace mebots::soc::gap8_devices {
 namespace {
 
 constexpr std::uint32_t kSpan = 0x5000;
-/// Distance from the cluster's registers to their alias for a core of the cluster.
+/// Distance from the cluster's registers to the address range in which a cluster core also sees them.
 constexpr std::uint32_t kAlias = 0x1000'0000;
 
 /// Distance from a word of L1 to its test-and-set address.
@@ -60,7 +60,7 @@ bool ClusterPeripherals::is_test_and_set(std::uint32_t address) const {
   return offset < l1_.size || offset + kAlias < l1_.size;
 }
 
-/// A store to a test-and-set address is an ordinary store.
+/// Serves an access to a test-and-set address. A store to such an address is an ordinary store.
 BusReply ClusterPeripherals::test_and_set(std::uint32_t address, const std::uint32_t* stored) {
   const auto offset = address - (l1_.base + kTestAndSet);
   const auto place = l1_.base + (offset < l1_.size ? offset : offset + kAlias);
@@ -90,7 +90,8 @@ BusReply ClusterPeripherals::access_at(std::uint32_t offset, const ClusterAccess
   } else if (offset >= kEventUnit && offset < kEventUnit + kEventUnitBytes) {
     reply = events_.shared(offset - kEventUnit, access.stored);
   } else if (offset >= kCacheControl && offset < kCacheControl + kCacheControlBytes) {
-    // The modelled cache is always enabled and always agrees with memory. Therefore its commands have no effect.
+    // The modelled cache is always enabled and always contains the same bytes as memory. Therefore its commands have no
+    // effect.
     reply = BusReply::done(0);
   } else if (offset >= kDma && offset < kDma + kDmaBytes) {
     return mchan_.access(access.who, offset - kDma, access.stored, access.tick);
@@ -137,7 +138,7 @@ BusReply ClusterPeripherals::timer(std::uint32_t offset, const ClusterAccess& ac
   return timer_.store(offset, access.tick, *access.stored) ? BusReply::done() : BusReply{};
 }
 
-/// Handles an access to registers that are not modelled. The reply of silicon is not known.
+/// Replies to an access to registers that are not modelled, and reports it once. The reply of silicon is not known.
 BusReply ClusterPeripherals::pass_over(std::uint32_t offset, const ClusterAccess& access) {
   warn_once(offset, access, "this register, or this kind of access to it, is not modelled; it reads 0");
   return BusReply::done();

@@ -31,7 +31,7 @@ bool EventUnit::load(std::uint32_t offset, std::uint32_t& value) {
     case reg::kMaskIrq:
       value = interrupt_mask_;
       return true;
-    case reg::kStatus:  // 1: the core's clock runs, which is always the case during an access
+    case reg::kStatus:  // 1: the clock of the core runs, which is always true during an access
       value = 1;
       return true;
     case reg::kBuffer:
@@ -83,7 +83,7 @@ bool EventUnit::store(std::uint32_t offset, std::uint32_t value) {
   }
   const auto word = (offset - reg::kTriggerSoftwareEvent) / 4;
   if (offset < reg::kTriggerSoftwareEvent || word >= reg::kSoftwareEvents) return false;
-  raise(word);  // the value selects cores, and the fabric controller is the only one
+  raise(word);  // the value selects cores, and the fabric controller is the only core
   return true;
 }
 

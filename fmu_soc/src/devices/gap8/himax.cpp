@@ -31,7 +31,7 @@ constexpr std::uint32_t kMirrored = 1;
 constexpr std::uint32_t kUpsideDown = 2;
 
 constexpr std::int64_t kPixelClockHz = 6'000'000;
-/// After reset: 45 frames a second of the largest format. Source: data sheet, as quoted in the drivers.
+/// Values after reset: 45 frames per second of the largest format. Source: data sheet, as quoted in the drivers.
 constexpr std::uint32_t kResetFrameLines = 0x0158;
 constexpr std::uint32_t kResetLineClocks = 0x0178;
 constexpr std::uint32_t kModel = 0x01B0;

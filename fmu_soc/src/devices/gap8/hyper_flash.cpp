@@ -10,7 +10,7 @@
 namespace mebots::soc::gap8_devices {
 namespace {
 
-/// Byte addresses of commands.
+/// Byte addresses to which the words of a command are written.
 constexpr std::uint32_t kFlashFirst = 0x555 << 1;
 constexpr std::uint32_t kFlashSecond = 0x2AA << 1;
 
@@ -23,7 +23,7 @@ constexpr std::uint32_t kFlashEraseSector = 0x30;
 constexpr std::uint32_t kFlashShowStatus = 0x70;
 constexpr std::uint32_t kFlashReset = 0xF0;
 
-constexpr std::uint8_t kFlashReady = 0x80;  // bit 7 of the status
+constexpr std::uint8_t kFlashReady = 0x80;  // bit 7 of the status word
 constexpr std::uint8_t kFlashErased = 0xff;
 
 }  // namespace

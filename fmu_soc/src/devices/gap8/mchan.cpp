@@ -23,7 +23,7 @@ constexpr std::size_t kMostWords = 4;
 constexpr std::uint32_t kRowMask = 0x7fff;
 constexpr unsigned kStrideShift = 16;
 
-/// The tag of a transfer contains the transfer's number of bytes, flags and counter.
+/// A tag contains the number of bytes, the flags and the counter of a transfer.
 constexpr std::uint32_t kTagFlags = kRaisesEvent | kRaisesInterrupt | kRaisesForAll;
 constexpr unsigned kTagCounterShift = 24;
 
@@ -70,7 +70,7 @@ bool Mchan::push(unsigned who, std::uint32_t word, std::uint64_t tick) {
 bool Mchan::start(unsigned who, Draft& draft, std::uint64_t tick) {
   const auto flags = draft.words[0];
   const auto size = flags & kSizeMask;
-  if ((flags & kIncrements) == 0) return false;  // a constant address is not supported
+  if ((flags & kIncrements) == 0) return false;  // transfers to a constant address are not supported
   Command command;
   command.who = who;
   command.out = (flags & kToL1) == 0;
@@ -98,7 +98,8 @@ Mchan::Ended Mchan::ended(std::uint32_t tag, std::uint64_t tick) {
   if (!waiting_.empty()) {
     const auto next = waiting_.front();
     waiting_.erase(waiting_.begin());
-    dma_.enqueue(next.who, next.what, next.out, tick);  // cannot fail: it was checked, and a transfer has just ended
+    // Cannot fail: the command was checked before, and a transfer has just ended.
+    dma_.enqueue(next.who, next.what, next.out, tick);
   }
   if (bytes_to_come_[counter] != 0) return {};
   return {(tag & kRaisesEvent) != 0, (tag & kRaisesInterrupt) != 0, (tag & kRaisesForAll) != 0};

@@ -42,14 +42,15 @@ enum RtcNumber : std::uint32_t {
 };
 constexpr std::uint32_t kSoftReset = 1U << 8;
 constexpr std::uint32_t kRtcOff = 1U << 0;      // switches calendar, alarm and countdown off
-constexpr std::uint32_t kRtcRepeats = 1U << 4;  // of alarm and countdown
+constexpr std::uint32_t kRtcRepeats = 1U << 4;  // repeats alarm or countdown
 constexpr std::uint32_t kAlarmFlag = 1U << 0;
 constexpr std::uint32_t kCountdownFlag = 1U << 4;
 
-/// Values after reset.
+/// Values of the registers after reset.
 constexpr std::uint32_t kDividerAtReset = 0x8000;
 constexpr std::uint32_t kAlarmAtReset = 0x00660003;
-constexpr std::uint32_t kDateAtReset = 0x00000101;  // 1 January 2000 is our choice; in GVSoC it depends on the board
+// 1 January 2000, our choice; in GVSoC, the date depends on the board.
+constexpr std::uint32_t kDateAtReset = 0x00000101;
 
 /// Returns the number in the two BCD digits that start at bit `from`.
 std::uint32_t digits(std::uint32_t word, unsigned from) {
@@ -187,7 +188,7 @@ void Rtc::keep(std::uint32_t number, Picoseconds now) {
   } else if (number == kCountdownInit) {
     countdown_ = countdown_init_;
   } else if (number == kDivider) {
-    divider_ &= 0xffffU;  // applied at the next restart
+    divider_ &= 0xffffU;  // the divider is used at the next restart
   } else if (number == kRtcIrqMask && (flags_ & ~mask_) != 0) {
     signals_.raise_soc_event(kRtcEvent, now);
   }
@@ -254,8 +255,8 @@ void Rtc::move_calendar() {
   date_ = as_digits(day, 0) | as_digits(month, 8) | as_digits(year, 16);
 }
 
-/// A single alarm needs equal date and time. A repeating alarm compares as many fields as configured, from 4 (seconds)
-/// to 8 (all fields up to the month).
+/// Returns true if the alarm time is reached. A single alarm compares date and time. A repeating alarm compares the
+/// configured number of fields, from 4 (seconds) to 8 (all fields up to the month).
 bool Rtc::alarm_is_now() const {
   if ((alarm_control_ & kRtcRepeats) == 0) return time_ == alarm_time_ && date_ == alarm_date_;
   const auto fields = (alarm_control_ >> 16 & 0xfU);

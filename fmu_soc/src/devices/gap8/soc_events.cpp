@@ -37,7 +37,8 @@ bool SocEvents::store(std::uint32_t offset, Picoseconds now, std::uint32_t value
   const auto index = (offset - kFirstMask) / 4;
   if (index >= kMasks) return false;
   masks_[index] = value;
-  edges_ = reference_edges(now);  // a masked edge raises no event later
+  // An edge that occurred while its event was masked raises no event later.
+  edges_ = reference_edges(now);
   return true;
 }
 

@@ -7,8 +7,9 @@
 namespace mebots::soc::gap8_devices {
 namespace {
 
-/// Character output of PULP chips in simulators: a byte or word stored anywhere in its range is a character. Silicon
-/// has no such device. Programs of GAP8's first SDK can be configured to use it. Source: archi/stdout.
+/// Models the character output that PULP chips have in simulators. A byte or word that is stored anywhere in its range
+/// is a character. Silicon has no such device. Programs of GAP8's first SDK can be configured to use it. Source:
+/// archi/stdout.
 class Stdout final : public Device {
  public:
   explicit Stdout(DeviceHost& host) : line_(host) {}

@@ -21,7 +21,7 @@ constexpr std::uint32_t kOneShot = 1U << 5;
 constexpr std::uint32_t kPrescaler = 1U << 6;
 constexpr std::uint32_t kPair = 1U << 31;
 
-// Registers come in pairs: one of the low counter, one of the high counter.
+// Each register exists twice: first for the low counter, then for the high counter.
 constexpr unsigned kConfig = 0;
 constexpr unsigned kCount = 1;
 constexpr unsigned kCompare = 2;
@@ -59,13 +59,13 @@ void TimerCounters::count_one(Counter& counter, std::int64_t now) {
 void TimerCounters::count(std::int64_t now) {
   count_one(counters_[0], now);
   if (is_pair()) {
-    counters_[1].since = now;  // it counts alone from now on
+    counters_[1].since = now;  // the high counter counts alone from now on
   } else {
     count_one(counters_[1], now);
   }
 }
 
-/// Applies the configured effects of a counter that has reached its compare value.
+/// Applies the effects that are configured for a counter that has reached its compare value.
 void TimerCounters::compare(unsigned index) {
   auto& counter = counters_[index];
   if ((counter.config & kEnable) == 0 || counter.met || counter.value != target_of(index)) return;
@@ -90,8 +90,8 @@ void TimerCounters::configure(unsigned index, std::uint32_t config) {
   }
 }
 
-/// Switches between one 64-bit counter (a pair) and two counters. Each register keeps its count: the high counter's
-/// register is the upper half of a pair's count.
+/// Switches between one 64-bit counter (a pair) and two counters. Each register keeps its value: the register of the
+/// high counter is the upper half of the pair's count.
 void TimerCounters::pair_or_split() {
   auto& low = counters_[0];
   auto& high = counters_[1];
@@ -128,7 +128,7 @@ bool TimerCounters::store(std::uint32_t offset, std::int64_t now, std::uint32_t 
   count(now);
   const auto index = offset / 4 % 2;
   auto& counter = counters_[index];
-  // In a pair, the low counter holds the 64-bit value and the match.
+  // In a pair, the low counter stores the 64-bit value and the match.
   const auto owner = is_pair() ? 0U : index;
   if (offset >= kSpan) return false;
   switch (offset / 8) {
@@ -185,7 +185,7 @@ std::int64_t TimerCounters::next_event() const {
 
 namespace {
 
-/// Upper limit of counts. A larger number of counts takes longer than any mission.
+/// Upper limit of a number of counts. More counts take longer than any mission.
 constexpr std::uint64_t kFarCounts = std::uint64_t{1} << 48;
 
 }  // namespace
@@ -220,7 +220,7 @@ Picoseconds Timer::time_of(std::uint32_t config, Picoseconds since, std::uint64_
 
 namespace {
 
-/// Upper limit of ticks. No mission has more ticks.
+/// Upper limit of a number of ticks. No mission has more ticks.
 constexpr std::int64_t kFarTicks = std::int64_t{1} << 56;
 
 }  // namespace

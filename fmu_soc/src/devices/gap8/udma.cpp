@@ -20,7 +20,8 @@ namespace {
 
 enum class Behind : std::uint8_t { hyper_bus, uart, i2c0, i2c1, spim0, spim1, camera };
 
-/// Offset of a channel's registers (address, size and configuration), its queue, which may be shared, and its event.
+/// Describes a channel: the offset of its registers (address, size and configuration), its queue, which channels may
+/// share, and its event.
 struct ChannelRow {
   std::uint32_t offset;
   Behind behind;
@@ -56,11 +57,12 @@ constexpr std::uint32_t kChannelAddress = 0x0;
 constexpr std::uint32_t kChannelSize = 0x4;
 constexpr std::uint32_t kChannelConfig = 0x8;
 constexpr std::uint32_t kChannelBytes = 0xC;
-constexpr std::uint32_t kRun = 1U << 4;     // written: start; read: a transfer runs
-constexpr std::uint32_t kQueued = 1U << 5;  // written: clear; read: another transfer is queued
-constexpr std::size_t kMostInQueue = 2;     // per channel, with the one that runs
+constexpr std::uint32_t kRun = 1U << 4;     // store: starts a transfer; load: a transfer runs
+constexpr std::uint32_t kQueued = 1U << 5;  // store: clears the queue; load: another transfer is queued
+constexpr std::size_t kMostInQueue = 2;     // transfers of a channel, including the one that runs
 
-/// Returns the channel with this register; kChannelRows.size() if there is none.
+/// Returns the channel to which the register at this offset belongs. If it belongs to no channel, returns
+/// kChannelRows.size().
 std::size_t channel_at(std::uint32_t offset) {
   const auto* const found = std::ranges::find_if(
       kChannelRows, [&](const ChannelRow& row) { return offset >= row.offset && offset - row.offset < kChannelBytes; });
@@ -146,7 +148,7 @@ bool Udma::store(std::uint32_t offset, Picoseconds now, std::uint32_t value) {
   return true;
 }
 
-/// Cancels the channel's transfers. If a cancelled transfer was running, the next transfer of the queue starts now.
+/// Cancels the channel's transfers. If one of them was running, the next transfer in the queue starts now.
 void Udma::clear(std::size_t channel, Picoseconds now) {
   auto& queue = queues_[kChannelRows[channel].line];
   const bool runs = !queue.empty() && queue.front().channel == channel;
@@ -168,7 +170,7 @@ void Udma::enqueue(std::size_t channel, Picoseconds now) {
   if (queue.size() == 1) queue.front().done_at = peripheral(channel).end_time(queue.front(), now);
 }
 
-/// Checks again whether waiting transfers can end. Called after an event that may end such a wait.
+/// Checks again whether waiting transfers can end. Must be called after an event that may end such a wait.
 void Udma::retry_waiting_transfers(Picoseconds now) {
   for (auto& queue : queues_) {
     if (queue.empty() || queue.front().done_at != kNever) continue;
@@ -212,7 +214,7 @@ const double* Udma::output(std::string_view variable) const {
   return camera_.output(variable);
 }
 
-/// Loads the image that the parameter names, once.
+/// Loads the image that the parameter flash.image names into the flash.
 void Udma::load_flash() {
   const auto refuse = [this](std::string_view why) {
     throw Error(fmt::format("flash.image = \"{}\": {}", flash_path_, why));

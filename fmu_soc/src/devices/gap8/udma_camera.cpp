@@ -94,7 +94,7 @@ void UdmaCamera::expose(Picoseconds now) {
   }
   const auto picture = roll_.picture(static_cast<std::size_t>(requests_) - 1);
   if (picture.empty()) {
-    waits_ = true;  // no picture will arrive; only the end of the run ends this wait
+    waits_ = true;  // no picture will arrive; the wait lasts until the end of the run
   } else {
     take(picture, now);
   }
@@ -123,7 +123,7 @@ void UdmaCamera::registers_changed(std::uint32_t offset, Picoseconds /*now*/) {
   }
 }
 
-/// Returns a pair of bytes after conversion by the interface.
+/// Converts a pair of bytes as the interface does, and returns the result.
 std::uint32_t UdmaCamera::converted(std::uint32_t first, std::uint32_t second) const {
   const auto format = interface_.global >> kFormatShift & 7U;
   const auto word = first << 8 | second;
@@ -164,7 +164,7 @@ void UdmaCamera::convert() {
 }
 
 void UdmaCamera::end(const UdmaTransfer& transfer) {
-  require_rows(picture_.size());  // checked again: it may belong to another frame
+  require_rows(picture_.size());  // checked again, because the picture may belong to another frame
   format_.read_out(picture_, pixels_);
   convert();
   const PictureTimes times{requested_at_, light_at_, frame_at_, transfer.done_at};
@@ -183,8 +183,8 @@ void UdmaCamera::cancel(const UdmaTransfer& /*transfer*/, Picoseconds /*now*/) {
   forget();
 }
 
-/// Drops the frame. Pictures of the picture roll do not belong to a time. If the dropped frame already had a picture of
-/// the roll, the next frame gets that picture.
+/// Discards the frame in progress. If it already had a picture of the picture roll, the next frame receives that
+/// picture, because pictures of the roll do not belong to a time.
 void UdmaCamera::lose_frame() {
   frame_at_ = kNever;
   if (roll_.exists()) return;
@@ -231,8 +231,8 @@ void UdmaCamera::begin_step(Picoseconds now) {
   take(picture, now);
 }
 
-/// Checks the parameters before the first picture. The later check of the number of bytes does not find every wrong
-/// size: 648 x 162 pixels have as many bytes as 324 x 324.
+/// Checks the parameters before the first picture arrives. The later check of the number of bytes does not detect every
+/// wrong size: 648 x 162 pixels have as many bytes as 324 x 324.
 void UdmaCamera::require_parameters() const {
   if (frame_width_ == Himax::kWidth && (frame_height_ == 0 || frame_height_ >= Himax::kWindowHeight)) return;
   throw Error(

@@ -16,7 +16,7 @@ constexpr std::uint8_t kI2cRepeat = 0xC0;
 constexpr std::uint8_t kI2cDivider = 0xE0;
 constexpr std::uint8_t kCommandMask = 0xF0;
 constexpr std::uint8_t kPulledUp = 0xff;
-constexpr double kBitsPerByte = 9;  // with the acknowledge bit
+constexpr double kBitsPerByte = 9;  // including the acknowledge bit
 constexpr double kClocksPerDivider = 2;
 
 }  // namespace

@@ -9,7 +9,7 @@
 namespace mebots::soc::gap8_devices {
 namespace {
 
-/// Commands: the upper four bits of a word.
+/// Commands, which are in the upper four bits of a word.
 constexpr std::uint32_t kSpimConfig = 0;
 constexpr std::uint32_t kSpimSelect = 1;
 constexpr std::uint32_t kSpimSendCommand = 2;
@@ -108,7 +108,7 @@ double UdmaSpim::obey(Master& master, bool acts, Picoseconds now) {
   return clocks;
 }
 
-/// Publishes the data of a transaction at its end.
+/// Publishes the data of a transaction that has ended.
 void UdmaSpim::publish_transaction(Picoseconds now) {
   if (data_.empty()) return;
   transactions_ += 1;

@@ -8,7 +8,7 @@ constexpr std::uint32_t kUartStatus = 0x220;
 constexpr std::uint32_t kUartSetup = 0x224;
 constexpr std::uint32_t kUartBusy = 1;
 
-/// Returns the clocks of the SoC for a byte: start bit, five to eight bits, parity, one or two stop bits.
+/// Returns the number of SoC clocks that a byte takes: start bit, five to eight bits, parity, one or two stop bits.
 double clocks_per_byte(std::uint32_t setup) {
   const auto bits = 1 + 5 + (setup >> 1 & 3U) + (setup & 1U) + 1 + (setup >> 3 & 1U);
   return static_cast<double>(bits) * ((setup >> 16) + 1.0);

@@ -15,7 +15,8 @@ namespace mebots::soc {
 namespace {
 
 /// Returns the pressure of the standard atmosphere below 11 km [Pa]: 101325 (1 - 0.0065 h / 288.15)^5.25588 (ISO 2533).
-/// The binomial series needs no function of the host's mathematical library, so that the bits are the same everywhere.
+/// It is computed by the binomial series, without the host's mathematical library, so that the bits are the same
+/// everywhere.
 double standard_pressure_pa(double altitude_m) {
   constexpr double kExponent = 5.25588;
   const double x = -0.0065 * altitude_m / 288.15;
@@ -28,7 +29,7 @@ double standard_pressure_pa(double altitude_m) {
   return 101325.0 * sum;
 }
 
-/// Returns a number with mean 0 and variance 1: the sum of twelve uniform numbers less 6.
+/// Returns a random number with mean 0 and variance 1: the sum of twelve uniform numbers minus 6.
 double normal(std::uint64_t seed, std::uint64_t index) {
   constexpr unsigned kNumbers = 12;
   auto state = random_state(seed, index, kNumbers);
@@ -37,8 +38,8 @@ double normal(std::uint64_t seed, std::uint64_t index) {
   return sum;
 }
 
-/// Returns the time of a measurement: the delay of state `active`. Throws Error if the delay is too short. Without a
-/// delay, the barometer would measure without end at one moment.
+/// Returns the time that a measurement takes, which is the delay of the state `active`. Throws Error if the delay is
+/// too short, because the barometer would then measure endlessly at one moment.
 Picoseconds measurement_time(const BoardDevice& entry) {
   constexpr double kLeastS = 1e-6;
   const auto delay_s = entry.state("active").delay_s;
@@ -50,7 +51,7 @@ Picoseconds measurement_time(const BoardDevice& entry) {
                   entry.name, delay_s, kLeastS));
 }
 
-/// Barometer that measures without pause while it is on; a measurement takes the delay of state `active`.
+/// Models a barometer that measures without pause while it is on. A measurement takes the delay of the state `active`.
 class Barometer final : public Device {
  public:
   Barometer(const BoardDevice& entry, ChipHost& /*host*/)
@@ -122,7 +123,7 @@ class Barometer final : public Device {
   double seed_ = 0;
   std::uint32_t status_ = 0;
   std::uint32_t pressure_ = 0;
-  std::uint64_t count_ = 0;  // measurements since reset
+  std::uint64_t count_ = 0;  // number of measurements since reset
   Picoseconds next_ = kNever;
 };
 

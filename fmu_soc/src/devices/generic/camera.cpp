@@ -16,7 +16,7 @@
 namespace mebots::soc {
 namespace {
 
-/// The exposure of an HM01B0 must be at least this many lines shorter than its frame. Source: its data sheet, as used
+/// Number of lines by which the exposure of an HM01B0 must be shorter than its frame. Source: its data sheet, as used
 /// in nanocockpit's driver (himax.c).
 constexpr double kBlankLines = 2;
 
@@ -97,7 +97,7 @@ void Camera::offer(std::span<const std::uint8_t> picture, Picoseconds now) {
 }
 
 /// Computes the times of exposure and read-out from numbers of lines. Two read-outs start at least `frame_lines_` lines
-/// apart, even if the firmware requests pictures faster.
+/// apart, even if the firmware requests pictures more often.
 void Camera::time_lines(Picoseconds now) {
   const auto rows = frame_width_ > 0 ? static_cast<double>(picture_.size()) / frame_width_ : 0;
   if (rows > frame_lines_ || exposure_lines_ > frame_lines_ - kBlankLines) {

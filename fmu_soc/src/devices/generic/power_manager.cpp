@@ -36,7 +36,7 @@ bool PowerManager::load(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t
   }
 }
 
-/// Changes a setting. If a limit would be exceeded afterwards, changes nothing.
+/// Changes a setting. If the new settings would exceed a limit, changes nothing and sets the refused bit.
 void PowerManager::change(std::uint32_t PowerSettings::*what, std::uint32_t value) {
   auto wanted = settings_;
   wanted.*what = value;

@@ -14,8 +14,9 @@
 namespace mebots::soc {
 namespace {
 
-/// Timer with four PWM outputs. PERIOD and DUTY are buffered: a period that has begun keeps its values, and the next
-/// period uses the values that were stored last. The device has an event only while stored values wait for a period.
+/// Models a timer with four PWM outputs. PERIOD and DUTY are buffered: a period that has begun keeps its values, and
+/// the next period uses the values that were stored last. The device has an event only while stored values wait for a
+/// period.
 class Pwm final : public Device {
  public:
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
@@ -47,16 +48,17 @@ class Pwm final : public Device {
   void switch_off();
   void take(Picoseconds now);
   void plan(Picoseconds now);
-  /// Returns the stored value of a DUTY register; null if there is no such register.
+  /// Returns the stored value of the DUTY register at this offset, or null if there is no such register.
   std::uint32_t* duty_at(std::uint32_t offset);
 
   bool on_ = false;
   std::uint32_t status_ = 0;
   std::uint32_t stored_period_ = 256;
   std::array<std::uint32_t, kOutputs> stored_duty_{};
-  std::uint32_t period_ = 256;        // of the present period
-  Picoseconds period_since_ = 0;      // start of a period; all later ones have the same length
-  Picoseconds next_period_ = kNever;  // start of the period that takes the stored values; kNever if it has them
+  std::uint32_t period_ = 256;    // length of the present period
+  Picoseconds period_since_ = 0;  // start of a period that has the present length, as all later ones
+  // Start of the period that uses the stored values; kNever if the present period already uses them.
+  Picoseconds next_period_ = kNever;
   std::array<double, kOutputs> command_{};
 };
 

@@ -12,11 +12,11 @@
 namespace mebots::soc {
 namespace {
 
-/// A voltage regulator for the chip and parts of the board. The energy of the regulator is the energy at its input: the
+/// Models a voltage regulator that supplies the chip and parts of the board. Its energy is the energy at its input: the
 /// energy of its loads divided by its efficiency.
 class Regulator final : public Device {
  public:
-  /// Returns the energy of a load up to a time [J].
+  /// Returns the energy that a load has used up to `now` [J].
   using LoadEnergy = std::function<double(std::string_view load, Picoseconds now)>;
 
   Regulator(const BoardDevice& entry, LoadEnergy load_energy);
