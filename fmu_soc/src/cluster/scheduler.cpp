@@ -198,8 +198,8 @@ void ClusterScheduler::queue_cores(std::uint64_t end) {
   if (!queue_.empty()) queue_.back()->hart().set_next(nullptr);
 }
 
-/// Changes the queue of the last quantum into the queue of the next quantum. If the core that was first must now be
-/// last, moves this core to the end.
+/// Changes the queue of the last quantum into the queue of the next quantum: moves the core that was first to the end,
+/// if it is in the queue.
 void ClusterScheduler::rotate_queue() {
   const auto before = (first_core_ == 0 ? cores() : first_core_) - 1;
   if (queue_.front()->id() != before) return;  // a sleeping core is not in the queue

@@ -258,7 +258,7 @@ class LineProgram {
 
  private:
   enum class Event { none, row, end };
-  static constexpr unsigned kNamedOpcodes = 12;  // opcodes with a meaning in this reader
+  static constexpr unsigned kNamedOpcodes = 12;  // number of opcodes that this reader interprets, including 0
 
   Event next() {
     const auto opcode = cursor_.number(1);
@@ -321,9 +321,9 @@ class LineProgram {
   std::int32_t line_base_ = 0;
   std::uint32_t line_range_ = 0;
   std::uint32_t opcode_base_ = 0;
-  std::vector<std::uint8_t> operands_;  // number of operands of the standard opcodes, from 1
+  std::vector<std::uint8_t> operands_;  // number of operands of each standard opcode, starting with opcode 1
   FileTable files_;
-  Row first_;  // of each sequence
+  Row first_;  // first row of each sequence
   Row row_;
   bool good_ = false;
 };
@@ -336,15 +336,16 @@ std::string SourceLine::text() const {
 
 namespace {
 
-/// Calls `use` with the line number program of each unit, until it returns true.
+/// Calls `use` with the line number program of each unit, until `use` returns true.
 template <typename Use>
 void for_each_unit(const LineSections& sections, Use use) {
   Cursor units(sections.line);
   while (units.more()) {
-    Cursor unit(units.take(units.number(4)));  // 0xffffffff, the mark of the 64-bit format, is longer than any section
+    // The mark of the 64-bit format, 0xffffffff, exceeds the size of any section.
+    Cursor unit(units.take(units.number(4)));
     const auto version = unit.number(2);
     if (version < 2 || version > 5) continue;
-    if (version == 5) unit.take(2);  // sizes of address and segment selector
+    if (version == 5) unit.take(2);  // skips the sizes of address and segment selector
     LineProgram program(unit.rest(), version, sections);
     if (use(program)) return;
   }
@@ -364,9 +365,9 @@ std::optional<SourceLine> find_line(const LineSections& sections, std::uint32_t 
   return found;
 }
 
-/// In optimised code, the next row often has the same address and no statement. The range of the statement is then
-/// empty. The list contains such an empty range, because the instruction at its address runs each time the statement
-/// begins.
+/// Returns the range of each statement. In optimised code, the next row often has the same address and no statement, so
+/// that the range of the statement is empty. The list contains this empty range, because the instruction at its address
+/// is executed each time the statement begins.
 std::vector<LineRange> all_lines(const LineSections& sections) {
   std::vector<LineRange> ranges;
   for_each_unit(sections, [&](LineProgram& program) {

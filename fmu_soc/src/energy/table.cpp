@@ -18,7 +18,7 @@ struct Point {
   data::Node node;
 };
 
-/// JSON requires text as keys, so numbers are written as text.
+/// Returns the number that the key of a member contains. JSON only allows texts as keys.
 double number_of(const data::Member& member) {
   std::size_t used = 0;
   double value = 0;
@@ -33,8 +33,7 @@ double number_of(const data::Member& member) {
   return value;
 }
 
-/// Returns the points of an axis with their nodes, sorted by the values of the points. The axis must have at least one
-/// point.
+/// Returns the points of an axis together with their nodes, sorted by value. Reports an axis without points.
 std::vector<Point> sorted_points(const data::Node& node) {
   std::vector<Point> points;
   for (const auto& member : node.members()) {
@@ -50,7 +49,7 @@ std::vector<Point> sorted_points(const data::Node& node) {
   return points;
 }
 
-/// Calls take(where, node) for each point of an axis. Records errors that `take` throws.
+/// Calls take(where, node) for each point of an axis. Reports errors that `take` throws as mistakes at the node.
 template <typename Take>
 void for_each_point(const data::Node& axis, const Take& take) {
   for (const auto& point : sorted_points(axis)) {
@@ -58,7 +57,7 @@ void for_each_point(const data::Node& axis, const Take& take) {
   }
 }
 
-/// Interpolates at `where` on an axis; `figure_at(index)` returns the value at a point.
+/// Interpolates at `where` on an axis. `figure_at(index)` must return the value at a point of the axis.
 template <typename FigureAt>
 double between(const std::vector<double>& axis, double where, const std::string& table, std::string_view what,
                const FigureAt& figure_at) {

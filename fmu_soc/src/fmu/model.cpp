@@ -21,7 +21,7 @@ namespace {
 constexpr double kPicosecond = 1e-12;
 constexpr double kNanosecond = 1e-9;
 
-/// The power outputs in the order of Part.
+/// The FMU's outputs of power, in the order of Part.
 constexpr std::array<double Outputs::*, kParts> kPartPowers{
     &Outputs::power_fabric_controller_w,
     &Outputs::power_cluster_cores_w,
@@ -51,7 +51,8 @@ Settings settings_of(const Parameters& parameters) {
   return settings;
 }
 
-/// Returns the default firmware in the FMU's resources; empty if there is none.
+/// Returns the file name of the default firmware in the FMU's resources. If the FMU contains no firmware, the name is
+/// empty.
 constexpr std::string_view firmware_inside() {
   return MEBOTS_SOC_FIRMWARE;
 }
@@ -66,7 +67,7 @@ std::vector<std::string> programs_in(const std::filesystem::path& resources) {
   return names;
 }
 
-/// Returns the firmware that contains the network of parameter `network`.
+/// Reads the firmware that contains the network of the parameter `network`.
 Elf firmware_with_network(const Parameters& parameters, const BoardDescription& board) {
   const auto inside = std::filesystem::path(firmware_inside()).stem().string();
   try {
@@ -77,7 +78,8 @@ Elf firmware_with_network(const Parameters& parameters, const BoardDescription& 
   }
 }
 
-/// A name without folders selects a program inside the FMU, if there is one of this name. Any other text is a path.
+/// Reads the firmware of the mission. A name without folders selects a program inside the FMU, if the FMU contains one
+/// with this name. Any other text is a path.
 Elf firmware_of(const Parameters& parameters, const std::filesystem::path& resources, const BoardDescription& board) {
   if (!parameters.network.empty()) return firmware_with_network(parameters, board);
   if (parameters.firmware.empty()) {
@@ -115,7 +117,8 @@ observe::Requests requests_of(const Parameters& parameters) {
   return requests;
 }
 
-/// If a recording is requested, gdb cannot go back in time, because the file would contain repeated instructions.
+/// Returns true if gdb can return to earlier instructions. If a recording was requested, gdb cannot, because the file
+/// would contain repeated instructions.
 bool is_reversible(const observe::Requests& requests) {
   return requests.gdb_port && !requests.writes();
 }
@@ -196,7 +199,7 @@ void Model::step(std::int64_t start_ns, std::int64_t duration_ns) {
   }
 }
 
-/// Reports an endless loop, once. The loop does not end the mission.
+/// Reports that the program is in an endless loop. Reports it only once, and does not end the mission.
 void Model::report_spinning() {
   if (spinning_reported_ || !soc_.spins()) return;
   spinning_reported_ = true;
@@ -213,7 +216,7 @@ void Model::advance(std::int64_t end_ns) {
   while (session_ && session_->rewind()) replay();
 }
 
-/// Repeats the steps from the restored state to the present one, or until gdb goes back again.
+/// Repeats the steps from the restored state to the present one, or until gdb returns to an earlier instruction again.
 void Model::replay() {
   for (auto i = past_->current_step(soc_.now()); i < past_->steps.size() && !past_->history.leaves(); ++i) {
     past_->repeat_step(i, soc_.now());
@@ -243,7 +246,7 @@ void Model::begin_step() {
   soc_.begin_step();
 }
 
-/// Writes the outputs. `step_s` is the duration of the completed step; 0 if there is none.
+/// Writes the outputs. `step_s` is the duration of the completed step; 0 = no step was completed.
 void Model::write(double step_s) {
   auto& outputs = variables_.outputs;
   const auto& counters = soc_.hart().counters();

@@ -9,7 +9,7 @@
 namespace mebots::soc {
 namespace {
 
-/// All operations by number, in the order of their families.
+/// All operations, indexed by Op. The families are in the order of their tables.
 constexpr auto kAll = [] {
   std::array<const Operation*, kOpCount> all{};
   std::size_t next = 0;

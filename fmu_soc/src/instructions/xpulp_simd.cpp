@@ -23,7 +23,7 @@ namespace {
 using namespace lowering;
 #endif
 
-/// The type of a part.
+/// Signed integer that contains one part.
 template <Op kOp>
 using Signed = std::conditional_t<traits_of(kOp).parts == 4, std::int8_t, std::int16_t>;
 template <Op kOp>
@@ -43,7 +43,7 @@ constexpr Word at_part(T value, unsigned index) {
   return Word{static_cast<std::make_unsigned_t<T>>(value)} << (index * kPartBits<T>);
 }
 
-/// Applies `compute` to each pair of parts.
+/// Applies `compute` to each pair of parts, and returns the word that contains the results.
 template <typename T, typename Compute>
 constexpr Word on_parts(Word a, Word b, Compute compute) {
   Word result = 0;
@@ -57,7 +57,7 @@ constexpr Word on_parts(Word a, Word b, Compute compute) {
 bool on_bytes(Op op) {
   return traits_of(op).parts == 4;
 }
-/// Loads the second operand into ecx.
+/// Writes code that loads the second operand into ecx.
 void load_second(Assembler& c, const Instruction* at) {
   MEBOTS_ASSERT(is_simd(at->op));
   const auto from = operand_of(*at);
@@ -75,7 +75,7 @@ void load_second(Assembler& c, const Instruction* at) {
     c.imul(ecx, ecx, 0x00010001);
   }
 }
-/// Writes one host instruction on bytes or halves: `apply(to, from)` is to = to op from.
+/// Writes code for one host instruction on bytes or halves. `apply(to, from)` must write `to = to op from`.
 template <typename Apply>
 void emit_packed(Assembler& c, const Instruction* at, Apply apply) {
   c.registers.copy(eax, at->rs1);
@@ -114,7 +114,7 @@ template <Op kOp>
 constexpr Word execute_pv_maxu(Word a, Word b) {
   return on_parts<Unsigned<kOp>>(a, b, [](auto x, auto y) { return x > y ? x : y; });
 }
-/// Returns half of the sum. The sum wraps before it is halved.
+/// Returns half of the sum of each pair of parts. The sum wraps before it is halved.
 template <Op kOp>
 constexpr Word execute_pv_avg(Word a, Word b) {
   return on_parts<Signed<kOp>>(a, b, [](auto x, auto y) { return static_cast<decltype(x)>(x + y) >> 1; });
@@ -159,7 +159,7 @@ void emit_average(Assembler& c, const Instruction* at, bool sign) {
   c.movd(xmm1, ecx);
   if (on_bytes(at->op)) {
     c.paddb(xmm0, xmm1);
-    c.punpcklbw(xmm0, xmm0);  // each byte in the upper half of a word
+    c.punpcklbw(xmm0, xmm0);  // moves each byte to the upper half of a 16-bit word
     sign ? c.psraw(xmm0, 9) : c.psrlw(xmm0, 9);
     sign ? c.packsswb(xmm0, xmm0) : c.packuswb(xmm0, xmm0);
   } else {
@@ -291,7 +291,7 @@ void emit_pv_and(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Comparisons: the result has all ones in each part for which the relation holds.
+// Comparisons. If the relation is true for a part, all bits of this part in the result are 1.
 
 template <Op kOp>
 constexpr Word execute_compare_parts(Word a, Word b) {
@@ -311,7 +311,8 @@ constexpr Word execute_compare_parts(Word a, Word b) {
 constexpr std::uint32_t kSignOfBytes = 0x80808080U;
 constexpr std::uint32_t kSignOfHalves = 0x80008000U;
 
-/// Compares parts: ==, != and signed >, >=, <, <=. For an unsigned comparison, the sign bits are inverted first.
+/// Writes code that compares parts: ==, != and signed >, >=, <, <=. For an unsigned comparison, inverts the sign bits
+/// first.
 void emit_compare_parts(Assembler& c, const Instruction* at) {
   MEBOTS_ASSERT(traits_of(at->op).kind == OpKind::simd_compare);
   const bool bytes = on_bytes(at->op);
@@ -341,7 +342,7 @@ void emit_compare_parts(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Dot products: the sum of the products of all pairs of parts. Some operations add this sum to rd.
+// Dot products, which are the sum of the products of all pairs of parts. Some operations add this sum to rd.
 
 template <Op kOp>
 constexpr Word execute_accumulate_dot_product(Word sum, Word a, Word b) {
@@ -358,7 +359,8 @@ constexpr Word execute_dot_product(Word a, Word b) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// Returns the encoding of the host instruction for a dot product of unsigned by signed bytes, if the host has one.
+/// Returns the encoding of the host instruction that computes dot products of unsigned and signed bytes. If the host
+/// has no such instruction, returns nullopt.
 std::optional<Xbyak::PreferredEncoding> host_dot_product() {
   using Xbyak::util::Cpu;
   const Cpu& cpu = translate::host_processor();
@@ -367,7 +369,7 @@ std::optional<Xbyak::PreferredEncoding> host_dot_product() {
   return std::nullopt;
 }
 
-/// Finishes a dot product: rd = sum, or rd += sum. May change eax.
+/// Writes the end of a dot product: rd = sum, or rd += sum. May change eax.
 void finish_sum(Assembler& c, unsigned rd, bool accumulates, const Xbyak::Xmm& sum) {
   if (!accumulates) {
     c.registers.finish_vector(rd, sum);
@@ -378,8 +380,9 @@ void finish_sum(Assembler& c, unsigned rd, bool accumulates, const Xbyak::Xmm& s
     c.add(c.registers.operand(rd), eax);
   }
 }
-/// Multiplies signed halves by pmaddwd, and other halves one by one. Bytes are widened to halves first, because
-/// pmaddubsw saturates. Newer hosts have an instruction for unsigned by signed bytes.
+/// Writes code for a dot product. Signed halves are multiplied by pmaddwd, and other halves one by one. Bytes are first
+/// extended to halves, because pmaddubsw saturates. Newer hosts have an instruction that multiplies unsigned by signed
+/// bytes.
 void emit_dot_product(Assembler& c, const Instruction* at) {
   MEBOTS_ASSERT(is_dot_product(at->op));
   const bool accumulates = reads_rd(at->op);
@@ -443,7 +446,7 @@ void emit_accumulate_dot_product(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Moving parts
+// Operations that copy parts.
 
 /// Returns one part with sign or zero extension.
 template <Op kOp>
@@ -461,14 +464,16 @@ constexpr Word execute_pv_insert(Word into, Word a, Word index) {
   const auto place = index % kParts<T>;
   return (into & ~at_part<T>(static_cast<T>(-1), place)) | at_part<T>(static_cast<T>(a), place);
 }
-/// Returns a word of parts of `a`. Each part of `selectors` is the number of the part of `a` for its position.
+/// Returns a word whose parts are copies of parts of `a`. Each part of `selectors` contains the number of the part to
+/// copy.
 template <Op kOp>
 constexpr Word execute_pv_shuffle(Word a, Word selectors) {
   return on_parts<Unsigned<kOp>>(selectors, 0, [a](auto selector, auto) {
     return part<decltype(selector)>(a, selector % kParts<decltype(selector)>);
   });
 }
-/// Returns a word of parts of two words. Selectors count the parts of `low` first, and then the parts of `high`.
+/// Returns a word whose parts are copies of parts of two words. Selectors count the parts of `low` first, and then the
+/// parts of `high`.
 template <Op kOp>
 constexpr Word execute_pv_shuffle2(Word low, Word high, Word selectors) {
   return on_parts<Unsigned<kOp>>(selectors, 0, [low, high](auto selector, auto) {
@@ -484,8 +489,8 @@ constexpr Word execute_pv_pack_h(Word a, Word b) {
 constexpr Word execute_pv_pack_h_h(Word a, Word b) {
   return (a & 0xffff0000U) | b >> 16;
 }
-/// The functions return `into` with one half replaced by the low bytes of two words: the upper half (packhi) or the
-/// lower half (packlo).
+/// These two functions return `into` with one half replaced by the low bytes of two words: the upper half (packhi) or
+/// the lower half (packlo).
 constexpr Word execute_pv_packhi_b(Word into, Word a, Word b) {
   return (into & 0x0000ffffU) | (a & 0xffU) << 24 | (b & 0xffU) << 16;
 }
@@ -496,7 +501,7 @@ constexpr Word execute_pv_packlo_b(Word into, Word a, Word b) {
 #ifdef MEBOTS_TRANSLATES
 struct Part {
   int position;
-  std::uint32_t low;  // mask of the part at position 0
+  std::uint32_t low;  // mask of a part at position 0
 };
 /// Returns the part that the immediate selects.
 Part part_of(const Instruction* at) {
@@ -523,7 +528,7 @@ void emit_pv_insert(Assembler& c, const Instruction* at) {
   c.or_(eax, ecx);
   c.registers.finish(at->rd, eax);
 }
-/// Shuffles the parts of one register or of two.
+/// Writes code that shuffles the parts of one register or of two registers.
 void emit_pv_shuffle(Assembler& c, const Instruction* at) {
   const bool bytes = on_bytes(at->op);
   const bool two = reads_rd(at->op);
@@ -533,7 +538,7 @@ void emit_pv_shuffle(Assembler& c, const Instruction* at) {
   } else {
     c.registers.copy(ecx, at->rs2);
   }
-  if (two) {  // rd below, rs1 above
+  if (two) {  // rd in the lower bytes, rs1 in the upper bytes
     c.registers.copy(edx, at->rd);
     c.shl(rax, 32);
     c.or_(rax, rdx);
@@ -541,7 +546,7 @@ void emit_pv_shuffle(Assembler& c, const Instruction* at) {
   c.movq(xmm0, rax);
   const auto selects = (bytes ? 3U : 1U) << (two ? 1 : 0) | 1U;
   c.and_(ecx, selects * (bytes ? 0x01010101U : 0x00010001U));
-  if (!bytes) {  // half n is bytes 2 n and 2 n + 1
+  if (!bytes) {  // half n consists of the bytes 2 n and 2 n + 1
     c.imul(ecx, ecx, 0x0202);
     c.add(ecx, 0x01000100);
   }
@@ -572,7 +577,7 @@ void emit_pv_pack_h(Assembler& c, const Instruction* at) {
 void emit_pv_pack_h_h(Assembler& c, const Instruction* at) {
   emit_pack_halves(c, at, true);
 }
-/// Packs two bytes into the upper or lower half of rd.
+/// Writes code that packs two bytes into the upper or lower half of rd.
 void emit_pack_bytes(Assembler& c, const Instruction* at, bool into_high) {
   c.registers.copy(eax, at->rs1);
   c.movzx(eax, al);

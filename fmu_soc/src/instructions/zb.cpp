@@ -19,7 +19,7 @@ namespace {
 using namespace lowering;
 #endif
 
-// Zba: addresses of elements.
+// Operations of Zba, which compute addresses of array elements.
 
 constexpr Word execute_sh1add(Word a, Word b) {
   return (a << 1) + b;
@@ -61,14 +61,14 @@ constexpr Word execute_orn(Word a, Word b) {
 constexpr Word execute_xnor(Word a, Word b) {
   return ~(a ^ b);
 }
-/// Returns the number of leading zeros; 32 for 0.
+/// Returns the number of leading zeros. Returns 32 for the word 0.
 constexpr Word execute_clz(Word a) {
   return static_cast<Word>(std::countl_zero(a));
 }
 constexpr Word execute_rol(Word a, Word b) {
   return std::rotl(a, static_cast<int>(b & 31U));
 }
-/// Returns the word with each byte that is not 0 set to 255.
+/// Returns the word in which each byte that is not 0 is replaced by 255.
 constexpr Word execute_orc_b(Word a) {
   const auto set = (((a & 0x7f7f7f7fU) + 0x7f7f7f7fU) | a) >> 7 & 0x01010101U;
   return set * 255U;
@@ -123,7 +123,7 @@ void emit_rev8(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Zbc: carry-less products.
+// Operations of Zbc, which multiply without carries.
 
 constexpr std::uint64_t carryless_product(Word a, Word b) {
   std::uint64_t product = 0;
@@ -136,13 +136,14 @@ constexpr Word execute_clmul(Word a, Word b) {
 constexpr Word execute_clmulh(Word a, Word b) {
   return static_cast<Word>(carryless_product(a, b) >> 32);
 }
-/// Reverses the bits of both words, multiplies them without carries, and reverses the bits of the product.
+/// Returns the upper bits of a product without carries: reverses the bits of both words, multiplies, and reverses the
+/// bits of the product.
 constexpr Word execute_clmulr(Word a, Word b) {
   return static_cast<Word>(carryless_product(a, b) >> 31);
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// Writes a carry-less multiplication. Returns false if the host's processor has no such instruction.
+/// Writes code for a multiplication without carries. If the host's processor has no such instruction, returns false.
 bool emit_carryless(Assembler& c, const Instruction* at, int shift) {
   if (!translate::host_processor().has(Xbyak::util::Cpu::tPCLMULQDQ)) return false;
   for (const auto& [vector, reg] : {std::pair{xmm0, at->rs1}, std::pair{xmm1, at->rs2}}) {
@@ -166,7 +167,7 @@ bool emit_clmulr(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Zbs: operations on one bit. The low five bits of the second operand are the number of the bit.
+// Operations of Zbs, which change or read one bit. The low five bits of the second operand are the number of the bit.
 
 constexpr Word bit(Word number) {
   return Word{1} << (number & 31U);
@@ -185,8 +186,8 @@ constexpr Word execute_bset(Word a, Word b) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// Writes code for an operation on one bit. `apply(to, number)` writes the host instruction, which uses the number
-/// modulo 32 like the guest instruction.
+/// Writes code for an operation on one bit. `apply(to, number)` must write the host instruction, which uses the number
+/// modulo 32 as the guest instruction does.
 template <typename Apply>
 void emit_bit(Assembler& c, const Instruction* at, Apply apply) {
   c.registers.copy(eax, at->rs1);

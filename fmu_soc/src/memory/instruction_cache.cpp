@@ -13,9 +13,9 @@
 namespace mebots::soc {
 namespace {
 
-/// The smallest size of the presence bytes. With this size, the allocator maps the presence bytes near the bytes of a
-/// large memory. So translated code can address them with a short displacement. At other addresses, an access takes one
-/// more instruction.
+/// Minimum number of presence bytes. With this size, the allocator maps the presence bytes near the bytes of a large
+/// memory, and translated code can address them with a short displacement. At other addresses, an access needs one more
+/// instruction.
 constexpr std::size_t kLeastPresenceBytes = std::size_t{256} << 10;
 
 /// Shifts to the left; bit 0 becomes 1 if an even number of bits 7, 3, 2 and 1 is set.
@@ -115,7 +115,7 @@ void InstructionCache::set_alone(bool alone) {
   MEBOTS_ASSERT(is_shared());
   is_alone_ = alone;
   for (const auto place : pending_refills_)
-    *entries_[place].present = 0;  // a core that wakes up has not waited for them
+    *entries_[place].present = 0;  // a core that wakes up has not waited for these lines
 }
 
 std::uint32_t InstructionCache::fetch(std::uint32_t line, std::uint64_t tick) {
@@ -145,7 +145,7 @@ void InstructionCache::visit(state::Visitor& v) {
   v("shift_register", state_.shift_register);
   v("refills", state_.refills);
   if (!v.restores() || !is_shared()) return;
-  pending_refills_.resize(entries_.size());  // conservative: which lines have arrived is not known here
+  pending_refills_.resize(entries_.size());  // lists all lines, because it is not known here which have arrived
   std::iota(pending_refills_.begin(), pending_refills_.end(), std::size_t{0});
   set_alone(is_alone_);
 }

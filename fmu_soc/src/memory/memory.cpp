@@ -15,11 +15,11 @@
 namespace mebots::soc {
 namespace {
 
-/// Regions of at least this size, and their marks, are searched, saved and restored page by page. Pages that no program
-/// has accessed then cost no time.
+/// Minimum size of a region that is searched, saved and restored page by page. Pages that no program has accessed then
+/// take no time.
 constexpr std::size_t kLargeSize = std::size_t{8} << 20;
-/// Calls `visit` with the begin and the size of pieces that hold all bytes which are not 0. A large array has a piece
-/// for each page.
+/// Calls `visit` with the start and the size of pieces that together contain all bytes that are not 0. A large array
+/// has one piece for each page.
 template <typename Visit>
 void for_pieces(const std::uint8_t* bytes, std::size_t size, Visit visit) {
   if (size < kLargeSize) {
@@ -34,8 +34,8 @@ void for_pieces(const std::uint8_t* bytes, std::size_t size, Visit visit) {
   }
 }
 
-/// Calls `visit` with every word of the region that has one of the marks. Marks are rare, so eight words are tested
-/// together.
+/// Calls `visit` with every word of the region that has one of the marks. Tests eight words at a time, because marks
+/// are rare.
 template <typename Visit>
 void for_marked(const Region& region, std::uint8_t marks, Visit visit) {
   const auto pattern = 0x0101'0101'0101'0101ULL * marks;
@@ -52,7 +52,7 @@ void for_marked(const Region& region, std::uint8_t marks, Visit visit) {
   });
 }
 
-/// Visits the pages of a large region that contain other bytes than zeros: the numbers of the pages, and their bytes.
+/// Visits the pages of a large region that contain bytes other than 0: the numbers of the pages, and their bytes.
 void visit_pages(Region& region, state::Visitor& v) {
   std::vector<std::uint32_t> pages;
   std::vector<std::uint8_t> bytes;
@@ -86,7 +86,7 @@ void visit_pages(Region& region, state::Visitor& v) {
   }
 }
 
-/// Allocates zeroed bytes. calloc() maps large blocks; their pages are allocated at the first write.
+/// Allocates bytes that are 0. calloc() maps large blocks, and the system allocates their pages at the first write.
 ZeroedBytes zeroed(std::size_t size) {
   auto* bytes = static_cast<std::uint8_t*>(std::calloc(size, 1));
   if (bytes == nullptr) throw std::bad_alloc();
@@ -210,7 +210,7 @@ void Memory::forget_code() {
 }
 
 void Memory::visit(state::Visitor& v) {
-  std::vector<std::uint32_t> loop_ends;  // words of the region
+  std::vector<std::uint32_t> loop_ends;  // words of the region that end hardware loops
   for (auto& region : regions_) {
     loop_ends.clear();
     for_marked(region, Region::kLoop, [&](std::uint32_t word) { loop_ends.push_back(word); });
@@ -228,7 +228,7 @@ void Memory::visit(state::Visitor& v) {
       region.marks[word] |= Region::kLoop;
     }
   }
-  if (v.restores()) forget_code();  // blocks end elsewhere in the restored state
+  if (v.restores()) forget_code();  // in the restored state, blocks may end at other addresses
 }
 
 }  // namespace mebots::soc

@@ -18,7 +18,7 @@ std::vector<bool> written_pages(const std::uint8_t* first, const std::uint8_t* l
   map.seekg(static_cast<std::streamoff>(page * sizeof entries[0]));
   if (::sysconf(_SC_PAGESIZE) != long{kPageSize} || !map.read(reinterpret_cast<char*>(entries.data()), bytes))
     return written;
-  for (std::size_t i = 0; i < count; ++i) written[i] = entries[i] >> 62 != 0;  // in memory or swapped out
+  for (std::size_t i = 0; i < count; ++i) written[i] = entries[i] >> 62 != 0;  // the page is in memory or swapped out
   return written;
 }
 

@@ -47,7 +47,7 @@ void FlowLog::report(const ObservedRun& observed) {
   e.counters = at_end;
 }
 
-/// Converts the counts of translated code in a run to the hart's counters.
+/// Converts the counts that translated code has recorded to the hart's counters.
 void FlowLog::make_absolute(std::span<Flow> steps) const {
   const auto& host = execution_.host;
   const auto& counters = execution_.counters;
@@ -57,8 +57,8 @@ void FlowLog::make_absolute(std::span<Flow> steps) const {
   const auto* banks = decoded_.banks;
   for (auto& step : steps) {
     // Computes the cycles from the step to the end of the run. The recorded count decreases by one per cycle. If banks
-    // are shared, the recorded value is an address, which increases by one row per cycle. If execution left a block
-    // before its end, the difference is negative, because the block's cycles are not counted yet.
+    // are shared, the recorded value is an address instead, which increases by one row per cycle. If execution has left
+    // a block before its end, the difference is negative, because the cycles of the block are not counted yet.
     auto left = static_cast<std::int64_t>(step.cycles - host.position);
     if (banks != nullptr) left = -left / static_cast<std::int64_t>(banks->count());
     step.cycles = counters.cycles - static_cast<std::uint64_t>(left);

@@ -6,7 +6,8 @@
 namespace mebots::soc {
 namespace {
 
-/// Returns the memory access of an instruction, from the registers before it runs.
+/// Returns the memory access of an instruction. Must be called before the instruction is executed, because it uses the
+/// register values.
 Access access_of(const Decoded& decoded, const Hart& hart) {
   const bool store = is_store(decoded.op);
   if (!is_load(decoded.op) && !store) return {};
@@ -23,7 +24,8 @@ Access access_of(const Decoded& decoded, const Hart& hart) {
           .writes = store || (is_atomic(decoded.op) && !only_reserves)};
 }
 
-/// Returns the number of cycles of a jump after a misaligned load that were already subtracted at the load.
+/// Returns the number of cycles that a misaligned load hides of the jump after it. These cycles were already subtracted
+/// at the load.
 std::uint32_t hidden_by(const Execution& e, const Instruction* at) {
   const auto& next = at[1];
   const bool hides = e.slow_load == at && overlaps_slow(executed(*at, true), {next.op, next.rd, next.rs1});
@@ -51,14 +53,14 @@ void ObservedRun::update_walk() {
   interpreter_.set_walk(is_on() ? this : nullptr);
 }
 
-/// Reports an instruction that has retired.
+/// Reports an instruction that has retired to the observer and to the event counters.
 void ObservedRun::retire(Retired& instruction, std::uint32_t hidden) {
   if (counts_ || wants_all()) account_.retire(instruction, hidden);
   if (counts_) account_.count_events(execution_.events, instruction, limit_.is_loose());
   if (observer_ != nullptr) observer_->retired(hart_, instruction);
 }
 
-/// True if an observer with this quiet code needs a call for the instruction.
+/// Returns true if an observer with this quiet code needs a call after the instruction.
 bool ObservedRun::is_reported(const Instruction* at, const QuietCode& quiet) {
   if (!quiet.holds(at->pc) || !quiet.holds(at[1].pc) || at[1].op == Op::loop_end) return true;
   if (is_branch(at->op)) return !quiet.holds(static_cast<std::uint32_t>(at->imm));
@@ -66,7 +68,7 @@ bool ObservedRun::is_reported(const Instruction* at, const QuietCode& quiet) {
   return at->op == Op::jalr || at->op == Op::mret;
 }
 
-/// Returns the first instruction from `at` for which the observer needs a call. If there is none before `stop` or
+/// Returns the first instruction from `at` on for which the observer needs a call. If there is none before `stop` or
 /// before the end of the block, returns `stop` or the end.
 const Instruction* ObservedRun::next_reported(const Instruction* at, const Instruction* stop) const {
   if (counts_) return at;
@@ -75,7 +77,7 @@ const Instruction* ObservedRun::next_reported(const Instruction* at, const Instr
   return at;
 }
 
-/// Returns a description of the instruction at `pc` before it runs.
+/// Returns a description of the instruction at `pc`, which was not executed yet.
 Retired ObservedRun::preview(std::uint32_t pc) const {
   Retired retired;
   retired.pc = pc;
@@ -97,8 +99,8 @@ void ObservedRun::step() {
   if (e.counters.instructions != instructions) retire(retired, 0);
 }
 
-/// If the limit is strict, the observer may end the run after any reported instruction. Therefore each reported
-/// instruction runs alone. before() has already been called for the first instruction.
+/// Runs a block. If the limit is strict, the observer may end the run after any reported instruction. Therefore each
+/// reported instruction runs alone. The caller has already called before() for the first instruction.
 void ObservedRun::run_block(const Block& block, std::uint32_t stall, bool alone) {
   const auto* first = decoded_.blocks.instructions(block);
   alone = alone || (wants_all() && !limit_.is_loose() && is_reported(first, observer_->quiet()));
@@ -106,9 +108,9 @@ void ObservedRun::run_block(const Block& block, std::uint32_t stall, bool alone)
   if (wants_all()) execution_.link = nullptr;
 }
 
-/// Runs like Interpreter::run_until(), and calls the observer for the instructions that it needs. During a call,
-/// counters and pc have the values after the instruction. At other times, the counters have their values at the block's
-/// start.
+/// Executes instructions like Interpreter::run_until(), and calls the observer for those that it needs. During a call,
+/// counters and pc have their values after the instruction. At other times, the counters have their values at the start
+/// of the block.
 const Instruction* ObservedRun::walk(const Instruction* at, const Instruction* stop) {
   auto& e = execution_;
   while (at != nullptr && at != stop) {

@@ -17,8 +17,8 @@ constexpr unsigned kArgument7 = 17;
 constexpr std::uint32_t kCommandSize = 8;
 constexpr std::uint64_t kPayload = 0xffff'ffff'ffff;
 
-/// True if tohost has an upper half. There is no upper half if the size of tohost is 4 bytes, or if another symbol is
-/// at the address of the upper half.
+/// True if the word `tohost` has an upper half. It has none if the size of the symbol is 4 bytes, or if another symbol
+/// is at the address of the upper half.
 bool has_upper_half(const Elf& program, std::uint32_t tohost) {
   for (const auto& symbol : program.symbols()) {
     if (symbol.address == tohost && symbol.size == 4) return false;

@@ -50,7 +50,7 @@ std::string spaced(std::string name) {
   return name;
 }
 
-/// A column of the page: its name, its unit and a value for each point.
+/// Returns a column of the page that consists of a name, a unit and a value for each point.
 Json column(std::string_view name, std::string_view unit, std::vector<double> values) {
   Json json = {{"name", name}, {"unit", unit}};
   const bool still = std::ranges::adjacent_find(values, std::ranges::not_equal_to()) == values.end();
@@ -62,7 +62,7 @@ Json column(std::string_view name, std::string_view unit, std::vector<double> va
   return json;
 }
 
-/// The variables of the page, and the panels that draw them.
+/// Collects the variables of the page, and the panels that draw them.
 class Columns {
  public:
   Columns(const PowerCourse& course, const ChipReport& report) : points_(course.points()) {
@@ -148,7 +148,7 @@ Json summary_of(const ChipReport& report, const std::string& outcome) {
           {"energy", energy},   {"units", {{"energy", units}}}, {"versions", {{"mebots", MEBOTS_VERSION}}}};
 }
 
-/// Returns a core's clock over the run; null if the core never had power.
+/// Returns the clock of a core over the run, or null if the core never had power.
 Json clock_json(const ClockRange& clock) {
   if (!clock.has_run()) return nullptr;
   return {{"least_hz", clock.least_hz()}, {"most_hz", clock.most_hz()}, {"mean_hz", clock.mean_hz()}};
@@ -168,8 +168,8 @@ Json tables_of(const ChipReport& report, const PowerCourse& course) {
   return chip;
 }
 
-/// Returns the length of the header in 32 bits (little-endian), the header, and the columns. web/src/data/payload.ts
-/// reads this format.
+/// Returns the data of the page: the length of the header in 32 bits (little-endian), the header, and the columns.
+/// web/src/data/payload.ts reads this format.
 std::string payload_of(const Json& run) {
   const Json header = {{"format", 1}, {"runs", Json::array({run})}};
   const auto text = header.dump(-1, ' ', false, Json::error_handler_t::replace);

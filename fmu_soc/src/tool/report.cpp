@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Descriptions of the parts of the chip's energy, in the order of kPartNames.
+/// Describes the parts of the chip's energy, in the order of kPartNames.
 constexpr std::array<std::string_view, kParts> kPartTexts{
     "instructions of the fabric controller, and its gated clock while it sleeps",
     "instructions of the cluster's cores, and their gated clocks while they sleep",
@@ -42,14 +42,14 @@ struct Prefix {
 constexpr std::array<Prefix, 6> kPrefixes = {
     {{1, ""}, {1e-3, "m"}, {1e-6, "u"}, {1e-9, "n"}, {1e-12, "p"}, {1e-15, "f"}}};
 
-/// Returns a number with four significant digits: 2.475, 184.1, 1000.
+/// Returns a number with four significant digits, such as 2.475, 184.1 or 1000.
 std::string number_text(double value) {
   if (value == 0) return "0";
   const int before_point = static_cast<int>(std::floor(std::log10(std::abs(value)))) + 1;
   return fmt::format("{:.{}f}", value, std::max(0, kDigits - std::max(before_point, 1)));
 }
 
-/// Returns a quantity with an SI prefix: 184.1 mW.
+/// Returns a quantity with an SI prefix, such as 184.1 mW.
 std::string quantity_text(double value, std::string_view unit) {
   if (value == 0) return fmt::format("0 {}", unit);
   // A value that rounds to 1000 uses the next larger prefix.
@@ -61,7 +61,7 @@ std::string quantity_text(double value, std::string_view unit) {
 
 using Row = std::vector<std::string>;
 
-/// Prints a table. The columns in `left` are aligned to the left, all others to the right.
+/// Prints a table. Columns whose entry in `left` is true are aligned to the left, all others to the right.
 void print_table(const std::vector<Row>& rows, const std::vector<bool>& left) {
   std::vector<std::size_t> widths(left.size());
   for (const auto& row : rows) {
@@ -151,7 +151,8 @@ Row energy_row(const ChipReport::Part& part, const ChipReport& report, bool has_
   return {part.name, quantity_text(part.energy_j, "J"), mean, share, part.text};
 }
 
-/// Prints the parts that consumed energy, the greatest first; then their sum, and the energy of the board's devices.
+/// Prints the parts that consumed energy, starting with the greatest. Then prints their sum, and the energy of the
+/// board's devices.
 void print_energy(const ChipReport& report) {
   std::vector<Row> rows = {{"part", "energy", "mean power", "share", ""}};
   auto parts = report.parts;
@@ -229,7 +230,7 @@ Json json_of(const observe::StackCost& cost) {
           {"causes", std::move(causes)}};
 }
 
-/// The functions are sorted by falling cycles.
+/// Returns the cycles of each function as JSON, starting with the function that has the most.
 Json json_of(const observe::CoreStack& core, const observe::Functions& names) {
   auto json = json_of(core.total());
   std::vector<std::pair<std::uint32_t, observe::StackCost>> functions(core.functions().begin(), core.functions().end());

@@ -33,21 +33,21 @@
 namespace mebots::soc::tool {
 namespace {
 
-/// A run without a limit checks after this many cycles whether anything can still happen.
+/// Number of cycles after which a run without a limit checks whether it can still make progress.
 constexpr std::uint64_t kSlice = 1U << 26;
-/// Replaces kSlice if power over time is recorded, so that there is at least one point per millisecond at 100 MHz.
+/// Replaces kSlice if power over time is recorded. At 100 MHz, there is then at least one point per millisecond.
 constexpr std::uint64_t kFineSlice = 100'000;
-/// The number of cycles between two saved states. gdb goes back in time from such a state.
+/// Number of cycles between two saved states, from which gdb can return to earlier instructions.
 constexpr std::uint64_t kDebugSlice = 500'000;
 
 bool has_kind(const BoardDescription& board, std::string_view kind) {
   return std::ranges::find(board.devices, kind, &BoardDevice::kind) != board.devices.end();
 }
 
-/// The kind of device that has a flash and a camera.
+/// Kind of the device that has a flash and a camera.
 constexpr std::string_view kFlashKind = "gap8_udma";
 
-/// Returns the bytes of a file; nullopt if it is not a readable regular file.
+/// Returns the bytes of a file, or nullopt if it is not a readable regular file.
 std::optional<std::string> bytes_of(const std::string& path) {
   std::error_code error;
   std::ifstream file(path, std::ios::binary);
@@ -61,13 +61,13 @@ std::vector<std::uint8_t> read_flash(const std::string& path) {
   return {bytes->begin(), bytes->end()};
 }
 
-/// Returns the largest number of active cycles of a core.
+/// Returns the active cycles of the core that has the most.
 std::uint64_t busiest_cycles(const Soc& soc) {
   const auto* cluster = soc.cluster();
   return std::max(soc.hart().counters().cycles, cluster == nullptr ? 0 : cluster->longest_cycles());
 }
 
-/// Ends the run before the fabric controller would execute more than the permitted number of instructions.
+/// Ends the run before the fabric controller executes more than the permitted number of instructions.
 class InstructionLimit final : public Observer {
  public:
   explicit InstructionLimit(std::uint64_t last) : last_(last) {}
@@ -83,11 +83,11 @@ struct Limits {
   std::optional<Picoseconds> wall_time;
 };
 
-/// The limit at which a run ended.
+/// Names the limit at which a run has ended.
 enum class Reached : std::uint8_t { none, instructions, time, wall_time };
 
-/// Runs the chip in pieces up to a limit. The limit counts the fabric controller's instructions. Every instruction
-/// takes at least one cycle, so with N instructions left, a piece of N cycles does not exceed the limit.
+/// Runs the chip in pieces up to a limit. The limit counts the instructions of the fabric controller. Every instruction
+/// takes at least one cycle. Therefore, with N instructions left, a piece of N cycles does not exceed the limit.
 class LimitedRun {
  public:
   /// @param spin_cycles  the run ends after this many cycles in an endless loop
@@ -114,7 +114,7 @@ class LimitedRun {
   }
 
  private:
-  /// Length of the pieces if a run has a limit of the host's time.
+  /// Length of a piece if the run has a limit of the host's time.
   static constexpr std::uint64_t kShortSlice = 1U << 22;
   static constexpr Picoseconds kTimeSlice = 10'000'000'000;
 
@@ -128,7 +128,8 @@ class LimitedRun {
       if (left > cluster_lead) {
         piece = std::min(piece, left - cluster_lead);
       } else {
-        session_.add(last_.emplace(*limits_.instructions));  // cycles no longer determine the time
+        // Counts instructions from now on; cycles no longer determine the length of a piece.
+        session_.add(last_.emplace(*limits_.instructions));
       }
     }
     soc_.run_cycles(before + piece, piece_end());
@@ -137,7 +138,8 @@ class LimitedRun {
     return limits_.wall_time && wall_time() >= *limits_.wall_time ? Reached::wall_time : Reached::none;
   }
 
-  /// Returns the end of the next piece in time. If a core sleeps, time advances, but its cycles do not.
+  /// Returns the time at which the next piece ends at the latest. While a core sleeps, time passes, but its cycles do
+  /// not increase.
   Picoseconds piece_end() const {
     const auto end = limits_.wall_time ? soc_.now() + kTimeSlice : Soc::kWithoutEnd;
     return limits_.time ? std::min(end, *limits_.time) : end;
@@ -166,8 +168,8 @@ std::optional<std::uint32_t> tohost_of(const Soc& soc) {
   return value;
 }
 
-/// Returns the hart that a message about the end of the run describes: the fabric controller, or the core at which a
-/// debugger ended the run.
+/// Returns the hart that a message about the end of the run describes. This is the core at which a debugger ended the
+/// run, or else the fabric controller.
 unsigned last_hart(const Soc& soc) {
   const auto* cluster = soc.cluster();
   return cluster == nullptr ? kFabricControllerHart : hart_of_core(cluster->core_stopped_by_observer());
@@ -214,14 +216,14 @@ std::string missing_end_text(const Soc& soc, const Options& options, Reached rea
   return text;
 }
 
-/// Returns a text about the end of the program, for the page of the run.
+/// Returns a text for the page of the run that describes how the program ended.
 std::string outcome_text(const Soc& soc, const Options& options, Reached reached, int code) {
   if (soc.end() == End::faulted) return "fault: " + soc.fault_text();
   return code == kFaultOrLimit && !has_reported_end(soc) ? missing_end_text(soc, options, reached)
                                                          : fmt::format("exit {}", code);
 }
 
-/// True if the program has taken all pictures and waits for a further one.
+/// True if the program has received all pictures and waits for another one.
 bool has_seen_all(const Soc& soc, const Options& options) {
   return options.pictures && soc.hart().sleeping() && soc.devices().wait_for_picture();
 }
@@ -231,7 +233,7 @@ int exit_code(const Soc& soc, std::optional<std::uint32_t> tohost) {
   return soc.end() == End::exited ? soc.exit_code() & 0xff : kFaultOrLimit;
 }
 
-/// Reports each behaviour of the core that the program may not expect, each once.
+/// Reports each behaviour of the core that the program may not expect. Reports each of them once.
 void print_remarks(const Soc& soc, bool is_alone) {
   const auto& remarks = soc.hart().csr_remarks();
   const auto print = [](std::string_view text) {
@@ -264,7 +266,8 @@ observe::Requests requests_of(const Options& options, const std::optional<RunPag
   return requests;
 }
 
-/// Size of heap and stack for a program that uses system calls. Only pages that it touches take memory of the host.
+/// Size of heap and stack for a program that uses system calls. Only pages that the program accesses take memory of the
+/// host.
 constexpr std::uint64_t kUserHeap = std::uint64_t{128} << 20;
 constexpr std::uint64_t kHeap = std::uint64_t{1} << 20;
 
@@ -278,7 +281,7 @@ BoardDescription board_of(const Options& options, const Elf& program) {
     board.name = "none";
   }
   for (const auto& ram : options.ram) add_ram(board, ram);
-  // A program for an operating system expects running counters, but CV32E40P stops them at reset.
+  // A program for an operating system expects that counters run, but CV32E40P stops them at reset.
   if (!options.board && options.user) set_core(board, "rv32imc");
   if (options.core) set_core(board, *options.core);
   return board;
@@ -289,14 +292,14 @@ HostConsole::Kind console_kind(const Options& options) {
   return options.user ? HostConsole::Kind::lines : HostConsole::Kind::output;
 }
 
-/// Returns whether gdb can go back in time. It cannot if the program may use files of the host, because changes of
-/// these files cannot be undone. It also cannot if there are other observers, because their files would then contain
-/// the replayed instructions.
+/// Returns true if gdb can return to earlier instructions. It cannot if the program may use files of the host, because
+/// changes of these files cannot be undone. It also cannot if there are other observers, because their files would then
+/// contain repeated instructions.
 bool is_reversible(const Options& options, const observe::Requests& requests) {
   return requests.gdb_port && !options.user && !options.host_files && !options.page && !requests.writes();
 }
 
-/// `page` and `history` may be empty; they must outlive the listeners.
+/// Returns the receivers of the chip's messages. `page` and `history` may be empty, and must outlive the listeners.
 Listeners listeners_of(HostConsole& console, std::optional<RunPage>& page, std::optional<debug::History>& history,
                        const Options& options) {
   Listeners listeners;
@@ -333,7 +336,7 @@ Listeners listeners_of(ControlledConsole& console) {
   return listeners;
 }
 
-/// Writes the reports that the user requested in addition to the printed report.
+/// Writes the reports that the user has requested in addition to the printed report.
 void write_reports(const ChipReport& report, std::optional<observe::TextFile>& json,
                    std::optional<observe::TextFile>& long_report, const observe::Session& session) {
   if (json) {
@@ -354,7 +357,7 @@ Limits limits_of(const Options& options) {
   return limits;
 }
 
-/// Restores a saved state before the run. Throws Error if the state is beyond a limit of the run.
+/// Restores a saved state before the run. Throws Error if a limit of the run was already exceeded in this state.
 void load_state(const std::string& path, const StateFile& file, Soc& soc, const Limits& limits) {
   file.load(path, soc);
   const auto instructions = soc.hart().counters().instructions;

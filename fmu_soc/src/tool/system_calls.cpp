@@ -19,7 +19,7 @@
 namespace mebots::soc::tool {
 namespace {
 
-/// The calls that are served.
+/// Lists the system calls that are served.
 enum class Call : std::uint32_t {
   openat = SystemCalls::kOpenAt,
   close = 57,
@@ -45,7 +45,7 @@ struct Name {
   std::string_view name;
 };
 
-/// Names of system calls for messages. The last names are calls that only rv32emu has (src/syscall.c).
+/// Names of system calls, for messages. Only rv32emu has the last of these calls (src/syscall.c).
 constexpr auto kNames = std::to_array<Name>({
     {56, "openat"},
     {57, "close"},
@@ -122,19 +122,19 @@ constexpr auto kNames = std::to_array<Name>({
 });
 
 constexpr std::uint32_t kLongestText = 1U << 20;
-constexpr std::uint32_t kMostParts = 1024;  // of writev
+constexpr std::uint32_t kMostParts = 1024;  // maximum number of parts of a writev
 constexpr std::uint64_t kPsPerSecond = 1'000'000'000'000;
 constexpr std::uint64_t kMicroseconds = 1'000'000;
 constexpr std::uint64_t kNanoseconds = 1'000'000'000;
-constexpr std::uint32_t kAlignment = 16;  // of the stack
+constexpr std::uint32_t kAlignment = 16;  // alignment of the stack
 constexpr unsigned kStackPointer = 2;
-/// Space that is left between heap and stack for the stack: a quarter of the RAM, but at most Linux's default.
+/// Limits the space that is kept free for the stack. It is a quarter of the RAM, but at most Linux's default.
 constexpr std::uint32_t kMostStack = 8U << 20;
-/// A shell adds the number of the signal that ended a program to this exit code.
+/// Exit code of a program that a signal ended. A shell adds the number of the signal to it.
 constexpr std::uint32_t kSignalled = 128;
 
-/// The numbers that a program's C library uses for flags of open(). O_RDONLY, O_WRONLY and O_RDWR are not listed,
-/// because their numbers are the same as those of the host.
+/// Contains the numbers that a program's C library uses for flags of open(). O_RDONLY, O_WRONLY and O_RDWR are not
+/// listed, because they are the same on the host.
 struct OpenFlags {
   std::uint32_t append, create, truncate, exclusive;
 
@@ -162,7 +162,8 @@ std::string_view system_call_name(std::uint32_t number) {
 }
 
 /// Writes the start values of the stack: the number of arguments, their addresses, a zero, no environment and no
-/// auxiliary vector. The texts are above them. Source: RISC-V ELF psABI 1.0; System V ABI, "Process initialization".
+/// auxiliary vector. The texts are above these values. Source: RISC-V ELF psABI 1.0; System V ABI, "Process
+/// initialization".
 void SystemCalls::begin_program(const std::vector<std::string>& arguments) {
   const auto& program = soc_.program();
   least_break_ = (end_of(program) + kAlignment - 1) / kAlignment * kAlignment;
@@ -234,7 +235,7 @@ long SystemCalls::open(std::uint32_t name, int flags) {
   return text ? files_.open(*text, flags) : -EFAULT;
 }
 
-/// Serves writev. Its argument is a list of parts, each with an address and a length.
+/// Serves writev. `parts` is the address of a list of `count` parts, each of which has an address and a length.
 long SystemCalls::write_parts(int file, std::uint32_t parts, std::uint32_t count) {
   if (count > kMostParts) return -EINVAL;
   long total = 0;
@@ -248,7 +249,7 @@ long SystemCalls::write_parts(int file, std::uint32_t parts, std::uint32_t count
   return total;
 }
 
-/// Serves fstat. Only the kind of the file and its size are set. Source: newlib, libgloss/riscv/kernel_stat.h.
+/// Serves fstat. Sets only the kind and the size of the file. Source: newlib, libgloss/riscv/kernel_stat.h.
 long SystemCalls::status(int file, std::uint32_t address) {
   constexpr std::uint64_t kCharacterDevice = 0020620;
   constexpr std::uint64_t kRegularFile = 0100644;
@@ -264,13 +265,13 @@ long SystemCalls::status(int file, std::uint32_t address) {
   return poke(address, words) ? 0 : -EFAULT;
 }
 
-/// Executes brk. Returns the new end of the heap. If there is no memory up to that address, returns the old end.
+/// Serves brk. Returns the new end of the heap. If the heap cannot extend to `address`, returns the old end.
 long SystemCalls::move_break(std::uint32_t address) {
   if (address >= least_break_ && address <= most_break_) break_ = address;
   return static_cast<long>(break_);
 }
 
-/// Stores a time as two words of 64 bits: the seconds, and the rest in units of 1 / `per_second`.
+/// Stores the simulated time as two words of 64 bits: the seconds, and the rest in units of 1 / `per_second`.
 long SystemCalls::tell_time(std::uint32_t address, std::uint64_t per_second) {
   const auto time = time_in(per_second);
   return poke(address, std::array{time / per_second, time % per_second}) ? 0 : -EFAULT;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kAlignment = 16;
 
-/// offsetof() is only defined for standard-layout types.
+/// Required because offsetof() is only defined for standard-layout types.
 static_assert(std::is_standard_layout_v<Execution>);
 
 /// Writes host code for an instruction. Returns false if execution leaves the block at this instruction.
@@ -33,7 +33,7 @@ void emit_node(Assembler& a, const Node& node) {
     while (emit_instruction(a, at)) a.cycles.record_flow_inside(at++);
     return;
   }
-  // If other cores use the cache, the caller has checked the block's first line.
+  // If the cache has several users, the caller has already checked the block's first line.
   if (a.fetches.are_inline()) a.fetches.emit(*node.block, at, nullptr);
   while (emit_instruction(a, at)) {
     a.cycles.record_flow_inside(at++);

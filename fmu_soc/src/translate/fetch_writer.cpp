@@ -32,8 +32,8 @@ void FetchWriter::jump_when_absent(std::uint32_t address, Label& absent) {
   a_.je(absent, kNear);
 }
 
-/// Writes the code that fetches the absent cache lines of an instruction. Excludes a line that also contains the
-/// previous instruction. If other cores use the cache, the interpreter fetches the lines. May change eax, rcx and rdx.
+/// Writes code that fetches the absent cache lines of an instruction. Excludes a line that also contains the previous
+/// instruction. If the cache has several users, the interpreter fetches the lines instead. May change eax, rcx and rdx.
 void FetchWriter::emit(const Block& block, const Instruction* at, const Instruction* before) {
   MEBOTS_ASSERT(a_.blocks.fetched() != nullptr && !is_block_end(at->op));
   const auto& cache = *a_.blocks.fetched();
@@ -59,8 +59,9 @@ void FetchWriter::emit(const Block& block, const Instruction* at, const Instruct
   }
 }
 
-/// Fetches the line if it is absent. If a line is seldom absent, the code of the refill is placed after the region's
-/// other code. This saves a jump if the line is present, and costs two jumps if the line is absent.
+/// Writes code that fetches the line if it is absent. If the line is seldom absent, the code of the refill is placed
+/// after the other code of the region. This saves a jump if the line is present, and costs two jumps if the line is
+/// absent.
 void FetchWriter::emit_line(std::uint32_t line, std::uint32_t address, bool often_absent) {
   Label present;
   if (often_absent) {
@@ -80,7 +81,7 @@ void FetchWriter::emit_line(std::uint32_t line, std::uint32_t address, bool ofte
   });
 }
 
-/// Fetches an absent line. Changes eax, rcx and rdx.
+/// Writes code that fetches an absent line. Changes eax, rcx and rdx.
 void FetchWriter::emit_refill(std::uint32_t line, std::uint32_t address) {
   MEBOTS_ASSERT(a_.stubs.fetch != nullptr);
   const auto* present = a_.blocks.fetched()->presence(address);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Replaces the translator in builds without it.
+// Replaces the translator in builds without translation.
 #include "translate/translator.hpp"
 
 namespace mebots::soc::translate {

@@ -14,18 +14,19 @@ constexpr std::size_t kMostInstructions = 600;
 constexpr std::uint32_t kLoopWeight = 8;
 constexpr std::uint32_t kMostWeight = kLoopWeight * kLoopWeight * kLoopWeight * kLoopWeight;
 
-/// Calls `visit` with the number of every block that was executed directly after this block.
+/// Calls `visit` with the number of every block that was executed directly after the node.
 template <typename Visit>
 void for_successors(const Node& node, Visit visit) {
   const auto* at = node.first;
   for (; !is_block_end(at->op); ++at) {
     if ((is_branch(at->op) || is_jump(at->op)) && at->link != 0) visit(at->link);
   }
-  if (at->op == Op::loop_end && at[1].link != 0) visit(at[1].link);  // another iteration
+  if (at->op == Op::loop_end && at[1].link != 0) visit(at[1].link);  // the block with which the next iteration begins
   if (at->link != 0) visit(at->link);
 }
 
-/// Sets the weights of the nodes by loop depth. An edge belongs to a loop if its start can be reached from its end.
+/// Sets the weight of each node from its loop depth. An edge belongs to a loop if its start can be reached from its
+/// end.
 class LoopFinder {
  public:
   explicit LoopFinder(Region& region) : region_(region), states_(region.nodes.size(), State::unseen) {
@@ -56,7 +57,7 @@ class LoopFinder {
     states_[i] = State::done;
   }
 
-  /// Multiplies the weight of the loop's body: all nodes that reach `last` without passing `head`.
+  /// Multiplies the weights of a loop's body, which consists of all nodes that reach `last` without passing `head`.
   void weigh(std::size_t head, std::size_t last) {
     std::vector<bool> inside(region_.nodes.size());
     std::vector<std::size_t> waiting{last};
@@ -79,14 +80,14 @@ class LoopFinder {
   std::vector<std::vector<std::size_t>> from_;
 };
 
-/// Returns the block that was executed most recently after the end of a node; 0 if there is none.
+/// Returns the block that was executed most recently after the end of a node. If no block was, returns 0.
 std::uint32_t next_of(const Node& node) {
   const auto* at = node.end();
   return at->link != 0 || at->index == 0 || !is_jump(at[-1].op) ? at->link : at[-1].link;
 }
 
-/// Places the successor of each node directly after the node, unless the successor already has a place. Between two
-/// such nodes, no jump is needed.
+/// Places the successor of each node directly after the node, unless the successor was already placed. Between two such
+/// nodes, no jump is needed.
 void put_in_order(Region& region) {
   std::vector<Node> ordered;
   ordered.reserve(region.nodes.size());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes edges without a jump: from the end of a block to the next block, and to the next iteration of a hardware loop.
+// Writes the edges that need no jump: from the end of a block to the next block, and to the next iteration of a
+// hardware loop.
 #include "translate/assembler.hpp"
 
 #include "mebots/assert.hpp"
@@ -16,15 +17,15 @@ static_assert(offsetof(Pipeline, before) == 0 && offsetof(Pipeline, two_before) 
 
 }  // namespace
 
-/// Returns the node that a link from the end of a block leads to. Returns null if the node is not in the region. Also
-/// returns null if the previous instructions change the node's cycles in another way than by a stall.
+/// Returns the node to which a link at the end of a block leads. Returns null if the node is not in the region, or if
+/// the previous instructions change the node's cycles in another way than by a stall.
 const Node* EdgeWriter::straight_successor(const Instruction* at, std::uint32_t link) const {
   if (link == 0) return nullptr;
   const auto* node = a_.blocks.block(link).valid() ? region_->find(link) : nullptr;
   return node != nullptr && !delays_jump(a_.blocks, *node->block, at) ? node : nullptr;
 }
 
-/// Continues with the block at `pc`. `is_last` is true if no other code of the node follows.
+/// Writes code that continues with the block at `pc`. `is_last` must be true if no other code of the node follows.
 void EdgeWriter::fall_through(const Instruction* at, std::uint32_t link, std::uint32_t pc, bool is_last) {
   MEBOTS_ASSERT(is_block_end(at->op) && at->index > 0);
   const auto* node = straight_successor(at, link);
@@ -61,7 +62,7 @@ void EdgeWriter::fall_through_to(const Instruction* at, const Node& node, bool i
   if (!is_last || &node != following_) a_.jmp(label_of(node), kNear);
 }
 
-/// Jumps to the start of a hardware loop. The program may have changed the start since the last iteration.
+/// Writes a jump to the start of a hardware loop. The program may have changed the start since the last iteration.
 void EdgeWriter::iterate(const Instruction* at, unsigned loop) {
   MEBOTS_ASSERT(at->op == Op::loop_end && loop < 2);
   const auto start = dword[rbx + offset_of_loop(loop) + static_cast<int>(offsetof(HardwareLoop, start))];
@@ -85,8 +86,8 @@ void EdgeWriter::iterate(const Instruction* at, unsigned loop) {
   leave_by(exit);
 }
 
-/// Stores the pipeline's state for the next block, which is entered by fall-through after `end`. All instructions
-/// before `end` are counted. Changes rcx and rdx.
+/// Writes code that stores the pipeline's state for the next block, which is entered without a jump after `end`. All
+/// instructions before `end` must have been counted. Changes rcx and rdx.
 void EdgeWriter::save_pipeline_state(const Instruction* end) {
   MEBOTS_ASSERT(is_block_end(end->op) && end->index > 0);
   const auto straight_pipeline = ptr[rbx + static_cast<int>(offsetof(Execution, host.straight_pipeline))];
@@ -95,8 +96,8 @@ void EdgeWriter::save_pipeline_state(const Instruction* end) {
     a_.mov(straight_pipeline, rdx);
     return;
   }
-  // The pipeline state has two instructions. A block of one instruction also needs the instruction before the block. In
-  // the first block of a run, that instruction is in Execution::pipeline.
+  // The state of the pipeline consists of two instructions. If the block has only one instruction, the instruction
+  // before the block is needed, too. In the first block of a run, that instruction is in Execution::pipeline.
   Label straight;
   a_.mov(rdx, straight_pipeline);
   a_.test(rdx, rdx);
@@ -113,7 +114,7 @@ void EdgeWriter::save_pipeline_state(const Instruction* end) {
   a_.mov(straight_pipeline, rdx);
 }
 
-/// Clears the stored state before a jump to a node.
+/// Writes code that clears the stored state before a jump to a node.
 void EdgeWriter::clear_pipeline_state() {
   a_.mov(qword[rbx + static_cast<int>(offsetof(Execution, host.straight_pipeline))], 0);
 }
