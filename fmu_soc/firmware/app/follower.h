@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pilot of the paper (examples/paper). It flies to the gate with the network's yaw and the policy's speed, until
-// the input flight.gate_crossed reports that the gate is crossed. Then it flies a little farther, so that the drone
-// does not land on the gate.
+// Implements the pilot of the paper (examples/paper). The drone flies to the gate with the network's yaw and the
+// policy's speed, until the input flight.gate_crossed reports that the gate is crossed. Then it flies a little farther,
+// so that it does not land on the gate.
 #pragma once
 
 #include <stdbool.h>
@@ -17,7 +17,7 @@ extern "C" {
 // follower_init() sets all fields. The caller may only read `phase`.
 typedef struct {
   pilot_phase_t phase;  // PILOT_APPROACH, PILOT_THROUGH, PILOT_DONE
-  int32_t behind_um;    // flown since the gate was crossed
+  int32_t behind_um;    // distance flown since the gate was crossed
   policy_t policy;
   int32_t yaw_rate_scale_urad_s;
 } follower_t;
@@ -25,8 +25,8 @@ typedef struct {
 // Starts in PILOT_APPROACH with a copy of the policy. `yaw_rate_scale_urad_s` is the yaw rate at network output 127.
 void follower_init(follower_t* follower, const policy_t* policy, int32_t yaw_rate_scale_urad_s);
 
-// Processes one picture. `yaw` is the network's output. `crossed` is true after the gate is crossed. The velocity is
-// along the heading, and the time is since the last call.
+// Processes one picture. `yaw` is the network's output. `crossed` must be true after the gate was crossed. The velocity
+// is along the heading. `elapsed_us` is the time since the last call.
 pilot_command_t follower_step(follower_t* follower, int8_t yaw, bool crossed, int32_t forward_velocity_um_s,
                               int32_t elapsed_us);
 

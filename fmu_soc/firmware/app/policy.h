@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The two speed policies of the paper (examples/paper).
+// Implements the two speed policies of the paper (examples/paper).
 #pragma once
 
 #include <stdbool.h>
@@ -9,7 +9,7 @@
 extern "C" {
 #endif
 
-// The paper averages the last ten outputs of its network.
+// Number of network outputs over which the paper averages.
 #define POLICY_WINDOW 10
 
 // policy_init() sets all fields. All fields are private.
@@ -22,10 +22,10 @@ typedef struct {
   int next;   // index of the next output
 } policy_t;
 
-// The constant policy always returns the cruise speed. The adaptive policy returns the cruise speed while the magnitude
-// of the mean of the last ten outputs is at most 0.3. While the mean is larger, each output reduces the speed by 0.05
-// km/h, down to 0. The first speed is `first_um_s`. The cruise speed is 1 km/h in the paper, and by default also in a
-// mission. While there are fewer than ten outputs, the mean is that of all outputs.
+// Initialises a policy. The constant policy always returns the cruise speed. The adaptive policy returns the cruise
+// speed while the magnitude of the mean of the last ten outputs is at most 0.3. While the mean is larger, each output
+// reduces the speed by 0.05 km/h, down to 0. The first speed is `first_um_s`. The cruise speed is 1 km/h in the paper,
+// and by default also in a mission. While there are fewer than ten outputs, the mean is that of all outputs.
 void policy_init(policy_t* policy, bool adaptive, int32_t cruise_um_s, int32_t first_um_s);
 
 // Adds the navigator's next yaw output (127 = 1), and returns the speed [um/s].

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Outputs of the sight network, as defined in examples/paper/training/sight.py.
+// Declares the outputs of the sight network, which examples/paper/training/sight.py defines.
 #pragma once
 
 #include <stdint.h>
@@ -8,17 +8,17 @@
 extern "C" {
 #endif
 
-// All values are in 127ths. If the picture could not be processed, visible is -127.
+// All values are in 127ths. If the picture could not be processed, `visible` is -127.
 typedef struct {
-  int8_t yaw;      // middle of the opening: distance to the left of the picture's middle / half the picture's width
-  int8_t rise;     // middle of the opening: distance above the picture's middle / half the picture's height
-  int8_t size;     // half the frame's edge / half the picture's width / SIGHT_MOST_SIZE
-  int8_t visible;  // above 0: there is a gate
+  int8_t yaw;      // distance of the opening's middle to the left of the picture's middle / half the picture's width
+  int8_t rise;     // distance of the opening's middle above the picture's middle / half the picture's height
+  int8_t size;     // half the frame's edge in the picture / half the picture's width / SIGHT_MOST_SIZE
+  int8_t visible;  // above 0: a gate is in the picture
 } sight_t;
 
 #define SIGHT_MOST_SIZE 2
 
-// Processes one picture of 8-bit grey pixels, row by row from the top left. Keeps no state between calls.
+// Processes one picture of 8-bit grey pixels, row by row from the top left. Stores nothing between two calls.
 sight_t cluster_sight(const uint8_t* frame, int width, int height);
 
 #ifdef __cplusplus

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Steers through a gate with the outputs of the sight network. The drone turns and climbs towards the middle of the
 // opening until the frame leaves the picture. Then it keeps heading and altitude. If no gate is in view, it turns until
-// a gate is seen. No signal reports that the gate is crossed, so the drone flies the gate's greatest distance plus half
-// a metre.
+// a gate is in view. No signal reports that the gate is crossed. Therefore the drone flies the greatest possible
+// distance of the gate plus half a metre.
 #pragma once
 
 #include <stdbool.h>
@@ -19,18 +19,18 @@ extern "C" {
 typedef struct {
   int32_t velocity_um_s;    // forward
   int32_t yaw_rate_urad_s;  // positive = left
-  int32_t altitude_um;      // above ground
+  int32_t altitude_um;      // above the ground
 } traverser_command_t;
 
-// State of the drone at a picture.
+// Describes the state of the drone when a picture was taken.
 typedef struct {
   int32_t forward_velocity_um_s;
   int32_t altitude_um;  // measured
-  int32_t elapsed_us;   // since the picture before
+  int32_t elapsed_us;   // time since the previous picture
   int32_t yaw_urad;     // heading; not limited to one turn
 } traverser_state_t;
 
-// Number of stored sizes. A size is stored each time the drone has flown this distance [um].
+// Number of stored sizes, and the distance that the drone flies from one stored size to the next [um].
 #define TRAVERSER_MARKS 3
 #define TRAVERSER_MARK_UM 250000
 
@@ -40,9 +40,9 @@ typedef struct {
 typedef enum {
   TRAVERSER_SEARCH,     // hover and turn until a gate is seen
   TRAVERSER_APPROACH,   // fly to the gate
-  TRAVERSER_THROUGH,    // straight on through it
-  TRAVERSER_ELSEWHERE,  // fly straight, back or ahead, to the place of the next search
-  TRAVERSER_DONE        // after the last gate
+  TRAVERSER_THROUGH,    // fly straight on through the gate
+  TRAVERSER_ELSEWHERE,  // fly straight, backwards or forwards, to the place of the next search
+  TRAVERSER_DONE        // the last gate is crossed
 } traverser_phase_t;
 
 // traverser_init() sets all fields. The caller may only read `phase`.
@@ -50,36 +50,37 @@ typedef struct {
   traverser_phase_t phase;
   policy_t policy;
   int32_t yaw_rate_scale_urad_s;
-  int32_t start_altitude_um;  // of the mission
-  int32_t altitude_um;        // of the gate's middle
+  int32_t start_altitude_um;  // altitude of the mission
+  int32_t altitude_um;        // altitude of the gate's middle
   int32_t size_q8;            // mean of the last sizes, in 127ths of SIGHT_MOST_SIZE
-  int32_t most_q8;            // greatest mean of this approach, after the first marks
-  int32_t most_at_um;         // flown distance at that time
-  bool came_nearer;           // true if the distance had then decreased as for a gate
-  int32_t evidence;           // for a gate: 127ths of `visible` times ms
-  int32_t unseen_us;          // since the last picture with a gate
-  int32_t stalled_us;         // since the drone last followed its command
-  int32_t left_um;  // distance to fly straight, after the frame left the picture or the search ended; negative: back
+  int32_t most_q8;            // greatest value of size_q8 in this approach, after the first marks
+  int32_t most_at_um;         // flown distance at the greatest value
+  bool came_nearer;           // true if the distance to the gate had then decreased as expected
+  int32_t evidence;           // evidence for a gate: integral of `visible` in 127ths over time [ms]
+  int32_t unseen_us;          // time since the last picture with a gate
+  int32_t stalled_us;         // time since the drone last followed its command
+  // Distance to fly straight, after the frame left the picture or the search ended; negative = backwards.
+  int32_t left_um;
   int32_t ordered_um_s;                         // velocity of the last command
-  int32_t flown_um;                             // forwards, since the last search
+  int32_t flown_um;                             // distance flown forwards since the last search
   int32_t way_urad;                             // heading at the last mark, before an object can turn the drone
-  int32_t marks;                                // passed in that direction
+  int32_t marks;                                // number of marks passed in that direction
   int32_t marked_q8[TRAVERSER_MARKS];           // sizes at the last marks, the latest first
   int32_t dead_ends_urad[TRAVERSER_DEAD_ENDS];  // headings that led against an object
   int dead_ends;
-  int kept_dead_ends;   // the first ones are kept: back through the gate before
-  int32_t turned_urad;  // by this search; left is positive
-  int32_t yaw_urad;     // at the last picture
+  int kept_dead_ends;   // number of first headings that are never removed; they lead back through the previous gate
+  int32_t turned_urad;  // angle turned in this search; positive = left
+  int32_t yaw_urad;     // heading at the last picture
   int gates;            // gates left to fly through
-  int8_t last_yaw;      // direction of the gate of the last approach
+  int8_t last_yaw;      // yaw output of the last approach; its sign is the direction of the gate
 } traverser_t;
 
-// Starts in TRAVERSER_SEARCH at the heading `yaw_urad` with a copy of the policy. `yaw_rate_scale` is the yaw rate at
-// output 127.
+// Starts in TRAVERSER_SEARCH at the heading `yaw_urad` with a copy of the policy. `yaw_rate_scale_urad_s` is the yaw
+// rate at output 127. `gates` is the number of gates to fly through.
 void traverser_init(traverser_t* traverser, const policy_t* policy, int32_t yaw_rate_scale_urad_s, int32_t altitude_um,
                     int32_t yaw_urad, int gates);
 
-// Processes one picture.
+// Processes the network's outputs for one picture, and returns the next command.
 traverser_command_t traverser_step(traverser_t* traverser, const sight_t* sight, const traverser_state_t* state);
 
 #ifdef __cplusplus

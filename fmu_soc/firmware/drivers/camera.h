@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Himax HM01B0 with the chip's camera device: requests a picture, and sleeps until the picture is in memory. There are
-// two buffers: one picture is exposed and read out while the program works on the previous picture.
+// Drives the chip's camera device with a Himax HM01B0: requests a picture, and sleeps until the picture is in memory.
+// There are two buffers: while the program works on one picture, the next picture is exposed and read out.
 #pragma once
 
 #include <stdbool.h>
@@ -11,16 +11,17 @@ extern "C" {
 #endif
 
 typedef enum {
-  PICTURE_TAKEN,    // a new picture is in the buffer
-  PICTURE_REFUSED,  // the device refused: buffer too small or not in L2, or requested while busy
-  PICTURE_LATE      // no picture before the deadline
+  PICTURE_TAKEN,  // a new picture is in the buffer
+  // The device has refused the request: the buffer is too small or not in L2, or the device was busy.
+  PICTURE_REFUSED,
+  PICTURE_LATE  // no picture has arrived before the deadline
 } camera_result_t;
 
 typedef struct {
-  const uint8_t* pixels;  // grey, row by row from the top left
+  const uint8_t* pixels;  // grey levels, row by row from the top left
   int width;              // [px]
   int height;             // [px]
-  uint32_t id;            // count of the picture
+  uint32_t id;            // number of the picture
 } picture_t;
 
 // Attaches the interrupt. Must be called once, with interrupts off.
@@ -31,7 +32,7 @@ void camera_init(void);
 bool camera_ask(void);
 
 // Sleeps until the requested picture has arrived, or until `deadline_ns`. At the deadline, the request stays open. Uses
-// the timer's alarm. The pixels stay valid while the next picture is requested and taken, and become invalid at the
+// the timer's alarm. The pixels stay valid while the next picture is requested and received. They become invalid at the
 // request after that.
 camera_result_t camera_wait(picture_t* picture, int64_t deadline_ns);
 

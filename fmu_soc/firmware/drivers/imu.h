@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// IMU with FIFO and interrupt.
+// Drives an IMU that has a FIFO and an interrupt.
 #pragma once
 
 #include <stdbool.h>
@@ -8,12 +8,12 @@
 #include "flight/controller.h"
 
 typedef struct {
-  uint32_t time_us;              // since reset
+  uint32_t time_us;              // time since reset
   flight_vector_t acceleration;  // specific force [m/s2]
   flight_vector_t rate;          // [rad/s]
 } imu_sample_t;
 
 // Starts measurements with a period of `period_us`. Must be called once, with interrupts off.
 void imu_init(uint32_t period_us);
-// Sleeps until the FIFO has a sample, and removes the oldest one. Returns the number of samples that remain.
+// Sleeps until the FIFO contains a sample, and removes the oldest one. Returns the number of samples that remain.
 unsigned imu_wait(imu_sample_t* sample);

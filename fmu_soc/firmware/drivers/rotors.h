@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// PWM outputs to the motors.
+// Sets the PWM outputs to the motors.
 #pragma once
 
 #include <stdint.h>
 
 #include "board.h"
 
-// Ticks of a period, as on a Crazyflie with brushed motors: 8 bits at 328 kHz.
+// Number of ticks in a period, as on a Crazyflie with brushed motors: 8 bits at 328 kHz.
 #define ROTOR_TICKS 256
 
 static inline void rotors_init(void) {
@@ -14,7 +14,7 @@ static inline void rotors_init(void) {
 }
 
 static inline uint32_t rotor_ticks(float share) {
-  const float limited = share >= 1.0F ? 1.0F : share > 0.0F ? share : 0.0F;  // NaN is 0
+  const float limited = share >= 1.0F ? 1.0F : share > 0.0F ? share : 0.0F;  // NaN becomes 0
   return (uint32_t)(limited * (float)ROTOR_TICKS + 0.5F);
 }
 

@@ -3,10 +3,10 @@
 
 #include <stdint.h>
 
-// Set-points for the flight controller.
+// Contains the set-points for the flight controller.
 typedef struct {
   uint32_t mode;            // FLIGHT_MODE_...
   int32_t velocity_x_um_s;  // forward
   int32_t yaw_rate_urad_s;  // positive = left
-  int32_t altitude_um;      // above ground
+  int32_t altitude_um;      // above the ground
 } setpoint_t;

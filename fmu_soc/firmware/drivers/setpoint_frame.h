@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Set-points as a frame of bytes, for a line that may lose or garble bytes:
+// Encodes set-points as a frame of bytes, for a line that may lose or garble bytes:
 //
 //   mark 0xA5, number, mode, forward velocity, yaw rate, altitude, checksum
 //
@@ -21,19 +21,19 @@ extern "C" {
 
 void setpoint_frame_write(const setpoint_t* setpoint, uint8_t number, uint8_t frame[SETPOINT_FRAME_BYTES]);
 
-// Finds frames among received bytes. All fields must be zero at the start.
+// Finds valid frames among received bytes. All fields must be zero at the start.
 typedef struct {
-  uint8_t bytes[SETPOINT_FRAME_BYTES];  // from a mark on
+  uint8_t bytes[SETPOINT_FRAME_BYTES];  // received bytes, starting with a mark
   unsigned count;
   uint32_t frames;      // valid frames
-  uint32_t lost;        // frames that are missing between two valid ones, by their numbers
-  uint8_t next_number;  // of the frame after the last valid one
+  uint32_t lost;        // number of missing frames, counted by the numbers of valid frames
+  uint8_t next_number;  // expected number of the next frame
 } setpoint_reader_t;
 
 // Processes a received byte. If this byte completes a valid frame, sets `setpoint` and returns true.
 bool setpoint_reader_take(setpoint_reader_t* reader, uint8_t byte, setpoint_t* setpoint);
 
-// Returns the checksum of CRC-16/CCITT-FALSE.
+// Returns the CRC-16/CCITT-FALSE of the bytes.
 uint16_t setpoint_frame_checksum(const uint8_t* bytes, unsigned count);
 
 #ifdef __cplusplus

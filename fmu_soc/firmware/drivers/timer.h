@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Nanosecond timer: present time, and sleep until a time.
+// Drives the nanosecond timer: reads the present time, and sleeps until a time.
 #pragma once
 
 #include <stdbool.h>
@@ -18,10 +18,10 @@ void timer_init(void);
 // Returns the time since reset [ns].
 int64_t timer_now_ns(void);
 
-// Sets the timer's interrupt for `time_ns`; if that time is past, the interrupt comes at once.
+// Sets the timer's interrupt to `time_ns`. If that time has already passed, the interrupt is raised at once.
 void timer_set_alarm(int64_t time_ns);
 
-// True if the time of the last alarm is past.
+// True if the time of the last alarm has passed.
 bool timer_alarm_came(void);
 
 // Sleeps until `time_ns`.

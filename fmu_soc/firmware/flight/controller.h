@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The interface of a flight controller. To write your own controller, define the two functions at the end of this file
-// in a C file. The rest of the firmware (main.c) reads the sensors, estimates the state, follows the set-points and
-// sets the rotors.
+// Declares the interface of a flight controller. To write your own controller, define the two functions at the end of
+// this file in a C file. The rest of the firmware (main.c) reads the sensors, estimates the state, follows the
+// set-points and sets the rotors.
 //
 // Frames: the world's x axis is the drone's heading at the start. The y axis points left, and the z axis points up. The
 // origin is on the ground where the drone started. The body has x forward, y left, z up. Angles are right-handed: roll
@@ -16,7 +16,7 @@ extern "C" {
 #endif
 
 #define ROTORS 4
-// The period of the loop [s] and [ms].
+// Period of the loop [s] and [ms].
 #define LOOP_PERIOD_S 0.001F
 #define LOOP_PERIOD_MS 1
 
@@ -26,9 +26,9 @@ typedef struct {
   float z;
 } flight_vector_t;
 
-// The estimated state.
+// Contains the estimated state.
 typedef struct {
-  uint32_t tick;             // loops since the start
+  uint32_t tick;             // number of loops since the start
   flight_vector_t position;  // [m]
   flight_vector_t velocity;  // [m/s], world frame
   float roll;                // [rad]
@@ -38,7 +38,7 @@ typedef struct {
   flight_vector_t acceleration;  // specific force in the body frame [m/s2]
 } flight_state_t;
 
-// The wanted state: a point that moves with the set-points.
+// Contains the desired state, which moves with the set-points.
 typedef struct {
   flight_vector_t position;  // [m]
   flight_vector_t velocity;  // [m/s], world frame

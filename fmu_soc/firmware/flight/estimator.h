@@ -8,8 +8,9 @@
 #include "flight/controller.h"
 
 void estimator_init(void);
-// Advances by one sample of the IMU. `flying` is false while the drone stands with its motors off.
+// Advances the estimate by one sample of the IMU. `flying` must be false while the drone is on the ground with its
+// motors off.
 void estimator_update(const imu_sample_t* sample, bool flying);
 const flight_state_t* estimator_state(void);
-// The last reading of the range sensor [m].
+// Returns the last reading of the range sensor [m].
 float estimator_range(void);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parts of kernels that several networks share: dot products of two output positions with four channels, and conversion
-// of sums to bytes.
+// Defines parts of kernels that several networks share: dot products for two output positions and four channels, and
+// the conversion of sums to bytes.
 #pragma once
 
 #include "runtime/xpulp.h"
@@ -21,7 +21,7 @@
       : [n] "r"(words)                                                                                           \
       : "t0", "t1", "t2", "t3", "t4", "t5", "memory")
 
-// Adds dot products like ROW_OF_PATCH, but only for the first output position (p0).
+// Adds dot products as ROW_OF_PATCH does, but only for the first output position (p0).
 #define ROW_OF_ONE_PATCH                                                                                             \
   __asm__ volatile(XPULP_LOOP("x0", "%[n]", "9") XPULP_LW_POST("t4", "4", "%[p0]") XPULP_LW_POST("t0", "4", "%[w0]") \
                        XPULP_LW_POST("t1", "4", "%[w1]") XPULP_LW_POST("t2", "4", "%[w2]")                           \

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Functions for a network whose weights are in HyperRAM.
+// Loads the weights of a network from HyperRAM.
 #pragma once
 
 #include "kernels/layer.h"

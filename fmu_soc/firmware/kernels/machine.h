@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Functions of the machine that the layers need: barrier and DMA of the cluster. On another machine, copies are
+// Declares what the layers need of the machine: barrier and DMA of the cluster. On another machine, copies are
 // immediate, and one core computes everything.
 #pragma once
 

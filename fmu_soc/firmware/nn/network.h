@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shape and weights of a network, and the arithmetic of all kernels. shape.h selects one of two networks. The navigator
-// network is Stargate's network with only the camera as input. The sight network has twice as many channels in its
-// first layers.
+// Defines the shape and the weights of a network, and the arithmetic of all kernels. shape.h selects one of two
+// networks. The navigator network is Stargate's network with only the camera as input. The sight network has twice as
+// many channels in its first layers.
 //
 //   picture 168x168x1 (int8) -> 5x5/2, 4 or 8 channels -> largest of 2x2 -> [3x3/2, 3x3] 4 or 8 -> [3x3/2, 3x3] 16
 //                            -> [3x3/2, 3x3] 32 -> dense 1152 -> 1 or 4
@@ -29,31 +29,32 @@ extern "C" {
 typedef struct {
   uint8_t in_edge;
   uint8_t in_channels;
-  uint8_t out_edge;  // before pooling
+  uint8_t out_edge;  // edge before pooling
   uint8_t out_channels;
   uint8_t kernel;
   uint8_t stride;
 } nn_shape_t;
 
-// The convolutions. The output of the first convolution is pooled: maximum of each 2 x 2 positions.
+// Shapes of the convolutions. The output of the first convolution is pooled: maximum of each 2 x 2 positions.
 extern const nn_shape_t nn_shapes[NN_CONVOLUTIONS];
 #define NN_POOLED_EDGE 42
 #define NN_FEATURES (6 * 6 * NN_CHANNELS_FOURTH)
 
 typedef struct {
-  const int32_t* biases;  // one per output channel
-  const uint8_t* shifts;  // 1..15
-  const int8_t* weights;  // output channel, row, column, input channel
+  const int32_t* biases;  // one for each output channel
+  const uint8_t* shifts;  // one for each output channel, from 1 to 15
+  const int8_t* weights;  // sorted by output channel, row, column, input channel
 } nn_layer_t;
 
-// Returns layer 0 .. NN_CONVOLUTIONS - 1, or the dense layer for NN_CONVOLUTIONS. Each part is aligned to a word.
+// Returns the parameters of layer 0 to NN_CONVOLUTIONS - 1. NN_CONVOLUTIONS means the dense layer. Each part is aligned
+// to a word.
 nn_layer_t nn_layer(int index);
 
-// Returns the hash of a tensor's bytes in their order (FNV-1a, 32 bits), to compare layers of different machines.
+// Returns the hash of a tensor's bytes in their order (FNV-1a, 32 bits). It serves to compare layers between machines.
 uint32_t nn_checksum(const void* bytes, int count, uint32_t hash);
 #define NN_CHECKSUM_START 2166136261U
 
-// Outputs of all convolutions; the output of the first convolution is pooled.
+// Stores the outputs of all convolutions. The output of the first convolution is pooled.
 typedef struct {
   uint8_t pooled[NN_POOLED_EDGE * NN_POOLED_EDGE * NN_CHANNELS_FIRST];
   uint8_t second[21 * 21 * NN_CHANNELS_SECOND];
@@ -64,8 +65,8 @@ typedef struct {
   uint8_t seventh[NN_FEATURES];
 } nn_activations_t;
 
-// The outputs of the network. Each is in [-127, 127], where 127 means 1. If there is only one output, the type is a
-// number instead of a struct.
+// Contains the outputs of the network. Each is in [-127, 127], where 127 means 1. If there is only one output, the type
+// is a number instead of a struct.
 #if NN_OUTPUTS == 1
 typedef int8_t nn_output_t;
 #define NN_OUTPUT(output, index) (output)
@@ -81,7 +82,7 @@ typedef struct {
   }
 #endif
 
-// Computes the whole network in plain C on one core. Fills `activations`.
+// Computes the whole network in plain C on one core. Stores the outputs of the layers in `activations`.
 nn_output_t nn_plain_infer(const int8_t picture[NN_PICTURE_BYTES], nn_activations_t* activations);
 
 #ifdef __cplusplus

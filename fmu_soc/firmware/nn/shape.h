@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Selects the network for which this folder is compiled: the navigator, or with NN_SIGHT the sight network. Both have
-// the same layers, but different numbers of channels and outputs.
+// Selects the network for which this folder is compiled: the navigator network or, with NN_SIGHT, the sight network.
+// Both have the same layers, but different numbers of channels and outputs.
 #pragma once
 
 #ifdef NN_SIGHT
 #define NN_CHANNELS_FIRST 8
 #define NN_CHANNELS_SECOND 8
-#define NN_OUTPUTS 4  // yaw, rise, size, visible: app/sight.h
+#define NN_OUTPUTS 4  // yaw, rise, size and visible; see app/sight.h
 #else
 #define NN_CHANNELS_FIRST 4
 #define NN_CHANNELS_SECOND 4

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reduces the camera's picture to the size of the network's input: 168 x 168 pixels, each the rounded mean of 2 x 2
-// pixels, minus 128. The source pixels are spread evenly from edge to edge. In a picture of 320 pixels, they are 40/21
-// pixels apart.
+// Reduces the camera's picture to the size of the network's input. Each of its 168 x 168 pixels is the rounded mean of
+// 2 x 2 camera pixels, minus 128. The camera pixels are spread evenly from edge to edge. In a picture of 320 pixels,
+// they are 40/21 pixels apart.
 #pragma once
 
 #include <stdint.h>

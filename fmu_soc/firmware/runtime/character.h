@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints print()'s characters. This file is for boards with MEbots' console.
+// Prints the characters of print(). This file is for boards with MEbots' console.
 #pragma once
 
 #include <stdint.h>

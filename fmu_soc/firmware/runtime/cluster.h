@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The cluster: up to eight cores, their shared memory L1, and the DMA between L1 and L2.
+// Controls the cluster: up to eight cores, their shared memory L1, and the DMA between L1 and L2.
 //
 //   cluster_on();
 //   cluster_fork(work, 8, &job);   // void work(void* job), on each core
@@ -16,28 +16,29 @@
 extern "C" {
 #endif
 
-// An uninitialised object in L1. It exists only while the cluster is on.
+// Places an uninitialised object in L1. The object exists only while the cluster is on.
 #define CLUSTER_L1 __attribute__((section(".l1")))
 
 typedef void (*cluster_entry_t)(void* argument);
 
-// Functions for the fabric controller.
+// Functions that only the fabric controller may call.
 
-// Switches the cluster on; its cores wait for work. Returns 0, or -1 if the chip has no cluster.
+// Switches the cluster on. Its cores then wait for work. Returns 0, or -1 if the chip has no cluster.
 int cluster_on(void);
-// Switches the cluster off. Unfinished work is lost.
+// Switches the cluster off. Work that is not complete is lost.
 void cluster_off(void);
-// Sets the clock of the cluster [Hz]. Returns 0, or -1 without effect if the chip's voltage does not allow it.
+// Sets the clock of the cluster [Hz]. If the chip's voltage does not allow this clock, returns -1 without effect.
+// Otherwise returns 0.
 int cluster_clock_set(uint32_t hz);
-// Returns the number of the cluster's cores.
+// Returns the number of cores in the cluster.
 unsigned cluster_core_count(void);
-// Calls entry(argument) on cores 0 to cores - 1, and returns at once. Returns 0, or -1 if there are fewer cores or if
-// some are still working.
+// Calls entry(argument) on cores 0 to cores - 1, and returns at once. Returns 0, or -1 if the cluster has fewer cores
+// or some of them are still working.
 int cluster_fork(cluster_entry_t entry, unsigned cores, void* argument);
 // Sleeps until all cores of the fork have returned.
 void cluster_wait(void);
 
-// Functions for the cluster's cores.
+// Functions that the cluster's cores call.
 
 // Returns the number of the core, 0 to 7.
 static inline unsigned cluster_core_id(void) {
@@ -51,20 +52,21 @@ static inline void cluster_barrier(void) {
   event_load(BARRIER_ADDRESS);
 }
 
-// DMA functions for the fabric controller and for the cluster's cores. A copy runs in parallel to the cores, after all
-// earlier copies. The result is the number of the copy, which is the argument of dma_wait(). The core that started the
-// copy must call dma_wait() exactly once. If 16 copies run, the next start waits for the end of one copy. With GAP8's
-// own DMA, at most 16 copies of all cores may be unfinished. If there are more, the program may stop. A copy there has
-// at most 65535 bytes. For invalid addresses or sizes, the result is DMA_REFUSED, and dma_wait() returns at once.
+// Functions of the DMA, for the fabric controller and for the cluster's cores. A copy runs in parallel to the cores,
+// after all earlier copies. The result is the number of the copy, which must be passed to dma_wait(). The core that
+// started the copy must call dma_wait() exactly once. If 16 copies are running, the next start waits for the end of one
+// of them. With GAP8's own DMA, at most 16 copies of all cores together may be unfinished; otherwise the program may
+// stop. A copy there has at most 65535 bytes. For invalid addresses or sizes, the result is DMA_REFUSED, and dma_wait()
+// returns at once.
 #define DMA_REFUSED 0xffffffffu
 
 uint32_t dma_copy_in(void* l1, const void* l2, uint32_t bytes);
 uint32_t dma_copy_out(void* l2, const void* l1, uint32_t bytes);
-// Copy rows of `row` bytes. The rows are `stride` bytes apart in L2, and contiguous in L1. `bytes` is the size of all
-// rows.
+// Copy rows of `row` bytes. The rows are `stride` bytes apart in L2, and contiguous in L1. `bytes` is the total size of
+// all rows.
 uint32_t dma_copy_in_2d(void* l1, const void* l2, uint32_t bytes, uint32_t row, uint32_t stride);
 uint32_t dma_copy_out_2d(void* l2, const void* l1, uint32_t bytes, uint32_t row, uint32_t stride);
-// Sleeps until the copy has ended.
+// Sleeps until the copy `copy` has ended.
 void dma_wait(uint32_t copy);
 
 #ifdef __cplusplus

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fabric controller's clock, sleep and end, which differ between chips. This file is for boards with MEbots' power
-// manager.
+// Controls the fabric controller's clock, sleep and end, which differ between chips. This file is for boards with
+// MEbots' power manager.
 #pragma once
 
 #include <stdint.h>
@@ -11,7 +11,7 @@
 extern "C" {
 #endif
 
-// Returns the present clock [Hz].
+// Returns the present clock frequency [Hz].
 static inline uint32_t core_clock_hz(void) {
   return POWER_MANAGER_CLOCK_HZ;
 }
@@ -19,7 +19,7 @@ static inline void core_clock_set(uint32_t hz) {
   POWER_MANAGER_CLOCK_HZ = hz;
 }
 
-// Enables interrupt `number`: it ends a sleep, and is taken if interrupts are on.
+// Enables interrupt `number`. An enabled interrupt ends a sleep. If interrupts are on, its handler is called.
 static inline void core_enable_interrupt(unsigned number) {
   const uint32_t bit = UINT32_C(1) << number;
   __asm__ volatile("csrs mie, %0" ::"r"(bit) : "memory");
@@ -30,7 +30,7 @@ static inline void core_sleep(void) {
   __asm__ volatile("wfi" ::: "memory");
 }
 
-// Ends the program.
+// Ends the program with an exit code.
 static inline void core_end(int code) {
   POWER_MANAGER_EXIT = (uint32_t)code;
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Interrupts and sleep of the fabric controller.
+// Controls interrupts and sleep of the fabric controller.
 //
-// An interrupt handler only stores a note of the event. The main program does the work after its sleep. To lose no
-// wake-up, the main program switches interrupts off, checks the note, and sleeps. A pending interrupt ends the sleep
+// An interrupt handler should only store a note of the event. The main program does the work after its sleep. To lose
+// no wake-up, the main program switches interrupts off, checks the note, and sleeps. A pending interrupt ends the sleep
 // even with interrupts off. Then the program switches interrupts on briefly, so that the handler runs, and checks the
 // note again.
 #pragma once
@@ -13,10 +13,10 @@
 extern "C" {
 #endif
 
-// A handler runs with interrupts off. It must clear its device's request.
+// Handles an interrupt. A handler runs with interrupts off, and must clear the request of its device.
 typedef void (*interrupt_handler_t)(void);
 
-// Sets the handler of interrupt `number` (bit of mie and mip, below 32), and enables the interrupt.
+// Sets the handler of interrupt `number` and enables the interrupt. The number is the bit in mie and mip, below 32.
 void interrupt_attach(unsigned number, interrupt_handler_t handler);
 
 static inline void interrupts_off(void) {
@@ -26,13 +26,14 @@ static inline void interrupts_on(void) {
   __asm__ volatile("csrsi mstatus, 8" ::: "memory");
 }
 
-// Sets the clock of the core during a sleep [Hz]. If this clock is not below the core's present clock, or was never
-// set, the clock does not change.
+// Sets the core's clock during a sleep [Hz]. If this clock is not lower than the core's present clock, or if it was
+// never set, a sleep does not change the clock.
 void sleep_clock_set(uint32_t hz);
-// Sets the clock of a sleep if it is lower than the present clock. Returns the clock before this call [Hz].
+// Sets the clock for a sleep if it is lower than the present clock. Returns the clock before this call [Hz].
 uint32_t sleep_clock_lower(void);
 
-// Sleeps until an attached interrupt is pending, then runs its handler. Interrupts must be off, and are off at return.
+// Sleeps until an attached interrupt is pending, and then runs its handler. Interrupts must be off at the call, and are
+// off at return.
 void sleep_until_interrupt(void);
 
 #ifdef __cplusplus

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sends print()'s characters. This file is for GAP8's UART, which sends a line at a time.
+// Sends the characters of print(). This file is for GAP8's UART, which sends a line at a time.
 #pragma once
 
 #include "runtime/uart.h"

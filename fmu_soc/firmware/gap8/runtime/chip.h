@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// GAP8's clocks and voltage. After the start, they have the same values as boards without GAP8's power unit.
+// Sets GAP8's clocks and voltage. After the start, they have the same values as on boards without GAP8's power unit.
 #pragma once
 
 #include <stdint.h>
 
 #include "board.h"
 
-// Clocks of the fabric controller and the cluster at the start of the program [Hz]: those of the mission, if the board
-// has a mission device.
+// Clocks of the fabric controller and the cluster at the start of the program [Hz]. If the board has a mission device,
+// the mission determines them.
 #ifdef MISSION_BASE
 #define START_CLOCK_HZ MISSION_CORE_CLOCK
 #define START_CLUSTER_CLOCK_HZ MISSION_CLUSTER_CLOCK
@@ -18,10 +18,10 @@
 
 enum { LOOP_SOC, LOOP_CLUSTER };
 
-// Must be called before main(): sets clocks, time, interrupts of the SoC, console.
+// Sets clocks, time, interrupts of the SoC and the console. Must be called before main().
 void chip_start(void);
 
-// Returns the frequency of a loop [Hz].
+// Returns the output frequency of a loop [Hz].
 uint32_t loop_hz(unsigned loop);
 // Sets a loop to the nearest possible frequency not above `hz`. Returns 0, or -1 if the chip's voltage does not allow
 // this frequency.

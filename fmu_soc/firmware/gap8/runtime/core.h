@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fabric controller's clock, sleep and end, which differ between chips. This file is for GAP8's frequency-locked
-// loops, event unit and SoC control.
+// Controls the fabric controller's clock, sleep and end, which differ between chips. This file is for GAP8's
+// frequency-locked loops, event unit and SoC control.
 #pragma once
 
 #include <stdint.h>
@@ -12,14 +12,14 @@
 extern "C" {
 #endif
 
-// Returns the present clock [Hz].
+// Returns the present clock frequency [Hz].
 uint32_t core_clock_hz(void);
-// Sets the loop to the nearest possible frequency. While a peripheral sends at a bit rate that comes from this clock, a
-// lower frequency is ignored. The interrupt at the end of the transfer wakes the core. The end of the last byte raises
-// no interrupt, so the clock stays unchanged until the next sleep.
+// Sets the loop to the nearest possible frequency. If a peripheral is sending at a bit rate that is derived from this
+// clock, ignores a lower frequency. The interrupt at the end of the transfer wakes the core. The end of the last byte
+// raises no interrupt, so that the clock stays unchanged until the next sleep.
 void core_clock_set(uint32_t hz);
 
-// Enables interrupt `number`. An enabled interrupt ends a sleep, and is taken if interrupts are on.
+// Enables interrupt `number`. An enabled interrupt ends a sleep. If interrupts are on, its handler is called.
 static inline void core_enable_interrupt(unsigned number) {
   const uint32_t bit = UINT32_C(1) << number;
   store(EU_BASE + EU_MASK_OR_OFFSET, bit);
@@ -31,7 +31,7 @@ static inline void core_sleep(void) {
   event_load(EU_BASE + EU_WAIT_OFFSET);
 }
 
-// Sleeps until event `event` of the fabric controller is pending, and clears this event. Other events stay pending.
+// Sleeps until the fabric controller's event `event` is pending, and clears this event. Other events stay pending.
 static inline void core_sleep_until(unsigned event) {
   const uint32_t mask = load(EU_BASE + EU_MASK_OFFSET);
   store(EU_BASE + EU_MASK_OFFSET, UINT32_C(1) << event);
@@ -39,7 +39,7 @@ static inline void core_sleep_until(unsigned event) {
   store(EU_BASE + EU_MASK_OFFSET, mask);
 }
 
-// Ends the program.
+// Ends the program with an exit code.
 void core_end(int code);
 
 #ifdef __cplusplus

@@ -113,7 +113,7 @@ static inline uint32_t load(uint32_t address) {
   return *register_at(address);
 }
 
-// Starts a transfer of a channel of the uDMA.
+// Starts a transfer on a channel of the uDMA.
 static inline void udma_start(uint32_t channel, const volatile void* memory, uint32_t bytes) {
   store(UDMA_BASE + channel + UDMA_ADDRESS_OFFSET, (uint32_t)(uintptr_t)memory);
   store(UDMA_BASE + channel + UDMA_SIZE_OFFSET, bytes);
