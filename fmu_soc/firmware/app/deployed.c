@@ -10,17 +10,18 @@
 #error "the camera's pictures are grey; the network needs colours"
 #endif
 
-// Widest picture of the cameras.
+// Width of the widest camera picture [px].
 #define MOST_COLUMNS 324
 #define CORES 8
 #define SOURCE_BYTES (2 * MOST_COLUMNS)
 #define STRIPES ((NETWORK_ROWS + CORES - 1) / CORES)
 
-// There are two copies of each buffer: the DMA fetches and stores one stripe while the cores work on another stripe.
+// Buffers in L1. There are two copies of each buffer: the DMA fetches and stores one stripe while the cores work on
+// another stripe.
 typedef struct {
-  uint8_t source[2][CORES][SOURCE_BYTES];  // two rows of the camera's picture for each row
+  uint8_t source[2][CORES][SOURCE_BYTES];  // two rows of the camera's picture for each row of the stripe
   uint8_t rows[2][CORES][NETWORK_COLUMNS];
-  uint16_t columns[NETWORK_COLUMNS];  // first source column of each
+  uint16_t columns[NETWORK_COLUMNS];  // first source column of each column of the network's picture
 } buffers_t;
 
 _Static_assert(sizeof(buffers_t) <= NETWORK_L1_BYTES, "the rows of the picture do not fit into L1");
@@ -35,8 +36,8 @@ typedef struct {
 
 static job_t job;
 
-// Returns the first of the two source rows (or columns) that are averaged for row (or column) `index` of `count`. The
-// source rows (or columns) are spread evenly from edge to edge.
+// Returns the first of the two source rows (or columns) that are averaged for row (or column) `index` of `count`.
+// `length` is the number of source rows (or columns), which are spread evenly from edge to edge.
 static int place_of(int index, int count, int length) {
   return count < 2 ? (length - 2) / 2 : index * (length - 2) / (count - 1);
 }
@@ -58,7 +59,7 @@ static uint32_t store_rows(buffers_t* buffers, int stripe) {
                       (uint32_t)(rows_of(stripe) * NETWORK_COLUMNS));
 }
 
-// Reduces one row. Each pixel is the rounded mean of 2 x 2 source pixels.
+// Computes one row of the reduced picture. Each pixel is the rounded mean of 2 x 2 source pixels.
 static void reduce_row(const uint8_t* upper, int width, const uint16_t* columns, uint8_t* to) {
   const uint8_t* lower = upper + width;
 #pragma GCC unroll 4

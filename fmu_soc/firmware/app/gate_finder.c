@@ -5,37 +5,38 @@
 
 #include "app/work_picture.h"
 
-// A frame's border is a sixth of its outer edge: (60 cm - 40 cm) / 2 of 60 cm.
+// Outer edge of a frame, divided by the width of its border: 60 cm / ((60 cm - 40 cm) / 2).
 #define BORDERS_PER_EDGE 6
 
 // Minimum score of a frame, in sixteenths of a grey level.
 #define LEAST_SCORE_Q4 (8 * 16)
-// Minimum contrast while scanning and while refining. A template that is half a step away from its frame has half the
-// contrast.
+// Minimum contrast while scanning and while refining. A template that is half a scanning step away from its frame has
+// half the contrast.
 #define LEAST_WHILE_SCANNING_Q4 (LEAST_SCORE_Q4 / 2)
 #define LEAST_WHILE_REFINING_Q4 (LEAST_SCORE_Q4 / 4)
-// After a frame was found, other positions only count if their contrast is at least 1 / PART_OF_BEST of the frame's
-// score.
+// After a frame was found, another position is only considered if its contrast is at least 1 / PART_OF_BEST of the
+// frame's score.
 #define PART_OF_BEST 4
 
-// The camera is about level and near the height of the gate's middle. So the frame's middle is near the picture's
-// middle row. Their distance is at most BAND work pixels (9 degrees) plus half the frame's edge (0.3 m at the gate).
+// The camera is nearly level and near the height of the gate's middle. Therefore the frame's middle is near the
+// picture's middle row. Their distance is at most BAND work pixels (9 degrees) plus half the frame's edge (0.3 m at the
+// gate).
 #define BAND 14
 
-// A template is tested at positions that are a twelfth of its edge apart. This is half the width of its border.
+// A template is tested at positions that are a twelfth of its edge apart, which is half the width of its border.
 #define PLACES_PER_EDGE 12
 
-// For edges from this value on, templates with three quarters of the width are also tested. They match frames that are
+// For this edge and larger ones, templates with three quarters of the width are also tested. They match frames that are
 // seen from the side.
 #define LEAST_NARROW_EDGE 20
 
-// Outer edges of the tested templates in work pixels, in steps of about a fifth. If a template is half a step larger or
-// smaller than a frame, it still covers two thirds of the frame's border. This does not hold for borders of one or two
-// pixels, so every edge is tested for such borders.
+// Outer edges of the tested templates in work pixels, in steps of about a fifth. A template that is half a step larger
+// or smaller than a frame still covers two thirds of the frame's border. This is not true for borders of one or two
+// pixels, so that every edge is tested for such borders.
 static const uint8_t kEdges[] = {7, 8, 9, 10, 11, 12, 13, 15, 18, 21, 25, 30, 36, 43, 52, 62, 74, 89, 104};
 #define EDGE_COUNT ((int)(sizeof(kEdges) / sizeof(kEdges[0])))
 
-// A frame in the work picture: outer edges in pixels.
+// Describes a frame in the work picture by its outer edges in pixels.
 typedef struct {
   int x;
   int y;
@@ -43,8 +44,8 @@ typedef struct {
   int height;
 } frame_t;
 
-// Constants for one size of a frame: the widths of its borders, and 2^16 / area of a strip along an upright and a level
-// beam.
+// Stores constants for one size of a frame: the widths of its borders, and 2^16 / area of a strip along a vertical and
+// along a horizontal beam. The four sides of a frame are called beams.
 typedef struct {
   int border_x;
   int border_y;
@@ -52,20 +53,21 @@ typedef struct {
   uint32_t level_q16;
 } sizes_t;
 
-// The match of a template and a frame, in sixteenths of a grey level; all 0 if there is no frame.
+// Describes how well a template matches a frame, in sixteenths of a grey level. All values are 0 if there is no frame.
 typedef struct {
-  int weakest_q4;  // contrast of the weakest beam
-  int sum_q4;      // contrast of all beams together
-  int spread_q4;   // brightest beam less darkest
+  int weakest_q4;  // contrast of the beam with the least contrast
+  int sum_q4;      // sum of the contrasts of all beams
+  int spread_q4;   // brightness of the brightest beam minus that of the darkest beam
 } fit_t;
 
-// Returns the score of a frame. It is high if the beams have contrast to their surroundings and similar brightness.
+// Returns the score of a frame. The score is high if all beams contrast with their surroundings and have similar
+// brightness.
 static inline int score_q4(const fit_t* fit) {
   return fit->weakest_q4 - fit->spread_q4 / 2;
 }
 
-// The work picture is static because it is too large for a stack. It need not be cleared, because each picture fills
-// it.
+// The work picture is static because it is too large for a stack. It need not be cleared, because each picture
+// overwrites it.
 static work_picture_t work __attribute__((section(".noinit.work")));
 
 static inline int min_int(int a, int b) {
@@ -87,14 +89,14 @@ static sizes_t sizes_of(int width, int height) {
   return sizes;
 }
 
-// Sums of grey levels: of a beam, and of the strips on both sides of the beam. All three have the same area.
+// Stores sums of grey levels: of a beam, and of the strips on both sides of the beam. The three areas are equal.
 typedef struct {
   int beam;
-  int before;  // beam - strip before it
-  int after;   // beam - strip after it
+  int before;  // sum of the beam minus sum of the strip before it
+  int after;   // sum of the beam minus sum of the strip after it
 } strips_t;
 
-// Returns the sums of three strips side by side, each `step` columns wide, between the rows of `top` and `bottom`.
+// Returns the sums of three adjacent vertical strips, each `step` columns wide, between the rows of `top` and `bottom`.
 static inline strips_t upright_strips(const uint32_t* top, const uint32_t* bottom, ptrdiff_t step) {
   const int c0 = (int)(bottom[0] - top[0]);
   const int c1 = (int)(bottom[step] - top[step]);
@@ -104,8 +106,8 @@ static inline strips_t upright_strips(const uint32_t* top, const uint32_t* botto
   return strips;
 }
 
-// Returns the sums of three strips one below the other, each `width` columns wide. `step` is the pitch times the height
-// of a strip.
+// Returns the sums of three horizontal strips, one below the other, each `width` columns wide. `step` is the pitch
+// times the height of a strip.
 static inline strips_t level_strips(const uint32_t* left, int width, ptrdiff_t step) {
   const int c0 = (int)(left[width] - left[0]);
   const int c1 = (int)(left[step + width] - left[step]);
@@ -115,24 +117,24 @@ static inline strips_t level_strips(const uint32_t* left, int width, ptrdiff_t s
   return strips;
 }
 
-// Returns a mean grey level in sixteenths, from a sum and 2^16 over the area.
+// Returns a mean grey level in sixteenths, computed from a sum and from 2^16 / area.
 static inline int mean_q4(int sum, uint32_t reciprocal_q16) {
   return (sum * (int)reciprocal_q16) >> 12;
 }
 
-// Properties that the beams tested so far have in common.
+// Stores what the beams tested so far have in common.
 typedef struct {
-  int sign;         // 1: brighter than the opening, -1: darker
-  int weakest;      // least contrast with the opening
-  int outer_least;  // least contrast with the surroundings of the frame
-  int outer_next;   // second least
-  int sum;          // of all contrasts, without those of the opposite sign
-  int brightest;    // beam
-  int darkest;      // beam
+  int sign;         // 1: the beams are brighter than the opening, -1: darker
+  int weakest;      // least contrast of a beam with the opening
+  int outer_least;  // least contrast of a beam with the surroundings of the frame
+  int outer_next;   // second least contrast with the surroundings
+  int sum;          // sum of all contrasts, except for those of the opposite sign
+  int brightest;    // grey level of the brightest beam
+  int darkest;      // grey level of the darkest beam
 } beams_t;
 
 // Adds a beam. Returns false if the beam cannot belong to a frame. All values are in sixteenths of a grey level. One
-// beam may have no contrast with its surroundings, such as a white beam before a white sky.
+// beam may have no contrast with its surroundings, such as a white beam in front of a white sky.
 static inline bool add_beam(beams_t* beams, int beam_q4, int inner_q4, int outer_q4, int least_q4) {
   const int inner = beams->sign * inner_q4;
   const int outer = beams->sign * outer_q4;
@@ -152,8 +154,8 @@ static inline bool add_beam(beams_t* beams, int beam_q4, int inner_q4, int outer
   return beams->outer_next >= least_q4;
 }
 
-// Compares the picture with a gate of four beams (left, right, top, bottom) at the position of `frame`. Returns zeros
-// if add_beam() refuses a beam. The frame, and a margin of a beam's width around it, must be inside the picture.
+// Compares the picture with a gate of four beams (left, right, top, bottom) at the position of `frame`. If add_beam()
+// rejects a beam, returns zeros. The frame, and a margin of a beam's width around it, must be inside the picture.
 static fit_t fit_at(const frame_t* frame, const sizes_t* sizes, int least_q4) {
   const fit_t none = {0, 0, 0};
   const ptrdiff_t pitch = work.width + 1;
@@ -199,9 +201,8 @@ static bool lies_inside(const frame_t* frame, const sizes_t* sizes) {
          frame->y + frame->height + sizes->border_y <= work.height;
 }
 
-// Computes the sums of all columns of the work picture between two rows of the integral image, from left to right. The
-// function computes four columns at a time. The last up to three columns may be from the start of the next row, and are
-// not used.
+// Computes the sum of each column of the work picture between two rows of the integral image, from left to right. Four
+// columns are computed at a time. The last up to three columns may be from the start of the next row, and are not used.
 static void sum_columns(int32_t* columns, const uint32_t* top, const uint32_t* bottom) {
   for (const int32_t* end = columns + work.width; columns <= end; columns += 4, top += 4, bottom += 4) {
     columns[0] = (int32_t)(bottom[0] - top[0]);
@@ -211,19 +212,19 @@ static void sum_columns(int32_t* columns, const uint32_t* top, const uint32_t* b
   }
 }
 
-// A row of positions that are scanned in steps of `step`, up to `last`. A position is a pointer to the first column of
-// the left beam.
+// Describes a row of positions that are scanned in steps of `step`, up to `last`. A position is a pointer to the first
+// column of the left beam.
 typedef struct {
   const int32_t* last;
   ptrdiff_t step;
   ptrdiff_t border;
   ptrdiff_t to_right;  // distance from the left beam to the end of the opening
-  int32_t least_sum;   // minimum contrast of both upright beams with the opening
+  int32_t least_sum;   // minimum contrast of both vertical beams with the opening
 } row_t;
 
-// Returns the first position from `at` on with two upright beams that are both brighter or both darker than the
-// opening; null if there is none. Most positions are only tested by this function. The function is not inlined, so that
-// its loop stays short.
+// Returns the first position from `at` on at which two vertical beams are both brighter or both darker than the
+// opening. If there is no such position, returns null. Only this function tests most positions. It is not inlined, so
+// that its loop stays short.
 static __attribute__((noinline)) const int32_t* next_place(const int32_t* at, const row_t* row) {
   const ptrdiff_t border = row->border;
   const ptrdiff_t step = row->step;
@@ -247,10 +248,11 @@ static __attribute__((noinline)) const int32_t* next_place(const int32_t* at, co
 }
 
 // Finds the best position of a template of width x height pixels whose beams have a contrast of at least `least_q4`.
+// Stores it in *best and returns the match.
 //
-// At nearly all positions, an upright beam has too little contrast. Therefore upright beams are tested first, with sums
-// that all positions of a row share. First, the left beam is compared with the opening to its right. Then, the right
-// beam is compared with the opening to its left.
+// At nearly all positions, a vertical beam has too little contrast. Therefore vertical beams are tested first, with
+// sums that all positions of a row share. First, the left beam is compared with the opening to its right. Then, the
+// right beam is compared with the opening to its left.
 static fit_t scan(int width, int height, int least_q4, frame_t* best) {
   const sizes_t sizes = sizes_of(width, height);
   const ptrdiff_t pitch = work.width + 1;
@@ -282,7 +284,7 @@ static fit_t scan(int width, int height, int least_q4, frame_t* best) {
   return best_fit;
 }
 
-// Moves and stretches the template by a pixel at a time while the contrast of its beams increases.
+// Moves and stretches the template by one pixel at a time while the contrast of its beams increases. Returns the match.
 static fit_t refine(frame_t* frame, fit_t fit) {
   static const int8_t kMoves[][4] = {{1, 0, 0, 0}, {-1, 0, 0, 0}, {0, 1, 0, 0},  {0, -1, 0, 0},
                                      {0, 0, 1, 0}, {0, 0, -1, 0}, {-1, 0, 1, 0}, {1, 0, -1, 0},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Program for the flight of the paper (examples/paper). After take-off, it runs a loop: picture, position of the gate,
-// speed policy, set-points, and sleep until the next picture. It lands after the gate, or at a low charge.
+// Flies the mission of the paper (examples/paper). After take-off, runs a loop: takes a picture, computes the position
+// of the gate, the speed and the set-points, and sleeps until the next picture. Lands after the gate, or when the
+// charge is low.
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -16,26 +17,26 @@
 #include "runtime/exit.h"
 #include "runtime/interrupt.h"
 
-// Interval of checks of the flight phase while climbing and descending.
+// Time between two checks of the flight phase during climb and descent.
 #define PHASE_POLL_NS (20 * NS_PER_MS)
 // Number of pictures after which the program prints a line about the flight.
 #define PICTURES_PER_LINE 10
 
 typedef struct {
   uint32_t pictures;
-  uint32_t sightings;     // pictures with a gate
+  uint32_t sightings;     // pictures that contain a gate
   uint32_t late;          // pictures that did not arrive in time
-  uint32_t overruns;      // frame periods without a picture because the work took too long
-  uint32_t overlapped;    // pictures that were exposed during the work on the picture before
-  uint64_t instructions;  // of all inferences
+  uint32_t overruns;      // frame periods in which no picture was taken, because the work took too long
+  uint32_t overlapped;    // pictures that were exposed during the work on the previous picture
+  uint64_t instructions;  // instructions of all inferences
   uint32_t instructions_most;
-  int64_t look_most_ns;  // longest time for a picture
+  int64_t look_most_ns;  // longest time of the work on a picture
 } statistics_t;
 
 static statistics_t statistics;
 
-// The navigator and its pilot. The pilot of the gate finder searches for gates and uses distances. The pilot of the
-// network follows the network's yaw.
+// Combines a navigator with its pilot. The pilot of the gate finder searches for gates and uses distances. The pilot of
+// the network follows the network's yaw.
 typedef struct {
   navigator_t* navigate;
   bool follows;
@@ -54,7 +55,8 @@ static void command(uint32_t mode, int32_t velocity_um_s, int32_t yaw_rate_urad_
   flight_command(&setpoint);
 }
 
-// Sleeps until the phase is `wanted`. Returns false if the drone crashes, or if the charge is below `least_charge_ppm`.
+// Sleeps until the flight phase is `wanted`. Returns false if the drone crashes, or if the charge is below
+// `least_charge_ppm`.
 static bool wait_for_phase(uint32_t wanted, uint32_t least_charge_ppm) {
   int64_t next_ns = timer_now_ns();
   for (;;) {
@@ -132,7 +134,7 @@ static void print_decision(const crew_t* crew, const navigator_output_t* seen, c
 // Runs the loop from picture to set-points. Returns the exit code for the flight so far.
 static int fly(crew_t* crew) {
   const int64_t period_ns = (int64_t)MISSION_FRAME_PERIOD * NS_PER_US;
-  int64_t frame_ns = timer_now_ns();  // time of the next request
+  int64_t frame_ns = timer_now_ns();  // time at which the next picture is requested
   int64_t last_ns = frame_ns;
   bool requested = false;
   for (;;) {

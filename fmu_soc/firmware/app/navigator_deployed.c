@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The navigator's function for a deployed network, whose only output is the yaw.
+// Implements the navigator with a deployed network, whose only output is the yaw.
 #include "app/deployed.h"
 #include "app/navigator.h"
 

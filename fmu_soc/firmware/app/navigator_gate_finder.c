@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The gate finder: steers to the middle of the frame, and computes the distance from the frame's height.
+// Implements the navigator with the gate finder. It steers to the middle of the frame, and computes the distance from
+// the frame's height.
 #include "app/calibration.h"
 #include "app/gate_finder.h"
 #include "app/navigator.h"
 
-// Contrast of the weakest side for full confidence, in grey levels.
+// Contrast of the weakest side that means full confidence [grey levels].
 #define FULL_CONFIDENCE_CONTRAST 32
 
 navigator_output_t finder_navigate(const uint8_t* frame, int width, int height) {
@@ -18,8 +19,8 @@ navigator_output_t finder_navigate(const uint8_t* frame, int width, int height) 
   output.yaw = (int8_t)(yaw > 127 ? 127 : yaw < -127 ? -127 : yaw);
   const int32_t confidence = view.contrast * 255 / FULL_CONFIDENCE_CONTRAST;
   output.confidence = (uint8_t)(confidence > 255 ? 255 : confidence);
-  // A frame seen from the side is narrower, but not lower, so the distance follows from the height.
-  // distance = focal length [px] * outer edge [mm] / height [px], with the focal length = milli / 1000 * width / 2.
+  // A frame that is seen from the side is narrower, but not lower. Therefore the distance is computed from the height:
+  // distance = focal length [px] * outer edge [mm] / height [px], where focal length = milli / 1000 * width / 2.
   const int32_t numerator = CAMERA_FOCAL_OVER_HALF_WIDTH_MILLI * GATE_OUTER_MM / 1000 * middle_q4;
   const int32_t distance_mm = numerator / view.height_q4;
   output.distance_mm = (uint16_t)(distance_mm > UINT16_MAX ? UINT16_MAX : distance_mm);

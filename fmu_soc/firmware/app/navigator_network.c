@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The neural network. Its only output is the yaw command, so confidence and distance are not computed.
+// Implements the navigator with the neural network. Its only output is the yaw, so that confidence and distance are not
+// computed.
 #include "app/navigator.h"
 #include "nn/network.h"
 #include "nn/shrink.h"

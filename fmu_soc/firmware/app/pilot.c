@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/pilot.h"
 
-// Minimum confidence of a sighting.
+// Minimum confidence of a picture that counts as one with a gate.
 #define LEAST_CONFIDENCE 64
-// Number of consecutive pictures with a gate that start an approach, and of pictures without a gate that end it.
+// Number of consecutive pictures with a gate that start an approach, and number of consecutive pictures without a gate
+// that end it.
 #define SIGHTINGS_TO_APPROACH 3
 #define MISSES_TO_SEARCH 20
-// If a gate that is nearer than this distance is no longer seen, it has left the view. In this case, the approach
-// continues with the state estimate.
+// Distance below which a gate that is no longer seen has left the view. In this case, the approach continues with the
+// state estimate.
 #define BLIND_APPROACH_UM 900000
-// An estimate is replaced after this many consecutive distances that contradict it.
+// Number of consecutive distances that must contradict an estimate before they replace it.
 #define OUTLIERS_TO_BELIEVE 5
 // Yaw rate of a search, in 127ths of the mission's yaw rate scale.
-#define SEARCH_YAW 38  // 0.3 of 127
+#define SEARCH_YAW 38  // 0.3 of the scale
 
 static int32_t abs_i32(int32_t a) {
   return a < 0 ? -a : a;
@@ -27,18 +28,17 @@ void pilot_init(pilot_t* pilot, const policy_t* policy, int32_t yaw_rate_scale_u
   pilot->sightings = 0;
   pilot->misses = 0;
   pilot->outliers = 0;
-  pilot->last_yaw = 1;  // a search without any sighting turns left
+  pilot->last_yaw = 1;  // a search without any sighting turns to the left
 }
 
-// Returns the distance flown since the last picture, from the mean of the two velocities [um].
+// Returns the distance flown since the last picture [um], computed from the mean of the two velocities.
 static int32_t flown_um(pilot_t* pilot, int32_t velocity_um_s, int32_t elapsed_us) {
   const int64_t twice = (int64_t)velocity_um_s + pilot->last_velocity_um_s;
   pilot->last_velocity_um_s = velocity_um_s;
   return (int32_t)(twice * elapsed_us / 2000000);
 }
 
-// Combines a measured distance with the estimate: a quarter of the difference is added, unless distance and estimate
-// contradict each other.
+// Corrects the estimate by a quarter of its difference from a measured distance, unless they contradict each other.
 static void correct_remaining(pilot_t* pilot, uint16_t distance_mm) {
   if (distance_mm == 0) {
     return;
@@ -68,7 +68,7 @@ static pilot_command_t search(pilot_t* pilot, const navigator_output_t* seen, bo
     return turn_and_fly(pilot, policy_speed_um_s(&pilot->policy, seen->yaw), seen->yaw);
   }
   if (sighted) {
-    return turn_and_fly(pilot, 0, 0);  // hover, and use the next picture
+    return turn_and_fly(pilot, 0, 0);  // hovers and uses the next picture
   }
   return turn_and_fly(pilot, 0, pilot->last_yaw < 0 ? -SEARCH_YAW : SEARCH_YAW);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/policy.h"
 
-// The reduction of the speed by one output: 0.05 km/h.
+// Reduction of the speed by one output, 0.05 km/h.
 #define SPEED_STEP_UM_S 13889
 
 void policy_init(policy_t* policy, bool adaptive, int32_t cruise_um_s, int32_t first_um_s) {
@@ -22,7 +22,7 @@ int32_t policy_speed_um_s(policy_t* policy, int8_t yaw) {
   for (int i = 0; i < policy->count; ++i) {
     sum += policy->outputs[i];
   }
-  // Tests |sum / 127 / count| <= 0.3 without a division.
+  // Tests whether |sum / 127 / count| <= 0.3, without a division.
   const int magnitude = sum < 0 ? -sum : sum;
   if (!policy->adaptive || magnitude * 10 <= 3 * 127 * policy->count) {
     policy->speed_um_s = policy->cruise_um_s;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sight network on the cluster, which is only on during an inference. A chip without a cluster uses the plain code,
-// with the same results.
+// Runs the sight network on the cluster, which is only on during an inference. A chip without a cluster uses the plain
+// code, which has the same results.
 #include <stdbool.h>
 
 #include "app/sight.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Program for a flight with the sight network. After take-off, it runs a loop: picture, position of the gate,
-// traverser, set-points, and sleep until the next picture. It lands after the gate, or at a low charge.
+// Flies a mission with the sight network. After take-off, runs a loop: takes a picture, computes the position of the
+// gate and the set-points, and sleeps until the next picture. Lands after the gate, or when the charge is low.
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -15,17 +15,17 @@
 #include "runtime/exit.h"
 #include "runtime/interrupt.h"
 
-// Interval of checks of the flight phase while climbing and descending.
+// Time between two checks of the flight phase during climb and descent.
 #define PHASE_POLL_NS (20 * NS_PER_MS)
 // Number of pictures after which the program prints a line about the flight.
 #define PICTURES_PER_LINE 10
 
 typedef struct {
   uint32_t pictures;
-  uint32_t sightings;    // pictures with a gate
+  uint32_t sightings;    // pictures that contain a gate
   uint32_t late;         // pictures that did not arrive in time
-  uint32_t overruns;     // frame periods without a picture because the work took too long
-  int64_t look_most_ns;  // longest time for a picture
+  uint32_t overruns;     // frame periods in which no picture was taken, because the work took too long
+  int64_t look_most_ns;  // longest time of the work on a picture
 } statistics_t;
 
 static statistics_t statistics;
@@ -35,7 +35,8 @@ static void command(uint32_t mode, const traverser_command_t* order) {
   flight_command(&setpoint);
 }
 
-// Sleeps until the phase is `wanted`. Returns false if the drone crashes, or if the charge is below `least_charge_ppm`.
+// Sleeps until the flight phase is `wanted`. Returns false if the drone crashes, or if the charge is below
+// `least_charge_ppm`.
 static bool wait_for_phase(uint32_t wanted, uint32_t least_charge_ppm) {
   for (int64_t next_ns = timer_now_ns();;) {
     const uint32_t phase = flight_phase();
@@ -89,7 +90,7 @@ static traverser_t traverser_of_mission(void) {
 static int fly(traverser_command_t* order) {
   traverser_t traverser = traverser_of_mission();
   const int64_t period_ns = (int64_t)MISSION_FRAME_PERIOD * NS_PER_US;
-  int64_t frame_ns = timer_now_ns();  // time of the next request
+  int64_t frame_ns = timer_now_ns();  // time at which the next picture is requested
   int64_t last_ns = frame_ns;
   bool requested = false;
   while (traverser.phase != TRAVERSER_DONE) {

@@ -3,50 +3,51 @@
 
 #include "app/calibration.h"
 
-// Evidence for a gate is the integral of `visible` - 32 over time [ms]. A clear gate (127) starts an approach within
-// 0.11 s, and a gate with 64 within 0.31 s. A value below 32 never starts an approach. In pictures without a gate,
-// every fourth value is positive, and every tenth is above 32. Without a sighting, all evidence is lost in 1.25 s.
+// The evidence for a gate is the integral of `visible` - 32 over time [ms]. A clear gate (127) starts an approach
+// within 0.11 s, and a gate with the value 64 within 0.31 s. A value below 32 never starts an approach. In pictures
+// without a gate, every fourth value is positive, and every tenth value is above 32. Without a gate in the picture, all
+// evidence is lost in 1.25 s.
 #define DOUBTFUL 32
 #define LEAST_SIGN (-16)
 #define EVIDENCE_TO_APPROACH 10000
 #define MOST_EVIDENCE 20000
-// A near gate with enough evidence counts as entered after it was invisible for this time.
+// Time after which a near gate with enough evidence counts as entered if it is no longer visible.
 #define ENTERED_US 200000
 #define EVIDENCE_TO_ENTER 6500
-// If the drone flies slower than a quarter of its command for this time, it leans against an object. In this case, the
-// sighted object was not a gate.
+// If the drone flies slower than a quarter of its command for this time, an object has stopped it. In this case, what
+// the network saw was not a gate.
 #define STALLED_US 2000000
-// After an object has stopped the drone, the drone has this time to fly back.
+// Time that the drone has to fly back after an object has stopped it.
 #define STUCK_US 6000000
 // Two sizes in 127ths of SIGHT_MOST_SIZE. At size 1.2, the frame has left the picture. If a gate of at least size 0.65
-// is no longer seen, it can only have left the picture.
+// is no longer visible, it can only have left the picture.
 #define ENTERED_SIZE 76
 #define NEAR_SIZE 41
-// The distance to a real gate decreases by the flown distance. The distance computed from the size assumes a frame of
-// 0.6 m and the longest lens. This distance decreases faster with a shorter lens or a smaller frame, and slower with a
-// larger frame. If this distance decreases by less than four fifths of the flown distance, the object is not a gate, or
-// the frame is too large: more than 0.75 m with the longest lens, or more than 1.6 m with a lens of 87 degrees.
+// The distance to a real gate decreases by the flown distance. The distance that is computed from the size assumes a
+// frame of 0.6 m and the longest lens. It decreases faster with a shorter lens or a smaller frame, and slower with a
+// larger frame. If it decreases by less than four fifths of the flown distance, the object is not a gate, or the frame
+// is too large: more than 0.75 m with the longest lens, or more than 1.6 m with a lens of 87 degrees.
 #define LEAST_NEARER_PERCENT 80
-// Focal length divided by half the picture's width, in thousandths. The value is that of the longest lens with which
-// the network was trained (0.82 rad). With a shorter lens, a frame of the same size is nearer. So the longest lens
-// gives the greatest distance of a gate.
+// Focal length divided by half the picture's width, in thousandths, for the longest lens with which the network was
+// trained (0.82 rad). With a shorter lens, a frame that has the same size in the picture is nearer. Therefore the
+// longest lens gives the greatest distance of a gate.
 #define LONGEST_FOCAL_MILLI 2301
-// The drone's altitude approaches the altitude of a gate with this time constant. MOST_CLIMB_UM is the greatest
-// difference from the mission's altitude. Sizes below LEAST_SIZE (0.13, a gate at 5 m with a lens of 50 degrees) are
-// too small to divide by, and count as LEAST_SIZE.
+// Time constant with which the drone's altitude approaches the altitude of a gate, and greatest difference from the
+// mission's altitude. Sizes below LEAST_SIZE (0.13, a gate at 5 m with a lens of 50 degrees) are too small to divide
+// by, and count as LEAST_SIZE.
 #define ALTITUDE_US 400000
 #define MOST_CLIMB_UM 700000
 #define LEAST_ALTITUDE_UM 250000
 #define LEAST_SIZE 8
 // Yaw rate of a search, in 127ths of the mission's yaw rate scale.
 #define SEARCH_YAW 64
-// A direction that led to an object is not followed again: sightings within this angle of that heading are ignored. The
-// heading of a sighting is computed with half the view of the longest lens.
+// Angles around a heading that led to an object, in which gates are ignored, and half the view of the longest lens,
+// from which the heading of a gate is computed.
 #define DEAD_END_URAD 450000
 #define HALF_VIEW_URAD 410000
 #define HALF_TURN_URAD 3141593
-// After a full turn without success, the drone flies this far in a free direction, deletes the stored headings that
-// need not be kept, and turns again.
+// Distance that the drone flies in a free direction after a full turn without success. It then deletes the stored
+// headings that need not be kept, and turns again.
 #define ELSEWHERE_UM 1000000
 
 static int32_t limited(int32_t value, int32_t low, int32_t high) {
@@ -95,7 +96,7 @@ void traverser_init(traverser_t* t, const policy_t* policy, int32_t yaw_rate_sca
   t->kept_dead_ends = 0;
   t->turned_urad = 0;
   t->gates = gates;
-  t->last_yaw = 1;  // a search without any sighting turns left
+  t->last_yaw = 1;  // a search without any sighting turns to the left
 }
 
 static traverser_command_t command(const traverser_t* t, int32_t velocity_um_s, int yaw) {
@@ -105,7 +106,7 @@ static traverser_command_t command(const traverser_t* t, int32_t velocity_um_s, 
 }
 
 // Moves the altitude towards that of the gate's middle. Half the frame's edge divided by its size in the picture is
-// half the picture's width at the gate's distance. This holds for any lens.
+// half the picture's width at the gate's distance, for any lens.
 static void follow_altitude(traverser_t* t, const sight_t* sight, const traverser_state_t* state) {
   const int32_t size = sight->size < LEAST_SIZE ? LEAST_SIZE : sight->size;
   const int32_t half_frame_um = GATE_OUTER_MM * 1000 / 2;
@@ -123,14 +124,14 @@ static traverser_command_t straight_on(traverser_t* t) {
   return command(t, policy_speed_um_s(&t->policy, 0), 0);
 }
 
-// Returns the greatest distance of a gate with this size in the picture. Half the frame's edge divided by its size in
-// the picture is half the picture's width at that distance.
+// Returns the greatest distance of a gate that has this size in the picture. Half the frame's edge divided by its size
+// in the picture is half the picture's width at that distance.
 static int32_t farthest_um(int32_t size_q8) {
   const int64_t divisor_q8 = size_q8 < LEAST_SIZE * 256 ? LEAST_SIZE * 256 : size_q8;
   return (int32_t)((int64_t)GATE_OUTER_MM * LONGEST_FOCAL_MILLI * 127 * 256 / (2 * SIGHT_MOST_SIZE * divisor_q8));
 }
 
-// Called when the frame leaves the picture. After this call, only the flown distance is used.
+// Must be called when the frame leaves the picture. From this call on, only the flown distance is used.
 static traverser_command_t enter(traverser_t* t) {
   t->phase = TRAVERSER_THROUGH;
   t->left_um = farthest_um(t->most_q8) + PILOT_BEHIND_MM * 1000;
@@ -149,7 +150,7 @@ static traverser_command_t search_again(traverser_t* t) {
   return turn_on(t);
 }
 
-// Stores a heading. If there are too many, removes the oldest heading that need not be kept.
+// Stores a heading. If the list is full, removes the oldest heading that need not be kept.
 static void remember_dead_end(traverser_t* t, int32_t yaw_urad) {
   if (t->dead_ends == TRAVERSER_DEAD_ENDS) {
     for (int i = t->kept_dead_ends + 1; i < TRAVERSER_DEAD_ENDS; ++i) {
@@ -181,7 +182,7 @@ static traverser_command_t search(traverser_t* t, const sight_t* sight, bool sig
   if (sighted && t->evidence >= EVIDENCE_TO_APPROACH) {
     t->phase = TRAVERSER_APPROACH;
     begin_way(t);
-    // A gate does not count as near after only one picture.
+    // After only one picture, a gate does not count as near.
     t->size_q8 = limited(sight->size, LEAST_SIZE, NEAR_SIZE - 1) * 256;
     return command(t, 0, sight->yaw);
   }
@@ -193,7 +194,7 @@ static traverser_command_t search(traverser_t* t, const sight_t* sight, bool sig
   return turn_on(t);
 }
 
-// Returns velocity times time in whole micrometres. The time is at most some seconds.
+// Returns velocity times time in whole micrometres. The time must be at most some seconds.
 static int32_t flown_um(const traverser_state_t* state) {
   return (int32_t)((int64_t)state->forward_velocity_um_s * state->elapsed_us / 1000000);
 }
@@ -210,18 +211,19 @@ static void fly_on(traverser_t* t, const traverser_state_t* state) {
   }
 }
 
-// Called if there was no gate. The drone flies straight back by the distance of the approach, and then searches again.
+// Must be called if there was no gate. The drone flies straight back by the distance of the approach, and then searches
+// again.
 static traverser_command_t leave(traverser_t* t) {
   remember_dead_end(t, t->way_urad);
   return t->flown_um > 0 ? go_elsewhere(t, -t->flown_um) : search_again(t);
 }
 
-// Updates the mean size. A gate grows by some hundredths from picture to picture, so a size above 1.5 times the mean is
-// limited to 1.5 times the mean. Two such sizes raise the mean by 27 %. If the gate is then entered too early, it is
-// still crossed within the additional half metre.
+// Updates the mean size. A gate grows by some hundredths from picture to picture. Therefore a size above 1.5 times the
+// mean is limited to 1.5 times the mean. Two such sizes increase the mean by 27 %. If the gate is then entered too
+// early, it is still crossed within the additional half metre.
 //
 // The true size only grows, but the measured size decreases while the frame leaves the picture. Therefore the greatest
-// mean is kept.
+// mean is stored.
 static void follow_size(traverser_t* t, const sight_t* sight) {
   t->size_q8 += (limited(sight->size * 256, LEAST_SIZE * 256, t->size_q8 * 3 / 2) - t->size_q8) / 4;
   if (t->marks >= TRAVERSER_MARKS && t->size_q8 > t->most_q8) {
@@ -233,7 +235,7 @@ static void follow_size(traverser_t* t, const sight_t* sight) {
   }
 }
 
-// True if the drone has flown farther than the greatest distance of a gate, since the gate was largest in the picture.
+// True if the drone has flown farther than the greatest distance of a gate since the gate was largest in the picture.
 // In this case, there was no gate, or the drone has crossed it unnoticed. The next gate starts with a new greatest
 // size.
 static bool most_is_behind(const traverser_t* t) {

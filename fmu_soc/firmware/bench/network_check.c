@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Takes all pictures of the camera, and prints the results of every kernel. For pictures of 168 x 168 pixels, the
-// network's size:
+// Takes all pictures of the camera, and prints the results of every kernel. For pictures of 168 x 168 pixels, which is
+// the network's size, prints:
 // plain|alone|cluster<cores> outputs checksum-of-each-layer
-// For larger pictures:
+// For larger pictures, prints:
 // whole<cores> outputs
 #include <stdint.h>
 
@@ -64,7 +64,8 @@ static void check_alone(void) {
   print("\n");
 }
 
-// Switches the cluster off and on for each picture, so that L1 has no data of the last picture.
+// Checks a picture of the network's size. Switches the cluster off and on for each picture, so that L1 has no data of
+// the previous picture.
 static void check_cluster(unsigned cores) {
   cluster_on();
   print("cluster%u", cores);
@@ -76,7 +77,7 @@ static void check_cluster(unsigned cores) {
   cluster_off();
 }
 
-// Checks a picture of the camera's size, which is reduced in L1.
+// Checks a picture of the camera's size, which the cluster reduces in L1.
 static void check_whole(const picture_t* picture) {
   for (unsigned cores = 1; cores <= cluster_cores; cores *= 2) {
     cluster_on();

@@ -9,17 +9,18 @@
 #define STATUS_READY 2U
 #define STATUS_REFUSED 4U
 
-// The largest picture of the sensor.
+// Size of the sensor's largest picture.
 #define BUFFER_BYTES (324 * 324)
 
 static uint8_t buffers[2][BUFFER_BYTES] __attribute__((aligned(4), section(".noinit.camera")));
-// Index of the buffer of the requested picture. If no picture is requested, the index of the last picture's buffer.
+// Index of the buffer for the requested picture. If no picture is requested, index of the buffer that contains the last
+// picture.
 static unsigned filling;
 static bool is_requested;
-// Bits of STATUS at the last interrupt.
+// Value of STATUS at the last interrupt.
 static volatile uint32_t outcome;
 
-// Handles the interrupt: a picture has arrived, or a picture was dropped because it does not fit into the buffer.
+// Handles the interrupt. Either a picture has arrived, or a picture was dropped because it does not fit in the buffer.
 static void on_camera(void) {
   const uint32_t status = CAMERA_STATUS & (STATUS_READY | STATUS_REFUSED);
   CAMERA_STATUS = status;  // clears the interrupt

@@ -4,7 +4,7 @@
 #include "board.h"
 #include "runtime/interrupt.h"
 
-// 32768 counts are 24 g for the accelerometer, and 2000 degrees/s for the gyroscope.
+// 32768 counts are 24 g for the accelerometer and 2000 degrees/s for the gyroscope.
 #define M_S2_PER_COUNT (24.0F * 9.80665F / 32768.0F)
 #define RAD_S_PER_COUNT (2000.0F * 3.14159265F / 180.0F / 32768.0F)
 #define LEVEL_MASK 0xFFU

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Three observers with fixed gains:
+// Estimates the state by three observers with fixed gains:
 //
 //   v' = a + Lv e,  tilt' = rate + bias + Lt e / g,  bias' = Lb e / g     level, for each axis; e = v_flow - v
 //   z' = w + L1 e,  w' = a_z + b + L2 e,  b' = L3 e                       height; e = z_range - z
 //   yaw' = rate
 //
-// A tilt error of d makes the computed acceleration wrong by g d, so the poles of the error of the velocity solve
+// A tilt error of d changes the computed acceleration by g d. Therefore the poles of the velocity's error are the
+// solutions of
 //
 //   s^3 + Lv s^2 + Lt s + Lb = 0
 //
-// All three poles at -p give Lv = 3 p, Lt = 3 p^2, Lb = p^3.
+// If all three poles are -p, the gains are Lv = 3 p, Lt = 3 p^2 and Lb = p^3.
 #include "flight/estimator.h"
 
 #include <math.h>
@@ -19,16 +20,16 @@
 static const float kGravity = 9.80665F;
 static const float kTiltPole = 1.5F;  // [1/s]
 static const float kHeightPole = 3.0F;
-// PMW3901 on the flow deck: 48.8 pixels a radian, a count is 0.1 pixel, a sample each 10 ms.
+// PMW3901 on the flow deck: 48.8 pixels per radian, 0.1 pixel per count, a sample each 10 ms.
 static const float kRadPerCount = 0.1F / 48.8F;
 static const float kFlowPeriod_s = 0.01F;
 static const uint32_t kFlowPeriod_ms = 10;
 static const float kRangePeriod_s = 0.025F;
 static const uint32_t kRangePeriod_ms = 25;
 static const uint32_t kBarometerPeriod_ms = 40;
-// Beyond this distance, the barometer measures the height.
+// Distance above which the barometer measures the height.
 static const float kLongestRange_m = 3.5F;
-// If the measured height differs from the estimate by more than this, the surface below has an edge.
+// Difference between measured and estimated height above which the surface below has an edge.
 static const float kEdge_m = 0.25F;
 // Slope of the standard atmosphere at the ground: 101325 Pa * 5.25588 * 0.0065 K/m / 288.15 K.
 static const float kPascalPerMetre = 12.013F;
@@ -39,7 +40,7 @@ static float left_m_s;
 static float bias_roll;  // added to the measured rate [rad/s]
 static float bias_pitch;
 static float bias_up;     // added to the measured acceleration [m/s2]
-static float surface_m;   // height of the surface below over the ground
+static float surface_m;   // height of the surface below the drone, relative to the ground
 static float pitch_turn;  // integral of the rate since the last flow sample [rad]
 static float roll_turn;
 static float range_m;
@@ -76,8 +77,8 @@ static void correct_height(float error, float dt) {
   bias_up += kHeightPole * kHeightPole * kHeightPole * dt * error;
 }
 
-// Uses a sample of the flow sensor. Flow is the motion of the picture below: velocity / distance, minus the rotation of
-// the body, along both axes.
+// Uses a sample of the flow sensor. Flow is the motion of the picture of the ground: velocity / distance, minus the
+// rotation of the body, along both axes.
 static void use_flow(bool flying) {
   if (DECK_FLOW_SEEN != 0) {
     const float forward = range_m * ((float)(int32_t)DECK_FLOW_X * kRadPerCount + pitch_turn) / kFlowPeriod_s;
@@ -99,7 +100,7 @@ static void use_range(void) {
   float error = surface_m + height - state.position.z;
   if (fabsf(error) > kEdge_m) {
     surface_m -= error;
-    // A surface that is less than kEdge_m above the ground is the ground itself.
+    // A surface that differs from the ground by less than kEdge_m is the ground itself.
     if (fabsf(surface_m) < kEdge_m) {
       surface_m = 0.0F;
     }
@@ -108,8 +109,8 @@ static void use_range(void) {
   correct_height(error, kRangePeriod_s);
 }
 
-// Uses a sample of the barometer. While the range sensor measures the height, the sample updates the pressure at the
-// ground.
+// Uses a sample of the barometer. While the range sensor measures the height, the sample updates the stored pressure at
+// the ground.
 static void use_barometer(void) {
   if ((BAROMETER_STATUS & 1U) == 0) {
     return;
@@ -127,8 +128,8 @@ static void use_barometer(void) {
   }
 }
 
-// Converts the body's rates to rates of roll, pitch and yaw, and forces to the heading frame. Then integrates them over
-// `dt`.
+// Converts the rates of the body to rates of roll, pitch and yaw, and the forces to the heading frame. Then integrates
+// them over `dt`.
 static void predict(float dt) {
   const float sin_roll = sinf(state.roll);
   const float cos_roll = cosf(state.roll);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Flight controller. The loop runs once for each sample of the IMU, every millisecond.
+// Runs the flight controller. The loop runs once for each sample of the IMU, every millisecond.
 #include "board.h"
 #include "drivers/imu.h"
 #include "drivers/rotors.h"
@@ -10,8 +10,8 @@
 #include "runtime/console.h"
 #include "runtime/interrupt.h"
 
-// Four motors that start at full command pull the supply down, until the cell's protection opens. Therefore the command
-// increases to its full size within this time.
+// Time in which the command increases to its full size [loops]. Four motors that started at full command would pull the
+// supply down until the cell's protection opens.
 #define SOFT_START_LOOPS 200
 
 static void soften(float command[ROTORS], unsigned loops) {
@@ -30,7 +30,7 @@ int main(void) {
   controller_init();
   imu_init(LOOP_PERIOD_MS * 1000);
   bool flew = false;
-  unsigned loops = 0;  // of the present flight
+  unsigned loops = 0;  // loops since the motors were switched on
   bool is_late = false;
   for (;;) {
     imu_sample_t sample;

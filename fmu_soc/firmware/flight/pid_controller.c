@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// A cascade of PID controllers: position -> velocity -> tilt and thrust at 100 Hz; angle -> rate -> rotors in each
-// loop.
+// Implements a cascade of PID controllers: position -> velocity -> tilt and thrust at 100 Hz; angle -> rate -> rotors
+// in each loop.
 //
-// Gains of angle and rate are those that Bitcraze publishes for the Crazyflie 2.x (platform_defaults_cf2.h, commit
+// The gains of angle and rate are those that Bitcraze publishes for the Crazyflie 2.x (platform_defaults_cf2.h, commit
 // 2a18fc29), in radians and shares of the full command. The gains of the velocity have a faster integral.
 #include <math.h>
 
 #include "flight/controller.h"
 
-#define POSITION_LOOPS 10  // loops from position control to position control
+#define POSITION_LOOPS 10  // number of loops from one position control to the next
 
 typedef struct {
   float kp;
   float ki;
   float kd;
-  float most_integral;  // of the error
+  float most_integral;  // greatest integral of the error
 } gains_t;
 
 typedef struct {
@@ -45,7 +45,8 @@ static float limited(float value, float most) {
   return value < -most ? -most : value > most ? most : value;
 }
 
-// The derivative is computed from `measured`, so that a step of the goal causes no peak of the derivative.
+// Returns the output of a controller. The derivative is computed from `measured`, so that a step of the desired value
+// causes no peak.
 static float pid(const gains_t* gains, memory_t* memory, float error, float measured, float dt) {
   memory->integral = limited(memory->integral + error * dt, gains->most_integral);
   const float slope = (measured - memory->last) / dt;
@@ -78,8 +79,8 @@ static void control_position(const flight_goal_t* goal, const flight_state_t* st
   thrust = thrust < kLeastThrust ? kLeastThrust : thrust > 1.0F ? 1.0F : thrust;
 }
 
-// If the command of a rotor exceeds the full command, the excess is subtracted from the commands of all rotors. So the
-// torques do not change.
+// Computes the command of each rotor. If the command of a rotor exceeds the full command, the excess is subtracted from
+// all commands, so that the torques do not change.
 static void mix(float u_roll, float u_pitch, float u_yaw, float command[ROTORS]) {
   const float r = 0.5F * u_roll;
   const float p = 0.5F * u_pitch;

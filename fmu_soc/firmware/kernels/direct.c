@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Operators that access the network's memory without tiles.
+// Implements operators that access the network's memory without tiles.
 #include "kernels/machine.h"
 #include "kernels/work.h"
 

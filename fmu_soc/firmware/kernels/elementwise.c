@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Operators that compute each output byte from the input bytes at the same position. Each core has a contiguous part of
-// the tile.
+// Implements operators that compute each output byte from the input bytes at the same position. Each core computes a
+// contiguous part of the tile.
 #include "kernels/requantise.h"
 #include "kernels/work.h"
 

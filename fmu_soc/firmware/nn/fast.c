@@ -163,8 +163,9 @@ void nn_fast_shrink(nn_arena_t* arena, const uint8_t* source, int width, int hei
 
 typedef struct {
   uint32_t rows[7];   // four pixels of each row
-  uint32_t fifth[2];  // fifth pixels of rows 0 to 3, of rows 2 to 5
-  uint32_t last[2];   // fifth pixel of row 4, of row 6, as the lowest byte; the others are multiplied by zeros
+  uint32_t fifth[2];  // fifth pixels of rows 0 to 3, and of rows 2 to 5
+  // Fifth pixel of row 4, and of row 6, in the lowest byte; the other bytes are multiplied by zeros.
+  uint32_t last[2];
 } patch_t;
 
 // Returns the greater of the sums of two positions, one of which is above the other.
@@ -210,8 +211,8 @@ static void first_four(nn_arena_t* arena, nn_share_t share, int from) {
   const int32_t b0 = layer.biases[0], b1 = layer.biases[1], b2 = layer.biases[2], b3 = layer.biases[3];
   const int32_t s0 = layer.shifts[0], s1 = layer.shifts[1], s2 = layer.shifts[2], s3 = layer.shifts[3];
   const word_t* const weights = arena->small.first + FIRST_FROM * NN_FIRST_WORDS;
-  // A unit of work is half a row. With whole rows, only two of eight cores would have work at the end, because there
-  // are 42 rows.
+  // A unit of work is half a row. There are 42 rows. With whole rows, only two of eight cores would have work at the
+  // end.
   const int parts = 2 * NN_POOLED_EDGE;
   for (int part = (int)share.core; part < parts; part += (int)share.cores) {
     const int y = part / 2;
@@ -263,10 +264,10 @@ void nn_fast_first(nn_arena_t* arena, nn_share_t share) {
 // dot products of four products each. A row of a patch is contiguous in memory, and so are the row's weights.
 
 typedef struct {
-  int words;          // of a patch's row
-  int to_next_row;    // bytes from the end of a patch's row to the start of the next
-  int to_next_place;  // bytes from a place's patch to that of the adjacent place
-  int channel_bytes;  // of an output channel's weights
+  int words;          // words in a row of a patch
+  int to_next_row;    // bytes from the end of a row of a patch to the start of the next row
+  int to_next_place;  // bytes from the patch of a position to the patch of the adjacent position
+  int channel_bytes;  // bytes of the weights of an output channel
   int out_channels;
 } geometry_t;
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# First layer, 5 x 5 with stride 2, with 2 x 2 pooling: computes `count` pooled positions of a row for four channels.
+# Computes the first layer (5 x 5 with stride 2, then 2 x 2 pooling): `count` pooled positions of a row, four channels.
 #   void nn_hand_row(const uint8_t* at, uint8_t* to, const uint32_t* table, int count)
 # `at` points to the patch of the first position, in rows of NN_HAND_PITCH bytes. From one position to the next, `at`
 # moves by 4 bytes, and `to` by NN_CHANNELS_FIRST bytes. `table` has NN_HAND_WORDS words per channel (see make_table).

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# The trained weights, as data.
+# Includes the trained weights as data.
     .section .rodata.nn_weights, "a"
     .balign 16
     .globl nn_weights_file

@@ -13,7 +13,7 @@
 
 void cluster_start(void);
 
-// Unmasks only `events`, waits for one of them, and removes it. Other events stay in the buffer.
+// Unmasks only `events`, waits for one of them, and clears it. Other events stay in the buffer.
 static void wait_for(uint32_t events) {
   EVENT_UNIT_EVENT_MASK = events;
   event_load(EVENT_UNIT_BASE + EVENT_UNIT_EVENT_WAIT_OFFSET);

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Start of the cluster's cores after the cluster is switched on. Each core gets a stack at the end of L1. Then the core
-# waits for work, does the work and reports the end, in an endless loop.
+# Starts the cluster's cores after the cluster was switched on. Each core sets its stack to the end of L1. Then, in an
+# endless loop, it waits for work, does the work and reports the end.
 #include "board.h"
 #include "runtime/cluster_stack.inc"
 

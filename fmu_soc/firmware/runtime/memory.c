@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The memory functions that compilers call in freestanding code.
+// Implements the memory functions that compilers call in freestanding code.
 #include <stddef.h>
 #include <stdint.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Trap entry of the fabric controller: dispatches interrupts. An exception ends the firmware.
+// Dispatches interrupts of the fabric controller. An exception ends the program.
 #include <stddef.h>
 
 #include "runtime/console.h"

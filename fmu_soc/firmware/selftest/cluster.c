@@ -20,7 +20,7 @@ struct job {
   int32_t factor;
 };
 
-// Each core computes a part; core 0 copies the data in and out.
+// Each core computes a part of the result. Core 0 copies the data to L1 and back.
 static void scale(void* argument) {
   const struct job* job = argument;
   const unsigned core = cluster_core_id();

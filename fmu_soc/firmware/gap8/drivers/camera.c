@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// An HM01B0 at I2C master 1 and the camera interface of GAP8's uDMA. The sensor has 324 x 324 pixels, and the interface
-// passes only the pixels in the middle. A request lets the sensor take one frame, after which the sensor enters
-// standby. So each picture is new, and no frame remains unused. A real sensor also needs values of integration, black
-// level and gain from its maker.
+// Drives an HM01B0 at I2C master 1 and the camera interface of GAP8's uDMA. The sensor has 324 x 324 pixels, and the
+// interface passes only the pixels in the middle. On a request, the sensor takes one frame and then enters standby.
+// Therefore each picture is new, and no frame remains unused. A real sensor also needs values of integration, black
+// level and gain from its manufacturer.
 #include "drivers/camera.h"
 
 #include "drivers/timer.h"
@@ -11,7 +11,7 @@
 #include "runtime/registers.h"
 #include "runtime/soc_events.h"
 
-// Edge of the program's picture [px].
+// Edge of the picture that the program uses [px].
 #ifndef CAMERA_EDGE
 #define CAMERA_EDGE 320
 #endif
@@ -19,14 +19,14 @@
 #define MARGIN ((SENSOR_EDGE - CAMERA_EDGE) / 2)
 _Static_assert(MARGIN >= 0 && MARGIN % 2 == 0 && CAMERA_EDGE % 2 == 0, "the interface counts pairs of pixels");
 
-// Camera interface
+// Bits of the camera interface's registers.
 #define INTERFACE_ON (UINT32_C(1) << 31)
 #define INTERFACE_WINDOW (UINT32_C(1) << 7)
 #define INTERFACE_AS_IT_COMES (UINT32_C(5) << 8)
 #define ROW_SHIFT 16
 
-// Sensor
-#define SENSOR_WRITE 0x48  // its address for writes
+// Addresses and values of the sensor's registers.
+#define SENSOR_WRITE 0x48  // address of the sensor on the bus, for writes
 #define MODE_SELECT 0x0100
 #define SOME_FRAMES 3
 #define FRAME_COUNT 0x3020
@@ -39,14 +39,15 @@ _Static_assert(MARGIN >= 0 && MARGIN % 2 == 0 && CAMERA_EDGE % 2 == 0, "the inte
 #define I2C_HZ 400000
 
 static uint8_t buffers[2][CAMERA_EDGE * CAMERA_EDGE] __attribute__((aligned(4), section(".noinit.camera")));
-// Index of the buffer of the requested picture. If no picture is requested, the index of the last picture's buffer.
+// Index of the buffer for the requested picture. If no picture is requested, index of the buffer that contains the last
+// picture.
 static unsigned filling;
 static bool is_requested;
 static uint32_t count;
 static volatile bool stored;
 static volatile unsigned is_sent;  // true after the last transfer to the sensor
 static uint8_t commands[13];
-static uint32_t divider;  // of the clock, for the bits on the bus
+static uint32_t divider;  // divides the SoC's clock to the bit rate on the bus
 
 static void on_picture(void) {
   stored = true;
@@ -56,7 +57,7 @@ static void on_sent(void) {
   is_sent = 1;
 }
 
-// Stores into a register of the sensor. Returns before the transfer has ended; the next call waits for its end.
+// Stores a value into a register of the sensor. Returns before the transfer has ended; the next call waits for its end.
 static void write_sensor(uint32_t at, uint32_t value) {
   soc_event_wait(&is_sent);
   is_sent = 0;

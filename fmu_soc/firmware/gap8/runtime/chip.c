@@ -10,7 +10,7 @@
 #define MULTIPLIER_MASK 0xFFFFu
 #define DIVIDER_SHIFT 26
 #define DIVIDER_MASK 0xFu
-// The frequency of the loop's oscillator is kept near this power of two, as in gap_sdk.
+// The frequency of the loop's oscillator is set near this power of two, as in gap_sdk.
 #define OSCILLATOR_LOG2_HZ 29
 #define REFERENCE_LOG2_HZ 15
 
@@ -31,13 +31,13 @@ static uint32_t voltage_mv(void) {
 }
 
 #ifdef MISSION_BASE
-// Sets the mission's voltage, which must be one of the chip's possible voltages.
+// Sets the mission's voltage, which must be one of the voltages that the chip supports.
 static void voltage_start(void) {
   const uint32_t others = SOC_CONTROL_SAFE_PMU_RAR & ~VOLTAGE_MASK;
   SOC_CONTROL_SAFE_PMU_RAR = others | (MISSION_SUPPLY_VOLTAGE - VOLTAGE_LOWEST_MV) / VOLTAGE_STEP_MV;
 }
 #else
-// Without a mission, keeps the voltage that the chip has after reset.
+// Keeps the voltage that the chip has after reset. Used on a board without a mission device.
 static void voltage_start(void) {}
 #endif
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The cluster with GAP8's own registers. A fork is a software event for the cores of the team, which read their job
-// from L1. At the end, core 0 waits for all cores of the team at a second barrier. Then it raises an event of the
-// fabric controller.
+// Controls the cluster through GAP8's own registers. A fork is a software event for the cores of the team, which read
+// their job from L1. At the end, core 0 waits for all cores of the team at a second barrier. Then it raises an event of
+// the fabric controller.
 #include "runtime/cluster.h"
 
 #include <stdbool.h>
@@ -14,7 +14,7 @@
 #define JOB_DONE (UINT32_C(1) << FABRIC_EVENT_JOB_DONE)
 #define BARRIER_OF(number) (EU_OF_CLUSTER_BASE + EU_LONG_BARRIER_OFFSET + (number)*BARRIER_BYTES)
 
-// The interrupt vectors of the cores. The cores start at the address after these vectors.
+// Interrupt vectors of the cores. The cores start at the address after these vectors.
 extern const char cluster_vectors[];
 
 struct {
@@ -24,7 +24,7 @@ struct {
 
 static volatile unsigned power_changed;
 static volatile unsigned clock_changed;
-static uint32_t clock_hz;  // 0: clock of the start
+static uint32_t clock_hz;  // 0 = the clock at the start of the program
 static uint32_t team;
 static bool works;
 
@@ -36,7 +36,7 @@ static void on_clock(void) {
   clock_changed = 1;
 }
 
-// Stores into CL_BYPASS, and sleeps until the change is done.
+// Stores `bypass` into CL_BYPASS, and sleeps until the change is complete.
 static void switch_power(uint32_t bypass) {
   power_changed = 0;
   SOC_CONTROL_CL_BYPASS = bypass;
@@ -53,13 +53,13 @@ static bool is_on(void) {
   return (SOC_CONTROL_CL_BYPASS & BYPASS_CLUSTER_ON) != 0;
 }
 
-// The order is the same as in gap_sdk (kernel/gap/maestro.c): power, isolation, reset, clock.
+// Switches the cluster on. The order is the same as in gap_sdk (kernel/gap/maestro.c): power, isolation, reset, clock.
 int cluster_on(void) {
   const unsigned cores = cluster_core_count();
   if (cores == 0) {
     return -1;
   }
-  // If the cluster is already on, the chip raises no event.
+  // If the cluster is already on, the chip would raise no event.
   if (is_on()) {
     return 0;
   }

@@ -34,7 +34,7 @@ void soc_event_attach(unsigned number, interrupt_handler_t handler) {
 }
 
 // Switches interrupts off during the wait. Otherwise an interrupt between the check of `note` and the sleep would clear
-// the event that ends the sleep. p.elw ends its wait at the event, even with interrupts off.
+// the event that ends the sleep. The event ends the wait of p.elw even with interrupts off.
 void soc_event_wait(const volatile unsigned* note) {
   uint32_t status;
   __asm__ volatile("csrrci %0, mstatus, 8" : "=r"(status)::"memory");

@@ -19,8 +19,8 @@ static unsigned filled;
 
 static volatile unsigned sent = 1;
 
-// Handles the end of a transfer by the uDMA. The event also ends a sleep in which the clock ran only for the
-// transmitter.
+// Handles the end of a transfer by the uDMA. The event also ends a sleep during which the clock stayed high only for
+// the transmitter.
 static void on_sent(void) {
   sent = 1;
 }
@@ -31,8 +31,8 @@ void uart_start(void) {
   soc_event_attach(SOC_EVENT_UART_SENT, on_sent);
 }
 
-// Returns true until the bits of the last byte are sent. The channel ends earlier: when the uDMA has passed the last
-// byte to the transmitter.
+// Returns true until the bits of the last byte are sent. The transfer of the uDMA ends earlier, when it has passed the
+// last byte to the transmitter.
 bool uart_sends(void) {
   return udma_runs(UDMA_UART_SEND_OFFSET) || (load(UDMA_BASE + UDMA_UART_STATUS_OFFSET) & UDMA_UART_SENDS) != 0;
 }
