@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Executes the first instructions after reset: sets stack and trap vector, clears the variables, calls main(), and exits.
+# Executes the first instructions after reset: sets stack and trap vector, clears variables, calls main(), and exits.
 #include "runtime/start.h"
 
     .section .text.start, "ax"

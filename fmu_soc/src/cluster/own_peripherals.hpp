@@ -38,8 +38,8 @@ class OwnPeripherals final : public ClusterPeripherals {
   std::uint32_t dma_base_;
   EventUnit event_unit_;
   ClusterDma& dma_;
-  std::uint32_t boot_ = 0;     // only valid until the end of the call that sets it
-  std::uint32_t started_ = 0;  // only valid until the end of the call that sets it
+  std::uint32_t boot_ = 0;     // only used while the cluster is being switched on; not part of a state
+  std::uint32_t started_ = 0;  // only used while the cluster is being switched on; not part of a state
 };
 
 }  // namespace mebots::soc

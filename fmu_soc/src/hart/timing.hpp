@@ -33,9 +33,9 @@ struct Timing {
   Extensions options = {};   // extensions besides RV32IMC and those that the kind always has
   unsigned pmp_entries = 0;  // number of entries of the physical memory protection, 0 to 16
 
-  /// If both loads have the same destination register.
+  /// True if a load stalls after a load that has the same destination register.
   bool load_after_load_stalls() const { return kind == CoreKind::ri5cy; }
-  /// Imm[4:0] is compared with the load's rd.
+  /// True if a store stalls after a load whose rd is equal to bits 4:0 of the store's offset.
   bool store_offset_looks_like_rd() const { return kind == CoreKind::ri5cy; }
   /// True if an unaligned jump target costs no cycle after this operation, because the target is fetched while the core
   /// is still busy.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The A extension: execution of each operation of isa/rv32a.decode. No operation has a lowering. Boards with several
-// cores cannot have the extension (board/board_file.cpp checks this), so each access is atomic.
+// Implements the execution of each operation of isa/rv32a.decode (A extension). No operation has a lowering. Boards
+// with several cores cannot have the extension (board/board_file.cpp checks this). Therefore each access is atomic.
 #include "hart/data_path.hpp"
 #include "instructions/operation.hpp"
 

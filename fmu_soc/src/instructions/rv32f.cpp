@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Execution of each operation of isa/rv32f.decode. F and Zfinx share these functions: a decoded register number of 0 to
-// 31 is an integer register (Zfinx), one of 32 to 63 is a floating-point register (F).
+// Implements execution and lowering of each operation of isa/rv32f.decode. F and Zfinx share these functions. The
+// decoded register numbers 0 to 31 are integer registers (Zfinx), and 32 to 63 are floating-point registers (F).
 #include "hart/csr_numbers.hpp"
 #include "instructions/float32.hpp"
 #include "instructions/load_store.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// RV32I: execution and lowering of each operation of isa/rv32i.decode.
+// Implements execution and lowering of each operation of isa/rv32i.decode (RV32I).
 #include "instructions/load_store.hpp"
 
 #include "instructions/operation.hpp"

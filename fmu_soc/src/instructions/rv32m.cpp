@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The M extension: execution and lowering of each operation of isa/rv32m.decode.
+// Implements execution and lowering of each operation of isa/rv32m.decode (M extension).
 #include "instructions/operation.hpp"
 
 #include "mebots/assert.hpp"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Xpulp v2 on whole words: execution and lowering of each operation of isa/xpulp.decode. The manual does not define
-// some results: sums that wrap, bit fields that exceed the word, negative bounds of a clip. Such results are the same
-// as those of the ALU and multiplier in RI5CY's RTL (pulp-platform/riscv, February 2018).
+// Implements execution and lowering of each operation of isa/xpulp.decode (Xpulp v2 on whole words). The manual does
+// not define some results: sums that wrap, bit fields that exceed the word, negative bounds of a clip. Such results are
+// the same as those of the ALU and multiplier in RI5CY's RTL (pulp-platform/riscv, February 2018).
 #include "hart/block_cache.hpp"
 
 #include "instructions/load_store.hpp"

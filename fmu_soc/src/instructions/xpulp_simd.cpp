@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Xpulp v2 on two halves or four bytes of a word: execution and lowering of each operation of isa/xpulp_simd.decode.
-// Lowerings use the low 32 bits of SSE registers. Part 0 is the lowest. Halves and bytes have the same functions; the
-// traits of an operation select the size.
+// Implements execution and lowering of each operation of isa/xpulp_simd.decode (Xpulp v2 on two halves or four bytes of
+// a word). Lowerings use the low 32 bits of SSE registers. Part 0 is the lowest part. Halves and bytes have the same
+// functions; the traits of an operation select the size.
 #include "instructions/operation.hpp"
 
 #include "mebots/assert.hpp"

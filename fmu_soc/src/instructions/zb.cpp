@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Zba, Zbb, Zbc, Zbs: execution and lowering of each operation of isa/zb.decode.
+// Implements execution and lowering of each operation of isa/zb.decode (Zba, Zbb, Zbc and Zbs).
 #include "instructions/operation.hpp"
 
 #include "mebots/assert.hpp"

@@ -56,7 +56,7 @@ class CallTree {
   Node& node(std::uint32_t number) { return nodes_[number]; }
   const std::vector<Node>& nodes() const { return nodes_; }
 
-  /// Returns a list with one cost for each node: the sum of its own cost and of the costs of its descendants.
+  /// Returns the cost of each node, including the costs of its descendants.
   std::vector<Cost> inclusive() const;
   /// Returns a list with the children of each node, in the order of their creation.
   std::vector<std::vector<std::uint32_t>> children() const;

@@ -128,7 +128,7 @@ class LimitedRun {
       if (left > cluster_lead) {
         piece = std::min(piece, left - cluster_lead);
       } else {
-        // Counts instructions from now on; cycles no longer determine the length of a piece.
+        // From here, the observer counts instructions, and the length of a piece does not depend on cycles.
         session_.add(last_.emplace(*limits_.instructions));
       }
     }
