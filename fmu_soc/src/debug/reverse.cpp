@@ -116,8 +116,8 @@ void GdbServer::next_replay() {
   }
 }
 
-/// Is called before a hart executes an instruction in a replay. Returns false if the run must end here, and nullopt if
-/// gdb must stop here.
+/// Decides, before a hart executes an instruction, whether the replay stops. Returns false if the run must end here,
+/// and nullopt if gdb must stop here.
 std::optional<bool> GdbServer::replay_before(unsigned number, std::uint32_t pc, std::uint64_t position) {
   auto& replay = *replay_;
   if (replay.phase == Replay::Phase::seeking) {

@@ -68,8 +68,8 @@ bool ObservedRun::is_reported(const Instruction* at, const QuietCode& quiet) {
   return at->op == Op::jalr || at->op == Op::mret;
 }
 
-/// Returns the first instruction from `at` on for which the observer needs a call. If there is none before `stop` or
-/// before the end of the block, returns `stop` or the end.
+/// Returns the first instruction from `at` on for which the observer needs a call. If no such instruction is before
+/// `stop` or the end of the block, returns `stop` or the end.
 const Instruction* ObservedRun::next_reported(const Instruction* at, const Instruction* stop) const {
   if (counts_) return at;
   const auto quiet = observer_->quiet();

@@ -15,7 +15,7 @@ struct Node {
   std::uint32_t number = 0;  // number of the block
   const Block* block = nullptr;
   const Instruction* first = nullptr;
-  std::uint32_t weight = 1;  // estimated frequency: 8 to the power of the loop depth
+  std::uint32_t weight = 1;  // estimate of how often it runs: 8 to the power of its loop depth
 
   /// Returns the slot after the node's last instruction. Its index is the number of instructions of the node.
   const Instruction* end() const {
