@@ -19,7 +19,7 @@ std::uint64_t value_of(const ModelDescription& description, std::uint32_t refere
   return start == nullptr ? 0 : static_cast<std::uint64_t>(*start);
 }
 
-/// Returns the product, or kMostElements + 1 if it is larger.
+/// Returns the product of the sizes, or kMostElements + 1 if the product is larger than kMostElements.
 std::size_t count_of(const std::vector<std::uint64_t>& sizes) {
   std::size_t count = 1;
   for (const auto size : sizes) {
@@ -131,7 +131,8 @@ class Expansion {
     }
   }
 
-  /// For an element of a derivative, returns the element of the state that has the same index.
+  /// Returns the element of the state whose derivative `derivative` is an element of. Both elements have the same
+  /// index.
   std::size_t state_of(const Variable& derivative) const {
     const auto& place = places_[*derivative.derivative_of];
     return place.first + (derivative.fmi3->element ? derivative.fmi3->element->index : 0);

@@ -23,7 +23,7 @@ namespace {
 using data::Node;
 using data::Object;
 
-/// Builds a Description step by step and keeps its names unique. Adds mistakes to the documents of the nodes.
+/// Builds a Description step by step, and rejects duplicate names. Adds mistakes to the documents of the nodes.
 class DescriptionReader {
  public:
   void read_own(const Node& root, const std::filesystem::path& file) {
@@ -39,7 +39,7 @@ class DescriptionReader {
     object.read("text", result_.text, &xml_text);
     object.read_if("namespace", result_.cpp_namespace, [](const Node& node) {
       auto name = node.text();
-      if (name.empty() || is_cpp_namespace(name)) return name;  // empty means global
+      if (name.empty() || is_cpp_namespace(name)) return name;  // an empty name is the global namespace
       node.fail(ErrorCode::invalid_value, fmt::format("{} is not a C++ namespace", node.shown()));
     });
     object.read_if("fmi", result_.fmi, &read_fmi_versions);
@@ -62,7 +62,7 @@ class DescriptionReader {
     object.finish();
   }
 
-  /// Reads the variables of a board's devices. The other members are read by the code for boards in fmu_soc.
+  /// Reads the variables of a board's devices. Code in fmu_soc reads the other members of the board.
   void join_board(const Node& root, const std::filesystem::path& file) {
     for (const auto& device : root.at("devices").elements()) {
       device.attempt([&] {
@@ -74,7 +74,7 @@ class DescriptionReader {
     result_.source += " and " + file.filename().string();
   }
 
-  /// Resolves references to variables. Called after all variables were read.
+  /// Resolves references to variables. Must be called after all variables were read.
   void read_references() {
     check_dependencies();
     for (const auto& [group, node] : size_sources_) check_size_source(node, group, result_);
@@ -85,7 +85,7 @@ class DescriptionReader {
   Description take() { return std::move(result_); }
 
  private:
-  using Names = std::map<std::string, std::string>;  // name -> place of its declaration
+  using Names = std::map<std::string, std::string>;  // maps a name to the place of its declaration
 
   void check_dependencies() const {
     for (const auto& [node, names] : dependencies_) {
@@ -167,7 +167,7 @@ class DescriptionReader {
     object.allow({"variability", "unit", "start", "min", "max", "nominal", "depends_on", "first_depends_on",
                   "mime_type", "on_demand", "copies"});
     object.finish();
-    if (!sound) return;  // the rest may depend on the wrong values
+    if (!sound) return;  // further checks could depend on wrong values
     node.attempt([&] { read_names(node, field); });
     read_variability(object, field);
     read_dependencies(object, field);
@@ -187,7 +187,7 @@ class DescriptionReader {
     result_.fields.push_back(std::move(field));
   }
 
-  /// Returns false if the type is unknown. The default is Real.
+  /// Reads the key `type`, whose default is Real. Returns false if the type is unknown.
   bool read_type(Object& object, Field& field) const {
     static constexpr std::array<std::pair<std::string_view, FieldType>, 5> kTypes{{{"Real", FieldType::real},
                                                                                    {"Integer", FieldType::integer},
@@ -253,7 +253,8 @@ class DescriptionReader {
     object.read_if("first_depends_on", field.first_depends_on, names);
   }
 
-  /// Expands `{group}` in a name. Returns the group's index, and one name for each word of the group.
+  /// Expands `{group}` in a name. Returns the group's index, and one name for each word of the group. A name without a
+  /// group is returned unchanged.
   std::pair<std::optional<std::size_t>, std::vector<std::string>> expand(const Node& node,
                                                                          const std::string& name) const {
     const auto open = name.find('{');
@@ -371,7 +372,7 @@ class DescriptionReader {
     return {};
   }
 
-  /// Reads the keys that only one kind of variable has.
+  /// Reads the keys that are valid only for certain types or causalities.
   static void read_kind(Object& object, Field& field) {
     if (field.type == FieldType::binary) {
       object.read("mime_type", field.mime_type, &xml_text);
@@ -432,7 +433,7 @@ class DescriptionReader {
   Names cpp_names_;
   std::set<std::string> inputs_;
   std::vector<std::pair<Node, std::vector<std::string>>> dependencies_;
-  std::map<std::string, Node> size_sources_;  // of arrays, by group
+  std::map<std::string, Node> size_sources_;  // by group: nodes that name the size parameter of an array
   std::vector<Node> terminals_;
   std::optional<Node> repeat_;
 };
@@ -455,7 +456,7 @@ Description read_description(const std::filesystem::path& file, const std::files
   own.read([&](const Node& root) {
     reader.read_own(root, file);
     const auto read_references = [&] {
-      if (root.noted() == 0) reader.read_references();  // else variables may be missing
+      if (root.noted() == 0) reader.read_references();  // otherwise variables may be missing
     };
     if (!joined) {
       read_references();

@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-/// The checked content of description.json, the input of all generators.
+/// Contains the checked content of description.json, which is the input of all generators.
 namespace mebots::modeldesc {
 
 enum class FieldType { real, integer, boolean, string, binary, enumeration };
@@ -19,8 +19,8 @@ enum class FieldType { real, integer, boolean, string, binary, enumeration };
 struct Group {
   std::string name;
   std::vector<std::string> words;
-  bool is_array = false;    // in FMI 3.0 all words form one array variable
-  std::string size_source;  // name of the parameter that holds the number of elements; empty = one per word
+  bool is_array = false;    // in FMI 3.0, all words form one array variable
+  std::string size_source;  // name of the parameter that sets the number of elements; empty: one element per word
 };
 
 struct Enumeration {
@@ -28,25 +28,25 @@ struct Enumeration {
   std::vector<EnumerationItem> items;
 };
 
-/// The object of which an FMU may have several copies, such as a drone. With more than one copy, the variables of each
-/// copy have names such as `drone[2].mass`.
+/// Describes the object of which an FMU may have several copies, such as a drone. With more than one copy, the
+/// variables of each copy have names such as `drone[2].mass`.
 struct Repeat {
   std::string word;
-  std::string size_source;  // name of the parameter that holds the number of copies in use
+  std::string size_source;  // name of the parameter that sets the number of copies in use
   std::size_t count = 1;
 };
 
-/// An entry of `variables`: a C++ field (an array for a group) and its FMI variables.
+/// Describes an entry of `variables`: a C++ field (an array for a group) and its FMI variables.
 struct Field {
-  std::string name;                    // as written, `{load}.power`
+  std::string name;                    // name in description.json, such as `{load}.power`
   std::optional<std::size_t> group;    // index in Description::groups
-  std::vector<std::string> fmi_names;  // one, or one per word of the group; of several copies, copy by copy
-  std::size_t words = 1;               // of the group
-  bool is_shared = false;              // one for all copies of the repeated thing
-  bool only_if_many = false;           // an FMU of one copy does not have it; then there are no fmi_names
-  std::string cpp_name;                // `load_power_w`; empty when on_demand
+  std::vector<std::string> fmi_names;  // one per word of the group, for each copy in turn
+  std::size_t words = 1;               // number of words in the group; 1 without a group
+  bool is_shared = false;              // all copies of the repeated object share this variable
+  bool only_if_many = false;           // an FMU with one copy lacks this variable; fmi_names is then empty
+  std::string cpp_name;                // such as `load_power_w`; empty for on-demand variables
   FieldType type = FieldType::real;
-  std::string enumeration;  // type name of an enumeration, else empty
+  std::string enumeration;  // type name of an enumeration; otherwise empty
   Causality causality = Causality::parameter;
   Variability variability = Variability::fixed;
   std::string unit;
@@ -55,13 +55,13 @@ struct Field {
   std::optional<double> max;
   std::optional<double> nominal;
   std::string text;
-  std::vector<std::string> depends_on;                       // FMI names of inputs, groups expanded
-  std::optional<std::vector<std::string>> first_depends_on;  // of the value at t = 0; empty: on any input
+  std::vector<std::string> depends_on;                       // FMI names of inputs; groups are expanded
+  std::optional<std::vector<std::string>> first_depends_on;  // the same at t = 0; empty: any input
   std::string mime_type;
   bool on_demand = false;
 };
 
-/// Returns the whole number in a value; 0 for other kinds.
+/// Returns the value as a whole number; 0 if the value is not a whole number.
 inline std::int64_t whole_number_of(const Value& value) {
   return std::visit(
       [](const auto& held) -> std::int64_t {
@@ -72,7 +72,7 @@ inline std::int64_t whole_number_of(const Value& value) {
       value);
 }
 
-/// A terminal of FMI 3.0, which is a set of variables that a tool connects together.
+/// Describes a terminal of FMI 3.0, which is a set of variables that a tool connects together.
 struct Terminal {
   struct Member {
     std::string name;
@@ -86,12 +86,12 @@ struct Terminal {
   std::vector<Member> members;
 };
 
-/// Versions of FMI that an FMU can be built for.
+/// Lists the versions of FMI that an FMU can be built for.
 enum class FmiVersion { two = 2, three = 3 };
 
 struct Description {
   std::string source;           // file name without folder
-  std::vector<FmiVersion> fmi;  // empty = 2.0
+  std::vector<FmiVersion> fmi;  // versions to generate; empty: only 2.0
   std::string name;
   std::string text;
   std::string cpp_namespace;
@@ -109,15 +109,16 @@ struct Description {
 };
 
 /// Reads description.json. If `board` is not empty, adds the variables and enumerations of the board's devices.
-/// `copies` is the number of copies of the repeated object. Throws mebots::Error with all mistakes, each with file,
-/// line and key.
+/// `copies` is the number of copies of the repeated object. Throws a mebots::Error that contains all mistakes, each
+/// with file, line and key.
 Description read_description(const std::filesystem::path& file, const std::filesystem::path& board = {},
                              std::size_t copies = 1);
 
-/// Reads only the variables and enumerations of a board's devices. Throws mebots::Error with all mistakes.
+/// Reads the variables and enumerations of a board's devices, to check them. Throws a mebots::Error that contains all
+/// mistakes.
 void check_board_variables(const std::filesystem::path& board);
 
-/// The parts of an OSMP binary in the order of their value references.
+/// Lists the parts of an OSMP binary variable in the order of their value references.
 inline constexpr std::array<std::string_view, 3> kOsmpRoles = {"base.lo", "base.hi", "size"};
 
 }  // namespace mebots::modeldesc

@@ -22,7 +22,7 @@
 namespace mebots::modeldesc {
 namespace {
 
-/// A file, mapped for reading.
+/// Maps a file into memory for reading.
 class Mapping {
  public:
   explicit Mapping(const std::filesystem::path& file) {
@@ -50,7 +50,7 @@ class Mapping {
   std::size_t size_ = 0;
 };
 
-/// The bytes of a loadable segment, by address relative to the library's start.
+/// Contains the bytes of a loadable segment, and their address relative to the library's start.
 struct Segment {
   std::uint64_t address;
   std::string_view bytes;
@@ -91,10 +91,10 @@ class ElfImage {
     library.symbolic = values_.contains(DT_SYMBOLIC) || (value(DT_FLAGS) & DF_SYMBOLIC) != 0;
   }
 
-  /// Returns the versions of symbols in other libraries. Each needed library has an entry with a list of version names.
-  /// The table is the same in 32-bit files.
+  /// Returns the versions of symbols that the library requires from other libraries. Each needed library has an entry
+  /// with a list of version names. The table has the same layout in 32-bit files.
   std::vector<std::string> needed_versions() const {
-    std::size_t most = 0;  // a row of the table has 16 bytes
+    std::size_t most = 0;  // each row of the table has 16 bytes
     for (const auto& segment : segments_) most += segment.bytes.size() / sizeof(Elf64_Vernaux);
     std::vector<std::string> versions;
     auto place = pointer(DT_VERNEED);
@@ -182,7 +182,8 @@ class ElfImage {
 
   Elf64_Sym symbol(std::uint64_t index) const { return at<Elf64_Sym>(pointer(DT_SYMTAB) + index * sizeof(Elf64_Sym)); }
 
-  /// Returns the number of symbols up to the last one in a hash table. Symbols that are in no table are undefined.
+  /// Returns the number of dynamic symbols up to the last one in a hash table. Symbols after it are undefined, and are
+  /// not counted.
   std::uint64_t hashed_symbols() const {
     if (values_.contains(DT_HASH)) return at<std::uint32_t>(pointer(DT_HASH) + sizeof(std::uint32_t));
     return values_.contains(DT_GNU_HASH) ? gnu_hashed_symbols(pointer(DT_GNU_HASH)) : 0;
@@ -203,7 +204,7 @@ class ElfImage {
     return last + 1;
   }
 
-  /// Returns, for the index of each symbol, whether a relocation names the symbol.
+  /// Returns a list with one element per symbol: true if a relocation names the symbol.
   std::vector<bool> bound_symbols() const {
     std::vector<bool> bound;
     const auto scan = [&](std::uint64_t address, std::uint64_t size) {
@@ -211,7 +212,7 @@ class ElfImage {
         const auto index = ELF64_R_SYM(at<Elf64_Rela>(address + offset).r_info);
         if (index == 0) continue;
         if (index >= bound.size()) {
-          static_cast<void>(symbol(index));  // checks that it is inside the file, which limits the vector's size
+          static_cast<void>(symbol(index));  // throws if the index is outside the file, and so limits the vector's size
           bound.resize(index + 1);
         }
         bound[index] = true;
@@ -265,7 +266,7 @@ class ElfImage {
   std::map<std::int64_t, std::uint64_t> values_;
 };
 
-/// A shared library in a file.
+/// Reads a shared library from a file.
 class ElfFile {
  public:
   explicit ElfFile(const std::filesystem::path& file)
@@ -389,7 +390,7 @@ std::vector<LoadedLibrary> loaded_libraries(UniqueSymbols unique) {
   auto take = [&](const dl_phdr_info& info) {
     try {
       libraries.push_back(read_loaded(info, unique));
-    } catch (const Error&) {  // an object without a library's tables
+    } catch (const Error&) {  // without readable tables, only the name is listed
       libraries.push_back({info.dlpi_name, {}, {}, {}});
     }
   };

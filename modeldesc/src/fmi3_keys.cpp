@@ -24,7 +24,7 @@ std::string with_word(std::string_view name, const Group& group, std::string_vie
   return result;
 }
 
-/// Returns the group whose {name} occurs in a terminal's name; null if there is none.
+/// Returns the group whose name occurs as {name} in a terminal's name; null if there is none.
 const Group* group_in(const Node& node, std::string_view name, const std::vector<Group>& groups) {
   const auto open = name.find('{');
   if (open == std::string_view::npos) return nullptr;
@@ -56,7 +56,7 @@ class TerminalReader {
       if (std::ranges::find(description_.terminals, terminal.name, &Terminal::name) != description_.terminals.end())
         node.fail(ErrorCode::duplicate_name, fmt::format("the terminal {} already exists", terminal.name));
       description_.terminals.push_back(terminal);
-      if (node.noted() != 0) return;  // the mistakes would be the same for the other words
+      if (node.noted() != 0) return;  // avoids the same mistakes for the other words
     }
   }
 
@@ -73,7 +73,7 @@ class TerminalReader {
     return members;
   }
 
-  /// Resolves the name of a member to a variable. The name is either written as in `variables`, or it is the FMI name
+  /// Finds the variable that a member of a terminal names. The name is either the name in `variables`, or the FMI name
   /// of one variable of a group.
   Terminal::Member member(const std::string& name, const Node& node, const Group* group, std::size_t word) const {
     const std::string variable = node.text();

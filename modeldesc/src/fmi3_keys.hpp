@@ -12,7 +12,7 @@
 /// Reads the keys of description.json that select versions of FMI, or that only FMI 3.0 uses.
 namespace mebots::modeldesc {
 
-/// Throws Mistakes if XML cannot represent the text.
+/// Throws Mistakes with the place of `node` if XML cannot represent the text.
 void check_xml_text(const data::Node& node, std::string_view text);
 std::string xml_text(const data::Node& node);
 
@@ -32,7 +32,8 @@ std::map<std::string, data::Node> read_arrays(const data::Node& node, std::vecto
 /// Adds a mistake if the size parameter of an array does not exist, or could exceed the number of the group's words.
 void check_size_source(const data::Node& node, std::string_view group, const Description& description);
 
-/// Reads `terminals` of a description or of a board's device. A name with a {group} declares one terminal per word.
+/// Reads the key `terminals` of a description or of a board's device. An entry whose name contains {group} declares one
+/// terminal per word of the group.
 void read_terminals(const data::Node& node, Description& description);
 
 }  // namespace mebots::modeldesc

@@ -22,8 +22,8 @@ std::string common_stem(const Group& group) {
   return std::ranges::all_of(group.words, has_stem) ? stem : "";
 }
 
-/// Returns the field's name with {group} replaced by the common stem of its words. If there is no stem, {group} is left
-/// out: drone.position for drone.position.{axis}.
+/// Returns the field's name with {group} replaced by the common stem of its words. If there is no stem, omits {group}:
+/// the result is drone.position for drone.position.{axis}.
 std::string array_name(const Field& field, const Group& group) {
   std::string name = field.name;
   const auto open = name.find('{');
@@ -36,7 +36,7 @@ std::string array_name(const Field& field, const Group& group) {
   return name;
 }
 
-/// Returns the name of the array over all copies: drone.rotor.thrust for rotor.thrust.
+/// Returns the name of the array that contains all copies of a variable: drone.rotor.thrust for rotor.thrust.
 std::string name_over_copies(const Repeat& repeat, const std::string& name) {
   return name.starts_with(repeat.word + '.') ? name : repeat.word + '.' + name;
 }

@@ -21,7 +21,7 @@ void make_output_folder(const std::filesystem::path& folder) {
     throw Error(ErrorCode::file_unwritable, fmt::format("{}: cannot be created: {}", folder.string(), error.message()));
 }
 
-/// Returns the instantiation token.
+/// Writes the files that only FMI 3.0 uses. Returns the instantiation token.
 std::string generate_fmi3(const Description& description, const ModelDescription& common,
                           const GenerateOptions& options, const std::filesystem::path& folder) {
   make_output_folder(folder);

@@ -10,36 +10,36 @@
 
 namespace mebots::modeldesc {
 
-/// Returns the modelDescription.xml of a description as plain data. The GUID is a hash of the content, so equal
-/// descriptions have equal GUIDs. `source_files` are the sources in the archive that an importing tool can compile.
+/// Converts a description to the content of its modelDescription.xml. The GUID is a hash of the content, so equal
+/// descriptions have equal GUIDs. `source_files` lists the sources in the archive that an importing tool can compile.
 ModelDescription to_model_description(const Description& description, std::vector<std::string> source_files = {});
 
-/// Returns an HTML page about the FMU and its variables.
+/// Returns an HTML page that documents the FMU and its variables.
 std::string write_html(const ModelDescription& description);
-/// Returns an HTML page about the FMU of FMI 3.0.
+/// Returns the same page as write_html() for an FMU of FMI 3.0.
 std::string write_fmi3_html(const Description& description, const ModelDescription& common);
 
-/// The modelDescription.xml of FMI 3.0. `common` is the result of to_model_description() for the same description. The
-/// token is a hash of the content, like the GUID of FMI 2.0.
+/// Contains the modelDescription.xml of FMI 3.0 and its instantiation token. `common` is the result of
+/// to_model_description() for the same description. The token is a hash of the content, like the GUID of FMI 2.0.
 struct Fmi3Text {
   std::string xml;
   std::string token;
 };
 Fmi3Text write_fmi3_xml(const Description& description, const ModelDescription& common);
 
-/// Returns terminalsAndIcons.xml of FMI 3.0; empty if the FMU has neither terminals nor an icon.
+/// Returns the text of terminalsAndIcons.xml for FMI 3.0; empty if the FMU has neither terminals nor an icon.
 std::string write_terminals_and_icons(const Description& description, bool has_icon);
 
-/// Returns buildDescription.xml of FMI 3.0 for these sources.
+/// Returns the text of a buildDescription.xml for FMI 3.0 that lists these sources.
 std::string write_build_description(const std::string& model_identifier, const std::vector<std::string>& sources);
 
-/// Returns a hash of the text in the form of a GUID.
+/// Returns a hash of the text in the form of a GUID. Equal texts have equal hashes.
 std::string token_of(const std::string& text);
 
 struct GenerateOptions {
-  std::vector<FmiVersion> fmi;  ///< versions to write; empty = those of the description
+  std::vector<FmiVersion> fmi;  ///< versions of FMI to generate; empty: those of the description
   bool has_icon = false;        ///< the archive contains a picture
-  /// The source files in the archive, by their paths relative to sources/. Empty if the archive has no sources.
+  /// Contain the paths of the source files in the archive, relative to sources/. Empty if the archive has no sources.
   std::vector<std::string> fmi2_sources = {};
   std::vector<std::string> fmi3_sources = {};
 };
@@ -51,39 +51,40 @@ void generate(const Description& description, const std::filesystem::path& folde
 
 }  // namespace mebots::modeldesc
 
-/// The three C++ files that the build generates from a description.
+/// Generates the three C++ files of a description.
 namespace mebots::modeldesc {
 
 /// Returns variables.hpp, which defines Parameters, Inputs, Outputs and Variables. This header does not depend on FMI.
 std::string variables_header(const Description& description);
 
-/// Returns binding.hpp, which declares make_model(). The file fmu.cpp of an FMU defines this function.
+/// Returns binding.hpp, which declares make_model(). The FMU's own file fmu.cpp defines this function.
 std::string binding_header(const Description& description);
 
-/// Returns variable_table.cpp, which defines the mebots::fmu::Definition that the FMI functions of the FMU use. If the
-/// FMU supports only FMI 2.0, the token is empty.
+/// Returns variable_table.cpp, which defines the mebots::fmu::Definition that the FMI functions of the FMU use. `token`
+/// is the instantiation token; it is empty if the FMU supports only FMI 2.0.
 std::string variable_table_source(const Description& description, const std::string& guid, const std::string& token);
 
-/// True if the text is a C++ identifier and not a keyword.
+/// Returns true if the text is a C++ identifier and not a keyword.
 bool is_cpp_identifier(std::string_view name);
 
-/// True for a text such as `a::b::c`.
+/// Returns true for identifiers joined by `::`, such as `a::b::c`.
 bool is_cpp_namespace(std::string_view name);
 
-/// True for a structured name of FMI, which consists of identifiers joined by dots. Each identifier may have an index
-/// `[n]`.
+/// Returns true for a structured name of FMI, which consists of identifiers joined by dots. Each identifier may have an
+/// index `[n]`.
 bool is_structured_name(std::string_view name);
 
-/// Converts an FMI name to a C++ name: `.`, `[` and `]` become `_`. The name has no double `_`, and none at its end.
+/// Converts an FMI name to a C++ name: `.`, `[` and `]` become `_`. The result has no double `_`, and no `_` at its
+/// end.
 std::string to_cpp_name(std::string_view fmi_name);
 
-/// Returns the text as a C++ string literal, including the quotes.
+/// Returns a C++ string literal whose value is the text, including the quotes.
 std::string cpp_literal(std::string_view text);
 
-/// Writes a file. If this fails, throws mebots::Error with the file's name.
+/// Writes the text to a file. If this fails, throws a mebots::Error with the file's name.
 void write_text_file(const std::filesystem::path& file, const std::string& text);
 
-/// Returns the SHA-256 digest as 64 lower-case hexadecimal digits.
+/// Returns the SHA-256 digest of the bytes as 64 lower-case hexadecimal digits.
 std::string sha256_hex(std::string_view bytes);
 
 }  // namespace mebots::modeldesc

@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 constexpr const char* kDescription = "modelDescription.xml";
 constexpr const char* kBill = "documentation/sbom.spdx.json";
 
-/// An unpacked archive.
+/// Holds an unpacked archive, which is one build of the FMU.
 class Build {
  public:
   explicit Build(const fs::path& archive) : archive_(archive), folder_("mebots-merge") {
@@ -51,7 +51,7 @@ class Build {
  private:
   fs::path archive_;
   TemporaryFolder folder_;
-  std::map<std::string, fs::path> files_;  // by entry
+  std::map<std::string, fs::path> files_;  // maps an entry of the merged archive to its file
   std::set<std::string> platforms_;
 };
 
@@ -89,13 +89,14 @@ class Merge {
     fs::path archive;
   };
 
-  /// The entries of the first build that all other builds must have, too.
+  /// Contains the entries of the first build that all other builds must have, too.
   struct Shared {
     std::set<std::string> entries;
     fs::path archive;
   };
 
-  /// Throws Error if a file that all builds must have in common is missing in `build` or in the first build.
+  /// Stores the entries of the first build outside binaries/ and documentation/. For any other build, throws Error if
+  /// its entries outside these folders are not the same.
   void refuse_other_entries(const Build& build) {
     std::set<std::string> entries;
     for (const auto& [entry, file] : build.files()) {
@@ -130,7 +131,7 @@ class Merge {
 }  // namespace
 
 void merge_fmus(const std::vector<fs::path>& archives, const fs::path& target) {
-  std::vector<Build> builds;  // before the target is written, which may be one of them
+  std::vector<Build> builds;  // unpacked before the target is written, because the target may be one of the archives
   builds.reserve(archives.size());
   Merge merge;
   for (const auto& archive : archives) merge.add(builds.emplace_back(archive));

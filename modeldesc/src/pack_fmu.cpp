@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Returns the libraries that `file` needs and that its operating system does not contain.
+/// Returns the libraries that `file` needs and that the operating system does not contain.
 std::vector<std::string> needs_of(const fs::path& file, BinaryFormat format) {
   auto needed = format == BinaryFormat::pe ? read_pe_library(file).needed : read_elf_library(file).needed;
   std::erase_if(needed, [&](const std::string& name) {
@@ -41,7 +41,7 @@ void check_needs(const fs::path& file, BinaryFormat format, const std::map<std::
                       file.string(), needed));
 }
 
-/// Returns the name by which the loader looks for a library.
+/// Returns the name by which the loader searches for a library.
 std::string loaded_name(const fs::path& library, BinaryFormat format) {
   std::string soname;
   if (format == BinaryFormat::elf) soname = read_elf_library(library).soname;
@@ -56,7 +56,7 @@ void add_folder(const fs::path& folder, const std::string& target, std::vector<P
       files.push_back({target + entry.path().lexically_relative(folder).generic_string(), entry.path()});
 }
 
-/// The parts of a modelDescription.xml that determine the archive's layout and documents.
+/// Contains the parts of a modelDescription.xml that determine the archive's layout and documents.
 struct Subject {
   bool is_fmi3 = false;
   std::string name;
@@ -76,7 +76,7 @@ Subject read_subject(const fs::path& file) {
           root.attribute("version").value(), co_simulation.attribute("modelIdentifier").value()};
 }
 
-/// Adds folders and files whose paths in the archive depend on the version of FMI.
+/// Adds the folders and files whose paths in the archive depend on the version of FMI to `files`.
 void add_versioned(const FmuParts& parts, const Subject& subject, std::vector<PackedFile>& files) {
   if (!parts.icon.empty()) files.push_back({subject.is_fmi3 ? "terminalsAndIcons/icon.png" : "model.png", parts.icon});
   std::error_code error;

@@ -7,22 +7,22 @@
 
 namespace mebots::modeldesc {
 
-/// A third-party component of a product.
+/// Describes a third-party component of a product.
 struct Part {
   std::string relation;        ///< "linked": its code is inside; "bundled": one of its files is; "needed": it is
                                ///< required but not included
-  std::string name;            ///< of its package
-  std::string version;         ///< of its package; may be empty
+  std::string name;            ///< name of the package
+  std::string version;         ///< version of the package; may be empty
   std::string license;         ///< SPDX expression; empty if unknown
   std::string locator;         ///< package URL (purl); may be empty
-  std::filesystem::path text;  ///< file with the licence's text; may be empty
+  std::filesystem::path text;  ///< file that contains the licence's text; may be empty
 };
 
 /// Reads the output of MebotsParts.cmake: one line per part. The fields are in the order of the members of Part,
 /// separated by '|'. Throws mebots::Error with file and line.
 std::vector<Part> read_parts(const std::filesystem::path& file);
 
-/// The product that a bill of materials describes.
+/// Identifies the product that a bill of materials describes.
 struct Product {
   std::string name;
   std::string version;  ///< may be empty
@@ -34,26 +34,26 @@ struct Product {
 /// the entries in MEbots' archives. The document's name space contains the hash of the rest.
 std::string spdx_document(const Product& product, std::vector<Part> parts);
 
-/// The input files of an FMU.
+/// Contains the paths of an FMU's input files.
 struct FmuParts {
   std::filesystem::path description;             // modelDescription.xml
   std::filesystem::path documentation;           // index.html
   std::filesystem::path binary;                  // becomes binaries/<platform>/<model identifier>.so or .dll
   std::filesystem::path icon;                    // model.png, FMI 3.0: terminalsAndIcons/icon.png; may be empty
-  std::filesystem::path terminals;               // terminalsAndIcons.xml of FMI 3.0; may be empty, or an empty file
+  std::filesystem::path terminals;               // terminalsAndIcons.xml of FMI 3.0; may be empty or name an empty file
   std::filesystem::path license;                 // becomes documentation/licenses/license.txt; may be empty
-  std::filesystem::path reference;               // folder, becomes documentation/reference; may be empty
-  std::vector<std::filesystem::path> libraries;  // placed next to the binary, under their SONAME
-  std::filesystem::path parts;                   // list of third-party parts (parts.hpp); may be empty
+  std::filesystem::path reference;               // folder; becomes documentation/reference; may be empty
+  std::vector<std::filesystem::path> libraries;  // copied to the binary's folder, under their SONAME
+  std::filesystem::path parts;                   // file for read_parts(); may be empty
   std::string license_id;                        // SPDX expression of `license`; may be empty
-  std::vector<std::filesystem::path> resource_folders;  // their contents are copied to resources/
-  std::vector<std::filesystem::path> resource_files;    // are copied to resources/
-  std::filesystem::path sources;                        // folder, its contents are copied to sources/; may be empty
+  std::vector<std::filesystem::path> resource_folders;  // the contents of these folders are copied to resources/
+  std::vector<std::filesystem::path> resource_files;    // these files are copied to resources/
+  std::filesystem::path sources;                        // folder; its contents are copied to sources/; may be empty
 };
 
-/// Writes the .fmu. The header of the binary determines its platform. Throws mebots::Error with the name of a missing
-/// file. Also throws if the binary or one of its libraries needs a library that is neither in the archive nor part of
-/// every Linux or Windows.
+/// Packs the files into the archive, an .fmu. The header of the binary determines its platform. Throws mebots::Error
+/// with the name of a missing file. Also throws if the binary or one of its libraries needs a library that is neither
+/// in the archive nor part of every Linux or Windows.
 void pack_fmu(const std::filesystem::path& archive, const FmuParts& parts);
 
 }  // namespace mebots::modeldesc

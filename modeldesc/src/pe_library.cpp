@@ -15,14 +15,14 @@
 namespace mebots::modeldesc {
 namespace {
 
-/// A section of the file. The `size` bytes from `offset` on are loaded at `address`.
+/// Describes a section of the file. The `size` bytes from `offset` on are loaded at `address`.
 struct Section {
   std::uint32_t address;
   std::uint32_t size;
   std::uint32_t offset;
 };
 
-/// Indices of the optional header's data directories.
+/// Contains the indices of the data directories in the optional header.
 enum class Directory : std::uint32_t { exports = 0, imports = 1, delayed_imports = 13 };
 
 class PeFile {
@@ -56,7 +56,7 @@ class PeFile {
   }
 
  private:
-  static constexpr std::uint32_t kSignature = 0x4550;  // "PE", two zeros
+  static constexpr std::uint32_t kSignature = 0x4550;  // the characters "PE" and two zeros
   static constexpr std::uint16_t kPe32Plus = 0x20b;
   static constexpr std::uint64_t kOptionalHeader = 24;
 
@@ -72,7 +72,7 @@ class PeFile {
     return value;
   }
 
-  /// Returns the offset in the file that corresponds to an address.
+  /// Returns the offset in the file of the byte that is loaded at an address.
   std::uint64_t offset_of(std::uint32_t address) const {
     for (const auto& section : sections_) {
       if (address >= section.address && address - section.address < section.size)
@@ -97,8 +97,8 @@ class PeFile {
     return index < get<std::uint32_t>(counts) ? get<std::uint32_t>(counts + 4 + std::uint64_t{8} * index) : 0;
   }
 
-  /// Adds the names in a table of DLLs. Each row of the table has `row_bytes` bytes, and contains the address of the
-  /// name at `name_offset`. A row without a name ends the table.
+  /// Appends the names in a table of DLLs to `names`. Each row of the table has `row_bytes` bytes. It contains the
+  /// address of a name at the offset `name_offset`. A row without a name ends the table.
   void add_names(Directory which, std::uint64_t row_bytes, std::uint64_t name_offset,
                  std::vector<std::string>& names) const {
     const auto address = directory(which);

@@ -20,7 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 using enum BinaryFormat;
 
-// Numbers of machines. Sources: Microsoft, "PE Format", section Machine Types; <mach/machine.h> of macOS.
+// Processor types in the headers of the formats. Sources: Microsoft, "PE Format", section Machine Types;
+// <mach/machine.h> of macOS.
 constexpr std::uint32_t kPeI386 = 0x14c;
 constexpr std::uint32_t kPeAmd64 = 0x8664;
 constexpr std::uint32_t kPeArm64 = 0xaa64;
@@ -70,7 +71,7 @@ std::uint32_t big_endian(std::string_view bytes, std::size_t offset) {
 }
 
 /// Returns the platforms of a universal library of macOS. The header of such a library has one row for each platform
-/// (<mach-o/fat.h>).
+/// (<mach-o/fat.h>). `start` contains the first bytes of the file.
 std::vector<const Platform*> platforms_of_universal(std::string_view start) {
   constexpr std::size_t kHeader = 8;
   constexpr std::size_t kRow = 20;

@@ -9,7 +9,7 @@
 namespace mebots::modeldesc {
 namespace {
 
-// The variability words of FMI 1.0, in the order of kVariabilityWords1.
+// Lists the variabilities of FMI 1.0, in the order of kVariabilityWords1.
 enum class Variability1 : std::uint8_t { constant, parameter, discrete, continuous };
 enum class Causality1 : std::uint8_t { input, output, internal, none };
 enum class Alias : std::uint8_t { none, alias, negated };
@@ -63,7 +63,7 @@ class Fmi1Reader {
     flags.can_run_asynchronuously = capabilities.flag("canRunAsynchronuously", false);
   }
 
-  /// A unit of FMI 1.0 has a name and no base units.
+  /// Reads a unit of FMI 1.0, which has a name and no base units.
   void read_unit(const Element& element) {
     Unit unit;
     unit.name = element.required_text("unit");
@@ -84,7 +84,7 @@ class Fmi1Reader {
       if (word == std::end(kTypeElements)) return;
       type.type = static_cast<Type>(word - std::begin(kTypeElements));
       read_quantities(details, type);
-      details.each_child("Item", [&](const Element& item) {  // their values count from 1
+      details.each_child("Item", [&](const Element& item) {  // the values of FMI 1.0 items are 1, 2, 3 and so on
         const auto value = static_cast<std::int64_t>(type.items.size()) + 1;
         type.items.push_back({item.required_text("name"), value, item.text("description")});
       });
@@ -155,8 +155,8 @@ class Fmi1Reader {
     variable.initial = default_initial(variable.causality, variable.variability);
   }
 
-  /// In FMI 1.0, a negated alias has the value reference of its base. This function assigns it a reference that no
-  /// other variable has.
+  /// Assigns a value reference that no other variable has to each negated alias. In FMI 1.0, a negated alias has the
+  /// value reference of its base.
   void give_negated_aliases_their_references() {
     std::unordered_set<std::uint32_t> used;
     for (const auto& variable : result_.variables) used.insert(variable.value_reference);
@@ -191,7 +191,7 @@ class Fmi1Reader {
 
   Element root_;
   ModelDescription result_;
-  std::vector<std::pair<std::size_t, Element>> outputs_;  // index of the variable
+  std::vector<std::pair<std::size_t, Element>> outputs_;  // index and element of the variable
   std::unordered_set<std::string> names_;
   DeclaredTypes types_;
 };

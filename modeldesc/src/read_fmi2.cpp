@@ -142,7 +142,7 @@ class Fmi2Reader {
       if (tool.text("name") != "net.pmsf.osmp") return;
       tool.each_child([&](const Element& part) {
         const std::string_view name = part.name();
-        // The prefix of the XML namespace is ignored, because the writer of the file chooses it.
+        // Ignores the prefix of the XML namespace, because the writer of the file chooses it.
         if (name.substr(name.find(':') + 1) != "osmp-binary-variable") return;
         variable.osmp = OsmpPart{part.required_text("name"), part.required_text("role"), part.text("mime-type")};
       });
@@ -156,8 +156,8 @@ class Fmi2Reader {
                                    *variable.derivative_of + 1, result_.variables.size()));
   }
 
-  /// Returns the variable of an index in ModelStructure. Reports an index without a variable instead of throwing,
-  /// because some tools write 0, and the FMU runs without its ModelStructure.
+  /// Returns the index of the variable that a number in ModelStructure denotes. Some tools write 0, and an FMU runs
+  /// without its ModelStructure. Therefore a number without a variable is reported and not thrown as an error.
   std::optional<std::size_t> index(const Element& element, std::string_view text) {
     const auto value = parse_number<std::size_t>(text);
     if (!value) element.fail(fmt::format("\"{}\" is not an index of a variable", text));
@@ -181,7 +181,7 @@ class Fmi2Reader {
 
   Element root_;
   ModelDescription result_;
-  std::unordered_set<std::string_view> names_;  // of the variables, whose addresses do not change
+  std::unordered_set<std::string_view> names_;  // names in the variables, whose addresses do not change
   DeclaredTypes types_;
 };
 

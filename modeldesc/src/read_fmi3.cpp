@@ -53,7 +53,7 @@ class Fmi3Reader {
     read_head(root_, "instantiationToken", result_);
   }
 
-  /// Reads the common attributes of <ModelExchange> and <CoSimulation>.
+  /// Reads the attributes that <ModelExchange> and <CoSimulation> have in common into `flags`.
   static void read_implementation(const Element& element, Implementation& flags) {
     flags.model_identifier = model_identifier(element);
     flags.needs_execution_tool = element.flag("needsExecutionTool", false);
@@ -247,7 +247,8 @@ class Fmi3Reader {
     return *value;
   }
 
-  /// Returns the index of the variable that has this value reference. `element` contains the reference.
+  /// Returns the index of the variable that has this value reference. Throws if there is none; the message names
+  /// `element`, which contains the reference.
   std::size_t index(const Element& element, std::uint32_t value_reference, std::string_view what) const {
     const auto found = by_reference_.find(value_reference);
     if (found == by_reference_.end())
@@ -304,8 +305,8 @@ class Fmi3Reader {
     return unknowns;
   }
 
-  /// Returns the variable with a value reference in <ModelStructure>. Reports an unknown reference instead of throwing,
-  /// because the FMU can run without this entry.
+  /// Returns the index of the variable with this value reference in <ModelStructure>. Reports an unknown reference
+  /// instead of throwing, because the FMU can run without this entry.
   std::optional<std::size_t> find(const Element& element, std::uint32_t value_reference) {
     const auto found = by_reference_.find(value_reference);
     if (found != by_reference_.end()) return found->second;
@@ -316,7 +317,7 @@ class Fmi3Reader {
 
   Element root_;
   ModelDescription result_;
-  std::unordered_set<std::string> names_;  // of the variables
+  std::unordered_set<std::string> names_;  // names of the variables read so far
   std::unordered_map<std::uint32_t, std::size_t> by_reference_;
   DeclaredTypes types_;
   std::vector<std::pair<std::size_t, std::uint32_t>> derivatives_;  // index of the variable, value reference of its

@@ -146,7 +146,7 @@ namespace {
 
 ModelDescription read_utf8(std::string text, std::string_view source) {
   const Document document(text, source);
-  std::string().swap(text);  // the document has a copy
+  std::string().swap(text);  // frees the text, because the document has a copy
   const Element root(document, document.root());
   if (root.name() != "fmiModelDescription") root.fail("the root element must be <fmiModelDescription>");
   const auto version = root.required_text("fmiVersion");
@@ -173,8 +173,6 @@ ModelDescription read_xml_text(std::string_view text, std::string_view source) {
 }
 
 ModelDescription read_xml(const std::filesystem::path& file) {
-  // The file's bytes are freed before the text is parsed. This saves memory, because a description may have a million
-  // variables.
   return read_utf8(xml_as_utf8(bytes_of(file), file.string()), file.string());
 }
 

@@ -33,7 +33,7 @@ std::string identifier(const std::string& name) {
 }
 
 std::string time_text() {
-  constexpr std::time_t kOfArchiveEntries = 315532800;  // 1980-01-01, the first day of zip's calendar
+  constexpr std::time_t kOfArchiveEntries = 315532800;  // 1980-01-01, the first date that zip can represent
   std::time_t time = kOfArchiveEntries;
   if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) {  // NOLINT(concurrency-mt-unsafe): one thread
     char* end = nullptr;

@@ -56,7 +56,7 @@ TemporaryFolder& TemporaryFolder::operator=(TemporaryFolder&& other) noexcept {
 
 void TemporaryFolder::remove() noexcept {
   if (path_.empty() || getpid() != owner_) return;
-  std::error_code ignored;  // a file left in the temporary folder is harmless
+  std::error_code ignored;  // a file that remains in the temporary folder is harmless
   std::filesystem::remove_all(path_, ignored);
 }
 

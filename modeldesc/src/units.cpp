@@ -259,7 +259,7 @@ bool same_unit(const Unit& a, const Unit& b) {
 }
 
 UnitConversion unit_conversion(const Unit& from, const Unit& to, bool difference) {
-  // FMI 2.0: value_SI = factor * value + offset.
+  // In FMI 2.0: value_SI = factor * value + offset.
   if (same_unit(from, to)) return {};
   return {from.factor / to.factor, difference ? 0 : (from.offset - to.offset) / to.factor};
 }

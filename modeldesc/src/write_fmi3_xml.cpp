@@ -14,8 +14,8 @@
 namespace mebots::modeldesc {
 namespace {
 
-/// The compiler options of the sources. With them, every operation is rounded, and all mathematical functions are those
-/// in the sources.
+/// Compiler options for the sources. They make the compiler round after every operation, and use the mathematical
+/// functions in the sources.
 constexpr const char* kSourceOptions = "-ffp-contract=off -fno-builtin";
 
 std::string value_text(const Value& value) {
@@ -104,7 +104,7 @@ void write_unknowns(Element structure, const char* name, const std::vector<Unkno
   };
   for (const Unknown& unknown : unknowns) {
     const auto reference = variable_of(unknown.variable);
-    if (reference != unknown.variable) continue;  // the first row represents all
+    if (reference != unknown.variable) continue;  // the first row represents all rows of a variable
     Element element = structure.child(name).text("valueReference", std::to_string(reference));
     if (!unknown.dependencies) continue;
     std::set<std::uint32_t> dependencies;

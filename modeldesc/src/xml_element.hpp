@@ -20,8 +20,8 @@
 #include <utility>
 #include <vector>
 
-/// Typed and checked access to the elements of a modelDescription.xml. Also contains code that the readers of all FMI
-/// versions share.
+/// Gives typed and checked access to the elements of a modelDescription.xml. Also contains code that the readers of all
+/// FMI versions share.
 namespace mebots::modeldesc {
 
 inline std::string_view trimmed(std::string_view text) {
@@ -40,7 +40,8 @@ std::optional<T> parse_number(std::string_view text) {
   return parsed_number<T>(text);
 }
 
-/// A parsed document, with the lines of its elements for messages. The document uses `text` only in its constructor.
+/// Holds a parsed XML document and the offsets of its lines, from which messages compute line numbers. The document
+/// uses `text` only in its constructor.
 class Document {
  public:
   Document(const std::string& text, std::string_view source) : source_(source) {
@@ -52,7 +53,7 @@ class Document {
 
   pugi::xml_node root() const { return xml_.document_element(); }
 
-  /// Returns a text such as "line 7, <Real>: what".
+  /// Returns a message such as "line 7, <Real>: what".
   std::string located(pugi::xml_node node, std::string_view what) const {
     const auto line = std::ranges::lower_bound(line_ends_, node.offset_debug()) - line_ends_.begin() + 1;
     return fmt::format("line {}, <{}>: {}", line, node.name(), what);
@@ -67,7 +68,7 @@ class Document {
   std::vector<std::ptrdiff_t> line_ends_;
 };
 
-/// An element with typed, checked access to its attributes.
+/// Gives typed and checked access to the attributes and children of an XML element.
 class Element {
  public:
   Element(const Document& document, pugi::xml_node node) : document_(&document), node_(node) {}
@@ -99,7 +100,8 @@ class Element {
   }
   std::optional<double> real(const char* name) const { return number<double>(name, "a number"); }
 
-  /// Converts the attribute's word to a value. Its position in `words` is the number of the enumerator.
+  /// Converts the word in an attribute to an enumerator. The index of the word in `words` is the number of the
+  /// enumerator.
   template <typename T>
   std::optional<T> word(const char* name, std::span<const std::string_view> words) const {
     if (!has(name)) return std::nullopt;
@@ -129,7 +131,7 @@ class Element {
     const auto children = node_.children(name);
     return static_cast<std::size_t>(std::distance(children.begin(), children.end()));
   }
-  /// Does the same as each_child(), and removes each child after its use, which frees the child's memory.
+  /// Calls `action` as each_child() does, but removes each child afterwards, which frees the child's memory.
   template <typename Action>
   void consume_children(const char* name, Action action) {
     for (auto node = node_.child(name); node;) {
@@ -146,26 +148,27 @@ class Element {
   pugi::xml_node node_;
 };
 
-/// The number of variables after which the memory of their elements is returned to the system. Without this, elements
-/// and variables together would double the peak memory for a description with a million variables.
+/// Sets the number of variables after which the memory of their elements is returned to the system. Without this,
+/// elements and variables together would double the peak memory for a description with a million variables.
 inline constexpr std::size_t kVariablesPerTrim = 1 << 16;
 void release_free_memory();
 
 /// Returns the default of the attribute `initial` (FMI 2.0.4, table on page 51; FMI 3.0.2, section 2.4.7.5).
 std::optional<Initial> default_initial(Causality causality, Variability variability);
 
-/// Returns the modelIdentifier, which becomes part of a path. Throws Error if it is not a C name.
+/// Returns the value of the attribute modelIdentifier, which becomes part of a path. Throws Error if it is not a C
+/// name.
 std::string model_identifier(const Element& element);
 
-/// Reads the attributes of the root element that all versions of FMI have. `guid` is the name of the attribute for
-/// ModelDescription::guid.
+/// Reads the attributes of the root element that all versions of FMI have into `result`. `guid` is the name of the
+/// attribute that contains ModelDescription::guid.
 void read_head(const Element& root, const char* guid, ModelDescription& result);
 
-/// Reads the elements that are the same in all versions of FMI: <UnitDefinitions>, <LogCategories>,
+/// Reads the elements that are the same in all versions of FMI into `result`: <UnitDefinitions>, <LogCategories>,
 /// <DefaultExperiment>.
 void read_common(const Element& root, ModelDescription& result);
 
-/// Reads the attributes that a type and a variable have in common. `Target` is TypeDefinition or Variable.
+/// Reads the attributes that types and variables have in common into `target`. `Target` is TypeDefinition or Variable.
 template <typename Target>
 void read_quantities(const Element& element, Target& target) {
   target.quantity = element.text("quantity");
@@ -204,14 +207,15 @@ std::pair<Type, Element> type_child(const Element& variable);
 /// Reads the start value from the child element that declares the type; empty if there is none.
 Value read_start(const Element& details, Type type);
 
-/// The types of <TypeDefinitions> by name. A description may have thousands.
+/// Indexes the types of <TypeDefinitions> by name, because a description may have thousands of types.
 class DeclaredTypes {
  public:
   /// Appends a type to `types`, which must be the same list in every call. Throws Error if the list already has a type
   /// with the same name.
   void add(const Element& element, TypeDefinition type, std::vector<TypeDefinition>& types);
-  /// Sets the attributes that a variable does not have to those of its declared type. Has no effect if the variable has
-  /// no declared type. Throws Error if the declared type is unknown or does not fit the variable.
+  /// Completes a variable: each attribute that the variable lacks receives the value of its declared type. Has no
+  /// effect if the variable has no declared type. Throws Error if the declared type is unknown or does not fit the
+  /// variable.
   void apply(const Element& element, const std::vector<TypeDefinition>& types, Variable& variable) const;
 
  private:

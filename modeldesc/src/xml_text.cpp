@@ -15,7 +15,7 @@
 namespace mebots::modeldesc {
 namespace {
 
-/// Determines the encoding by the byte order mark, or by the bytes of the first "<". Empty if the encoding is a
+/// Determines the encoding from the byte order mark, or from the bytes of the first "<". Empty if the encoding is a
 /// superset of ASCII.
 std::string_view wide_encoding(std::string_view bytes) {
   using namespace std::string_view_literals;
@@ -96,8 +96,8 @@ pugi::xml_node too_deep(const pugi::xml_document& document) {
   return {};
 }
 
-/// Refuses references to entities of the DTD. pugixml does not expand them, so their meaning would be lost without an
-/// error.
+/// Throws Error if the text refers to an entity of the DTD. pugixml does not expand entities, so their meaning would be
+/// lost without an error.
 void refuse_entities(const pugi::xml_document& document, std::string_view text, std::string_view source) {
   constexpr std::string_view kDefinition = "<!ENTITY";
   constexpr std::string_view kSpace = " \t\r\n";
@@ -118,14 +118,14 @@ void refuse_entities(const pugi::xml_document& document, std::string_view text, 
   }
 }
 
-/// True for characters that XML 1.0 permits (section 2.2).
+/// Returns true for characters that XML 1.0 permits (section 2.2).
 bool is_xml_character(std::uint32_t code) {
   return code == 0x9 || code == 0xA || code == 0xD || (code >= 0x20 && code <= 0xD7FF) ||
          (code >= 0xE000 && code <= 0xFFFD) || (code >= 0x10000 && code <= 0x10FFFF);
 }
 
-/// Refuses references to numbers that are not characters. pugixml converts any number in a reference, such as &#xD800;,
-/// to bytes.
+/// Throws Error if a reference denotes a number that is not a character. pugixml converts any number in a reference,
+/// such as &#xD800;, to bytes.
 void refuse_references(std::string_view text, std::string_view source) {
   for (auto at = text.find("&#"); at != std::string_view::npos; at = text.find("&#", at + 1)) {
     const bool hex = text.substr(at + 2).starts_with('x');
@@ -162,7 +162,7 @@ std::string xml_as_utf8(std::string_view bytes, std::string_view source) {
 std::optional<std::uint32_t> first_no_xml_character(std::string_view text) {
   for (std::size_t at = 0; at < text.size();) {
     std::uint32_t code = static_cast<unsigned char>(text[at++]);
-    const int more = code < 0xC0 ? 0 : code < 0xE0 ? 1 : code < 0xF0 ? 2 : 3;  // bytes with six bits each
+    const int more = code < 0xC0 ? 0 : code < 0xE0 ? 1 : code < 0xF0 ? 2 : 3;  // further bytes, six bits each
     if (more > 0) code &= 0x3FU >> more;
     for (int i = 0; i < more && at < text.size(); ++i)
       code = code << 6 | (static_cast<unsigned char>(text[at++]) & 0x3FU);

@@ -9,11 +9,10 @@
 #include <string>
 #include <vector>
 
-/// Shared by the writers of XML for all versions of FMI.
+/// Contains code that the writers of XML for all versions of FMI share.
 namespace mebots::modeldesc {
 
-/// Returns the shortest text that reads back as the same number. It is used because pugixml would print a fixed number
-/// of digits.
+/// Returns the shortest text that reads back as the same number. pugixml would print a fixed number of digits instead.
 std::string number_text(double value);
 
 class Element {
@@ -36,7 +35,7 @@ class Element {
   pugi::xml_node node_;
 };
 
-/// Builds a document with one root and returns it as text.
+/// Builds a document that has one root element, and returns the document as text.
 class XmlText {
  public:
   explicit XmlText(const char* root);
@@ -47,8 +46,8 @@ class XmlText {
   pugi::xml_document document_;
 };
 
-/// Writes the attributes of <fmiModelDescription> from fmiVersion to generationTool. `token_name` is the version's name
-/// of the identifier: guid or instantiationToken.
+/// Writes the attributes of <fmiModelDescription> from fmiVersion to generationTool. `token_name` is the name of the
+/// identifying attribute in this version of FMI: guid or instantiationToken.
 void write_identity(Element root, const ModelDescription& description, const char* fmi_version, const char* token_name,
                     const std::string& token);
 void write_units(Element root, const std::vector<Unit>& units);

@@ -23,7 +23,7 @@
 
 namespace mebots {
 
-/// Uses stdio, which works even if no memory is available, and before main().
+/// Prints with stdio, because stdio works before main() and if no memory is available.
 [[noreturn, gnu::cold]] inline void assertion_failed(const char* condition, const char* file, int line,
                                                      const char* function, const char* why = nullptr) noexcept {
   std::fprintf(stderr, "%s:%d: %s: assertion failed: %s%s%s\n", file, line, function, condition,

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-/// Base64 with the standard alphabet and padding. Source: RFC 4648, section 4.
+/// Encodes and decodes Base64 with the standard alphabet and padding. Source: RFC 4648, section 4.
 namespace mebots {
 
 inline std::string encode_base64(std::span<const std::uint8_t> bytes) {

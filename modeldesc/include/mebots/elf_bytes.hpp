@@ -16,11 +16,11 @@
 
 namespace mebots {
 
-/// Reads structures from the bytes of an ELF file, which may be truncated. The readers of shared libraries and of the
-/// chip's programs use it. The bytes must outlive this object.
+/// Reads structures from the bytes of an ELF file, which may be truncated. Used for shared libraries and for programs
+/// of the chip. The bytes must outlive this object.
 class ElfBytes {
  public:
-  /// In errors, `name` is the file's name and `code` is the error code.
+  /// Every error that this object throws contains `name` as the file's name and has the code `code`.
   ElfBytes(std::span<const std::uint8_t> bytes, std::string name, ErrorCode code)
       : bytes_(bytes), name_(std::move(name)), code_(code) {}
 

@@ -9,11 +9,11 @@
 
 namespace mebots {
 
-/// The kind of an error. The name of a code is stable: the name keeps its meaning across versions, in C++, Python and
-/// files. The number of a code is not stable. New codes may be added.
+/// Identifies the kind of an error. The name of a code is stable: the name keeps its meaning across versions, in C++,
+/// Python and files. The number of a code is not stable. New codes may be added.
 enum class ErrorCode {
   unspecified,
-  // files
+  // Errors of access to files.
   file_not_found,
   file_unreadable,
   file_unwritable,
@@ -30,27 +30,27 @@ enum class ErrorCode {
   duplicate_name,
   invalid_connection,
   algebraic_loop,
-  // FMUs as archives
+  // Errors in FMU archives and in the search for FMUs.
   archive_damaged,
   fmu_not_found,
   fmu_unsupported,
   fmu_inconsistent,
-  // calls
+  // Errors in calls of functions.
   invalid_argument,
   wrong_call_order,
   not_offered,
-  // a run
+  // Errors during a run.
   fmu_failed,
   fmu_lost,
   fmu_timeout,
   not_finite,
   not_converged,
   interrupted,
-  // saved states
+  // Errors when a saved state is restored.
   state_damaged,
   state_of_other_fmu,
   state_of_other_build,
-  // the machine
+  // Errors that the operating system reports.
   system_failure,
 };
 
@@ -60,7 +60,7 @@ struct ErrorCodeRow {
   std::string_view meaning;
 };
 
-/// All codes, in the order of the enumeration.
+/// Lists all codes with name and meaning, in the order of the enumeration.
 inline constexpr std::array kErrorCodes{
     ErrorCodeRow{ErrorCode::unspecified, "unspecified", "the function that found the error gave no code"},
     ErrorCodeRow{ErrorCode::file_not_found, "file_not_found", "there is no such file or folder"},
@@ -112,7 +112,8 @@ constexpr std::string_view name_of(ErrorCode code) {
   return kErrorCodes[static_cast<std::size_t>(code)].name;
 }
 
-/// If a code with this name exists, returns it. Used for codes that come from another process or a file.
+/// Returns the code with this name; empty if no code has this name. Used for codes that come from another process or a
+/// file.
 constexpr std::optional<ErrorCode> error_code_of(std::string_view name) {
   const auto* const found =
       std::find_if(kErrorCodes.begin(), kErrorCodes.end(), [&](const ErrorCodeRow& row) { return row.name == name; });

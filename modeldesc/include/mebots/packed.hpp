@@ -7,14 +7,15 @@
 namespace mebots {
 
 enum class Packing {
-  fast,   ///< for use during a mission
-  small,  ///< ten times as slow, for 15 % less
+  fast,   ///< fast compression, for use during a mission
+  small,  ///< ten times as slow as `fast`; the result is 15 % smaller
 };
 
 /// Compresses bytes in the format of RFC 1950 (zlib), which browsers call "deflate". Throws Error.
 std::string deflated(std::string_view bytes, Packing packing);
 
-/// Returns a gzip file (RFC 1952). It contains no name and no date, so equal bytes give equal files. Throws Error.
+/// Compresses bytes to a gzip file (RFC 1952). The file contains no name and no date, so equal bytes give equal files.
+/// Throws Error.
 std::string gzipped(std::string_view bytes, Packing packing);
 
 }  // namespace mebots

@@ -8,11 +8,11 @@
 
 namespace mebots {
 
-/// The parts of an HTML page, which are built from the folder web/.
+/// Contains the parts of an HTML page. The build creates them from the folder web/.
 struct PageParts {
-  std::string frame;   ///< page.html, with the places of the others in it
-  std::string script;  ///< page.js or report.js
-  std::string style;   ///< page.css or report.css
+  std::string frame;   ///< content of page.html, which has placeholders for the other parts
+  std::string script;  ///< content of page.js or report.js
+  std::string style;   ///< content of page.css or report.css
 };
 
 /// Reads page.html, NAME.js and NAME.css from a folder, where NAME is `name`. Throws Error if a file cannot be read.
@@ -22,7 +22,7 @@ PageParts read_page_parts(const std::filesystem::path& folder, const std::string
 /// compressed (RFC 1950) and encoded in base64.
 std::string fill_page(const PageParts& parts, const std::string& title, std::string_view data);
 
-/// Returns the document of fill_page() without data. The page fetches the data only from its own server.
+/// Returns the document of fill_page() without data. The page fetches the data from the server that serves the page.
 std::string fill_live_page(const PageParts& parts, const std::string& title);
 
 }  // namespace mebots

@@ -9,7 +9,7 @@
 
 namespace mebots {
 
-/// Grey levels of a picture file, row by row from the top left.
+/// Contains the grey levels of a picture, row by row from the top left.
 struct GreyPicture {
   int width = 0;
   int height = 0;
@@ -18,9 +18,9 @@ struct GreyPicture {
   bool operator==(const GreyPicture&) const = default;
 };
 
-/// Returns the grey levels of a PNG picture. A colour becomes its luminance, and transparent pixels are drawn on black.
-/// Throws Error that begins with `name` if the bytes are not a PNG file, if the file is damaged, or if the picture is
-/// larger than 4096 x 4096.
+/// Decodes a PNG picture and returns its grey levels. A colour becomes its luminance, and transparent pixels are drawn
+/// on black. Throws an Error that begins with `name` if the bytes are not a PNG file, if the file is damaged, or if the
+/// picture is larger than 4096 x 4096.
 GreyPicture decode_png(std::span<const std::uint8_t> bytes, const std::string& name);
 GreyPicture read_png(const std::filesystem::path& file);
 

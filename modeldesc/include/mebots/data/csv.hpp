@@ -12,9 +12,9 @@
 
 namespace mebots::data {
 
-/// Reads a table in CSV (RFC 4180) row by row: commas between cells, points in decimals, one header row with a name for
-/// each column. Accepts a byte order mark, CR LF and CR as line ends, quoted cells, and blanks around names and
-/// numbers. Skips empty lines. Each error is reported as an Error that names file, line and column.
+/// Reads a table in CSV (RFC 4180) row by row. Commas separate the cells, numbers have a decimal point, and one header
+/// row names the columns. Accepts a byte order mark, CR LF and CR as line ends, quoted cells, and blanks around names
+/// and numbers. Skips empty lines. Throws an Error that names file, line and column if the table is wrong.
 class CsvReader {
  public:
   /// Reads the header. `text` must outlive the reader; `name` is the file's name in errors. Throws Error if the text is
@@ -36,7 +36,7 @@ class CsvReader {
   /// Returns the cell as a number. Throws Error if the cell is not a finite number.
   double number(std::size_t column) const;
 
-  /// Throws Error with the place of the cell and `what`.
+  /// Throws an Error whose message consists of the file, line and column of the cell, and `what`.
   [[noreturn]] void fail(std::size_t column, ErrorCode code, std::string_view what) const;
 
  private:
@@ -51,17 +51,18 @@ class CsvReader {
   std::string_view text_;
   std::string name_;
   std::vector<std::string> header_;
-  std::vector<std::string_view> cells_;  // cells of the row: views of the text or of `unquoted_`
-  std::deque<std::string> unquoted_;     // cells with doubled quotation marks
+  std::vector<std::string_view> cells_;  // the cells of the row; each is a view of the text or of `unquoted_`
+  std::deque<std::string> unquoted_;     // stores the cells with doubled quotation marks
   std::size_t at_ = 0;
   std::size_t next_line_ = 1;
   std::size_t line_ = 0;
 };
 
-/// Returns the text without blanks and tabs at both ends.
+/// Returns the text without the blanks and tabs at its ends.
 std::string_view trimmed(std::string_view text);
 
-/// Name and unit from a column title such as "speed [km/h]". The unit is empty if the title has none or "-".
+/// Contains the name and the unit from a column title such as "speed [km/h]". The unit is empty if the title has none
+/// or "-".
 struct CsvTitle {
   std::string name;
   std::string unit;

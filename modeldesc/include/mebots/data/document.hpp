@@ -14,24 +14,24 @@
 
 namespace mebots::data {
 
-/// A JSON text (RFC 8259) with the place of each value. Collects the mistakes that are reported while it is read.
-/// Parsing takes linear time. Not for use by two threads at once.
+/// Holds a parsed JSON text (RFC 8259) and the line and column of each value. Collects the mistakes that readers report
+/// for its nodes. Parsing takes linear time. Must not be used by two threads at once.
 class Document {
  public:
-  /// The maximum depth of nesting. Texts with deeper nesting are rejected, because readers may be recursive. No file of
+  /// Limits the depth of nesting. Texts with deeper nesting are rejected, because readers may be recursive. No file of
   /// MEbots needs deeper nesting.
   static constexpr std::size_t kDeepest = 100;
 
-  /// Throws Error if the file cannot be read, Mistakes if it is not JSON.
+  /// Parses a file. Throws Error if the file cannot be read, Mistakes if it is not JSON.
   explicit Document(const std::filesystem::path& file);
-  /// Parses a text. `name` is the file name of the text in mistakes.
+  /// Parses a text. Messages about mistakes contain `name` as the file name.
   Document(std::string_view text, std::string name);
   ~Document();
   Document(const Document&) = delete;
   Document& operator=(const Document&) = delete;
 
-  /// Returns read(root). Throws Mistakes if any mistake was reported. A duplicate key is a mistake. Nodes must not
-  /// outlive the document.
+  /// Calls `read` with the root node and returns its result. Throws Mistakes if any mistake was reported, such as a
+  /// duplicate key. Nodes must not outlive the document.
   template <typename Read>
   auto read(const Read& read) {
     using Result = std::invoke_result_t<const Read&, const Node&>;

@@ -11,7 +11,7 @@
 
 namespace mebots::data {
 
-/// A quantity of a data file with the interval that the data allow.
+/// Contains a quantity of a data file, and the interval in which the data allow the quantity to be.
 struct Estimate {
   struct Interval {
     double least = 0;
@@ -19,10 +19,10 @@ struct Estimate {
   };
 
   double value = 0;
-  std::optional<Interval> interval;  // contains the value
+  std::optional<Interval> interval;  // contains the value, if it exists
 
-  /// Returns the value at a position in the interval: -1 is the lower end, 0 the value, 1 the upper end. Between these
-  /// positions, the result is linear. If there is no interval, returns the value.
+  /// Returns the value at a position in the interval: the lower end at -1, the value at 0, the upper end at 1.
+  /// Interpolates linearly between these positions. If there is no interval, returns the value.
   double at(double position) const;
 };
 
@@ -33,7 +33,7 @@ inline auto estimate(std::string_view unit, const Limits& limits = {}) {
   return [=](const Node& node) { return read_estimate(node, unit, limits); };
 }
 
-/// Computes the values of a data file's quantities at positions in their intervals.
+/// Computes quantities of a data file, each at a position in its interval.
 class Placement {
  public:
   /// `file` names the file in warnings, which are appended to `warnings`.

@@ -9,16 +9,16 @@
 
 namespace mebots::data {
 
-/// An error in a file.
+/// Describes one error in a file.
 struct Mistake {
   ErrorCode code = ErrorCode::unspecified;
-  std::string place;       // "cell.json:12:5: /mass/value"
+  std::string place;       // file, line, column and JSON pointer: "cell.json:12:5: /mass/value"
   std::string text;        // the problem and its remedy
   std::size_t offset = 0;  // byte offset in the file
 };
 
-/// All errors of a file, in the order of the file. The message has one line per error. The code is the code of the
-/// first error.
+/// Contains all errors of a file, in the order of their places in the file. The message has one line per error. The
+/// code is the code of the first error.
 class Mistakes : public Error {
  public:
   /// `mistakes` must not be empty.

@@ -17,12 +17,12 @@ namespace mebots::data {
 class Document;
 struct Member;
 
-/// The kinds of values in JSON. A whole number has no fractional part (3 or 3.0) and fits into 64 bits.
+/// Lists the kinds of JSON values. A whole number has no fractional part (3 or 3.0) and fits into 64 bits.
 enum class Kind : std::uint8_t { null, boolean, whole_number, number, text, list, object };
 
-/// A value of a Document, with its place. A node is cheap to copy, and valid as long as the document. If the value is
-/// not of the requested kind, functions that read it throw Mistakes with file, line, column and JSON pointer. To
-/// continue after a mistake, call these functions inside attempt(), as Object does.
+/// Refers to a value of a Document and its place in the text. A node is cheap to copy, and valid as long as the
+/// document. If the value is not of the requested kind, functions that read it throw Mistakes with file, line, column
+/// and JSON pointer. To continue after a mistake, call these functions inside attempt(), as Object does.
 class Node {
  public:
   Kind kind() const;
@@ -32,7 +32,7 @@ class Node {
   bool is_number() const { return is(Kind::number) || is(Kind::whole_number); }
 
   std::string text() const;
-  /// Returns a text. If the text is empty, throws Mistakes.
+  /// Returns a text. If the value is an empty text, throws Mistakes.
   std::string readable_text() const;
   bool flag() const;
   double number(const Limits& limits = {}) const;
@@ -50,10 +50,11 @@ class Node {
   std::optional<Node> find(std::string_view key) const;
   Node at(std::string_view key) const;
 
-  /// Adds a mistake at this value. Does not throw.
+  /// Adds a mistake with the place of this value to the document. Does not throw.
   void complain(ErrorCode code, std::string_view what) const;
   [[noreturn]] void fail(ErrorCode code, std::string_view what) const;
-  /// Adds a mistake such as "the state 'onn' is unknown. Did you mean 'on'?"
+  /// Adds a mistake such as "the state 'onn' is unknown. Did you mean 'on'?" The suggestion is taken from the names in
+  /// `known`.
   void complain_unknown(std::string_view what, std::string_view name, std::span<const std::string> known) const;
   [[noreturn]] void fail_unknown(std::string_view what, std::string_view name,
                                  std::span<const std::string> known) const;

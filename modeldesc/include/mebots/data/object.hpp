@@ -42,7 +42,7 @@ class Object {
     const auto member = node_.find(key);
     return member && take(*member, into, reader);
   }
-  /// Works as read(), for a reader that stores the values itself.
+  /// Works as read(), but calls `reader` only for its effects: `reader` stores the values itself.
   template <typename Reader>
   bool visit(std::string_view key, const Reader& reader) {
     bool done = false;
@@ -55,7 +55,7 @@ class Object {
   bool visit_if(std::string_view key, const Reader& reader) {
     return node_.has(key) ? visit(key, reader) : (known_.emplace_back(key), false);
   }
-  /// Permits keys that other code reads, or that are comments.
+  /// Permits keys that this Object does not read, because other code reads them or because they are comments.
   void allow(std::initializer_list<std::string_view> keys) { known_.insert(known_.end(), keys.begin(), keys.end()); }
   /// Permits an optional key whose value is a text for readers or for editors.
   void comment(std::string_view key);
@@ -64,8 +64,8 @@ class Object {
   /// known key.
   void finish() const;
 
-  /// True if no mistake was added since this Object was constructed. In this case, members can be compared with each
-  /// other.
+  /// True if no mistake was added to the document since this Object was constructed. In this case, all members that
+  /// were read have valid values.
   bool sound() const { return node_.noted() == noted_before_; }
   bool has(std::string_view key) const { return node_.has(key); }
   const Node& node() const { return node_; }
@@ -94,7 +94,7 @@ inline auto number(const Limits& limits = {}) {
 inline auto whole_number(std::int64_t least, std::int64_t most) {
   return [=](const Node& node) { return node.whole_number(least, most); };
 }
-/// Reads a list of numbers that is not empty.
+/// Reads a list of numbers. Throws Mistakes if the list is empty.
 std::vector<double> read_numbers(const Node& node, const Limits& limits);
 inline auto numbers(const Limits& limits = {}) {
   return [limits](const Node& node) { return read_numbers(node, limits); };
@@ -130,7 +130,8 @@ auto word_of(std::vector<std::pair<std::string, T>> words) {
   };
 }
 
-/// Returns reader(element) for each element of a list. Elements that the reader rejects are reported and left out.
+/// Returns a reader of lists. The reader applies `reader` to each element and returns the results. Reports the elements
+/// that `reader` rejects, and omits them.
 template <typename Reader>
 auto list_of(Reader reader) {
   return [reader = std::move(reader)](const Node& node) {

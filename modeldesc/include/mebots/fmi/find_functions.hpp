@@ -12,8 +12,8 @@
 
 namespace mebots::fmi {
 
-/// A pointer to a member as a type, so that templates can depend on it: `kMember<&Functions::do_step>()` returns the
-/// pointer.
+/// Wraps a pointer to a member in a type, so that templates can depend on the pointer. The call
+/// `kMember<&Functions::do_step>()` returns the pointer.
 template <auto pointer>
 inline constexpr std::integral_constant<decltype(pointer), pointer> kMember{};
 
@@ -26,9 +26,10 @@ inline void* find_symbol(void* library, const std::string& name) {
 #endif
 }
 
-/// Looks up the functions of an FMU in a loaded library; functions that the library lacks are null. `Functions` is the
-/// table of a version of FMI. `for_each_function` calls its argument with the name and the member of each function.
-/// `prefix` precedes each name in the library.
+/// Looks up the functions of an FMU in a loaded library, and returns a table of pointers. A pointer is null if the
+/// library lacks the function. `Functions` is the type of the table, which depends on the version of FMI.
+/// `for_each_function` calls its argument with the name and the member of each function. In the library, each name
+/// begins with `prefix`.
 template <typename Functions, typename ForEach>
 Functions find_functions(void* library, ForEach for_each_function, const std::string& prefix = {}) {
   Functions functions;

@@ -9,8 +9,8 @@
 #include <span>
 #include <string_view>
 
-/// Type, causality, variability and initial of a variable, in the terms of FMI 3.0. FMI 2.0 has a subset of these
-/// terms.
+/// Defines the type, causality, variability and initial of a variable in the terms of FMI 3.0. FMI 2.0 has a subset of
+/// these terms.
 namespace mebots::fmi {
 
 /// `real` is Real in FMI 2.0 and Float64 in FMI 3.0. `integer` is Integer in FMI 2.0 and Int32 in FMI 3.0. FMI 2.0 has
@@ -46,7 +46,7 @@ enum class Causality : std::uint8_t {
 enum class Variability : std::uint8_t { constant, fixed, tunable, discrete, continuous };
 enum class Initial : std::uint8_t { exact, approx, calculated };
 
-// The words of each enumeration in modelDescription.xml, in the order of the enumeration's values.
+// List the words of each enumeration in modelDescription.xml, in the order of the enumeration's values.
 inline constexpr std::string_view kTypeWords2[] = {"Real", "Integer", "Boolean", "String", "Enumeration"};
 inline constexpr std::string_view kTypeWords3[] = {"Float64", "Int32", "Boolean", "String", "Enumeration",
                                                    "Float32", "Int8",  "UInt8",   "Int16",  "UInt16",
@@ -55,7 +55,7 @@ inline constexpr std::string_view kCausalityWords3[] = {
     "parameter", "calculatedParameter", "input", "output", "local", "independent", "structuralParameter", "dependent"};
 inline constexpr std::span<const std::string_view> kCausalityWords2 = std::span(kCausalityWords3).first(6);
 inline constexpr std::string_view kVariabilityWords[] = {"constant", "fixed", "tunable", "discrete", "continuous"};
-// The words of FMI 1.0. The reader converts these words to the words of FMI 2.0.
+// List the words of FMI 1.0. The reader converts these words to the words of FMI 2.0.
 inline constexpr std::string_view kCausalityWords1[] = {"input", "output", "internal", "none"};
 inline constexpr std::string_view kVariabilityWords1[] = {"constant", "parameter", "discrete", "continuous"};
 inline constexpr std::string_view kAliasWords1[] = {"noAlias", "alias", "negatedAlias"};
@@ -86,11 +86,11 @@ static_assert(to_string(Type::enumeration) == "Enumeration" && to_string(Causali
               to_string(Variability::continuous) == "continuous" && to_string(Initial::calculated) == "calculated" &&
               to_string(Type::clock) == "Clock" && to_string(Causality::dependent) == "dependent");
 
-/// True for types whose values are floating-point numbers.
+/// Returns true for types whose values are floating-point numbers.
 constexpr bool is_float(Type type) {
   return type == Type::real || type == Type::float32;
 }
-/// True for types whose values are whole numbers, including enumerations.
+/// Returns true for types whose values are whole numbers, including enumerations.
 constexpr bool is_whole(Type type) {
   switch (type) {
     case Type::integer:
@@ -108,7 +108,8 @@ constexpr bool is_whole(Type type) {
   }
 }
 
-/// The values that a type of whole numbers can have. `high` is unsigned, because only UInt64 has values from 2^63 on.
+/// Contains the lowest and the highest value of a type of whole numbers. `high` is unsigned, because UInt64 has values
+/// above 2^63 - 1.
 struct WholeLimits {
   std::int64_t low;
   std::uint64_t high;

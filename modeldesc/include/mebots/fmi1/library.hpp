@@ -6,15 +6,15 @@
 
 #include <string>
 
-/// A table of pointers to the functions in the shared library of an FMI 1.0 FMU for co-simulation. In the library, the
+/// Contains pointers to the functions in the shared library of an FMI 1.0 FMU for co-simulation. In the library, the
 /// name of each function begins with the FMU's modelIdentifier and an underscore.
 namespace mebots::fmi1 {
 
-/// States how necessary a function is. `to_run`: no simulation works without the function. `always`: the standard
+/// States whether a function is necessary. `to_run`: no simulation works without the function. `always`: the standard
 /// requires the function, but a run is possible without it.
 enum class Need { to_run, always };
 
-/// A pointer is null if the library lacks the function.
+/// Contains pointers to the functions of one library. A pointer is null if the library lacks the function.
 struct Functions {
   fmiString (*get_types_platform)() = nullptr;
   fmiString (*get_version)() = nullptr;

@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <string_view>
 
-/// The C types of FMI 1.0 for co-simulation (functional mock-up interface for co-simulation 1.0, section 3.3). Names
-/// and values are those of the standard, because they define the binary interface. Unlike in FMI 2.0, a Boolean has one
-/// byte.
+/// Declares the C types of FMI 1.0 for co-simulation (functional mock-up interface for co-simulation 1.0, section 3.3).
+/// Names and values are those of the standard, because they define the binary interface. Unlike in FMI 2.0, a Boolean
+/// has one byte.
 // NOLINTBEGIN(readability-identifier-naming)
 extern "C" {
 
@@ -29,7 +29,7 @@ using fmiCallbackAllocateMemory = void* (*)(std::size_t count, std::size_t size)
 using fmiCallbackFreeMemory = void (*)(void* memory);
 using fmiStepFinished = void (*)(fmiComponent component, fmiStatus status);
 
-/// This structure is passed by value.
+/// Callers pass this structure by value, as the standard requires.
 struct fmiCallbackFunctions {
   fmiCallbackLogger logger;
   fmiCallbackAllocateMemory allocateMemory;

@@ -4,10 +4,10 @@
 #include "mebots/fmi/find_functions.hpp"
 #include "mebots/fmi2/functions.hpp"
 
-/// A table of pointers to the functions in an FMU's shared library, and the standard's requirements on each function.
+/// Defines a table of pointers to the functions in an FMU's shared library, and which FMUs must export each function.
 namespace mebots::fmi2 {
 
-/// States which FMUs must export a function: all (`to_run`: no simulation works without the function), FMUs for
+/// States which FMUs must export a function: all FMUs (`to_run`: no simulation works without the function), FMUs for
 /// co-simulation (`to_step`), FMUs for model exchange, or FMUs whose modelDescription.xml declares a capability.
 enum class Need {
   to_run,
@@ -20,7 +20,7 @@ enum class Need {
   directional_derivative
 };
 
-/// A pointer is null if the library lacks the function.
+/// Contains pointers to the functions of one library. A pointer is null if the library lacks the function.
 struct Functions {
   using Byte = fmi2Byte;
 

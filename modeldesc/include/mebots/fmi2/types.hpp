@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <string_view>
 
-/// The C types of FMI 2.0 (functional mock-up interface standard, version 2.0.4, sections 2.1, 3.2 and 4.2). Names and
-/// values are those of the standard, because they define the binary interface.
+/// Declares the C types of FMI 2.0 (functional mock-up interface standard, version 2.0.4, sections 2.1, 3.2 and 4.2).
+/// Names and values are those of the standard, because they define the binary interface.
 // NOLINTBEGIN(readability-identifier-naming)
 extern "C" {
 
@@ -55,7 +55,8 @@ struct fmi2CallbackFunctions {
 
 namespace mebots::fmi2 {
 
-/// Returns the name of a status in the standard. `status` may be any number, because FMUs may return one.
+/// Returns the name of a status in the standard. `status` may be any number, because a faulty FMU may return any
+/// number.
 constexpr std::string_view status_name(fmi2Status status) {
   switch (status) {
     case fmi2OK:

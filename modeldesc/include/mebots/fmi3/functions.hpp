@@ -3,8 +3,8 @@
 
 #include "mebots/fmi3/types.hpp"
 
-/// The functions that an FMU of FMI 3.0 exports, for all three kinds of FMU. A program that loads these functions at
-/// run time uses their types, such as `decltype(&fmi3DoStep)`.
+/// Declares the functions that an FMI 3.0 FMU exports, for all three kinds of FMU. A program that loads these functions
+/// at run time uses their types, such as `decltype(&fmi3DoStep)`.
 #define MEBOTS_FMI3_EXPORT __attribute__((visibility("default")))
 
 /// Calls action(C name of the type, C type) for each type whose values are arrays of fixed-size elements.
@@ -123,7 +123,7 @@ MEBOTS_FMI3_EXPORT fmi3Status fmi3UpdateDiscreteStates(fmi3Instance, fmi3Boolean
                                                        fmi3Boolean* next_event_time_defined,
                                                        fmi3Float64* next_event_time);
 
-// Model exchange.
+// Functions for model exchange.
 MEBOTS_FMI3_EXPORT fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance);
 MEBOTS_FMI3_EXPORT fmi3Status fmi3CompletedIntegratorStep(fmi3Instance, fmi3Boolean no_set_state_before_current_point,
                                                           fmi3Boolean* enter_event_mode,
@@ -139,7 +139,7 @@ MEBOTS_FMI3_EXPORT fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance, fm
 MEBOTS_FMI3_EXPORT fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance, std::size_t* count);
 MEBOTS_FMI3_EXPORT fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance, std::size_t* count);
 
-// Co-simulation.
+// Functions for co-simulation.
 MEBOTS_FMI3_EXPORT fmi3Status fmi3EnterStepMode(fmi3Instance);
 MEBOTS_FMI3_EXPORT fmi3Status fmi3GetOutputDerivatives(fmi3Instance, const fmi3ValueReference references[],
                                                        std::size_t count, const fmi3Int32 orders[],
@@ -149,7 +149,7 @@ MEBOTS_FMI3_EXPORT fmi3Status fmi3DoStep(fmi3Instance, fmi3Float64 current_point
                                          fmi3Boolean* event_handling_needed, fmi3Boolean* terminate_simulation,
                                          fmi3Boolean* early_return, fmi3Float64* last_successful_time);
 
-// Scheduled execution.
+// Functions for scheduled execution.
 MEBOTS_FMI3_EXPORT fmi3Status fmi3ActivateModelPartition(fmi3Instance, fmi3ValueReference clock_reference,
                                                          fmi3Float64 activation_time);
 

@@ -4,7 +4,7 @@
 #include "mebots/fmi/find_functions.hpp"
 #include "mebots/fmi3/functions.hpp"
 
-/// A table of pointers to the functions in the shared library of an FMI 3.0 FMU, and the standard's requirements on
+/// Defines a table of pointers to the functions in the shared library of an FMI 3.0 FMU, and which FMUs must export
 /// each function.
 namespace mebots::fmi3 {
 
@@ -15,7 +15,7 @@ namespace mebots::fmi3 {
 /// variables of a type.
 enum class Need { to_run, to_step, to_integrate, events, event_mode, always, fmu_state, serialization };
 
-/// A pointer is null if the library lacks the function.
+/// Contains pointers to the functions of one library. A pointer is null if the library lacks the function.
 struct Functions {
   using Byte = fmi3Byte;
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <string_view>
 
-/// The C types of FMI 3.0 (functional mock-up interface standard, version 3.0.2, sections 2.1 to 2.3). Names and values
-/// are those of the standard, because they define the binary interface.
+/// Declares the C types of FMI 3.0 (functional mock-up interface standard, version 3.0.2, sections 2.1 to 2.3). Names
+/// and values are those of the standard, because they define the binary interface.
 // NOLINTBEGIN(readability-identifier-naming)
 extern "C" {
 
@@ -51,7 +51,8 @@ using fmi3UnlockPreemptionCallback = void (*)();
 
 namespace mebots::fmi3 {
 
-/// Returns the name of a status in the standard. `status` may be any number, because FMUs may return one.
+/// Returns the name of a status in the standard. `status` may be any number, because a faulty FMU may return any
+/// number.
 constexpr std::string_view status_name(fmi3Status status) {
   switch (status) {
     case fmi3OK:

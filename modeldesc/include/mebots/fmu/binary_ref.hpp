@@ -6,8 +6,8 @@
 
 namespace mebots::fmu {
 
-/// A reference to bytes that another object owns, in the form of OSMP: three FMI Integers. The bytes are valid until
-/// the next step of the owner ends.
+/// Refers to bytes that another object owns. Stores the address and the size as three FMI Integers, as OSMP defines.
+/// The bytes are valid until the next step of the owner ends.
 struct BinaryRef {
   std::int32_t base_lo = 0;
   std::int32_t base_hi = 0;
@@ -20,7 +20,7 @@ struct BinaryRef {
             static_cast<std::int32_t>(bytes.size())};
   }
 
-  /// Returns the bytes; empty if there is no buffer or it has no bytes.
+  /// Returns the bytes; empty if the pointer is null or the size is 0.
   std::span<const std::uint8_t> bytes() const {
     const auto address =
         (static_cast<std::uint64_t>(static_cast<std::uint32_t>(base_hi)) << 32) | static_cast<std::uint32_t>(base_lo);

@@ -9,12 +9,12 @@
 #include <string>
 #include <string_view>
 
-/// The interface between the code of an FMU (`fmu.cpp`) and the FMI shell (modeldesc/shell).
+/// Defines the interface between the code of an FMU (`fmu.cpp`) and the FMI shell (modeldesc/shell).
 namespace mebots::fmu {
 
 enum class Severity { info, warning, error };
 
-/// The services of the FMI shell that a model may use. Each instance has its own Host.
+/// Offers the services of the FMI shell to a model. Each instance has its own Host.
 class Host {
  public:
   virtual ~Host() = default;
@@ -24,19 +24,20 @@ class Host {
   virtual void log(Severity severity, std::string_view category, std::string_view message) = 0;
 };
 
-/// The model of an initialised instance. It exists from the end of initialisation until the instance is reset or freed.
-/// A model reads parameters and inputs from the Variables that were passed to its constructor, and writes outputs into
-/// them. A model throws mebots::Error for errors that a user can correct.
+/// Implements the behaviour of an initialised instance. A model exists from the end of initialisation until the
+/// instance is reset or freed. A model reads parameters and inputs from the Variables that were passed to its
+/// constructor, and writes outputs into them. A model throws mebots::Error for errors that a user can correct.
 class Model {
  public:
   virtual ~Model() = default;
-  /// Advances from start_ns to start_ns + duration_ns (> 0) while the inputs are constant.
+  /// Advances from start_ns to start_ns + duration_ns, where duration_ns > 0. The inputs are constant during the step.
   virtual void step(std::int64_t start_ns, std::int64_t duration_ns) = 0;
-  /// Called once when the tool terminates the instance, for a last message to the log.
+  /// Ends the simulation of this instance, for example with a last message to the log. The FMI shell calls it once,
+  /// when the importing tool terminates the instance.
   virtual void terminate() {}
   /// Visits all state that is not in Variables. A saved state consists of these values. See mebots/state/visitor.hpp.
   virtual void visit(state::Visitor& v) = 0;
-  /// Returns the text of an `on_demand` String output, by its FMI name.
+  /// Returns the value of an `on_demand` String output. `name` is the FMI name of the output.
   virtual std::string on_demand_text(std::string_view /*name*/) const { return {}; }
 };
 

@@ -8,14 +8,14 @@
 
 namespace mebots::modeldesc {
 
-/// The maximum number of array elements in total. A description with more elements is refused.
+/// Limits the total number of array elements. A description with more elements is rejected.
 inline constexpr std::size_t kMostElements = 1'000'000;
 
-/// The maximum number of dependencies between elements of arrays in total. If each element of an array depends on each
-/// element of another one, the number is the product of both sizes.
+/// Limits the total number of dependencies between array elements. If each element of one array depends on each element
+/// of another array, the number is the product of both sizes. A description with more dependencies is rejected.
 inline constexpr std::size_t kMostDependencies = 400'000'000;
 
-/// Values of structural parameters, by value reference.
+/// Maps the value reference of a structural parameter to its value.
 using StructuralValues = std::map<std::uint32_t, std::uint64_t>;
 
 /// Returns the description with each array of FMI 3.0 replaced by its elements, as variables named `y[1]`, `m[2,3]`. An
@@ -30,7 +30,8 @@ ModelDescription with_elements(const ModelDescription& description, const Struct
 /// 0.
 std::string element_name(const std::string& array, const std::vector<std::uint64_t>& sizes, std::size_t index);
 
-/// Returns the sizes of an array's dimensions; empty for a scalar.
+/// Returns the size of each dimension of an array; empty for a scalar. A size comes from `values` if it contains the
+/// structural parameter, otherwise from the parameter's start value.
 std::vector<std::uint64_t> sizes_of(const ModelDescription& description, const Variable& variable,
                                     const StructuralValues& values = {});
 

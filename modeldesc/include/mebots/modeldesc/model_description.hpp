@@ -16,7 +16,7 @@
 #include <variant>
 #include <vector>
 
-/// The content of a modelDescription.xml of FMI 1.0, 2.0 or 3.0 as plain data.
+/// Represents the content of a modelDescription.xml of FMI 1.0, 2.0 or 3.0 as plain data.
 namespace mebots::modeldesc {
 
 using fmi::Causality;
@@ -25,8 +25,9 @@ using fmi::to_string;
 using fmi::Type;
 using fmi::Variability;
 
-/// A start value. Whole numbers and enumerations are std::int64_t; a UInt64 has the same 64 bits. Float32 and Float64
-/// are double. A Binary is a std::string with its bytes. Empty if the description has no start value.
+/// Contains a start value. Whole numbers and enumerations are std::int64_t; a UInt64 is stored with the same 64 bits.
+/// Float32 and Float64 are double. A Binary is a std::string of its bytes. std::monostate if the description has no
+/// start value.
 using Value = std::variant<std::monostate, double, std::int64_t, bool, std::string>;
 
 struct EnumerationItem {
@@ -36,7 +37,7 @@ struct EnumerationItem {
   bool operator==(const EnumerationItem&) const = default;
 };
 
-/// A <SimpleType>.
+/// Contains the attributes of a <SimpleType> element.
 struct TypeDefinition {
   std::string name;
   std::string text;
@@ -47,31 +48,32 @@ struct TypeDefinition {
   std::optional<double> min;
   std::optional<double> max;
   std::optional<double> nominal;
-  std::vector<EnumerationItem> items;  // of an enumeration
+  std::vector<EnumerationItem> items;  // the items of an enumeration type
   bool operator==(const TypeDefinition&) const = default;
 };
 
-/// Marks an Integer variable as a part of an OSMP binary variable (low or high half of the pointer, or the size).
+/// Marks an Integer variable as a part of an OSMP binary variable. The part is the low or high half of the pointer, or
+/// the size.
 struct OsmpPart {
-  std::string name;  // name of the binary variable, `camera.frame`
+  std::string name;  // name of the binary variable, such as `camera.frame`
   std::string role;  // `base.lo`, `base.hi` or `size`
   std::string mime_type;
   bool operator==(const OsmpPart&) const = default;
 };
 
-/// A dimension of an array: a fixed size, or the value of a structural parameter.
+/// Contains the size of one dimension of an array: a fixed size, or the value reference of a structural parameter.
 struct Dimension {
   std::optional<std::uint64_t> start;
   std::optional<std::uint32_t> value_reference;
   bool operator==(const Dimension&) const = default;
 };
 
-/// An element of an array variable of FMI 3.0, created by with_elements().
+/// Describes an element of an array variable of FMI 3.0. Created by with_elements().
 struct ArrayElement {
   std::string array;                  ///< name of the array
-  std::uint32_t array_reference = 0;  ///< its value reference in the FMU
-  std::size_t index = 0;              ///< in row-major order, from 0
-  std::size_t count = 1;              ///< elements of the array
+  std::uint32_t array_reference = 0;  ///< value reference of the array in the FMU
+  std::size_t index = 0;              ///< index in the array, in row-major order, from 0
+  std::size_t count = 1;              ///< number of elements in the array
   bool operator==(const ArrayElement&) const = default;
 };
 
@@ -79,12 +81,12 @@ enum class IntervalVariability : std::uint8_t { constant, fixed, tunable, changi
 inline constexpr std::string_view kIntervalVariabilityWords[] = {"constant", "fixed",     "tunable",
                                                                  "changing", "countdown", "triggered"};
 
-/// The declared timing of a variable of type Clock.
+/// Contains the declared timing of a variable of type Clock.
 struct ClockTiming {
   IntervalVariability interval_variability = IntervalVariability::triggered;
   std::optional<double> interval_s;
   double shift_s = 0;
-  std::optional<std::uint64_t> interval_counter;  ///< the interval is counter / resolution, exactly
+  std::optional<std::uint64_t> interval_counter;  ///< the exact interval is counter / resolution
   std::optional<std::uint64_t> shift_counter;
   std::optional<std::uint64_t> resolution;
   bool supports_fraction = false;
@@ -96,16 +98,16 @@ struct ClockTiming {
   bool is_time_based() const { return interval_variability != IntervalVariability::triggered; }
 };
 
-/// The attributes that only variables of FMI 3.0 have.
+/// Contains the attributes that only variables of FMI 3.0 have.
 struct Fmi3Part {
-  std::vector<Dimension> dimensions;  ///< empty: a scalar
+  std::vector<Dimension> dimensions;  ///< empty for a scalar
   std::vector<Value> starts;          ///< start values of an array in row-major order; a single value applies to all
                                       ///< elements
   std::vector<std::uint32_t>
       clocks;  ///< value references: the variable may be read and set only at ticks of these Clocks
-  std::optional<ClockTiming> timing;      ///< of a Clock
-  std::string mime_type;                  ///< of a Binary
-  std::optional<std::uint64_t> max_size;  ///< of a Binary
+  std::optional<ClockTiming> timing;      ///< exists only for a Clock
+  std::string mime_type;                  ///< used only for a Binary
+  std::optional<std::uint64_t> max_size;  ///< used only for a Binary, in bytes
   std::optional<std::uint32_t> previous;
   bool intermediate_update = false;
   std::optional<std::string> alias_of;  ///< name of the variable of which this is an alias
@@ -130,9 +132,9 @@ class Fmi3Holder {
   std::shared_ptr<const Fmi3Part> part_;
 };
 
-/// A <ScalarVariable> of FMI 1.0 or 2.0, or a variable of FMI 3.0. If `unit`, `quantity`, `min`, `max` or `nominal` is
-/// missing, it has the value of the declared type. If `causality`, `variability` or `initial` is missing, it has FMI's
-/// default.
+/// Describes a <ScalarVariable> of FMI 1.0 or 2.0, or a variable of FMI 3.0. If `unit`, `quantity`, `min`, `max` or
+/// `nominal` is missing in the file, it has the value of the declared type. If `causality`, `variability` or `initial`
+/// is missing, it has FMI's default.
 struct Variable {
   std::string name;
   std::uint32_t value_reference = 0;
@@ -143,7 +145,7 @@ struct Variable {
   Value start;
   std::string declared_type;
   std::string quantity;
-  std::string unit;  // empty = none
+  std::string unit;  // empty: no unit
   std::string display_unit;
   std::optional<double> min;
   std::optional<double> max;
@@ -161,15 +163,16 @@ struct Variable {
   bool operator==(const Variable&) const = default;
 };
 
-/// An entry of the model structure. Indices refer to ModelDescription::variables.
+/// Contains an entry of the model structure: a variable and the variables on which it depends. Indices refer to
+/// ModelDescription::variables.
 struct Unknown {
   std::size_t variable = 0;
-  std::optional<std::vector<std::size_t>> dependencies;  // empty = may depend on every known
+  std::optional<std::vector<std::size_t>> dependencies;  // empty: the variable may depend on every known
   std::vector<std::string> dependency_kinds;             // empty or one per dependency
   bool operator==(const Unknown&) const = default;
 };
 
-/// The common attributes of <CoSimulation> and <ModelExchange>.
+/// Contains the attributes that <CoSimulation> and <ModelExchange> have in common.
 struct Implementation {
   std::string model_identifier;  // name of the shared library without suffix
   bool needs_execution_tool = false;
@@ -182,7 +185,7 @@ struct Implementation {
   bool operator==(const Implementation&) const = default;
 };
 
-/// The <CoSimulation> element, which exists if the FMU supports co-simulation.
+/// Contains the attributes of the <CoSimulation> element, which exists if the FMU supports co-simulation.
 struct CoSimulation : Implementation {
   bool can_handle_variable_communication_step_size = false;
   bool can_interpolate_inputs = false;
@@ -198,7 +201,8 @@ struct CoSimulation : Implementation {
   bool operator==(const CoSimulation&) const = default;
 };
 
-/// The <ModelExchange> element, which exists if the FMU provides derivatives for an external solver.
+/// Contains the attributes of the <ModelExchange> element, which exists if the FMU provides derivatives for an external
+/// solver.
 struct ModelExchange : Implementation {
   bool completed_integrator_step_not_needed = false;
   bool operator==(const ModelExchange&) const = default;
@@ -221,7 +225,7 @@ struct LogCategory {
   bool operator==(const LogCategory&) const = default;
 };
 
-/// Indexes a list by name, for lookups in logarithmic time. Takes four bytes per element.
+/// Indexes a list by name, so that lookups take logarithmic time. The index takes four bytes per element.
 class NameIndex {
  public:
   /// Indexes elements that have a member `name`. If several elements have the same name, the first one is found.
@@ -286,12 +290,12 @@ struct ModelDescription {
   /// Indexes variables, units and types by name. Functions that read descriptions call it at their end. index_names()
   /// must be called again after a change of names or of the order of a list.
   void index_names();
-  /// Returns the variable of this name; null if there is none. The search takes logarithmic time after index_names(),
+  /// Returns the variable with this name; null if there is none. The search takes logarithmic time after index_names(),
   /// and linear time without it.
   const Variable* find(std::string_view name) const { return variable_index.find(variables, name); }
-  /// Returns the unit definition of this name; null if there is none.
+  /// Returns the definition of the unit with this name; null if there is none.
   const Unit* unit(std::string_view name) const { return unit_index.find(units, name); }
-  /// Returns the type definition of this name; null if there is none.
+  /// Returns the definition of the type with this name; null if there is none.
   const TypeDefinition* type_definition(std::string_view name) const { return type_index.find(types, name); }
 
   NameIndex variable_index;

@@ -10,10 +10,10 @@
 
 namespace mebots::modeldesc {
 
-/// The base units of FMI 2.0's <BaseUnit>, in the order of Unit::exponents.
+/// Lists the base units of FMI 2.0's <BaseUnit>, in the order of Unit::exponents.
 inline constexpr std::array<std::string_view, 8> kBaseUnits = {"kg", "m", "s", "A", "K", "mol", "cd", "rad"};
 
-/// A further unit in which a tool may show values: displayed value = value * factor + offset.
+/// Describes a further unit in which a tool may show values: displayed value = value * factor + offset.
 struct DisplayUnit {
   std::string name;
   double factor = 1;
@@ -21,8 +21,8 @@ struct DisplayUnit {
   bool operator==(const DisplayUnit&) const = default;
 };
 
-/// A unit in terms of SI base units: value_SI = factor * value + offset. The SI unit is the product of base units
-/// raised to exponents.
+/// Defines a unit in terms of SI base units: value_SI = factor * value + offset. The SI unit is the product of base
+/// units raised to `exponents`.
 struct Unit {
   std::string name;
   bool has_base = true;  // false: the description names the unit but does not define it
@@ -33,16 +33,16 @@ struct Unit {
   bool operator==(const Unit&) const = default;
 };
 
-/// True if both units have the same exponents, so that values can be converted. Units without a definition compare by
-/// name. `rad` is a separate dimension, as in FMI.
+/// Returns true if both units have the same exponents, so that values can be converted. Units without a definition are
+/// compared by name. `rad` is a separate dimension, as in FMI.
 bool same_dimension(const Unit& a, const Unit& b);
 
-/// True if a number has the same meaning in both units. This requires the same dimension, factor (to 1e-12 relative)
-/// and offset.
+/// Returns true if a number has the same meaning in both units. This requires the same dimension, factor (to 1e-12
+/// relative) and offset.
 bool same_unit(const Unit& a, const Unit& b);
 
-/// The conversion between two units: value in `to` = factor * value in `from` + offset. For equal units, factor and
-/// offset are exactly 1 and 0.
+/// Contains the conversion between two units: value in `to` = factor * value in `from` + offset. For equal units, the
+/// factor is exactly 1 and the offset exactly 0.
 struct UnitConversion {
   double factor = 1;
   double offset = 0;
@@ -52,19 +52,19 @@ struct UnitConversion {
 /// differences (FMI's relativeQuantity), so offsets are ignored.
 UnitConversion unit_conversion(const Unit& from, const Unit& to, bool difference);
 
-/// A unit of the project's table, with its suffix in C++ names.
+/// Describes a unit of the project's table.
 struct KnownUnit {
   Unit unit;
-  std::string suffix;  // `_v` for V; empty for 1
-  std::string text;    // "volt"
+  std::string suffix;  // suffix of C++ names: `_v` for V; empty for 1
+  std::string text;    // name in words: "volt"
 };
 
-/// Returns the units that a description.json may use. It may also use products of their powers.
+/// Returns the units that a description.json may use. A description.json may also use products of their powers.
 std::span<const KnownUnit> known_units();
 
 /// Parses a product of powers of known units in the notation of FMI and Modelica: "m3/s", "rad/(s.V)", "kg.m2", "1/s",
-/// "s-1", "1". In a product, a unit with an offset, such as degC, stands for a difference. Throws Error (wrong_unit),
-/// which explains the fault and suggests the nearest known unit.
+/// "s-1", "1". In a product, a unit with an offset, such as degC, means a difference. Throws Error (wrong_unit) with
+/// the fault and the nearest known unit.
 Unit parse_unit(std::string_view text);
 
 /// Returns the suffix of C++ names for variables in this unit, such as "_m3_per_s". Throws the same errors as

@@ -15,8 +15,8 @@
 
 namespace mebots::modeldesc {
 
-/// Reads a modelDescription.xml of FMI 1.0, 2.0 or 3.0. Throws mebots::Error naming file, line, element, attribute and
-/// value.
+/// Reads a modelDescription.xml of FMI 1.0, 2.0 or 3.0. Throws a mebots::Error that names file, line, element,
+/// attribute and value.
 ModelDescription read_xml(const std::filesystem::path& file);
 
 /// Reads the text of a modelDescription.xml. `source` is the name of the text in messages. Throws the same errors as
@@ -26,13 +26,13 @@ ModelDescription read_xml_text(std::string_view text, std::string_view source);
 /// Returns the text of a modelDescription.xml. Equal descriptions give equal bytes.
 std::string write_xml(const ModelDescription& description);
 
-/// The maximum depth of nested elements. Deeper elements are rejected, because readers may be recursive. No format that
-/// MEbots reads needs deeper nesting.
+/// Limits the depth of nested elements. Texts with deeper elements are rejected, because readers may be recursive. No
+/// format that MEbots reads needs deeper nesting.
 inline constexpr int kDeepestXml = 200;
 
-/// Converts the text to UTF-8 without byte order mark. The byte order mark or the XML declaration determines the
-/// encoding: UTF-16, UTF-32, ISO 8859-1, Windows-1252 or any other that iconv supports. Throws Error with `source` if
-/// the encoding is unknown, or if bytes are invalid in this encoding.
+/// Converts `bytes` to UTF-8 without byte order mark. The byte order mark or the XML declaration determines the
+/// encoding: UTF-16, UTF-32, ISO 8859-1, Windows-1252 or any other that iconv supports. Throws an Error that names
+/// `source` if the encoding is unknown, or if bytes are invalid in this encoding.
 std::string xml_as_utf8(std::string_view bytes, std::string_view source);
 
 /// Parses UTF-8 text. Never loads other files. Throws Error that names `source` and line if the text is not well-formed
@@ -40,14 +40,14 @@ std::string xml_as_utf8(std::string_view bytes, std::string_view source);
 /// could expand to a very long text, or load a file.
 void parse_xml(pugi::xml_document& document, std::string_view text, std::string_view source);
 
-/// Returns the words of an attribute that is a list of words separated by white space.
+/// Splits an attribute value at white space and returns the words.
 std::vector<std::string> words_of(std::string_view text);
 
-/// Returns the first character that XML 1.0 (section 2.2) cannot represent, not even as a reference. `text` must be
-/// valid UTF-8.
+/// Returns the first character that XML 1.0 (section 2.2) cannot represent, not even as a reference; empty if there is
+/// none. `text` must be valid UTF-8.
 std::optional<std::uint32_t> first_no_xml_character(std::string_view text);
 
-/// Returns the line of an offset, from 1.
+/// Returns the number of the line that contains the character at `offset`. Lines are counted from 1.
 std::ptrdiff_t line_of(std::string_view text, std::ptrdiff_t offset);
 
 }  // namespace mebots::modeldesc

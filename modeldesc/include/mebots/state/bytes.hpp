@@ -11,8 +11,8 @@
 #include <type_traits>
 #include <vector>
 
-/// Converts values to bytes. The bytes have the byte order of this machine, because a state is restored only on the
-/// same kind of machine.
+/// Converts values to bytes in the byte order of this machine, because a state is restored only on the same kind of
+/// machine.
 namespace mebots::state {
 
 /// Appends values to a byte vector.
@@ -78,7 +78,7 @@ class Reader {
 
   bool at_end() const { return bytes_.empty(); }
 
-  /// Reads the length of a list. Throws if the remaining bytes are too few for this number of elements.
+  /// Reads the number of elements of a list. Throws if the remaining bytes are too few for this number of elements.
   std::size_t count(std::size_t element_size) {
     const auto n = get<std::uint64_t>();
     if (n > bytes_.size() / element_size)

@@ -16,15 +16,15 @@
 
 namespace mebots::state {
 
-/// A saved state with the name and the place of each value in it.
+/// Contains a saved state, and the name and offset of each value in it.
 struct Listing {
   struct Variable {
     std::string path;  ///< names joined by dots, "cluster.core[3].hart.x"
     Type type;
-    std::size_t size;   ///< bytes of one value
-    std::size_t count;  ///< of values
-    std::size_t at;     ///< offset in bytes
-    bool is_one;        ///< a single value, not an array or list
+    std::size_t size;   ///< size of one value in bytes
+    std::size_t count;  ///< number of values
+    std::size_t at;     ///< offset in the saved state in bytes
+    bool is_one;        ///< true for a single value, false for an array or list
   };
   std::vector<Variable> variables;
   std::vector<std::byte> bytes;
@@ -83,7 +83,7 @@ Listing list(const T& object) {
   return lister.take();
 }
 
-/// The first variable in which two states differ, and its value in each.
+/// Describes the first variable in which two states differ, and contains its value in each state.
 struct Difference {
   std::string path;
   std::string first;
@@ -144,7 +144,7 @@ inline std::string value_text(Type type, const std::byte* at) {
 
 }  // namespace detail
 
-/// Returns the first difference of two listings; empty if both have the same bits under the same names.
+/// Returns the first difference between two listings; empty if both have the same names and bits.
 inline std::optional<Difference> first_difference(const Listing& first, const Listing& second) {
   const std::size_t common = std::min(first.variables.size(), second.variables.size());
   for (std::size_t v = 0; v < common; ++v) {
@@ -174,7 +174,8 @@ std::optional<Difference> first_difference(const T& first, const T& second) {
   return first_difference(list(first), list(second));
 }
 
-/// Returns the first difference of two saved states of one object. Afterwards `object` is in the second state.
+/// Returns the first difference between two saved states of one object. Restores both states into `object`, which is
+/// then in the second state.
 template <Visited T>
 std::optional<Difference> first_difference(T& object, std::span<const std::byte> first,
                                            std::span<const std::byte> second) {

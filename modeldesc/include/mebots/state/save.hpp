@@ -9,7 +9,7 @@
 
 namespace mebots::state {
 
-/// A visitor that writes all visited values.
+/// Writes the values that it visits to a Writer.
 class Saver : public Visitor {
  public:
   explicit Saver(Writer& writer) : Saver(writer, Purpose::save) {}
@@ -49,7 +49,8 @@ class Restorer final : public Visitor {
   Reader& reader_;
 };
 
-/// Appends the object's state. Accepts constant objects, because a visitor that only reads does not change them.
+/// Appends the object's state to the writer's bytes. Accepts constant objects, because a visitor that only reads does
+/// not change them.
 template <Visited T>
 void save(const T& object, Writer& writer) {
   Saver saver(writer);
@@ -71,7 +72,7 @@ void restore(T& object, Reader& reader) {
   object.visit(restorer);
 }
 
-/// Restores an object from bytes that contain its state and nothing else.
+/// Restores an object from `bytes`, which must contain the object's state and nothing else.
 template <Visited T>
 void restore(T& object, std::span<const std::byte> bytes) {
   Reader reader(bytes);

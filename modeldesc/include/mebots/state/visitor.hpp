@@ -31,13 +31,13 @@ namespace mebots::state {
 
 class Visitor;
 
-/// Classes with a member function visit().
+/// Contains the types that have a member function visit().
 template <typename T>
 concept Visited = requires(T& value, Visitor& visitor) {
   value.visit(visitor);
 };
 
-/// Types whose values have no parts.
+/// Contains the types whose values have no parts: numbers, Booleans and enumerations.
 template <typename T>
 concept Plain = std::is_arithmetic_v<T> || std::is_enum_v<T>;
 
@@ -73,17 +73,17 @@ constexpr Type type_of() {
   }
 }
 
-/// A fixed number of plain values in contiguous memory.
+/// Describes a fixed number of plain values in contiguous memory.
 struct Values {
   Type type;
-  std::size_t size;  ///< bytes of one value
+  std::size_t size;  ///< size of one value in bytes
   std::size_t count;
   void* data;
 
   std::size_t bytes() const { return size * count; }
 };
 
-/// A variable number of plain values in contiguous memory: a vector or a text.
+/// Gives access to a variable number of plain values in contiguous memory: a vector or a text.
 class List {
  public:
   virtual ~List() = default;
@@ -91,7 +91,8 @@ class List {
   virtual void resize(std::size_t count) = 0;
 };
 
-/// Base of all visitors, which read or restore the state of objects. A visitor may be used by one thread at a time.
+/// Base class of all visitors. A visitor reads or restores the state of objects. A visitor may be used by one thread at
+/// a time.
 class Visitor {
  public:
   virtual ~Visitor() = default;
@@ -132,7 +133,8 @@ class Visitor {
 
   virtual void fixed(std::string_view name, const Values& values) = 0;
   virtual void changing(std::string_view name, List& list) = 0;
-  /// Visits the size of a list of objects. `present` is its present size. Returns the size that the list must have.
+  /// Visits the size of a list of objects. `present` is the size before the visit. Returns the size that the caller
+  /// must give the list.
   virtual std::size_t count(std::string_view name, std::size_t present) = 0;
   /// Opens a scope: all values up to the matching leave() are parts of `name`. Called only for visitors that use names.
   virtual void enter(std::string_view /*name*/) {}
@@ -241,7 +243,7 @@ class Visitor {
     std::visit([&](auto& held) { (*this)(name, held); }, value);
   }
 
-  /// Visits one element for the layout hash, even if the list is empty.
+  /// Visits one default-constructed element if this visitor computes a layout, even if the list is empty.
   template <typename T>
   bool show_one_as_pattern(std::string_view name) {
     if (purpose_ != Purpose::layout) return false;
