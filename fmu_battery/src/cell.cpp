@@ -13,16 +13,16 @@
 namespace mebots::battery {
 namespace {
 
-/// If the file does not give the release voltage, it is the cut-off voltage plus this value. In protection circuits,
-/// the difference is 0 to 0.7 V.
+/// Hysteresis if the file does not contain the release voltage: the release voltage is then the cut-off voltage plus
+/// this value. In protection circuits, the difference is 0 to 0.7 V.
 constexpr double kUsualHysteresis_v = 0.2;
-/// Minimum hysteresis. With less, event location could open and close the protection without end.
+/// Minimum hysteresis. With a smaller one, event location could open and close the protection without end.
 constexpr double kLeastHysteresis_v = 1e-3;
 
-/// Number of samples of a curve: enough to find a wrong sign or a falling section.
+/// Number of samples of a curve. It is large enough to find a wrong sign or a falling section.
 constexpr int kSamples = 1000;
 
-/// Reads a curve that must be > 0 wherever the model evaluates it.
+/// Reads a curve. Reports a mistake if the curve is not > 0 at a state of charge where the model evaluates it.
 Curve read_positive(const data::Node& node, std::string_view unit, double from_s) {
   const auto mistakes_before = node.noted();
   Curve curve = Curve::read(node, unit);

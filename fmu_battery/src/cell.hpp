@@ -9,8 +9,8 @@
 
 namespace mebots::battery {
 
-/// Values of the elements of the equivalent circuit at one state of charge. The circuit has an open-circuit source, a
-/// series resistance and two RC pairs in series.
+/// Contains the values of the equivalent circuit's elements at one state of charge. The circuit has an open-circuit
+/// source, a series resistance and two RC pairs in series.
 struct Circuit {
   double open_circuit_v;
   double series_ohm;
@@ -20,17 +20,17 @@ struct Circuit {
   double pair2_farad;
 };
 
-/// A cell as its data file describes it (fmu_battery/README.md documents the format).
+/// Describes a cell, as read from its data file (fmu_battery/README.md documents the format).
 struct Cell {
   std::string name;
   double mass_kg = 0;
-  double capacity_c = 0;                // charge between s = 1 and s = 0
-  double cut_off_voltage_v = 0;         // the protection opens below it
-  double cut_off_delay_s = 0;           // the protection opens after this time below it
+  double capacity_c = 0;                // charge that the cell delivers from s = 1 to s = 0
+  double cut_off_voltage_v = 0;         // the protection opens if the terminal voltage stays below it
+  double cut_off_delay_s = 0;           // time below the cut-off voltage after which the protection opens
   double release_voltage_v = 0;         // an open protection closes when a charger raises the terminal voltage to it
-  double continuous_current_a = 0;      // above it over_current is raised, without other effects
+  double continuous_current_a = 0;      // above it, the output over_current is true; no other effect
   double self_discharge_current_a = 0;  // flows while s > 0
-  double hold_below_soc = 0;            // below this s, R and C keep their values at it
+  double hold_below_soc = 0;            // below this s, R and C keep the values that they have at it
   Curve open_circuit_v;
   Curve series_ohm;
   Curve pair1_ohm;
@@ -43,9 +43,10 @@ struct Cell {
   Circuit circuit_at(double s) const;
 };
 
-/// Positions of quantities in their intervals in the file: -1 and 1 are the ends of an interval, 0 is the value itself.
+/// Contains positions of quantities in their intervals in the file: -1 and 1 are the ends of an interval, 0 is the
+/// value itself.
 struct CellPositions {
-  double resistance = 0;  // of resistance_factor; capacitances change inversely, so that time constants are unchanged
+  double resistance = 0;  // of resistance_factor; capacitances change inversely, so time constants stay the same
   double capacity = 0;    // of capacity_factor or, if that has no interval, of capacity
   double cut_off_voltage = 0;
   double cut_off_delay = 0;

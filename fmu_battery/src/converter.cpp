@@ -15,7 +15,7 @@
 namespace mebots::battery {
 namespace {
 
-/// Reads the list of numbers of an object {"unit", "value": [...]}.
+/// Returns a reader of the list of numbers in an object {"unit", "value": [...]}.
 auto table(std::string_view unit, std::vector<double> (*read)(const data::Node&, const data::Limits&),
            const data::Limits& limits) {
   return [=](const data::Node& node) {

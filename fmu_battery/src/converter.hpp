@@ -8,14 +8,16 @@
 
 namespace mebots::battery {
 
-/// A DC/DC converter between the bus and a load, or between a source and the bus. A table gives its efficiency over the
-/// output current. The efficiency is linear between the table's points, and constant outside of them.
+/// Models a DC/DC converter between the bus and a load, or between a source and the bus. A table contains the
+/// efficiency for values of the output current. The efficiency is linear between the table's points, and constant
+/// outside of them.
 class Converter {
  public:
   /// Creates a connection without a converter, which has efficiency 1.
   Converter() = default;
 
-  /// `output_current_a` must rise from a value >= 0; `efficiency` must be in (0, 1]. Both have the same size >= 1.
+  /// Creates a converter with a table of its efficiency. `output_current_a` must rise from a value >= 0; `efficiency`
+  /// must be in (0, 1]. Both have the same size >= 1.
   Converter(std::string name, double output_voltage_v, std::vector<double> output_current_a,
             std::vector<double> efficiency);
 
@@ -33,14 +35,14 @@ class Converter {
  private:
   std::string name_ = "direct";
   double output_voltage_v_ = 1;
-  std::vector<double> output_current_a_;  // empty: efficiency 1
+  std::vector<double> output_current_a_;  // empty if the efficiency is always 1
   std::vector<double> efficiency_;
 };
 
 /// Reads all converters of a converters.json. Throws mebots::Error that lists all mistakes.
 std::map<std::string, Converter> load_converters(const std::filesystem::path& file);
 
-/// Reads the converter `name` of a converters.json. `variable` is the parameter that contains this name, for messages.
+/// Reads the converter `name` of a converters.json. Messages name `variable`, the parameter that contains this name.
 /// Throws mebots::Error that names file, key, value and limit, or the known names.
 Converter load_converter(const std::filesystem::path& file, const std::string& name, const std::string& variable);
 

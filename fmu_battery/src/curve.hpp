@@ -21,7 +21,8 @@ class Curve {
 
   static Curve analytic(double factor, double rate, std::vector<double> polynomial);
 
-  /// Returns the value at s. The caller keeps s within [0, 1]; trial points of an integrator may be slightly outside.
+  /// Returns the value at s. The caller must keep s within [0, 1]; trial points of an integrator may be slightly
+  /// outside.
   double operator()(double s) const;
 
   /// Returns the curve with all values multiplied by `factor`.

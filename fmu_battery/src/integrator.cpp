@@ -16,8 +16,8 @@
 namespace mebots::battery {
 namespace {
 
-// The vector that SUNDIALS integrates. The elements of the ledger are zero at the start of every piece. So the error
-// control uses the energies of the piece, not the energies since the start of the run.
+// Indexes the vector that SUNDIALS integrates. The elements of the ledger are zero at the start of every piece.
+// Therefore error control uses the energies of the piece, not the energies since the start of the run.
 enum Index : int {
   kSoc,
   kPair1,
@@ -36,14 +36,14 @@ enum Index : int {
 constexpr double kSocTolerance = 1e-12;
 constexpr double kVoltageTolerance = 1e-10;
 constexpr double kEnergyTolerance = 1e-10;
-// Limits of the solver's steps in a piece, and of evaluations in a call of advance(). The last piece may exceed the
+// Limits for the solver's steps in a piece, and for evaluations in a call of advance(). The last piece may exceed the
 // limit of evaluations.
 constexpr long kMaxSteps = 1'000'000;
 constexpr long kMaxEvaluations = 5 * kMaxSteps;
 // If a piece of the duration cannot be integrated, a tenth of the piece is tried, down to kShortestPiece [s].
 constexpr double kPieceFactor = 10;
 constexpr double kShortestPiece = 1e-15;
-// Hysteresis of the detector of a low voltage. It must exceed the tolerance of event location.
+// Hysteresis of the detector of a low voltage. It must exceed the tolerance with which events are located.
 constexpr double kDetectorHysteresis_v = 1e-3;
 
 enum Root : int { kProtectionRoot, kNoPowerRoot, kEmptyRoot, kFullRoot, kRootCount };
@@ -140,7 +140,7 @@ class Integrator::Solver {
   long evaluations() const { return evaluations_; }
 
  private:
-  /// Returns whether the charging current exceeds the self-discharge. Only then does an empty cell charge.
+  /// Returns whether the charging current exceeds the self-discharge. An empty cell charges only in this case.
   bool charges_faster_than_leak(const CellState& state) const {
     if (!charging_) return false;
     const Circuit circuit = cell_.circuit_at(state.soc);
@@ -219,7 +219,8 @@ class Integrator::Solver {
 
   double series_ohm(double soc) const { return cell_.series_ohm(std::max(soc, cell_.hold_below_soc)); }
 
-  /// Returns the greatest possible power minus the demanded power [W]. Negative if no current can deliver the power.
+  /// Returns the greatest possible power minus the demanded power [W]. The result is negative if no current can deliver
+  /// the power.
   double power_margin_w(double soc, double pair1_v, double pair2_v) const {
     return power_limit_w(cell_.open_circuit_v(soc) - pair1_v - pair2_v, series_ohm(soc), 0) - demand_.terminal_w();
   }
@@ -277,7 +278,7 @@ class Integrator::Solver {
   static int root_functions(double /*t*/, N_Vector y_vector, double* g, void* self) {
     const auto& solver = *static_cast<const Solver*>(self);
     const double* y = N_VGetArrayPointer(y_vector);
-    // A root function that returns a constant is switched off, because a constant never crosses zero.
+    // A root function is disabled if it returns a constant, because a constant never crosses zero.
     g[kProtectionRoot] = solver.conducts_ ? solver.protection_margin(y[kSoc], y[kPair1], y[kPair2]) : 1;
     const bool is_low = solver.protection_ == Protection::low;
     g[kNoPowerRoot] = is_low ? solver.power_margin_w(y[kSoc], y[kPair1], y[kPair2]) : 1;
@@ -312,7 +313,7 @@ class Integrator::Solver {
   long evaluations_ = 0;
   std::string message_;
 
-  // The demand, which is constant during one advance.
+  // The demand of the current call of advance().
   Demand demand_;
   Protection protection_ = Protection::closed;
   bool conducts_ = true;

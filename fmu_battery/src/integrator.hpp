@@ -8,7 +8,7 @@
 
 namespace mebots::battery {
 
-/// The differential states of a cell.
+/// Contains the differential states of a cell.
 struct CellState {
   double soc = 1;      // state of charge
   double pair1_v = 0;  // voltages of the RC pairs, positive after discharge
@@ -21,14 +21,14 @@ struct CellState {
   }
 };
 
-/// Energies in joules.
-/// open_circuit + source = delivered + ohmic + polarisation + converters + self_discharge.
+/// Contains energies in joules. They balance: open_circuit + source = delivered + ohmic + polarisation + converters +
+/// self_discharge.
 struct Ledger {
-  double open_circuit_j = 0;  // given by the open-circuit source, charging counts negative
+  double open_circuit_j = 0;  // supplied by the open-circuit source; negative while charging
   double delivered_j = 0;
   double source_j = 0;
   double ohmic_j = 0;         // heat in R0, R1, R2
-  double polarisation_j = 0;  // into C1, C2
+  double polarisation_j = 0;  // stored in C1, C2
   double converters_j = 0;
   double self_discharge_j = 0;
 
@@ -46,33 +46,33 @@ struct Ledger {
   }
 };
 
-/// The powers of the loads and of the source on the bus. They are constant during a step.
+/// Contains the powers of the loads and of the source on the bus. They are constant during a step.
 struct Demand {
-  double delivered_w = 0;   // at the outputs of the loads' converters
-  double drawn_w = 0;       // at their inputs
-  double source_w = 0;      // at the input of the source's converter
-  double source_bus_w = 0;  // at its output
+  double delivered_w = 0;   // sum of the powers at the outputs of the loads' converters
+  double drawn_w = 0;       // sum of the powers at the inputs of the loads' converters
+  double source_w = 0;      // power at the input of the source's converter
+  double source_bus_w = 0;  // power at the output of the source's converter
 
   double terminal_w() const { return drawn_w - source_bus_w; }
   bool charges() const { return terminal_w() < 0; }
   double converter_loss_w() const { return drawn_w - delivered_w + source_w - source_bus_w; }
 };
 
-/// The reason why advance() returned before the end of the duration.
+/// States why advance() returned before the end of the duration.
 enum class Event {
   none,
-  cut_off,    // the terminal voltage would fall below the cut-off, or no current gives this power
-  no_power,   // while low: no current gives that much power
-  recovered,  // while low: the terminal voltage is above the cut-off again
-  empty,      // state of charge 0
-  full,       // state of charge 1 while charging
-  release,    // a charger has raised the terminals of an open protection to the release voltage
+  cut_off,    // the terminal voltage would fall below the cut-off, or no current gives the power
+  no_power,   // protection low: no current gives the demanded power
+  recovered,  // protection low: the terminal voltage is above the cut-off again
+  empty,      // the state of charge is 0
+  full,       // the state of charge is 1 while charging
+  release,    // protection open: a charger raised the terminal voltage to the release voltage
 };
 
-/// The switch between cell and bus.
+/// The state of the switch between cell and bus.
 enum class Protection {
   closed,
-  low,   // closed, but the terminal voltage is below the cut-off: its delay runs
+  low,   // closed, but the terminal voltage is below the cut-off, and the delay runs
   open,  // blocks discharge; a charge passes, as through the body diode of the discharge transistor
 };
 
@@ -88,7 +88,7 @@ class Integrator {
  public:
   struct Options {
     double relative_tolerance = 1e-9;
-    double fixed_step_s = 0;  // > 0: no error control, to measure the order of convergence
+    double fixed_step_s = 0;  // if > 0, the size of all steps, without error control
   };
 
   explicit Integrator(const Cell& cell) : Integrator(cell, Options{}) {}
@@ -98,7 +98,7 @@ class Integrator {
   Integrator& operator=(const Integrator&) = delete;
 
   struct Result {
-    double reached_s = 0;  // time integrated, <= duration
+    double reached_s = 0;  // integrated part of the duration
     Event event = Event::none;
   };
 

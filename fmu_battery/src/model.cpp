@@ -133,7 +133,7 @@ void Model::handle(Event event, double time_s) {
         time_s, cell_.release_voltage_v, state_.soc));
     return;
   }
-  if (!connected_) return;  // emptied by self-discharge while the protection is open
+  if (!connected_) return;  // self-discharge emptied the cell while the protection is open
   if (event == Event::recovered) {
     low_ = false;
   } else if (event == Event::cut_off && cell_.cut_off_delay_s > 0) {
@@ -175,8 +175,9 @@ bool Model::over_current(double current_a) const {
   return std::abs(current_a) > cell_.continuous_current_a;
 }
 
-// Follows the thermal model of IEC 60255-149 without its margin: the mean of the squared current is a first-order lag,
-// starts at 0 (a cold cell), and is integrated by the implicit Euler method.
+// Computes the mean of the squared current with the thermal model of IEC 60255-149, without the margin of that
+// standard. The mean is a first-order lag of the squared current. It starts at 0 (a cold cell) and is integrated by the
+// implicit Euler method.
 void Model::watch_current(double current_a, std::int64_t now_ns, std::int64_t duration_ns) {
   const double duration_s = seconds(duration_ns);
   mean_square_a2_ += (current_a * current_a - mean_square_a2_) * duration_s / (kHeatingTimeConstant_s + duration_s);

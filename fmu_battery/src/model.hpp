@@ -36,23 +36,24 @@ class Model {
   /// values, which gives the earliest warning.
   static constexpr double kHeatingTimeConstant_s = 100;
 
-  /// An event is normal behaviour of the model: the protection opens or closes, the cell is full, or the current
-  /// exceeded the limit for some time. A warning requires an action of the user.
+  /// Classifies a message. An event is normal behaviour of the model: the protection opens or closes, the cell is full,
+  /// or the current exceeded the limit for some time. A warning requires an action of the user.
   enum class Message { event, warning };
-  /// Receives the messages in the order of time.
+  /// Receives each message of the model, in the order of simulated time.
   using Log = std::function<void(Message, std::string_view)>;
 
   /// Reads `resources`/cells/<name>.json and `resources`/converters.json. Throws mebots::Error that names parameter or
   /// file, key, value and limit.
   Model(const Parameters& parameters, const std::filesystem::path& resources, Log log);
 
-  /// Writes the outputs at the start.
+  /// Sets the outputs to their values at the start.
   void start(const Inputs& inputs, std::int64_t start_ns, Outputs& outputs);
 
   /// Advances from start_ns to start_ns + duration_ns (> 0). Throws mebots::Error if a power is negative or not finite.
   void step(const Inputs& inputs, std::int64_t start_ns, std::int64_t duration_ns, Outputs& outputs);
 
-  /// Logs how long the current was above the continuous limit, and its largest value. No message if it never was.
+  /// Logs for how long the current was above the continuous limit, and the largest current. Logs nothing if the current
+  /// never exceeded the limit.
   void terminate();
 
   void visit(state::Visitor& v);
@@ -82,16 +83,16 @@ class Model {
   CellState state_;
   Ledger ledger_;
   std::array<double, load::kCount> load_energy_j_{};
-  /// True if current flows between cell and bus.
+  /// Returns true if current flows between cell and bus.
   bool conducts(const Demand& demand) const { return connected_ || demand.charges(); }
 
   bool connected_ = true;
-  bool low_ = false;  // the terminal voltage is below the cut-off, since low_s_
+  bool low_ = false;  // true while the terminal voltage is below the cut-off; low_s_ is the time since then
   double low_s_ = 0;
   bool full_ = false;
-  double mean_square_a2_ = 0;  // of the current, over kHeatingTimeConstant_s
+  double mean_square_a2_ = 0;  // mean square of the current over kHeatingTimeConstant_s
   bool overload_warned_ = false;
-  std::int64_t over_current_ns_ = 0;  // time above the continuous limit
+  std::int64_t over_current_ns_ = 0;  // time with the current above the continuous limit
   double highest_current_a_ = 0;
 };
 

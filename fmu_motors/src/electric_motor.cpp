@@ -10,7 +10,7 @@
 namespace mebots::motors {
 namespace {
 
-/// Returns drag torque over speed squared [N m s^2/rad^2].
+/// Returns the ratio of drag torque to speed squared [N m s^2/rad^2].
 double drag_coefficient(const RotorData& rotor, double thrust_coefficient) {
   return rotor.torque_per_thrust_m * thrust_coefficient;
 }

@@ -9,8 +9,8 @@ namespace mebots::motors {
 /// u^2 with v = K u + R i and c = torque_per_thrust k.
 double steady_speed_rad_per_s(const RotorData& rotor, double thrust_coefficient, double voltage_v);
 
-/// The load of one motor on its supply. From a supply of V volts, the motor draws the current conductance V - counter
-/// current, averaged over the PWM's period. Both values are 0 if the motor draws no current at `supply_v`.
+/// Contains the load of one motor on its supply. From a supply of V volts, the motor draws the current conductance V -
+/// counter current, averaged over the PWM's period. Both values are 0 if the motor draws no current at `supply_v`.
 struct SupplyLoad {
   double conductance_s = 0;
   double counter_current_a = 0;

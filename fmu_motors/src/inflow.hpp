@@ -3,13 +3,13 @@
 
 namespace mebots::motors {
 
-/// The flow through a rotor's disc, by Glauert's momentum theory.
+/// Computes the flow through a rotor's disc from Glauert's momentum theory.
 struct Inflow {
   double thrust_n = 0;           ///< >= 0
   double density_kg_per_m3 = 0;  ///< > 0
-  double radius_m = 0;           ///< of the disc, > 0
-  double speed_m_per_s = 0;      ///< along the disc, >= 0
-  double climb_m_per_s = 0;      ///< through the disc from above, positive = climbing
+  double radius_m = 0;           ///< radius of the disc, > 0
+  double speed_m_per_s = 0;      ///< speed of the air along the disc, >= 0
+  double climb_m_per_s = 0;      ///< speed of the air through the disc from above, positive = climbing
 
   /// Returns v_h = sqrt(F / (2 rho A)) [m/s].
   double hover_velocity() const;
@@ -17,7 +17,7 @@ struct Inflow {
   /// valid where a descending rotor meets its own wake. It is used down to V_c = -v_h; lower values of V_c are replaced
   /// by -v_h.
   double induced_velocity() const;
-  /// Returns the aerodynamic power minus that of hovering with the same thrust: F (V_c + v_i - v_h) [W].
+  /// Returns the aerodynamic power minus the power of hovering with the same thrust: F (V_c + v_i - v_h) [W].
   double power_beyond_hover_w() const;
 };
 

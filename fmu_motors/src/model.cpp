@@ -14,12 +14,12 @@
 namespace mebots::motors {
 namespace {
 
-/// The maximum magnitude of an input, so that products of a few inputs are finite. fmu_world has the same limit.
+/// The maximum magnitude of an input. Below it, products of a few inputs are finite. fmu_world has the same limit.
 constexpr double kMost = 1e40;
 constexpr double kLeastDensity = 1 / kMost;
-/// The current of the last step is a surge if the current of the step before it was less than this share of it.
+/// If the current of a step is less than this share of the next step's current, the next current is a surge.
 constexpr double kEarlierShare = 0.1;
-/// The least sag for a warning. A smaller sag of the voltage is harmless, and other loads may have caused it.
+/// The minimum sag of the voltage for a warning. A smaller sag is harmless, and other loads may have caused it.
 constexpr double kLeastSag_v = 0.02;
 
 void check(double value, std::string_view name, std::string_view unit, const data::Limits& limits) {
@@ -98,7 +98,8 @@ void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& output
   outputs.bench_power_w = rotor_.power_factor * bench_j / duration_s;
   outputs.hover_power_w = driven ? hover_power_w(rotor_, inputs.body_mass_kg, inputs.air_density_kg_per_m3) : 0;
   outputs.propel_power_w = driven ? propel_power_w(rotor_, inputs.body_mass_kg, inputs.body_speed_m_per_s) : 0;
-  // The power of the rotors is not negative, because a rotor never supplies the bus.
+  // Limits the inflow power from below so that the rotors' power is not negative, because a rotor never supplies the
+  // bus.
   outputs.inflow_power_w = driven && inflow_ ? std::max(inflow_power_w(inputs), -outputs.bench_power_w) : 0;
   outputs.power_w = power_model_ == PowerModel::bench ? outputs.bench_power_w + outputs.inflow_power_w
                                                       : outputs.hover_power_w + outputs.propel_power_w;

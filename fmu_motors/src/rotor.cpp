@@ -15,7 +15,7 @@ namespace {
 /// at w = u; the result is its positive root.
 double speed_of_zero_power(const RotorData& rotor, const RotorDrive& drive, const SpeedLaw& law) {
   const double u = drive.steady_speed_rad_per_s;
-  const double square = rotor.inertia_kg_m2 * law.quadratic_per_rad;  // times -w^2
+  const double square = rotor.inertia_kg_m2 * law.quadratic_per_rad;  // coefficient of -w^2
   const double linear =
       rotor.power_per_thrust_w_per_n * drive.thrust_coefficient - rotor.inertia_kg_m2 * law.linear_per_s;
   const double constant =
@@ -31,7 +31,7 @@ double energy_j(const RotorData& rotor, const RotorDrive& drive, const SpeedCour
       rotor.power_per_speed_ws_per_rad * course.speed_integral(duration_s) +
       rotor.power_per_thrust_w_per_n * drive.thrust_coefficient * course.speed_squared_integral(duration_s) +
       0.5 * rotor.inertia_kg_m2 * (to_speed - from_speed) * (to_speed + from_speed);
-  return std::max(energy, 0.0);  // the integrand is not negative, but its integral may be after rounding
+  return std::max(energy, 0.0);  // the integrand is not negative, but rounding may make its integral negative
 }
 
 }  // namespace

@@ -5,19 +5,19 @@
 
 namespace mebots::motors {
 
-/// Conditions of one rotor that are constant during a step.
+/// Contains the conditions of one rotor that are constant during a step.
 struct RotorDrive {
   double steady_speed_rad_per_s = 0;
   double thrust_coefficient = 0;  // at the present air density [N s^2/rad^2]
   bool driven = false;            // false: the driver is off and takes no power
-  double voltage_v = 0;           // effective: duty cycle times bus voltage
+  double voltage_v = 0;           // effective voltage: duty cycle times bus voltage
   double duty = 0;
 };
 
 struct RotorStep {
-  double speed_rad_per_s = 0;  // at the end of the step
-  double energy_j = 0;         // electrical, taken during the step, >= 0
-  double charge_c = 0;         // through the winding of an electric motor, >= 0
+  double speed_rad_per_s = 0;  // speed at the end of the step
+  double energy_j = 0;         // electrical energy taken during the step, >= 0
+  double charge_c = 0;         // charge through the winding of an electric motor, >= 0
 };
 
 /// Advances one rotor by `duration_s`. The electrical power is

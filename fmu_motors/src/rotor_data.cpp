@@ -14,7 +14,7 @@ namespace {
 
 using data::Limits;
 
-/// Reads the list of an object {"unit", "value": [...]}. Its numbers must rise from 0.
+/// Returns a reader of the list in an object {"unit", "value": [...]}. The numbers must rise from 0.
 auto table_from_rest(std::string_view unit) {
   return [unit](const data::Node& node) {
     data::Object object(node);
@@ -114,7 +114,7 @@ RotorData read_rotor(const data::Node& node, const RotorPositions& positions) {
   object.read("propeller_pitch", rotor.propeller_pitch_m, quantity("m", positive));
   object.read("propulsion_efficiency", rotor.propulsion_efficiency, quantity("1", {0, 1, false}));
   object.read("lift_to_drag", rotor.lift_to_drag, quantity("1", positive));
-  object.allow({"bench"});  // source of the values; for readers and tests
+  object.allow({"bench"});  // contains the source of the values, for readers and tests
   object.finish();
   const data::Placement placement("rotor '" + rotor.name + "'", rotor.warnings);
   rotor.power_factor = placement.value(power_factor, positions.power, "power_factor", "calibration.power");

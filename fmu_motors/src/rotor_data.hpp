@@ -8,20 +8,22 @@
 
 namespace mebots::motors {
 
-/// Coefficients of  dw/dt = linear (u - w) + quadratic (u^2 - w^2), where u is the steady speed at the present voltage.
+/// Contains the coefficients of  dw/dt = linear (u - w) + quadratic (u^2 - w^2), where u is the steady speed at the
+/// present voltage.
 struct SpeedLaw {
   double linear_per_s = 0;
   double quadratic_per_rad = 0;
 };
 
-/// A brushed motor on a PWM driver whose diode blocks braking currents (electric_motor.hpp has the equations).
+/// Describes a brushed motor with a PWM driver whose diode blocks braking currents (electric_motor.hpp contains the
+/// equations).
 struct ElectricMotor {
-  double resistance_ohm = 0;        // winding, brushes and driver
-  double back_emf_vs_per_rad = 0;   // also torque per current [N m/A]
+  double resistance_ohm = 0;        // of winding, brushes and driver together
+  double back_emf_vs_per_rad = 0;   // also the torque per current [N m/A]
   double ripple_conductance_s = 0;  // loss by the current ripple of the PWM [A/V]
 };
 
-/// The data of a rotor with its motor, from a data file (fmu_motors/README.md documents the format).
+/// Describes a rotor with its motor, as read from a data file (fmu_motors/README.md documents the format).
 struct RotorData {
   std::string name;
   double power_factor = 1;        // multiplies the electrical power
@@ -31,9 +33,9 @@ struct RotorData {
   double inertia_kg_m2 = 0;
   std::optional<ElectricMotor> motor;       // if present, the following members up to power_per_thrust_w_per_n are
                                             // unused
-  std::vector<double> effective_voltage_v;  // steady speed over effective voltage; both begin at 0
+  std::vector<double> effective_voltage_v;  // table of steady speed over effective voltage; both lists begin at 0
   std::vector<double> speed_rad_per_s;
-  double slope_above_rad_per_sv = 0;  // beyond the last point
+  double slope_above_rad_per_sv = 0;  // slope of the steady speed beyond the last point
   SpeedLaw spin_up;
   SpeedLaw spin_down;
   double power_per_speed_ws_per_rad = 0;  // P = a w + b F
@@ -47,15 +49,15 @@ struct RotorData {
   /// Returns the steady speed [rad/s] at a voltage [V, >= 0], from the table of a rotor without `motor`.
   double steady_speed_rad_per_s(double voltage_v) const;
 
-  /// Returns thrust [N] over speed squared at an air density.
+  /// Returns the ratio of thrust [N] to speed squared at an air density.
   double thrust_coefficient_at(double density_kg_per_m3) const {
     return thrust_coefficient * density_kg_per_m3 / reference_density_kg_per_m3;
   }
 };
 
-/// The position of each quantity in its interval in the file: -1 and 1 are the ends, 0 is the value.
+/// Contains the position of each quantity in its interval in the file: -1 and 1 are the ends, 0 is the value.
 struct RotorPositions {
-  double thrust = 0;  // of thrust_coefficient; torque and power at a speed are unchanged
+  double thrust = 0;  // of thrust_coefficient; torque and power at a given speed are unchanged
   double power = 0;   // of power_factor
 };
 

@@ -11,7 +11,8 @@ namespace mebots::motors {
 /// form, so there is no step size.
 class SpeedCourse {
  public:
-  /// Creates the course from `initial` towards `steady` [rad/s, both >= 0]. a and b must be >= 0.
+  /// Creates the course from the speed `initial` towards the speed `steady` [rad/s, both >= 0]. The coefficients a and
+  /// b of `law` must be >= 0.
   SpeedCourse(const SpeedLaw& law, double initial_rad_per_s, double steady_rad_per_s);
 
   /// Returns the speed [rad/s] after `time_s` >= 0.
@@ -20,8 +21,8 @@ class SpeedCourse {
   double speed_integral(double time_s) const;
   /// Returns the integral of w^2 [rad^2/s] over the first `time_s`.
   double speed_squared_integral(double time_s) const;
-  /// Returns the time [s] until the speed is `target`, which must be between the initial and the steady speed, and not
-  /// equal to the steady speed.
+  /// Returns the time [s] until the speed is `target`. `target` must be between the initial and the steady speed, and
+  /// not equal to the steady speed.
   double time_to(double target_rad_per_s) const;
 
  private:
@@ -33,7 +34,7 @@ class SpeedCourse {
   double initial_;
   double steady_;
   double initial_difference_;
-  double rate_;  // k
+  double rate_;  // the rate k
 };
 
 }  // namespace mebots::motors

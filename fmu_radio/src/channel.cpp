@@ -56,7 +56,7 @@ void Channel::take_requests(std::int64_t time_ns) {
     const auto& inputs = variables_[i].inputs;
     if (inputs.tx_count == node.count) continue;
     node.count = inputs.tx_count;
-    ++node.packets;  // also of dropped ones, so that a drop leaves the draws of later packets as they are
+    ++node.packets;  // counts dropped packets too, so that a drop does not change the draws of later packets
     const auto most = static_cast<std::int32_t>(nodes_.size());
     if (inputs.tx_size < 0 || inputs.tx_size > kMostBytes)
       throw Error(fmt::format("node[{}].tx.size = {} must be 0 to {} bytes", i + 1, inputs.tx_size, kMostBytes));
@@ -111,7 +111,7 @@ void Channel::transmit(std::int64_t end_ns) {
 }
 
 void Channel::decide(std::int64_t end_ns) {
-  while (!on_air_.empty() && on_air_.front().end_ns <= end_ns) {  // packets end in the order of on_air_
+  while (!on_air_.empty() && on_air_.front().end_ns <= end_ns) {  // on_air_ is ordered by the packets' ends
     const auto& packet = on_air_.front();
     ended_.push_back(packet);
     under_way_.push_back({packet, receptions(packet)});

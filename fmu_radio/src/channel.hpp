@@ -15,19 +15,18 @@ namespace mebots::radio {
 
 using Log = std::function<void(std::string_view)>;
 
-/// The time of a step: [begin_ns, end_ns).
+/// The time interval of a step: [begin_ns, end_ns).
 struct Span {
   std::int64_t begin_ns;
   std::int64_t end_ns;
 };
 
-/// Returns the length of the part of [begin, end) that is in the span.
+/// Returns the length of the part of [begin, end) that is in the span [ns].
 std::int64_t overlap_ns(const Span& span, std::int64_t begin_ns, std::int64_t end_ns);
 
 double distance_m(const NodeVariables& a, const NodeVariables& b);
 
-/// Packets between nodes on one frequency.
-///
+/// Transmits packets between nodes on one frequency.
 /// A node that wants to send waits until the channel is free, so packets do not collide. Packets are sent in the order
 /// of their requests; for requests at the same time, the nodes take turns. A radio stores at most three packets to send
 /// and three received packets, as an nRF24L01+ does. In each step, at most one received packet reaches the outputs.
@@ -41,7 +40,7 @@ class Channel {
   /// a packet is out of range.
   void step(const Span& span);
 
-  /// Returns the energy of a node's radio in the step.
+  /// Returns the energy that a node's radio consumes in the step [J].
   double energy_j(std::size_t node, const Span& span) const;
 
   void visit(state::Visitor& v);
@@ -49,26 +48,26 @@ class Channel {
  private:
   struct Packet {
     std::int64_t requested_ns = 0;
-    std::int64_t begin_ns = 0;  // of settling
-    std::int64_t end_ns = 0;    // of the last bit
-    std::int32_t from = 0;      // numbers count from 1
+    std::int64_t begin_ns = 0;  // begin of settling
+    std::int64_t end_ns = 0;    // end of the last bit
+    std::int32_t from = 0;      // number of the sending node, from 1
     std::int32_t to = 0;
     std::int32_t size = 0;
-    std::int64_t number = 0;  // of the sender's packets
-    double power_w = 0;       // where it was received
+    std::int64_t number = 0;  // number among the sender's packets
+    double power_w = 0;       // received power at the receiver
     std::array<std::int32_t, 8> data{};
 
     void visit(state::Visitor& v);
   };
-  /// The result of a packet at one node.
+  /// Contains the result of a packet at one receiving node.
   struct Reception {
-    std::uint64_t node = 0;  // its index
+    std::uint64_t node = 0;  // index of the receiving node
     bool lost = false;
     double power_w = 0;
 
     void visit(state::Visitor& v);
   };
-  /// A packet after its last bit, until it reaches the outputs of its receivers.
+  /// Stores a packet from the end of its last bit until it reaches the outputs of its receivers.
   struct Transfer {
     Packet packet;
     std::vector<Reception> receptions;
@@ -76,8 +75,8 @@ class Channel {
     void visit(state::Visitor& v);
   };
   struct Node {
-    std::int32_t count = 0;    // the last tx.count
-    std::int64_t packets = 0;  // requested so far
+    std::int32_t count = 0;    // value of tx.count in the last step
+    std::int64_t packets = 0;  // number of packets requested so far
     std::vector<Packet> to_send;
     std::vector<Packet> received;
 
@@ -87,7 +86,8 @@ class Channel {
   void take_requests(std::int64_t time_ns);
   void transmit(std::int64_t end_ns);
   Node* next_sender();
-  /// Decides which nodes receive a packet when its last bit has been sent. Later movements of the nodes have no effect.
+  /// Decides which nodes receive each packet whose last bit was sent until `end_ns`. Later movements of the nodes have
+  /// no effect.
   void decide(std::int64_t end_ns);
   std::vector<Reception> receptions(const Packet& packet) const;
   void deliver(std::int64_t end_ns);
@@ -100,8 +100,8 @@ class Channel {
   std::vector<Node> nodes_;
   std::vector<Packet> on_air_;
   std::vector<Transfer> under_way_;
-  std::vector<Packet> ended_;  // left the air in the last step, for its energy
-  std::int64_t free_ns_ = 0;   // from here on, the channel is free
+  std::vector<Packet> ended_;  // packets that ended in the last step, for the energy of that step
+  std::int64_t free_ns_ = 0;   // time from which the channel is free
   std::int32_t last_sender_ = 0;
 };
 

@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-/// Random numbers without a generator's state. Each number is a function of the seed and of a DrawKey. So it does not
-/// depend on earlier draws, on other nodes or on the order of events, and no state must be saved.
+/// Computes random numbers without a generator's state. Each number is a function of the seed and of a DrawKey.
+/// Therefore it does not depend on earlier draws, on other nodes or on the order of events, and no state must be saved.
 namespace mebots::radio {
 
 enum class Purpose : std::uint64_t { packet = 1, ranging_loss, ranging_noise, fix_loss, fix_noise };

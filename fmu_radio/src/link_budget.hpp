@@ -15,7 +15,8 @@
 /// s is the ratio of signal to noise. The noise follows from the data sheet, because BER is 1e-3 at the sensitivity.
 namespace mebots::radio {
 
-/// Minimum distance in the formula of the received power, because the formula is only valid in the far field.
+/// Minimum distance in the formula of the received power; smaller distances are replaced by it. The formula is only
+/// valid in the far field.
 inline constexpr double kLeastDistance_m = 0.1;
 
 double received_power_w(const Parameters& parameters, double distance_m);
@@ -27,10 +28,10 @@ double loss_probability(const Parameters& parameters, double power_w, std::int32
 /// Returns the number of bits of a packet with `size` bytes.
 std::int32_t bits_of(const Parameters& parameters, std::int32_t size);
 
-/// Returns bits / rate, rounded to nanoseconds.
+/// Returns the time on the air of a packet with `size` bytes: bits / rate, rounded to nanoseconds.
 std::int64_t airtime_ns(const Parameters& parameters, std::int32_t size);
 
-/// Rounds a time to nanoseconds.
+/// Converts a time in seconds to nanoseconds, with rounding.
 std::int64_t nanoseconds(double time_s);
 
 }  // namespace mebots::radio

@@ -7,10 +7,9 @@
 
 namespace mebots::radio {
 
-/// The packets, distances and positions of all nodes. Plain C++; fmu.cpp binds it to FMI.
-///
+/// Models the packets, distances and positions of all nodes in plain C++; fmu.cpp binds the class to FMI.
 /// Inputs are constant during a step. A request in the inputs at the beginning of a step is processed at that time, or
-/// when the channel is free. The outputs show its result after the step in which it completes.
+/// when the channel is free. The outputs contain the result of a request after the step in which it completes.
 class Model {
  public:
   /// The variables must outlive the model. Throws mebots::Error if there are more nodes than variables.

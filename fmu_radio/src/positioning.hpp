@@ -5,8 +5,8 @@
 
 namespace mebots::radio {
 
-/// Positions of the nodes from motion capture or base stations. Sample n of all nodes is taken at the first
-/// communication point at or after n / rate since the start.
+/// Measures the positions of the nodes, as motion capture or base stations do. Sample n of all nodes is taken at the
+/// first communication point at or after n / rate since the start.
 class Positioning {
  public:
   Positioning(const Parameters& parameters, std::span<NodeVariables> nodes, std::int64_t start_ns);
@@ -29,7 +29,7 @@ class Positioning {
   std::span<NodeVariables> variables_;
   std::int64_t start_ns_;
   std::int64_t next_ = 0;       // number of the next sample
-  std::vector<Fix> under_way_;  // by time
+  std::vector<Fix> under_way_;  // samples that are not yet in the outputs, ordered by time
 };
 
 }  // namespace mebots::radio
