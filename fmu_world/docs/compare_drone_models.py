@@ -135,7 +135,7 @@ def report(name, mine, theirs):
 def main():
     p = load_params("first_principles", "cf2x_L250")
     p = {k: (v.tolist() if hasattr(v, "tolist") else v) for k, v in p.items()}
-    p["gravity_vec"] = [0.0, 0.0, -9.80665]  # theirs is 9.81
+    p["gravity_vec"] = [0.0, 0.0, -9.80665]  # replaces the model's own value of 9.81
     with_spin = ours(sys.argv[1], p, True)
     report("gyroscopic torque in both, their sign along x put right", with_spin, reference(p, True))
     report("the same, drone-models as it is", with_spin, reference(p, False))

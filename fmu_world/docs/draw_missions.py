@@ -14,7 +14,7 @@ COUNT, SIZE, GAP = 5, 200, 6
 
 
 def row(results):
-    """Returns pictures at equal intervals of time."""
+    """Returns pictures of a mission's camera at equal intervals of time."""
     files = sorted(Path(results).glob("pictures/world.camera.frame/*.png"))
     if len(files) < COUNT:
         sys.exit(f"{results}: {len(files)} pictures, {COUNT} are drawn")

@@ -22,7 +22,6 @@ CONTACT = json.loads((PARAMS / "scenes/gate_easy.json").read_text())["contact"]
 rng = np.random.default_rng(7)
 
 
-# Pictures
 
 
 def value_noise(size, cells, octaves=4):
@@ -73,7 +72,7 @@ def crate():
 
 
 def sign():
-    """Returns an arrow on a board."""
+    """Returns the picture of an arrow on a board."""
     width, height = 128, 64
     picture = np.full((height, width), 225.0)
     y, x = np.mgrid[:height, :width]
@@ -92,7 +91,7 @@ def bark_and_metal():
     save("sheet.png", sheet)
 
 
-# Shadows on a ground.
+# Functions that draw shadows on a ground.
 
 
 def soft_shadow(points, to_sun, boxes, balls, samples=12):
@@ -103,7 +102,7 @@ def soft_shadow(points, to_sun, boxes, balls, samples=12):
     blocked = np.zeros((samples, len(points)), bool)
 
     def near(centre, radius, top):
-        """Returns the points that an object's shadow can reach."""
+        """Returns the indices of the points that an object's shadow can reach."""
         return np.nonzero(((points[:, :2] - np.array(centre)[:2]) ** 2).sum(axis=1) < (radius + slope * top) ** 2)[0]
 
     for k in range(samples):
@@ -128,7 +127,7 @@ def soft_shadow(points, to_sun, boxes, balls, samples=12):
     return (seen - blocked.sum(axis=0)) / samples
 
 
-# Meshes
+# Functions that write meshes.
 
 
 def linear(grey):
@@ -237,7 +236,7 @@ def things_of_the_forest():
     save_mesh("balloon.glb", [*stripes, (*basket, 70)])
 
 
-# Scenes
+# Functions that write scenes.
 
 
 def picture(file, scale, **more):

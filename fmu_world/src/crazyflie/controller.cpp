@@ -14,7 +14,7 @@ namespace {
 constexpr double kAttitudePeriod_s = 1e-9 * static_cast<double>(Controller::kAttitudePeriod_ns);
 constexpr double kPositionPeriod_s = 1e-9 * static_cast<double>(Controller::kPositionPeriod_ns);
 constexpr double kDegrees = 180.0 / std::numbers::pi;
-/// A braking drone below this speed holds its present position.
+/// A braking drone holds its present position as soon as its speed is below this value.
 constexpr double kStoppedSpeed_m_per_s = 0.05;
 /// A supply voltage below this value is ignored, as in the firmware.
 constexpr double kLeastSupply_v = 2.0;

@@ -27,8 +27,8 @@ class Controller {
 
   explicit Controller(Propellers propellers);
 
-  /// Returns the commands (duty cycle, 0..1) for the estimated state at time_ns, which are constant until the next
-  /// attitude period. With a bus voltage of at least 2 V, they include the firmware's battery compensation.
+  /// Returns the commands (duty cycle, 0..1) for the estimated state at time_ns. They are constant until the next
+  /// attitude period. If the bus voltage is at least 2 V, they include the firmware's battery compensation.
   const RotorValues& update(const StabiliserGoal& goal, const RigidState& state, std::int64_t time_ns,
                             double bus_voltage_v);
 
@@ -41,9 +41,9 @@ class Controller {
     bool running = false;
     bool holding = false;
     Eigen::Vector3d hold_W_m = Eigen::Vector3d::Zero();
-    double altitude_m = 0.0;                                 ///< wanted
-    Eigen::Vector3d attitude_deg = Eigen::Vector3d::Zero();  ///< wanted roll, pitch and yaw
-    double thrust = 0.0;                                     ///< of 65535
+    double altitude_m = 0.0;                                 ///< set-point
+    Eigen::Vector3d attitude_deg = Eigen::Vector3d::Zero();  ///< set-point of roll, pitch and yaw
+    double thrust = 0.0;                                     ///< set-point, in 1/65535 of the full thrust
     std::int64_t attitude_tick = kNoPeriod;
     std::int64_t position_tick = kNoPeriod;
     RotorValues command{};

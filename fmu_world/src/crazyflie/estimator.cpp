@@ -4,7 +4,7 @@
 namespace mebots::world::crazyflie {
 namespace {
 
-// Filters of the IMU in crazyflie-firmware, src/hal/src/sensors_bmi088_bmp3xx.c.
+// Cut-off frequencies of the IMU's filters in crazyflie-firmware, src/hal/src/sensors_bmi088_bmp3xx.c.
 constexpr double kRateCutoff_hz = 80.0;
 constexpr double kForceCutoff_hz = 30.0;
 constexpr double kImuRate_hz = 1e9 / static_cast<double>(Imu::kPeriod_ns);

@@ -14,9 +14,9 @@
 
 namespace mebots::world::crazyflie {
 
-/// Estimates the state with a Kalman filter, with sensor values at the firmware's rates. The IMU's samples pass
-/// low-pass filters (gyroscope 80 Hz, accelerometer 30 Hz). A prediction every 10 ms uses their means. Measurements of
-/// flow and distance are used when they arrive. The filter starts with the true position and attitude.
+/// Estimates the state with a Kalman filter from sensor values at the firmware's rates. The IMU's samples pass low-pass
+/// filters (gyroscope 80 Hz, accelerometer 30 Hz). A prediction every 10 ms uses their means. Measurements of flow and
+/// distance are used when they arrive. The filter starts with the true position and attitude.
 class Estimator {
  public:
   static constexpr std::int64_t kPredictionPeriod_ns = 10'000'000;
@@ -38,10 +38,10 @@ class Estimator {
   LowPass rate_filter_;
   LowPass force_filter_;
   RigidState state_;
-  Eigen::Vector3d rate_rad_per_s_ = Eigen::Vector3d::Zero();  ///< last filtered value
+  Eigen::Vector3d rate_rad_per_s_ = Eigen::Vector3d::Zero();  ///< last filtered sample
   Eigen::Vector3d rate_sum_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d force_sum_ = Eigen::Vector3d::Zero();
-  std::int64_t samples_ = 0;  ///< number of samples in the sums
+  std::int64_t samples_ = 0;  ///< number of IMU samples in the sums
   std::int64_t imu_sample_ = kNoPeriod;
   std::int64_t flow_sample_ = kNoPeriod;
   std::int64_t range_sample_ = kNoPeriod;

@@ -13,7 +13,7 @@ constexpr int kPosition = 0;
 constexpr int kVelocity = 3;
 constexpr int kAttitude = 6;
 
-// Standard deviations: of the state at the start, of unmodelled accelerations, and of the gyroscope.
+// Standard deviations of the state at the start, of unmodelled accelerations, and of the gyroscope.
 constexpr double kStartPosition_xy_m = 100.0;
 constexpr double kStartPosition_z_m = 1.0;
 constexpr double kStartVelocity_m_per_s = 0.01;
@@ -29,7 +29,7 @@ constexpr double kMostVariance = 100.0;
 
 /// Minimum height in the prediction of a flow measurement.
 constexpr double kLeastHeight_m = 0.1;
-/// Half the cone of the distance sensor in the filter. The whole cone has 15 degrees.
+/// Half the opening angle of the distance sensor's cone in the filter. The whole cone has 15 degrees.
 constexpr double kHalfCone_rad = 0.130899693899575;
 /// The standard deviation at distance d is kRangeDeviation_m (1 + exp(kRangeGrowth_per_m (d - kRangeFrom_m))).
 constexpr double kRangeDeviation_m = 0.0025;
@@ -42,7 +42,7 @@ Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
   return m;
 }
 
-/// Returns the matrix that turns the covariance of an attitude error with the attitude, to second order. The argument
+/// Returns the matrix that rotates the covariance of an attitude error with the attitude, to second order. The argument
 /// is half the rotation.
 Eigen::Matrix3d turned_by(const Eigen::Vector3d& half_rad) {
   const Eigen::Matrix3d d = cross(half_rad);

@@ -19,27 +19,29 @@ namespace mebots::world::crazyflie {
 /// commit 2a18fc29, kalman_core_params_defaults.h, mm_flow.c, mm_tof.c, zranger2.c).
 class Kalman {
  public:
-  /// Starts at rest at a known position and attitude.
+  /// Creates a filter that starts at rest with a known position and attitude.
   Kalman(const scene::FlowData& flow, const RigidState& start);
 
-  /// Predicts the state after dt, with the mean specific force and body rate of that time. In flight, the force along x
-  /// and y is ignored, because it is drag and gives no information about the attitude. On the ground, each
-  /// prediction also moves the attitude a little towards the initial attitude.
+  /// Predicts the state after dt from the mean specific force and body rate during dt. In flight, the force along x and
+  /// y is ignored, because it is drag and gives no information about the attitude. On the ground, each prediction also
+  /// moves the attitude a little towards the initial attitude.
   void predict(const Eigen::Vector3d& force_m_per_s2, const Eigen::Vector3d& rate_rad_per_s, bool flying, double dt_s);
-  /// Adds the process noise of the time dt. The deviation is proportional to dt, so the result depends on the interval
-  /// of the calls. This interval must be a millisecond.
+  /// Adds the process noise of the time dt to the covariance. The deviation is proportional to dt, so the result
+  /// depends on the interval of the calls. This interval must be a millisecond.
   void add_process_noise(double dt_s);
-  /// Uses a flow measurement over dt at a body rate.
+  /// Corrects the state with a flow measurement, which is the motion of the picture during dt. `rate_rad_per_s` is the
+  /// body rate during dt.
   void measure_flow(const std::array<double, 2>& pixels, const Eigen::Vector3d& rate_rad_per_s, double dt_s);
-  /// Uses a distance measurement.
+  /// Corrects the state with a measurement of the distance sensor.
   void measure_distance(double distance_m);
-  /// Adds the attitude error to the attitude. Must be called after measurements and before the state is read.
+  /// Adds the estimated attitude error to the attitude. Must be called after measurements and before the state is read.
   void finish();
 
   const Eigen::Vector3d& position_m() const { return position_m_; }
   const Eigen::Quaterniond& attitude() const { return q_WB_; }
   Eigen::Vector3d velocity_W_m_per_s() const { return q_WB_ * velocity_B_m_per_s_; }
-  /// Returns the standard deviation of a state: position, velocity, attitude error.
+  /// Returns the standard deviation of one element of the state. The elements are position, velocity and attitude
+  /// error.
   double deviation(int state) const;
 
   void visit(state::Visitor& v);

@@ -10,8 +10,8 @@
 
 namespace mebots::world::crazyflie {
 
-/// Second-order Butterworth low-pass on three axes (bilinear transform, direct form II). It starts in the steady state
-/// of its first sample.
+/// Filters three axes with a second-order Butterworth low-pass (bilinear transform, direct form II). The filter starts
+/// in the steady state of its first sample.
 class LowPass {
  public:
   LowPass(double cutoff_hz, double rate_hz) {

@@ -8,14 +8,14 @@
 
 namespace mebots::world::crazyflie {
 
-/// Gains of the controller kp e + ki integral(e) - kd d(measured)/dt, as in the Crazyflie's firmware.
+/// Contains the gains of the controller kp e + ki integral(e) - kd d(measured)/dt, as in the Crazyflie's firmware.
 struct PidGains {
   double kp = 0.0;
   double ki = 0.0;
   double kd = 0.0;
-  double integral_limit = 5000.0;  ///< of integral(e); the firmware's default
-  double output_limit = 0.0;       ///< 0 = none
-  bool wraps = false;              ///< an angle in degrees
+  double integral_limit = 5000.0;  ///< limit of integral(e); the firmware's default
+  double output_limit = 0.0;       ///< 0: no limit
+  bool wraps = false;              ///< true if the controlled quantity is an angle in degrees
 };
 
 class Pid {

@@ -7,7 +7,7 @@ namespace mebots::world::crazyflie {
 namespace {
 
 constexpr double kFull = 65535.0;
-// Constants of the firmware: crazyflie-firmware, platform_defaults_cf2.h: VMOTOR2THRUST0 to 3, THRUST_MIN, THRUST_MAX.
+// Constants of crazyflie-firmware, platform_defaults_cf2.h: VMOTOR2THRUST0 to 3, THRUST_MIN, THRUST_MAX.
 constexpr ThrustOverVoltage kLegacy{
     .constant_n = -0.014830744918356092,
     .linear_n_per_v = 0.04724465241828281,

@@ -14,7 +14,7 @@ Eigen::Vector3d inertia_for(const scene::Drone& drone, double mass_kg) {
     throw Error(fmt::format("drone.dry_mass + cell.mass = {} kg: the drone needs a mass greater than 0", mass_kg));
   }
   const Eigen::Vector3d squares = drone.load_size_m.cwiseAbs2();
-  // The moments of a homogeneous box: J_x = m (b^2 + c^2) / 12 and so on.
+  // Moments of inertia of a homogeneous box: J_x = m (b^2 + c^2) / 12 and so on.
   const Eigen::Vector3d per_mass_m2 = (Eigen::Vector3d::Constant(squares.sum()) - squares) / 12.0;
   Eigen::Vector3d inertia = drone.inertia_kg_m2 + (mass_kg - drone.reference_mass_kg) * per_mass_m2;
   if (!(inertia.minCoeff() > 0.0)) {

@@ -11,7 +11,8 @@
 
 namespace mebots::world {
 
-/// Pose and velocity of the drone's body B in the world W. The origin of the body's frame is its centre of mass.
+/// Contains the pose and velocity of the drone's body B in the world W. The origin of the body's frame is its centre of
+/// mass.
 struct RigidState {
   Eigen::Vector3d p_WB_m = Eigen::Vector3d::Zero();
   Eigen::Quaterniond q_WB = Eigen::Quaterniond::Identity();
@@ -37,14 +38,14 @@ struct RigidState {
 inline constexpr int kRotors = 4;
 using RotorValues = std::array<double, kRotors>;
 
-/// Rotor positions as multiples of the arm, and the sign of each rotor's reaction torque on the body about z. The order
-/// is that of docs/architecture.md: front right, rear right, rear left, front left. The first and the third rotor turn
-/// counter-clockwise seen from above, so they push the body clockwise.
+/// Rotor positions as multiples of the arm length, and the sign of each rotor's reaction torque on the body about z.
+/// The order is that of docs/architecture.md: front right, rear right, rear left, front left. The first and the third
+/// rotor turn counter-clockwise seen from above, so they push the body clockwise.
 inline constexpr std::array<double, kRotors> kRotorX{1.0, -1.0, -1.0, 1.0};
 inline constexpr std::array<double, kRotors> kRotorY{-1.0, -1.0, 1.0, 1.0};
 inline constexpr std::array<double, kRotors> kRotorYawSign{-1.0, 1.0, -1.0, 1.0};
 
-/// Force at the centre of mass and torque about it.
+/// Contains a force at the centre of mass and a torque about it.
 struct Wrench {
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero();
   Eigen::Vector3d torque_n_m = Eigen::Vector3d::Zero();
@@ -56,7 +57,8 @@ struct Wrench {
 /// 0.
 Eigen::Vector3d inertia_for(const scene::Drone& drone, double mass_kg);
 
-/// Returns the wrench of the rotors in body axes: thrusts along +z at the rotors' positions, and reaction torques.
+/// Returns the force and torque of the rotors on the body, in body axes. They consist of thrusts along +z at the
+/// rotors' positions, and of reaction torques.
 Wrench rotor_wrench(const scene::Drone& drone, const RotorValues& thrust_n, const RotorValues& torque_n_m);
 
 /// Returns the torque of the rotating rotors on the body, in body axes: their angular momentum h is along z, so the
@@ -64,11 +66,11 @@ Wrench rotor_wrench(const scene::Drone& drone, const RotorValues& thrust_n, cons
 Eigen::Vector3d spin_torque(double rotor_inertia_kg_m2, const RotorValues& speed_rad_per_s,
                             const RotorValues& acceleration_rad_per_s2, const Eigen::Vector3d& rate_B_rad_per_s);
 
-/// Returns the factor of a rotor's thrust near the ground at the same speed (Cheeseman and Bennett 1955): 1 / (1 - (R /
-/// 4z)^2) for a height z of the rotor's plane, with z >= R / 2.
+/// Returns the factor by which the ground increases a rotor's thrust at the same speed (Cheeseman and Bennett 1955): 1
+/// / (1 - (R / 4z)^2) for a height z of the rotor's plane, with z >= R / 2.
 double ground_effect(double height_m, double rotor_radius_m);
 
-/// Returns the linear drag of the body in moving air, in world axes: F = -R diag(d) R^T (v - wind).
+/// Returns the linear drag of the body in moving air [N], in world axes: F = -R diag(d) R^T (v - wind).
 Eigen::Vector3d drag_force(const scene::Drone& drone, const RigidState& state, const Eigen::Vector3d& wind_W_m_per_s);
 
 }  // namespace mebots::world

@@ -9,7 +9,7 @@ FlightControl::FlightControl(const scene::Drone& drone, FlightController control
                              StateSource source, const RigidState& start, std::int64_t start_ns)
     : controller_(controller), ideal_(drone), crazyflie_(propellers) {
   if (source == StateSource::truth) return;
-  MEBOTS_ASSERT(drone.flow.has_value());  // checked when the world is created
+  MEBOTS_ASSERT(drone.flow.has_value());  // the world's constructor checks this
   estimator_.emplace(*drone.flow, start, start_ns);
 }
 

@@ -13,25 +13,25 @@
 
 namespace mebots::world {
 
-/// The sensors from which the drone's state is estimated.
+/// Contains the sensors from which the drone's state is estimated.
 struct Senses {
   const Imu& imu;
-  const FlowSensor* flow;  ///< null: the drone has none
+  const FlowSensor* flow;  ///< null if the drone has no flow sensor
   const RangeSensor& range;
 };
 
-/// The drone's controller: the ideal stabiliser or the Crazyflie's own controller. Its input is the true state, or an
-/// estimate from the sensors.
+/// Contains the drone's controller: the ideal stabiliser or the Crazyflie's own controller. The controller's input is
+/// the true state, or a state that is estimated from the sensors.
 class FlightControl {
  public:
-  /// Creates the control. An estimate needs a flow sensor in the drone's file.
+  /// Creates the controller. If `source` requires an estimate, the drone's file must contain a flow sensor.
   FlightControl(const scene::Drone& drone, FlightController controller, Propellers propellers, StateSource source,
                 const RigidState& start, std::int64_t start_ns);
 
   void set_mass(double mass_kg, const Eigen::Vector3d& inertia_kg_m2) { ideal_.set_mass(mass_kg, inertia_kg_m2); }
 
-  /// Updates the control at time_ns, dt after the last call. Must be called after the body has reached `truth`, and
-  /// after the update of the sensors.
+  /// Updates the estimate and the controller at time_ns, dt after the last call. Must be called after the body has
+  /// reached the state `truth`, and after the update of the sensors.
   void update(const StabiliserGoal& goal, const RigidState& truth, const Senses& senses, std::int64_t time_ns,
               double dt_s, double bus_voltage_v);
 

@@ -9,7 +9,7 @@
 
 namespace mebots::world {
 
-/// A set-point for the stabiliser.
+/// Contains a set-point for the stabiliser.
 struct Setpoint {
   FlightMode mode = FlightMode::off;
   double forward_m_per_s = 0.0;
@@ -27,14 +27,14 @@ struct Setpoint {
   }
 };
 
-/// The link to the stabiliser. A set-point arrives `latency` after it was sent, in the order of sending. Before the
-/// first set-point arrives, the mode is `off`.
+/// Delays set-points on their way to the stabiliser. A set-point arrives `latency` after it was sent, in the order of
+/// sending. Before the first set-point arrives, the mode is `off`.
 class Link {
  public:
   explicit Link(std::int64_t latency_ns) : latency_ns_(latency_ns) {}
 
-  /// Sends a set-point at a time, which must not be before the previous call's time. Returns the last set-point that
-  /// has arrived.
+  /// Sends the set-point `sent` at a time, which must not be before the previous call's time. Returns the last
+  /// set-point that has arrived.
   const Setpoint& exchange(const Setpoint& sent, std::int64_t time_ns);
   /// Returns the travel time of the last set-point that arrived; 0 before the first one.
   std::int64_t travelled_ns() const { return travelled_ns_; }

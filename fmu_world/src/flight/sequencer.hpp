@@ -6,14 +6,14 @@
 
 namespace mebots::world {
 
-/// State of the drone in one inner step, for the sequencer.
+/// Contains the state of the drone in one inner step, as the sequencer needs it.
 struct Situation {
-  bool supported = false;  ///< touches a surface below it
-  bool crashed = false;    ///< hit something too hard or tipped over
+  bool supported = false;  ///< the drone touches a surface below it
+  bool crashed = false;    ///< the drone hit something too hard, or tipped over
   double altitude_m = 0.0;
   double climb_m_per_s = 0.0;
-  double speed_m_per_s = 0.0;  ///< of all three axes
-  bool has_landed = false;     ///< GroundContact::has_landed()
+  double speed_m_per_s = 0.0;  ///< magnitude of the velocity along all three axes
+  bool has_landed = false;     ///< result of GroundContact::has_landed()
 };
 
 /// Determines the next phase of take-off and landing from the mode and the situation, and whether the motors may turn.
@@ -36,7 +36,7 @@ class Sequencer {
 
   FlightPhase phase() const { return phase_; }
   bool motors_on() const { return motors_on_; }
-  /// True if the drone is at rest where it started or landed.
+  /// Returns true if the drone is at rest where it started or landed.
   bool stands() const { return phase_ == FlightPhase::on_ground || phase_ == FlightPhase::landed; }
 
   void visit(state::Visitor& v);
@@ -48,7 +48,7 @@ class Sequencer {
   FlightPhase phase_;
   bool motors_on_ = false;
   bool touched_down_ = false;
-  double rest_s_ = 0.0;  ///< time at rest on a surface
+  double rest_s_ = 0.0;  ///< time since the drone came to rest on a surface
 };
 
 }  // namespace mebots::world

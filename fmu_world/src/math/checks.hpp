@@ -8,10 +8,11 @@
 #include <cmath>
 #include <string_view>
 
-/// Checks of parameters and inputs. All throw mebots::Error that names the variable.
+/// Checks parameters and inputs. All functions throw a mebots::Error that names the variable.
 namespace mebots::world {
 
-/// The variable's name is `name` + `part`. It is only put together for an error.
+/// Throws Error if the value is not finite. The variable's name in the message is `name` + `part`. The two parts are
+/// joined only if there is an error.
 inline void require_finite(double value, std::string_view name, std::string_view part = "") {
   if (!std::isfinite(value)) throw Error(fmt::format("{}{} = {} must be a finite number", name, part, value));
 }

@@ -5,14 +5,14 @@
 
 #include <Eigen/Geometry>
 
-/// Views of Eigen's types as numbers, for state::Visitor.
+/// Returns the numbers of Eigen's types as spans, for state::Visitor.
 namespace mebots::world {
 
 inline std::span<double, 3> numbers(Eigen::Vector3d& v) {
   return std::span<double, 3>(v.data(), 3);
 }
 
-/// Returns x, y, z, w.
+/// Returns the numbers in the order x, y, z, w.
 inline std::span<double, 4> numbers(Eigen::Quaterniond& q) {
   return std::span<double, 4>(q.coeffs().data(), 4);
 }

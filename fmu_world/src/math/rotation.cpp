@@ -9,7 +9,7 @@ namespace mebots::world {
 
 Attitude attitude_of(const Eigen::Matrix3d& R_WB) {
   // R is Rz(yaw) Ry(pitch) Rx(roll), with the third row (-sin p, cos p sin r, cos p cos r).
-  const double sin_pitch = std::clamp(0.0 - R_WB(2, 0), -1.0, 1.0);  // rounding may give 1 + 1e-16; 0 - x avoids -0
+  const double sin_pitch = std::clamp(0.0 - R_WB(2, 0), -1.0, 1.0);  // limits 1 + 1e-16 from rounding; 0 - x avoids -0
   Attitude attitude;
   attitude.pitch_rad = std::asin(sin_pitch);
   attitude.roll_rad = std::atan2(R_WB(2, 1), R_WB(2, 2));

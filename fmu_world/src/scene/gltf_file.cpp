@@ -25,22 +25,23 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Maximum depth of nodes.
+/// Maximum depth of the node hierarchy.
 constexpr int kDeepest = 64;
 /// Maximum number of nodes of a scene. A node counts as often as it is referenced, because a small file can reference
 /// nodes exponentially often.
 constexpr int kMostNodes = 10'000;
-/// A position or size above this is refused, because its unit is probably wrong.
+/// Positions and sizes above this value are rejected, because their unit is probably wrong.
 constexpr double kFarthest_m = 1e4;
 
-/// Keeps the encoded bytes of a picture that tinygltf passes. They are decoded when a material needs them.
+/// Stores the encoded bytes of a picture. tinygltf calls this function for each picture. The bytes are decoded when a
+/// material needs them.
 bool keep_bytes(tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* bytes, int size,
                 void*) {
   image->image.assign(bytes, bytes + size);
   return true;
 }
 
-/// The numbers of a glTF accessor. They were checked to be inside the accessor's buffer.
+/// Gives access to the numbers of a glTF accessor. They were checked to be inside the accessor's buffer.
 struct Numbers {
   const unsigned char* first = nullptr;
   std::size_t count = 0;
@@ -233,7 +234,7 @@ class GltfReader {
                     const Numbers& tiles) {
     if (mesh_.triangles.size() >= kMostTriangles) refuse(fmt::format("more than {} triangles", kMostTriangles));
     Mesh::Triangle triangle{{first + corners[0], first + corners[1], first + corners[2]}, material, {}};
-    if (mesh_.normal(triangle).isZero()) return;  // a line or a point has no area
+    if (mesh_.normal(triangle).isZero()) return;  // lines and points have no area
     if (tiles.count > 0) {
       triangle.tiles.emplace();
       for (std::size_t k = 0; k < 3; ++k) {
@@ -245,7 +246,8 @@ class GltfReader {
     mesh_.triangles.push_back(triangle);
   }
 
-  /// Returns the base colour of a material, multiplied with its picture.
+  /// Adds the base colour of a material, multiplied with its picture, to the mesh, unless it is already there. Returns
+  /// its index in the mesh.
   std::uint32_t material_of(int index) {
     for (const auto& [known, place] : materials_) {
       if (known == index) return place;
@@ -283,7 +285,7 @@ class GltfReader {
   tinygltf::Model model_;
   Mesh mesh_;
   int nodes_ = 0;
-  std::vector<std::pair<int, std::uint32_t>> materials_;  // index in the file and in the mesh
+  std::vector<std::pair<int, std::uint32_t>> materials_;  // index in the file, and index in the mesh
 };
 
 }  // namespace

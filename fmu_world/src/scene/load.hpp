@@ -9,11 +9,11 @@
 namespace mebots::world::scene {
 
 /// Reads and checks a scene file (JSON, SI units, angles in rad; fmu_world/docs/scenes.md lists its keys), and the
-/// drone file whose name it contains. Throws mebots::Error that names file, place in the file, value and limit if a key
-/// is missing or unknown, or if a value has the wrong type or is out of range.
+/// drone file whose name it contains. Throws a mebots::Error that names file, place in the file, value and limit if a
+/// key is missing or unknown, or if a value has the wrong type or is out of range.
 Scene load_scene(const std::filesystem::path& file);
 
-/// Reads and checks a drone file.
+/// Reads and checks a drone file. Throws the same errors as load_scene().
 Drone load_drone(const std::filesystem::path& file);
 
 /// Reads the triangles of a glTF 2.0 file (.gltf or .glb): all nodes of its default scene, with the base colours of

@@ -48,10 +48,10 @@ Mesh ring(int sides, double inner_m, double outer_m, double thickness_m, const T
   for (std::uint32_t i = 0; i < count; ++i) {
     const std::uint32_t here = 4 * i;
     const std::uint32_t next = 4 * ((i + 1) % count);
-    quad(here, here + 1, next + 1, next);          // front, towards the approaching drone
-    quad(here + 2, next + 2, next + 3, here + 3);  // back
-    quad(here, next, next + 2, here + 2);          // border of the opening
-    quad(here + 1, here + 3, next + 3, next + 1);  // outside
+    quad(here, here + 1, next + 1, next);          // front side, which faces the approaching drone
+    quad(here + 2, next + 2, next + 3, here + 3);  // back side
+    quad(here, next, next + 2, here + 2);          // side towards the opening
+    quad(here + 1, here + 3, next + 3, next + 1);  // outer side
   }
   return mesh;
 }

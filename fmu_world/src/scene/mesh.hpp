@@ -16,22 +16,22 @@ namespace mebots::world::scene {
 
 using Picture = GreyPicture;
 
-/// The reflection of a surface. Grey levels are from 0 (black) to 255 (white), as the camera sees the surface under a
-/// light of 1.
+/// Describes the reflection of a surface. Grey levels are from 0 (black) to 255 (white), as the camera sees the surface
+/// under a light of 1.
 struct Texture {
   enum class Kind {
-    uniform,  ///< `light` everywhere
-    checker,  ///< squares of edge `scale_m`, alternating
-    stripes,  ///< bands of width `scale_m` across the surface's first axis, alternating
+    uniform,  ///< `light` at every point
+    checker,  ///< alternating squares, whose edges are `scale_m` long
+    stripes,  ///< alternating bands of width `scale_m` across the surface's first axis
     noise,    ///< smooth value noise between `dark` and `light`, lattice of `scale_m`
     bricks,   ///< `light` bricks 2 scale_m x scale_m, every second row shifted by half, joints `dark`
-    picture,  ///< `picture` with black as `dark` and white as `light`, `scale_m` wide, upright, repeated
+    picture,  ///< `picture`, `scale_m` wide, upright, repeated; black becomes `dark`, white becomes `light`
   };
   Kind kind = Kind::uniform;
   double light = 200.0;    ///< grey level, 0..255
   double dark = 100.0;     ///< grey level, 0..255
   double scale_m = 0.5;    ///< size of the pattern's element, > 0
-  std::uint32_t seed = 0;  ///< of `noise`, and of the small differences between bricks
+  std::uint32_t seed = 0;  ///< of `noise`, and of the small differences between the grey levels of bricks
   std::shared_ptr<const Picture> picture = nullptr;
 
   bool operator==(const Texture& other) const {
@@ -41,13 +41,13 @@ struct Texture {
   }
 };
 
-/// A surface of triangles in its own frame (x forward, y left, z up, metres).
+/// Contains a surface of triangles in its own frame (x forward, y left, z up, metres).
 struct Mesh {
   struct Triangle {
-    std::array<std::uint32_t, 3> corners{};  ///< indices of `points_m`, counter-clockwise seen from outside
-    std::uint32_t material = 0;              ///< index of `materials`
-    /// Texture coordinates of the corners in tiles, u to the right and v up. If absent, the texture is in metres, along
-    /// the two axes of the mesh that are most perpendicular to the normal.
+    std::array<std::uint32_t, 3> corners{};  ///< indices in `points_m`, counter-clockwise seen from outside
+    std::uint32_t material = 0;              ///< index in `materials`
+    /// Texture coordinates of the corners in tiles, u to the right and v up. If absent, texture coordinates are lengths
+    /// in metres along two axes of the mesh. These are the axes that are most perpendicular to the normal.
     std::optional<std::array<Eigen::Vector2d, 3>> tiles;
   };
 
@@ -57,14 +57,14 @@ struct Mesh {
 
   /// Returns the unit normal of a triangle in the mesh's frame; zero for a triangle without an area.
   Eigen::Vector3d normal(const Triangle& triangle) const;
-  /// Returns the distance of the farthest point from the origin.
+  /// Returns the distance from the origin to the farthest point.
   double radius_m() const;
 };
 
 /// Maximum number of triangles of a mesh or a terrain. With more triangles, a picture would take many milliseconds.
 inline constexpr std::size_t kMostTriangles = 20'000;
 
-/// Returns a frame around an opening with `sides` equal sides, one of them at the bottom. The distance between opposite
+/// Creates a frame around an opening with `sides` equal sides, one of them at the bottom. The distance between opposite
 /// sides is `inner_m` at the opening, and `outer_m` at the outside of the frame. The origin is in the middle of the
 /// opening, and x is the direction of flight.
 Mesh ring(int sides, double inner_m, double outer_m, double thickness_m, const Texture& texture);

@@ -9,7 +9,7 @@
 namespace mebots::world {
 namespace {
 
-/// Minimum and maximum of four values.
+/// Contains the minimum and maximum of four values.
 struct Range {
   double low;
   double high;

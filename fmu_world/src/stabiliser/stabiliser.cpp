@@ -10,7 +10,7 @@
 namespace mebots::world {
 namespace {
 
-/// A braking drone below this speed holds its present position.
+/// A braking drone holds its present position as soon as its speed is below this value.
 constexpr double kStoppedSpeed_m_per_s = 0.05;
 /// If the height of the drone's underside is less than this, the drone starts on the ground.
 constexpr double kOnGround_m = 0.01;
@@ -73,8 +73,8 @@ Eigen::Vector3d Stabiliser::wanted_velocity(const StabiliserGoal& goal, const Ri
 
 Eigen::Vector3d Stabiliser::wanted_acceleration(const StabiliserGoal& goal, const RigidState& state, double yaw_rad,
                                                 double dt_s) {
-  // The reference velocity approaches the wanted velocity as fast as the closed loop can follow. So the integrator only
-  // has to compensate wind, voltage sag and errors of the model's constants.
+  // Moves the reference velocity towards the wanted velocity as fast as the closed loop can follow. Therefore the
+  // integrator only compensates wind, voltage sag and errors of the model's constants.
   const Eigen::Vector3d follow_per_s{gains_.velocity_p_per_s, gains_.velocity_p_per_s, gains_.climb_p_per_s};
   const Eigen::Vector3d pull_H = limited_horizontally(
       follow_per_s.cwiseProduct(wanted_velocity(goal, state, yaw_rad) - memory_.velocity_H_m_per_s),
@@ -93,7 +93,7 @@ Eigen::Vector3d Stabiliser::wanted_acceleration(const StabiliserGoal& goal, cons
   integral.z() =
       std::clamp(integral.z(), -gains_.max_vertical_integral_m_per_s2, gains_.max_vertical_integral_m_per_s2);
 
-  // The drag at the reference velocity in still air is known, so it is added here and not by the integrator.
+  // Adds the drag at the reference velocity in still air. It is known, so the integrator need not compensate it.
   const Eigen::Vector3d drag_H = drone_.drag_n_s_per_m.cwiseProduct(memory_.velocity_H_m_per_s) / mass_kg_;
   const Eigen::Vector3d wanted_W = R_WH * (pull_H + turn_H + drag_H) + follow_per_s.cwiseProduct(error_W) + integral;
   return limited_horizontally(wanted_W, kGravity_m_per_s2 * std::tan(gains_.max_tilt_rad));
@@ -107,7 +107,7 @@ Eigen::Vector3d Stabiliser::wanted_torque(const StabiliserGoal& goal, const Rigi
   memory_.acceleration_B_rad_per_s2 +=
       dt_s / (gains_.acceleration_filter_s + dt_s) * (measured_B - memory_.acceleration_B_rad_per_s2);
 
-  // The shortest rotation from the body's z axis to the wanted direction, as a vector in the body frame.
+  // Computes the shortest rotation from the body's z axis to the wanted direction, as a vector in the body frame.
   const Eigen::Vector3d up_B = state.q_WB.conjugate() * up_W;
   const Eigen::Vector3d axis_B = Eigen::Vector3d::UnitZ().cross(up_B);
   const double sine = axis_B.norm();
@@ -146,7 +146,8 @@ const RotorValues& Stabiliser::update(const StabiliserGoal& goal, const RigidSta
 
   const Eigen::Vector3d lift_W =
       wanted_acceleration(goal, state, yaw_rad, dt_s) + Eigen::Vector3d(0.0, 0.0, kGravity_m_per_s2);
-  // The drone never accelerates downwards faster than gravity. The lower limit also keeps the direction well defined.
+  // Limits the acceleration: the drone never accelerates downwards faster than gravity. The lower limit also keeps the
+  // direction well defined.
   const Eigen::Vector3d held_W{lift_W.x(), lift_W.y(),
                                std::max(lift_W.z(), gains_.min_thrust_share * kGravity_m_per_s2)};
   const Eigen::Vector3d up_W = limited_horizontally(held_W, held_W.z() * std::tan(gains_.max_tilt_rad)).normalized();
@@ -174,15 +175,15 @@ void Stabiliser::visit(state::Visitor& v) {
 }
 
 Gains::Rotation Gains::rotation(double pole_per_s, double lag_s) {
-  // The coefficients of (s + p)^3 = s^3 + 3 p s^2 + 3 p^2 s + p^3 are compared with s^3 + (1 + k_a) / T s^2 + k_r / T s
-  // + k_r k_angle / T.
+  // Compares the coefficients of (s + p)^3 = s^3 + 3 p s^2 + 3 p^2 s + p^3 with those of s^3 + (1 + k_a) / T s^2 + k_r
+  // / T s + k_r k_angle / T.
   const double rate = 3.0 * lag_s * pole_per_s * pole_per_s;
   return {pole_per_s / 3.0, rate, std::max(0.0, 3.0 * lag_s * pole_per_s - 1.0)};
 }
 
 Gains Gains::for_lag(double rotor_lag_s) {
   Gains gains{};
-  // Below 1 / (3 p), the rotor's lag can be neglected in the pole placement.
+  // If the rotor's lag is below 1 / (3 p), pole placement can neglect it.
   gains.tilt = rotation(gains.tilt_pole_per_s, std::max(rotor_lag_s, 1.0 / (3.0 * gains.tilt_pole_per_s)));
   gains.yaw = rotation(gains.yaw_pole_per_s, std::max(rotor_lag_s, 1.0 / (3.0 * gains.yaw_pole_per_s)));
   return gains;
@@ -192,7 +193,7 @@ namespace {
 
 using Point = scene::ThrustPoint;
 
-/// Returns the value of `to` where `from` is x, by linear interpolation in the table.
+/// Interpolates linearly in the table. Returns the value of the member `to` at the place where the member `from` is x.
 double between(const std::vector<Point>& points, double Point::*from, double Point::*to, double x) {
   const auto above = std::upper_bound(points.begin() + 1, points.end() - 1, x,
                                       [from](double value, const Point& point) { return value < point.*from; });

@@ -12,27 +12,28 @@
 
 namespace mebots::world {
 
-/// The command to the stabiliser.
+/// Contains the command to the stabiliser.
 struct StabiliserGoal {
   bool motors_on = false;
   bool hold_place = false;       ///< brake, then hold the position; velocity and yaw rate are not used
-  double forward_m_per_s = 0.0;  ///< in the heading frame
+  double forward_m_per_s = 0.0;  ///< velocity in the heading frame
   double left_m_per_s = 0.0;
   double yaw_rate_rad_per_s = 0.0;
   bool descend = false;     ///< sink at the descent speed; altitude is not used
-  double altitude_m = 0.0;  ///< of the body's centre above z = 0
+  double altitude_m = 0.0;  ///< altitude of the body's centre above z = 0
 };
 
-/// Gains of the stabiliser. fmu_world/docs/stabiliser.md derives them.
+/// Contains the gains of the stabiliser. fmu_world/docs/stabiliser.md derives them.
 struct Gains {
-  /// Gains of the feedback for one rotation axis. The torque of the axis follows its command with a first-order lag.
+  /// Contains the gains of the feedback for one rotation axis. The torque of the axis follows its command with a
+  /// first-order lag.
   struct Rotation {
-    double angle_per_s;   ///< rad/s of wanted rate per rad of error
-    double rate_per_s;    ///< rad/s2 of wanted acceleration per rad/s of error
-    double acceleration;  ///< rad/s2 subtracted per rad/s2 measured
+    double angle_per_s;   ///< rad/s of required rate per rad of error
+    double rate_per_s;    ///< rad/s2 of required acceleration per rad/s of error
+    double acceleration;  ///< rad/s2 subtracted per rad/s2 of measured acceleration
   };
-  /// Places the three poles of (angle, rate, acceleration) at -pole_per_s, for a torque lag of lag_s. The feedback of
-  /// the acceleration is never negative. It is 0 if the lag is less than 1 / (3 pole).
+  /// Returns gains that place the three poles of (angle, rate, acceleration) at -pole_per_s, for a torque lag of lag_s.
+  /// The feedback of the acceleration is never negative. It is 0 if the lag is less than 1 / (3 pole).
   static Rotation rotation(double pole_per_s, double lag_s);
 
   double tilt_pole_per_s = 12.0;
@@ -47,56 +48,55 @@ struct Gains {
   double altitude_per_s = 1.2;
 
   double max_tilt_rad = 0.45;           ///< about 26 degrees
-  double max_rate_rad_per_s = 6.0;      ///< of roll and pitch, limit of the angle loop
-  double max_yaw_lead_rad = 0.5;        ///< of the heading reference over the heading
-  double max_hold_speed_m_per_s = 0.3;  ///< on the way back to the held position
+  double max_rate_rad_per_s = 6.0;      ///< limit of roll and pitch rate in the angle loop
+  double max_yaw_lead_rad = 0.5;        ///< limit of the heading reference minus the heading
+  double max_hold_speed_m_per_s = 0.3;  ///< limit while the drone returns to the held position
   double max_climb_m_per_s = 0.5;
   double max_descent_m_per_s = 0.3;
   double max_horizontal_integral_m_per_s2 = 3.0;
   double max_vertical_integral_m_per_s2 = 4.0;
   double min_thrust_share = 0.2;         ///< of the weight, so that roll and pitch keep their effect
-  double acceleration_filter_s = 0.005;  ///< lag of the measured angular acceleration
+  double acceleration_filter_s = 0.005;  ///< lag of the filter for the measured angular acceleration
 
-  /// Returns gains for a drone whose rotors follow with `rotor_lag_s`.
+  /// Returns gains for a drone whose thrust follows its commands with the lag `rotor_lag_s`.
   static Gains for_lag(double rotor_lag_s);
 };
 
 /// Returns rotor thrusts that give a collective thrust and a torque about the body's axes.
-///
-/// It is the inverse of rotor_wrench() with torque = torque_per_thrust * thrust. If a rotor would leave
-/// 0..max_thrust_n, the least important parts are reduced first: the yaw torque, then the collective thrust, then roll
-/// and pitch. Roll and pitch keep the drone in the air; yaw and height are less urgent.
+/// This function is the inverse of rotor_wrench() with torque = torque_per_thrust * thrust. If the thrust of a rotor
+/// would be outside 0..max_thrust_n, the least important parts are reduced first: the yaw torque, then the collective
+/// thrust, then roll and pitch. Roll and pitch keep the drone in the air; yaw and height are less urgent.
 RotorValues mix(const scene::Drone& drone, double max_thrust_n, double collective_n,
                 const Eigen::Vector3d& torque_B_n_m);
 
-/// The stabiliser's curve of thrust over command of one rotor: a table that was measured on a bench, linear between its
-/// rows. The true thrust also depends on the bus voltage, which the stabiliser does not measure. The altitude
+/// Converts between command and thrust of one rotor. The curve is a table that was measured on a bench, linear between
+/// its rows. The true thrust also depends on the bus voltage, which the stabiliser does not measure. The altitude
 /// integrator compensates the difference.
 class ThrustCurve {
  public:
-  /// The points must rise in both columns and begin at (0, 0), which load_scene() checks.
+  /// Creates the curve. The points must rise in both columns and begin at (0, 0). load_scene() checks this.
   explicit ThrustCurve(std::vector<scene::ThrustPoint> points) : points_(std::move(points)) {}
 
   double max_thrust_n() const { return points_.back().thrust_n; }
-  /// Returns the command for a thrust from 0 to max_thrust_n().
+  /// Returns the command that gives a thrust. The thrust must be from 0 to max_thrust_n().
   double command_for(double thrust_n) const;
-  /// Returns the thrust for a command from 0 to that of max_thrust_n().
+  /// Returns the thrust that a command gives. The command must be from 0 to that of max_thrust_n().
   double thrust_for(double command) const;
 
  private:
   std::vector<scene::ThrustPoint> points_;
 };
 
-/// Cascaded flight controller. The first cascade is position -> velocity -> acceleration -> tilt and thrust. The second
-/// is tilt -> rate -> angular acceleration -> rotor thrusts -> commands. The controller uses mass and inertia, but
-/// neither the bus voltage nor the wind. fmu_world/docs/stabiliser.md has the equations.
+/// Controls the flight with two cascades. The first cascade is position -> velocity -> acceleration -> tilt and thrust.
+/// The second is tilt -> rate -> angular acceleration -> rotor thrusts -> commands. The controller uses mass and
+/// inertia, but neither the bus voltage nor the wind. fmu_world/docs/stabiliser.md contains the equations.
 class Stabiliser {
  public:
   explicit Stabiliser(const scene::Drone& drone);
 
   void set_mass(double mass_kg, const Eigen::Vector3d& inertia_kg_m2);
 
-  /// Returns the commands (duty cycle, 0..1) after another dt seconds; all 0 with the motors off.
+  /// Advances by dt and returns the commands (duty cycle, 0..1). All commands are 0 if the motors are off.
   const RotorValues& update(const StabiliserGoal& goal, const RigidState& state, double dt_s);
 
   const RotorValues& command() const { return memory_.command; }
@@ -105,19 +105,19 @@ class Stabiliser {
   void visit(state::Visitor& v);
 
  private:
-  /// The whole state of the controller.
+  /// Contains the whole state of the controller.
   struct Memory {
     bool running = false;
-    bool starting = false;       ///< on the ground, with the motors just switched on
-    double since_start_s = 0.0;  ///< while starting
+    bool starting = false;       ///< true while the drone is on the ground and the motors have just been switched on
+    double since_start_s = 0.0;  ///< time since the motors were switched on, while starting
     bool holding = false;
     Eigen::Vector3d hold_W_m = Eigen::Vector3d::Zero();
-    double heading_rad = 0.0;                                      ///< reference
-    double yaw_rate_rad_per_s = 0.0;                               ///< rate of that reference
-    Eigen::Vector3d velocity_H_m_per_s = Eigen::Vector3d::Zero();  ///< reference, heading frame
+    double heading_rad = 0.0;                                      ///< reference of the heading
+    double yaw_rate_rad_per_s = 0.0;                               ///< rate of the heading reference
+    Eigen::Vector3d velocity_H_m_per_s = Eigen::Vector3d::Zero();  ///< reference of the velocity, in the heading frame
     Eigen::Vector3d integral_W_m_per_s2 = Eigen::Vector3d::Zero();
     Eigen::Vector3d last_rate_B_rad_per_s = Eigen::Vector3d::Zero();
-    Eigen::Vector3d acceleration_B_rad_per_s2 = Eigen::Vector3d::Zero();  ///< filtered
+    Eigen::Vector3d acceleration_B_rad_per_s2 = Eigen::Vector3d::Zero();  ///< filtered angular acceleration
     RotorValues command{};
   };
 

@@ -14,11 +14,11 @@ namespace mebots::world {
 namespace {
 
 constexpr std::int64_t kPeriod_ns = 10'000'000;
-/// Limits of speed / length. Outside of them, the filters' coefficients are not finite or have too large rounding
+/// Limits of speed / length. Outside these limits, the filters' coefficients are not finite or have too large rounding
 /// errors.
 constexpr double kSlowest_per_s = 1e-12;
 constexpr double kFastest_per_s = 1e12;
-constexpr int kNormals = 5;  // per step
+constexpr int kNormals = 5;  // normal numbers per filter step
 /// Minimum length [m] and speed [m/s], as in description.json.
 constexpr double kLeast = 0.001;
 
@@ -58,7 +58,7 @@ double Dryden::normal(std::int64_t index, std::size_t which) const {
   return noise::gaussian(settings_.seed, noise::Stream::gust, static_cast<std::uint64_t>(kNormals * index) + which);
 }
 
-/// Draws a state of the filters from their stationary distribution.
+/// Draws the states of the filters from their stationary distribution.
 void Dryden::begin(std::int64_t index) {
   along_ = normal(index, 0);
   for (std::size_t axis = 0; axis < 2; ++axis) {

@@ -32,7 +32,8 @@ class Dryden {
   /// Throws mebots::Error if a value is out of range.
   explicit Dryden(const Settings& settings);
 
-  /// Advances to a time, which must not be before the last one. Returns the gust at that time [m/s], in world axes.
+  /// Advances to a time, which must not be before the time of the previous call. Returns the gust at that time [m/s],
+  /// in world axes.
   const Eigen::Vector3d& at(std::int64_t time_ns);
 
   void visit(state::Visitor& v);
@@ -46,11 +47,11 @@ class Dryden {
   Settings settings_;
   double decay_;                    // exp(-dt V / L)
   double share_;                    // dt V / L
-  double spread_x_;                 // of the noise on the first filter's state
+  double spread_x_;                 // spread of the noise on the first filter's state
   std::array<double, 3> root_;      // lower Cholesky factor of the noise on the two states of y and of z
-  std::int64_t index_ = kNoPeriod;  // of the last step
-  double along_ = 0.0;              // state of x
-  std::array<double, 4> across_{};  // states of y, then of z
+  std::int64_t index_ = kNoPeriod;  // number of the last filter step
+  double along_ = 0.0;              // state of the filter along x
+  std::array<double, 4> across_{};  // states of the filters along y, then along z
   Eigen::Vector3d gust_ = Eigen::Vector3d::Zero();
 };
 
