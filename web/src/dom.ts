@@ -3,7 +3,7 @@
 
 type Attributes = Record<string, string | ((event: Event) => void)>;
 
-/** Makes an element with attributes and children. Attributes that begin with "on" are listeners. */
+/** Creates an element with attributes and children. Attributes that begin with "on" are listeners. */
 export function element<K extends keyof HTMLElementTagNameMap>(
   tag: K, attributes: Attributes = {}, ...children: (Node | string)[]
 ): HTMLElementTagNameMap[K] {
@@ -27,7 +27,7 @@ function apply(made: Element, attributes: Attributes): void {
   }
 }
 
-/** Shows a variable's name. It may break after a dot if it is too long. */
+/** Returns the parts of a variable's name, so that the browser may break a long name after a dot. */
 export function dotted(name: string): (string | HTMLElement)[] {
   return name.split(/(?<=\.)/).flatMap((part, i) => (i > 0 ? [element("wbr", {}), part] : [part]));
 }

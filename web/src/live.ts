@@ -9,18 +9,19 @@ import type { Window } from "./view/window";
 
 /** Time between two requests [ms]. */
 const PERIOD = 400;
-/** HTTP status of a run that cannot answer now. */
+/** HTTP status of the reply if the run cannot send data at present. */
 const BUSY = 503;
-/** Offered paces, in multiples of real time. */
+/** Paces that the page offers, in multiples of real time. */
 const PACES = [0, 0.1, 0.5, 1, 2, 5, 10];
 
 /** Identifies this page to the run. At its end, the run waits until all open pages have the last data. */
 const PAGE = String(Math.random()).slice(2);
 
-/** The run has answered that it cannot send the data now, because the present step takes long. */
+/** Thrown if the run replies that it cannot send the data now, because the present step takes long. */
 class Busy extends Error {}
 
-/** Fetches all data. While the run is busy, tries again. After this, the run counts this page as open until it closes. */
+/** Fetches all data. If the run is busy, repeats the request. Afterwards, the run counts this page as open until the
+ * page closes. */
 export async function fetchAll(): Promise<Payload> {
   addEventListener("pagehide", () => navigator.sendBeacon("control", new URLSearchParams({ order: `leave=${PAGE}` })));
   for (;;) {
@@ -48,7 +49,8 @@ async function post(path: string, values: Record<string, string>): Promise<strin
   return text;
 }
 
-/** Updates the page with the run. While the page shows the last time, it follows the run. Returns the controls. */
+/** Fetches new data of the run and updates the page. If the page shows the last time, it then shows the new last
+ * time. Returns the controls. */
 export function follow(run: Run, clock: Clock, span: Window): HTMLElement {
   const badge = element("span", { class: "outcome", id: "live" }, "live");
   const hold = element("button", { id: "hold", onclick: () => void order(run.header.live?.held ? "go" : "hold") });
@@ -67,7 +69,7 @@ export function follow(run: Run, clock: Clock, span: Window): HTMLElement {
     if (![...pace.options].some((one) => one.value === value)) pace.append(element("option", { value }, `${value}\u00d7`));
     if (document.activeElement !== pace) pace.value = value;
   };
-  // Sends one request at a time: two replies to the same request would contain the same rows.
+  // Sends one request at a time, because two replies to the same request would contain the same rows.
   let looking: Promise<void> = Promise.resolve();
   const look = () => (looking = looking.catch(() => {}).then(lookOnce));
   const lookOnce = async () => {
@@ -98,7 +100,7 @@ export function follow(run: Run, clock: Clock, span: Window): HTMLElement {
   return element("span", { class: "live" }, badge, " ", hold, " ", step, " ", pace);
 }
 
-/** Controls for unconnected inputs. Settings are kept as a scenario, so that the run can be repeated. */
+/** Creates controls for unconnected inputs. Settings are recorded as a scenario, so that the run can be repeated. */
 export function makeInputs(run: Run): HTMLElement {
   const said = element("p", { class: "faint" }, "A value takes effect at the next step. The results folder records all values in live_scenario.json.");
   const rows = (run.header.live?.settable ?? []).map(({ variable, unit, text, type }) => {

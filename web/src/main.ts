@@ -32,9 +32,9 @@ declare global {
   }
 }
 
-/** Without a scene and with at most this many panels, curves have ROOMY_HEIGHT. */
+/** Maximum number of panels for which curves have ROOMY_HEIGHT, if there is no scene. */
 const FEW_PANELS = 4;
-/** A height of curves [px]. */
+/** Height of the curves if there are few panels [px]. */
 const ROOMY_HEIGHT = 150;
 
 async function main(): Promise<void> {
@@ -88,7 +88,7 @@ async function main(): Promise<void> {
   const asked = timeOfAddress();
   clock.set(isLive ? clock.end : asked ?? openingTime(run));
   if (isLive) page.querySelector("h1")!.after(follow(run, clock, span));
-  Object.assign(globalThis.window.mebots, { clock, runs, span }); // for scripts and tests
+  Object.assign(globalThis.window.mebots, { clock, runs, span }); // used by scripts and tests
   await stage?.ready;
   await new Promise(requestAnimationFrame);
   document.documentElement.dataset.state = "ready";
@@ -100,10 +100,10 @@ function makeProfileTab(run: Run, span: Span): Tab {
   return { name: "Profile", content: () => makeFlames(run.header.profiles, span) };
 }
 
-/** Makes a handle between a part of a grid and the rest of the grid. `track` is the size of the part in the grid's
- * template. */
+/** Creates a handle between a part of a grid and the rest of the grid. `track` is the name of the part's size in the
+ * grid's template. */
 function makeSplit(label: string, axis: "x" | "y", part: HTMLElement, grid: HTMLElement, track: string): HTMLElement {
-  const least = 160; // pixels
+  const least = 160; // minimum size in pixels
   const sizeOf = (one: HTMLElement) => (axis === "x" ? one.clientWidth : one.clientHeight);
   return makeHandle({
     label, axis, size: () => sizeOf(part),
@@ -114,13 +114,13 @@ function makeSplit(label: string, axis: "x" | "y", part: HTMLElement, grid: HTML
   });
 }
 
-/** Returns the time in the address: flight.html#t=12.5 opens at that time and does not play. */
+/** Returns the time in the page's address: flight.html#t=12.5 opens at that time, and does not play. */
 function timeOfAddress(): number | null {
   const found = /^#t=(\d+(?:\.\d+)?)$/.exec(location.hash);
   return found ? Number(found[1]) : null;
 }
 
-/** Makes the stage. Without a scene or without WebGL, returns null, and the page shows everything else. */
+/** Creates the stage. Returns null if there is no scene or no WebGL; the page then shows everything else. */
 function makeStage(runs: Run[], clock: Clock): Stage | null {
   const run = runs[0];
   if (!run.scene?.bodies?.length) return null;
@@ -152,7 +152,7 @@ function makeHeading(runs: Run[]): HTMLElement {
   const show = () => {
     const { summary } = run;
     outcome.textContent = String(summary.outcome ?? "no summary").replaceAll("_", " ");
-    // The outcome is hidden if the table of several runs shows it, or if the run has not ended.
+    // Hides the outcome if the table of several runs shows it, or if the run has not ended.
     outcome.hidden = runs.length > 1 || (run.header.live != null && !run.header.live.ended);
     facts.replaceChildren();
     if (runs.length > 1) return;
@@ -210,9 +210,9 @@ function listenToKeys(clock: Clock, span: Span, stage: Stage | null, run: Run): 
   LOOKS.forEach((look, i) => (keys[String(i + 1)] = () => stage?.setLook(look)));
   document.addEventListener("keydown", (event) => {
     const target = event.target as HTMLElement;
-    if (document.querySelector("dialog[open]")) return; // Escape closes it
+    if (document.querySelector("dialog[open]")) return; // Escape closes the dialog
     if (["INPUT", "SELECT", "TEXTAREA"].includes(target.tagName) || event.ctrlKey || event.metaKey || event.altKey) return;
-    if (event.key === " " && target.tagName === "BUTTON") return; // presses it
+    if (event.key === " " && target.tagName === "BUTTON") return; // the space bar presses the button
     const act = keys[event.key];
     if (!act) return;
     event.preventDefault();

@@ -4,7 +4,7 @@
 
 const PREFIX = "mebots size: ";
 
-/** Stores a size [px]; null forgets it. */
+/** Stores a size [px] under a name. If `size` is null, deletes the stored size. */
 export function remember(name: string, size: number | null): void {
   try {
     if (size === null) localStorage.removeItem(PREFIX + name);
@@ -14,7 +14,7 @@ export function remember(name: string, size: number | null): void {
   }
 }
 
-/** The stored size [px]; null if there is none. */
+/** Returns the stored size [px]; null if there is none. */
 export function recalled(name: string): number | null {
   try {
     const size = Number(localStorage.getItem(PREFIX + name) ?? NaN);

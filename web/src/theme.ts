@@ -8,7 +8,7 @@ const DARK = ["#4ea8de", "#f0803c", "#2fc79a", "#e39ac4", "#e6c14a", "#8fd3ff", 
 const darkQuery = matchMedia("(prefers-color-scheme: dark)");
 const listeners: (() => void)[] = [];
 
-let dark = darkQuery.matches; // that of the system, until the user chooses
+let dark = darkQuery.matches; // initially as in the system, until the user chooses
 
 export function isDark(): boolean {
   return dark;
@@ -19,7 +19,7 @@ export function colour(index: number): string {
   return palette[index % palette.length];
 }
 
-/** Returns a colour of the style sheet by its name. */
+/** Returns the colour that the style sheet defines under a name. */
 export function styleColour(name: string): string {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 }
@@ -44,7 +44,7 @@ const CIVIDIS = [
   [195, 179, 105], [225, 204, 85], [254, 232, 56],
 ];
 
-/** Returns the colour of a share from 0 to 1, as red, green and blue from 0 to 1. On dark ground, the dark end is
+/** Converts a share from 0 to 1 to a colour: red, green and blue from 0 to 1. On a dark background, the dark end is
  * lighter. */
 export function scaleColour(share: number): [number, number, number] {
   const place = Math.min(Math.max(share, 0), 1) * (CIVIDIS.length - 1);

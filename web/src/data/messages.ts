@@ -2,7 +2,7 @@
 // The lines of log.txt.
 
 export interface Message {
-  time: number | null; // null for a notice of the run, which has no time
+  time: number | null; // null for a notice of the run, because notices have no time
   instance: string;
   severity: "info" | "warning" | "error";
   text: string;
@@ -24,15 +24,15 @@ export function readMessages(log: string): Message[] {
       const severity = untimed[1] === "notice" ? "info" : (untimed[1] as "warning" | "error");
       messages.push({ time: null, instance: "", severity, text: untimed[2] });
     } else if (messages.length > 0) {
-      messages[messages.length - 1].text += "\n" + line.trimStart(); // a message of several lines
+      messages[messages.length - 1].text += "\n" + line.trimStart(); // continues a message of several lines
     }
   }
   return messages;
 }
 
-/** Returns the text of an event without its time and place, which the position of the mark shows. */
+/** Returns the text of an event without its time and place, because the position of its mark shows them. */
 export function shortText(message: Message): string {
   const text = message.text.replace(/^t = [\d.]+ s(, at \([^)]*\) m)?: /, "");
-  const said = /^([\d.]+) s /.exec(text); // firmware that prints its own clock
+  const said = /^([\d.]+) s /.exec(text); // removes the clock time that firmware prints
   return said && message.time !== null && Math.abs(Number(said[1]) - message.time) < 0.01 ? text.slice(said[0].length) : text;
 }

@@ -15,7 +15,7 @@ interface Found {
   names: string[];
 }
 
-/** Returns the panels of the config; if it has none, panels of all variables that change. */
+/** Returns the panels of the config. If the config has none, returns panels of all variables that change. */
 export function panelsOf(run: Run): PanelInfo[] {
   const asked = run.system?.view.panels ?? [];
   return asked.length > 0 ? asked : defaultPanels(run);
@@ -54,7 +54,7 @@ function panelOf(run: Run, { instance, unit, names }: Found): PanelInfo & { inst
 
 const shortName = (name: string, instance: string) => name.slice(instance.length + 1);
 
-/** Joins variables with the same values into one curve, such as "rotor[1].speed, and 3 alike". */
+/** Joins variables with the same values into one curve. Its label is such as "rotor[1].speed, and 3 alike". */
 function joined(run: Run, instance: string, names: string[]): CurveInfo[] {
   const found: { variable: string; alike: number }[] = [];
   for (const variable of names) {
@@ -66,7 +66,7 @@ function joined(run: Run, instance: string, names: string[]): CurveInfo[] {
   return found.map(({ variable, alike }) => ({ variable, label: shortName(variable, instance) + (alike > 0 ? `, and ${alike} alike` : "") }));
 }
 
-/** Returns the first panel of each instance, then the second panel of each, and so on. */
+/** Orders the panels: the first panel of each instance, then the second panel of each instance, and so on. */
 function taken(panels: (PanelInfo & { instance: string })[]): PanelInfo[] {
   const seen = new Map<string, number>();
   const round = panels.map(({ instance }) => {

@@ -35,21 +35,22 @@ export interface SystemInfo {
   connections: { from: string; to: string; type: string; unit?: string }[];
   variables: Record<string, VariableInfo>;
   view: { panels: PanelInfo[]; marks: string[]; scene?: { file: string; instance: string };
-    /** Groups of variables in the summary. `members` maps the name of an object, such as a drone, to its variable. */
+    /** Contains the groups of variables in the summary. `members` maps the name of an object, such as a drone, to
+     * its variable. */
     groups?: { label: string; members: Record<string, string> }[] };
 }
 
 // eslint-disable-next-line @typescript-eslint/no-explicit-any
 export type Json = any;
 
-/** Data of a run in progress. */
+/** Describes the state of a run in progress. */
 export interface LiveState {
   held: boolean;
-  pace: number; // simulated seconds per second; 0: as fast as possible
+  pace: number; // simulated seconds per second; 0 means as fast as possible
   ended: boolean;
-  /** The data that this page had at its request; the payload has the later data. */
+  /** Counts the data that this page had at its request. The payload contains the data after them. */
   known: { rows: number; pictures: number; log: number };
-  log: number; // bytes of it by now
+  log: number; // number of bytes of the log at present
   stop_time?: number;
   settable?: { variable: string; unit: string; text: string; type: string }[];
 }
@@ -63,13 +64,13 @@ export interface RunHeader {
   texts: string[];
   rows: number;
   span: number; // the server reduced this number of rows to two
-  whole: [number, number][]; // but all rows within these times are here
+  whole: [number, number][]; // all rows within these times are contained
   kept: number;
-  /** Numbers of a column. They are a constant, or in a block, or in the header. */
+  /** Describes the columns of numbers. The numbers are a constant, or in a block, or in the header. */
   columns: { name: string; unit: string; still?: number; block?: Place; values?: number[] }[];
   scene: Place | null;
   profiles: Json[];
-  /** The report of `mebots-soc run`, whose page has no system. */
+  /** Contains the report of `mebots-soc run`, whose page has no system. */
   chip?: Json;
   /** `every` is 3 if one picture of three is kept. `shrunk` is the number of pixels of the file per pixel. Both are absent in live data. */
   pictures: { name: string; every?: number; pictures: (Place & { time: number; shrunk?: number })[] }[];
@@ -91,7 +92,7 @@ export function readPayload(all: Uint8Array<ArrayBuffer>): Payload {
   };
 }
 
-/** Returns the numbers of a column from the differences of their bits, which are in byte planes. */
+/** Decodes the numbers of a column. The byte planes contain the differences between the bits of successive numbers. */
 export function numbersOf(planes: Uint8Array): Float64Array {
   const count = planes.length / 8;
   const bytes = new Uint8Array(planes.length);
@@ -99,7 +100,7 @@ export function numbersOf(planes: Uint8Array): Float64Array {
     const from = plane * count;
     for (let i = 0; i < count; ++i) bytes[8 * i + plane] = planes[from + i];
   }
-  const words = new Uint32Array(bytes.buffer); // low, high
+  const words = new Uint32Array(bytes.buffer); // low word, high word
   for (let i = 2; i < words.length; i += 2) {
     const low = words[i] + words[i - 2];
     words[i] = low;

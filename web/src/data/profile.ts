@@ -8,13 +8,13 @@ export interface Call {
   children: Call[];
 }
 
-/** The quantities of a profile, in the order of the parts of a window. */
+/** Lists the quantities of a profile, in the order of the parts of a window. */
 export const COSTS = ["cycles", "time", "energy"] as const;
 export type Cost = (typeof COSTS)[number];
 const SCALES: Record<Cost, [number, string]> = { cycles: [1, "-"], time: [1e-12, "s"], energy: [1e-15, "J"] };
-const PART = 2 + COSTS.length; // hart, node, then the costs
+const PART = 2 + COSTS.length; // numbers per part: hart, node, then the costs
 
-/** Frames of an idle hart. */
+/** Lists the names of the frames of an idle hart. */
 const IDLE = new Set(["[asleep]", "[off]"]);
 
 /** Stands for all harts, each as a branch. */
@@ -22,7 +22,7 @@ export const BY_CORE = -1;
 /** Stands for all harts, summed by function. */
 export const BY_FUNCTION = -2;
 
-/** The windows that a span of time overlaps: their times, and the counts by hart and node. */
+/** Contains the sum of the windows that overlap a time span: their times, and the counts by hart and node. */
 export interface Slice {
   from: number;
   to: number;
@@ -31,7 +31,7 @@ export interface Slice {
   functions(withIdle: boolean): FunctionCost[];
 }
 
-/** The cost of a function, without the functions that it calls, over all harts [J, s]. */
+/** Contains the cost of a function, without the functions that it calls, over all harts [J, s]. */
 export interface FunctionCost {
   name: string;
   energy: number;
@@ -55,7 +55,7 @@ export class WindowedProfile {
     return SCALES[cost][1];
   }
 
-  /** Returns all windows that overlap `start` to `stop` [s]. */
+  /** Returns the sum of all windows that overlap the time span from `start` to `stop` [s]. */
   slice(start: number, stop: number): Slice {
     const { windows, harts } = this.file.mebots;
     const inside = windows.filter((window: Json) => window.to * 1e-9 > start && window.from * 1e-9 < stop);
@@ -104,7 +104,7 @@ export class WindowedProfile {
       const name = this.nodeName(hart, node);
       calls.push({ name, value: withIdle || !IDLE.has(name) ? own[node] * scale : 0, children: [] });
     }
-    for (let node = own.length - 1; node > 0; --node) { // a child's number is above its parent's
+    for (let node = own.length - 1; node > 0; --node) { // the number of a child is greater than that of its parent
       const parent = calls[nodes[2 * node]];
       parent.value += calls[node].value;
       if (calls[node].value > 0) parent.children.unshift(calls[node]);
@@ -113,7 +113,7 @@ export class WindowedProfile {
   }
 }
 
-/** Merges calls of the same name. */
+/** Merges calls with the same name, and adds their costs. */
 function added(calls: Call[]): Call[] {
   const byName = new Map<string, Call[]>();
   for (const call of calls) byName.set(call.name, [...(byName.get(call.name) ?? []), call]);

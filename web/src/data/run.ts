@@ -7,11 +7,11 @@ import { rateUnit, shown } from "./units";
 export interface Picture {
   time: number;
   url: string;
-  /** Pixels of the camera per pixel, in each direction. */
+  /** Number of the camera's pixels per pixel of the picture, in each direction. */
   shrunk: number;
 }
 
-/** Numbers over the run's times, as a panel draws them. */
+/** Contains numbers over the run's times, as a panel draws them. */
 export interface Curve {
   label: string;
   unit: string;
@@ -24,7 +24,7 @@ export interface Curve {
   values(mean: number): Float64Array;
 }
 
-/** Returns the row that applies at a time: the last row that is not later. */
+/** Returns the index of the last row whose time is not later than `time`. */
 export function rowAt(times: Float64Array, time: number): number {
   let low = 0;
   let high = times.length - 1;
@@ -49,8 +49,8 @@ export class Run {
   readonly pictures: Picture[] = [];
   private readonly places = new Map<string, RunHeader["columns"][number]>();
   private readonly numbers = new Map<string, Float64Array>();
-  private kept = 0; // rows that are here
-  private camera: string | undefined; // the first camera that took a picture: it is shown
+  private kept = 0; // number of rows that this page has
+  private camera: string | undefined; // the first camera that took a picture; the page shows its pictures
   private readonly listeners: (() => void)[] = [];
   private version = 0;
 
@@ -66,7 +66,7 @@ export class Run {
     this.listeners.push(listener);
   }
 
-  /** Adds the new data of a run in progress, or replaces all data if the server sent all. */
+  /** Adds the new data of a run in progress. If the server sent all data, replaces the present data. */
   goOn(header: RunHeader, payload: Payload): void {
     const isAll = header.live?.known.rows === 0;
     if (isAll) return this.take(header, payload);
@@ -88,12 +88,13 @@ export class Run {
     for (const listener of this.listeners) listener();
   }
 
-  /** The data of a run in progress that this page already has, counted as the server counts them. */
+  /** Counts the data of a run in progress that this page already has, as the server counts them. */
   get known(): { rows: number; pictures: number; log: number } {
     return { rows: this.header.rows, pictures: this.pictures.length, log: this.header.live?.log ?? 0 };
   }
 
-  /** True if the run has so many values that the server reduces their number. Then all data are fetched each time. */
+  /** True if the run has so many values that the server reduces their number. In this case, each request fetches all
+   * data. */
   get isLong(): boolean {
     return this.kept * this.places.size > MOST_NUMBERS;
   }
@@ -139,12 +140,12 @@ export class Run {
     return this.times.length > 0 ? this.times[this.times.length - 1] : 0;
   }
 
-  /** The number n if one picture of n is kept. */
+  /** The number n if the recording contains one picture of n. */
   get pictureEvery(): number {
     return this.header.pictures.find(({ name }) => name === this.camera)?.every ?? 1;
   }
 
-  /** Names of the recorded variables, in the order of the table. */
+  /** The names of the recorded variables, in the order of the table. */
   get variables(): string[] {
     return [...this.places.keys()].filter((name) => name !== "time");
   }
@@ -181,7 +182,7 @@ export class Run {
     return values ? values[rowAt(this.times, time)] : NaN;
   }
 
-  /** Formats a variable's value at a time: an enumeration's item, on or off, or a number with its unit. */
+  /** Formats a variable's value at a time. The text is an enumeration's item, on or off, or a number with its unit. */
   textAt(name: string, time: number): string {
     return this.text(name, this.at(name, time));
   }
@@ -227,7 +228,7 @@ export class Run {
     };
   }
 
-  /** Returns the sum of the curves that the run recorded; null if it recorded none of them. */
+  /** Returns the sum of the curves whose variables the run recorded; null if it recorded none of them. */
   sum(infos: CurveInfo[]): Curve | null {
     const curves = infos.map((info) => this.curve(info)).filter((curve) => curve !== null);
     if (curves.length === 0) return null;
@@ -257,7 +258,7 @@ export class Run {
 }
 
 /** Returns the mean rates of change over spans of whole rows that last at least `mean` seconds. All rows of a span
- * have its value. */
+ * have the rate of the span. */
 function meanRates(times: Float64Array, values: Float64Array, mean: number): Float64Array {
   const result = new Float64Array(values.length);
   for (let first = 0; first + 1 < values.length; ) {

@@ -6,7 +6,7 @@ import { percent } from "../report/format";
 import { panel } from "../report/widgets";
 import { sumOf, type Cost, type NetworkPage } from "./content";
 
-/** Returns the cycles in which the cores were awake, but executed no instruction. */
+/** Returns the number of cycles in which the cores were awake, but executed no instruction. */
 function stalledOf({ causes }: Cost): number {
   return Object.entries(causes).reduce((sum, [cause, cycles]) => (cause === "base" ? sum : sum + cycles), 0);
 }

@@ -31,7 +31,7 @@ export function makeMemory({ network, board }: NetworkPage): HTMLElement {
       if (bottom - top > 15 && name.length > 1) plot.text(name, left + 4, top + 13);
     });
   });
-  const inL2 = memory.fetched || memory.weights; // the buffers, if the weights are in HyperRAM
+  const inL2 = memory.fetched || memory.weights; // if the weights are in HyperRAM, L2 contains only their buffers
   const rest = board.l2 - inL2 - memory.picture - memory.activations;
   const whole: [string, number][] = [[memory.fetched ? "buffers for weights in HyperRAM" : "weights", inL2], ["picture", memory.picture], ["activations", memory.activations], ["program, stacks and free", rest]];
   const l1 = layers.flatMap(({ name, l1 }) => (l1 ? [[name, kib(l1.bytes), `${digits((100 * l1.bytes) / board.l1, 3)} %`]] : []));

@@ -13,7 +13,7 @@ import { makeSizes } from "./sizes";
 import { makeCycles, makeEnergy } from "./shares";
 
 export function makeNetwork(page: NetworkPage): HTMLElement[] {
-  Object.assign(window.mebots, { page }); // for scripts and tests
+  Object.assign(window.mebots, { page }); // used by scripts and tests
   const { measured } = page.network;
   const panels = measured ? [makeRoofline(page, measured), makeCycles(page, measured), makeEnergy(page, measured), makeSettings(page, measured), makeSizes(page, measured)] : [];
   return [makeAnswer(page), makeLayers(page), makeColumns([...panels, makeMemory(page)])];

@@ -7,7 +7,7 @@ import { makeChoice, makeTooltip, panel } from "../report/widgets";
 import { colour, onTheme, styleColour } from "../theme";
 import type { Cost, Measured, NetworkPage } from "./content";
 
-const MOST_PARTS = 7; // the rest is one grey part
+const MOST_PARTS = 7; // the other parts are drawn as one grey part
 
 const CAUSES: Record<string, string> = {
   base: "executing", load_use: "load used at once", jump: "jumps", jump_register: "jumps to a register", branch: "branches", multiply_divide: "multiply, divide",
@@ -37,7 +37,7 @@ export function makeEnergy({ network }: NetworkPage, measured: Measured): HTMLEl
     ...makeBars(rows, all, (part) => part.replaceAll("_", " "), (value) => shown(value, "J")));
 }
 
-/** A key with the parts of all layers, and a bar for each layer and for their sum. */
+/** Creates a key with the parts of all layers, and a bar for each layer and for the sum of all layers. */
 function makeBars(layers: Row[], whole: Row, nameOf: (part: string) => string, textOf: (value: number) => string): HTMLElement[] {
   const sum = whole.parts;
   const sorted = Object.entries(sum).filter(([, value]) => value > 0).sort(([, a], [, b]) => b - a).map(([part]) => part);

@@ -8,7 +8,7 @@ import { makeSmallTable, panel } from "../report/widgets";
 import { colour } from "../theme";
 import { sumOf, type Accuracy, type Judged, type Measured, type NetworkPage, type SizeRow } from "./content";
 
-/** A number of each size that the plot shows: a share or an error. */
+/** Describes a quantity of each size that the plot shows: a share or an error. */
 interface Quantity {
   title: string;
   of: (row: SizeRow) => Judged | undefined;
@@ -28,7 +28,8 @@ export function makeSizes({ network }: NetworkPage, measured: Measured): HTMLEle
   return made;
 }
 
-/** Returns the quantities to plot: first those of the labels, then the differences from the model in float. */
+/** Returns the quantities to plot. The quantities that compare with the labels precede the differences from the
+ * model in float. */
 function quantitiesOf({ float, labels }: Accuracy): Quantity[] {
   const judged = Object.entries(labels?.outputs ?? {}).flatMap(([name, { int8 }]) => [
     { title: int8.share === undefined ? `error of ${name}` : `right: ${name}`, of: (row: SizeRow) => row.accuracy.labels?.outputs[name]?.int8 },

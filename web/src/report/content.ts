@@ -11,7 +11,7 @@ export interface Factor {
   name: string;
   label: string;
   unit: string;
-  /** Factor from a value to the unit that is shown. */
+  /** Factor from a value to the unit in which the page shows it. */
   scale: number;
   number: boolean;
   values: (number | string | boolean)[];
@@ -25,7 +25,7 @@ export interface Objective {
   label: string;
   unit: string;
   scale: number;
-  /** -1 to minimise, 1 to maximise, 0 for neither. */
+  /** The direction of optimisation: -1 to minimise, 1 to maximise, 0 for neither. */
   sense: number;
   share: boolean;
   statistic: string;
@@ -34,11 +34,12 @@ export interface Objective {
   low: Numbers;
   high: Numbers;
   count: number[];
-  /** Value and interval of each design, as texts for people. */
+  /** Value and interval of each design, as formatted texts. */
   text: string[];
 }
 
-/** Designs in the page, by column. `number` is the number of each design in the study, which has `of` designs. */
+/** Contains the designs in the page, by column. `number` is the number of each design in the study, which has `of`
+ * designs. */
 export interface Designs {
   of: number;
   number: number[];
@@ -53,7 +54,7 @@ export interface Designs {
 
 export type Place = "on" | "undecided" | "off" | "excluded" | "";
 
-/** Every n-th mission of each design, one design after the other. */
+/** Contains every n-th mission of each design, one design after the other. */
 export interface Missions {
   every: number;
   counts: number[];
@@ -100,7 +101,7 @@ export interface Study extends Page {
   failed_of: number;
   effects: Effects;
   indices: { method: string; titles: string[]; rows: string[][] } | null;
-  /** For each objective and design: least value, 5, 25, 50, 75 and 95 %, greatest value. */
+  /** For each objective and design: the least value, the 5, 25, 50, 75 and 95 % quantiles, and the greatest value. */
   quantiles: (number[] | null)[][] | null;
   missions: Missions | null;
   replay: Replay | null;

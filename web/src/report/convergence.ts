@@ -55,7 +55,8 @@ function makeCourses(study: Study, selection: Selection, shown: Shown): HTMLElem
   return element("div", {}, plot.root, key);
 }
 
-/** Returns the bounds of the later half. The earlier intervals are so wide that the rest would not be visible. */
+/** Returns the bounds of the intervals in the later half of the course. The earlier intervals are so wide that the
+ * later ones would not be visible. */
 function laterBounds({ counts, low, high }: Course, objective: number): (number | null)[] {
   const from = Math.floor(counts.length / 2);
   return [...low[objective].slice(from), ...high[objective].slice(from)];

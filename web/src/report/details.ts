@@ -34,8 +34,8 @@ export function makeDetails(study: Study, selection: Selection): HTMLElement {
   return root;
 }
 
-/** Makes the table of a design's missions, which can be sorted. A click on a mission shows the command that repeats
- * it. */
+/** Creates the table of a design's missions, which can be sorted. A click on a mission shows the command that
+ * repeats it. */
 function makeMissions(study: Study, selection: Selection, design: number): HTMLElement {
   const missions = study.missions!;
   const start = firstOf(missions.counts)[design];
@@ -116,7 +116,8 @@ function replayTexts(study: Study, mission: Mission): HTMLElement[] {
   ];
 }
 
-/** Makes a bar that appears when missions are ticked, and a dialog with the commands that compare these missions. */
+/** Creates a bar that appears when the user ticks missions, and a dialog with the commands that compare these
+ * missions. */
 export function makeComparison(study: Study, selection: Selection): HTMLElement {
   const body = element("div", {});
   const dialog = element("dialog", { class: "compare" }, element("header", {}, element("h2", {}, "Compare missions"),

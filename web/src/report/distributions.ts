@@ -11,7 +11,7 @@ import type { Shown } from "./shown";
 import { makeTooltip, panel } from "./widgets";
 
 const BINS = 48;
-const MOST_BOXES = 80; // more designs become bands
+const MOST_BOXES = 80; // if there are more designs, bands replace their boxes
 const MOST_DOTS = 3000;
 
 export function makeDistributions(study: Study, selection: Selection, shown: Shown): HTMLElement {
@@ -19,7 +19,7 @@ export function makeDistributions(study: Study, selection: Selection, shown: Sho
   const quantiles = study.quantiles!;
   const starts = firstOf(missions!.counts);
   const tooltip = makeTooltip();
-  let order: number[] = []; // designs as they are drawn
+  let order: number[] = []; // designs in the order in which they are drawn
 
   const spread = new Plot("Spread of the missions of each design", () => 250, () => {
     const objective = study.objectives[shown.objective];
@@ -56,7 +56,8 @@ export function makeDistributions(study: Study, selection: Selection, shown: Sho
     context.globalAlpha = 1;
   }
 
-  /** Draws bands from 5 to 95 % and from 25 to 75 %. A pixel shows the outermost values of the designs in it. */
+  /** Draws bands from the 5 to the 95 % quantile and from the 25 to the 75 % quantile. A pixel shows the outermost
+   * values of the designs in it. */
   function drawBands(own: number[][]): void {
     const { context } = spread;
     const columns = Math.min(own.length, Math.floor(spread.box.right - spread.box.left));
@@ -123,7 +124,7 @@ export function makeDistributions(study: Study, selection: Selection, shown: Sho
     ...(missions!.outcomes.length ? [makeEnds(study, selection)] : []), spread.root, histogram.root);
 }
 
-/** Makes a bar with the shares of the outcomes in missions of the selected designs. */
+/** Creates a bar with the shares of the outcomes in missions of the selected designs. */
 function makeEnds(study: Study, selection: Selection): HTMLElement {
   const { outcomes, outcome_counts } = study.missions!;
   const root = element("div", { class: "ends" });

@@ -9,7 +9,7 @@ import type { Selection } from "./selection";
 import type { Shown } from "./shown";
 import { panel } from "./widgets";
 
-const ROW = 22; // pixels
+const ROW = 22; // height of a row in pixels
 const SELECTED = 0;
 
 export function makeEffects(study: Study, selection: Selection, shown: Shown): HTMLElement {
@@ -61,7 +61,7 @@ function makeBlock(
     context.lineWidth = 1.5;
     context.beginPath();
     means.forEach((mean, level) => mean !== null && context.lineTo(x(mean), y(level)));
-    if (factor.number) context.stroke(); // levels of other factors have no order
+    if (factor.number) context.stroke(); // levels that are not numbers have no order
     context.fillStyle = colour(SELECTED);
     means.forEach((mean, level) => {
       if (mean === null) return;
@@ -98,7 +98,7 @@ function diamond(context: CanvasRenderingContext2D, x: number, y: number): void 
   context.fill();
 }
 
-/** Returns the means of the selected designs at each level; null at a level without such a design. */
+/** Returns the mean of the selected designs at each level; null at a level without a selected design. */
 export function levelMeans(factor: Factor, objective: Objective, selection: Selection): (number | null)[] {
   return cellMeans(factor.levels.length, (i) => factor.level[i], objective, selection);
 }

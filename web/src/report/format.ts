@@ -2,7 +2,7 @@
 // Formats numbers for readers.
 import type { Factor, Objective } from "./content";
 
-/** Formats a number with this many significant digits, without trailing zeros, and with a real minus sign. */
+/** Formats a number with at most `most` significant digits, without trailing zeros, and with a real minus sign. */
 export function digits(value: number, most = 4): string {
   if (value === 0) return "0";
   const size = Math.abs(value);
@@ -20,13 +20,13 @@ export function objectiveText(objective: Objective, value: number | null): strin
   return value === null ? "\u2013" : joined(digits(value * objective.scale), objective.unit);
 }
 
-/** Returns a title such as "energy [J]" or "energy (percentile 90) [J]". */
+/** Returns the title of an objective, such as "energy [J]" or "energy (percentile 90) [J]". */
 export function titleOf({ label, statistic, unit }: Objective): string {
   const name = statistic === "mean" ? label : `${label} (${statistic})`;
   return unit === "" ? name : `${name} [${unit}]`;
 }
 
-/** Formats a share in per cent. Near 100 %, the text has more digits, so that shares of up to 0.9999 do not become "100 %". */
+/** Formats a share in per cent. Near 100 %, uses more digits, so that shares of up to 0.9999 do not become "100 %". */
 export function percent(share: number): string {
   if (share > 0 && share < 0.001) return "< 0.1 %";
   return `${digits(100 * share, share > 0.99 && share < 1 ? 4 : 2)} %`;
@@ -34,7 +34,7 @@ export function percent(share: number): string {
 
 export const counted = (count: number, what: string) => `${count.toLocaleString("en")} ${what}${count === 1 ? "" : "s"}`;
 
-/** Formats a probability, such as 2.1 %, or 1.4e-5 where that is easier to read. */
+/** Formats a probability, such as 2.1 %. Uses a form such as 1.4e-5 if it is easier to read. */
 export function chanceText(value: number | null): string {
   if (value === null) return "\u2013";
   return value !== 0 && value < 1e-3 ? value.toExponential(1).replace("-", "\u2212") : percent(value);

@@ -15,7 +15,7 @@ export const PLACES: Record<Exclude<Place, "">, string> = {
   off: "proven to be off the front",
   excluded: "breaks a constraint",
 };
-const MOST_INTERVALS = 150; // bars of more designs would hide the points
+const MOST_INTERVALS = 150; // intervals of more designs would hide the points
 
 interface Choice {
   name: string;
@@ -37,7 +37,7 @@ export function placeColour(place: Place): string {
 export function makeFronts(study: Study, selection: Selection): HTMLElement {
   const choices = choicesOf(study);
   let [across, up] = firstChoices(study);
-  let brush: [number, number, number, number] | null = null; // pixels
+  let brush: [number, number, number, number] | null = null; // selected rectangle in pixels
   const tooltip = makeTooltip();
   const front = element("p", { class: "note front-note" });
 
@@ -126,7 +126,8 @@ export function makeFronts(study: Study, selection: Selection): HTMLElement {
     context.stroke();
   }
 
-  /** Writes the names of the chosen design and of the best design. Each name is at the place where it covers the fewest points. */
+  /** Draws the names of the chosen design and of the best design. Each name is at the place where it covers the
+   * fewest points. */
   function nameSome(shown: number[], x: Choice, y: Choice): void {
     const points = shown.map((i): [number, number] => [plot.x(x.at(i)!), plot.y(y.at(i)!)]);
     for (const i of shown.filter((each) => each === selection.chosen || (study.designs.rank[each] === 1 && selection.isIn[each])).sort((a) => (a === selection.chosen ? -1 : 1))) {
@@ -148,7 +149,7 @@ export function makeFronts(study: Study, selection: Selection): HTMLElement {
     context.strokeRect(x1, y1, x2 - x1, y2 - y1);
   }
 
-  /** Returns the design whose point is nearest to a place, if it is not too far away. */
+  /** Returns the design whose point is nearest to the pixel; -1 if the distance is too large. */
   const nearest = (px: number, py: number): number => {
     let [found, distance] = [-1, 18];
     for (let i = 0; i < selection.size; ++i) {
@@ -227,8 +228,8 @@ function choicesOf(study: Study): Choice[] {
   return [...all, place];
 }
 
-/** Returns the default axes: the first minimised or maximised objective over the first share. If there is no share,
- * over the next objective; if there is none, over a factor. */
+/** Returns the default axes. The first axis is the first minimised or maximised objective. The second is the first
+ * share, or else the next objective, or else a factor. */
 function firstChoices(study: Study): [number, number] {
   const { objectives } = study;
   const sorted = objectives.map((_, i) => i).sort((a, b) => Math.abs(objectives[b].sense) - Math.abs(objectives[a].sense));
@@ -238,7 +239,7 @@ function firstChoices(study: Study): [number, number] {
   return [across, up];
 }
 
-/** True if a design's means keep all constraints. */
+/** Returns true if a design's means satisfy all constraints. */
 function keepsConstraints({ constraints, objectives, designs }: Study, design: number): boolean {
   return designs.front[design] !== "excluded" && constraints.every(({ objective, above, bound }) => {
     const mean = objectives[objective].mean[design];

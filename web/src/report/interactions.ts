@@ -54,7 +54,7 @@ export function makeInteractions(study: Study, selection: Selection, shown: Show
   return panel("Interactions", "Mean of the designs with both levels. In brackets: the share of the variance that a pair explains beyond its two factors. It opens with the largest.", choice, body);
 }
 
-/** Returns the factors in an order such that the factor with longer names is in the rows, where there is more space. */
+/** Orders two factors so that the factor with longer names is in the rows, where there is more space. */
 function ordered(study: Study, [a, b]: [number, number]): [number, number] {
   const length = (factor: number) => Math.max(...study.factors[factor].levels.map((name) => name.length)) + study.factors[factor].levels.length;
   return length(a) >= length(b) ? [a, b] : [b, a];

@@ -10,16 +10,16 @@ import { extent, listenToPointer, Plot } from "./plot";
 import type { Selection } from "./selection";
 import { panel } from "./widgets";
 
-const NARROW = 520; // pixels
+const NARROW = 520; // width below which the axes are one below the other [px]
 const MANY = 200; // lines
 const MOST_TICKS = 7;
 const PLACES_IN_ORDER: Place[] = ["excluded", "off", "", "undecided", "on"];
 
 interface Scale {
   label: string;
-  /** Space for the names of the axis's ticks, relative to the space for numbers. */
+  /** Space that the names of the axis's ticks need, relative to the space for numbers. */
   room: number;
-  /** Place of each design from 0 to 1; NaN for a design without a value. */
+  /** Position of each design on the axis from 0 to 1; NaN for a design without a value. */
   place: Float64Array;
   ticks: [number, string][];
   brush: [number, number] | null;
@@ -27,9 +27,9 @@ interface Scale {
 
 export function makeParallel(study: Study, selection: Selection): HTMLElement {
   const scales = scalesOf(study, selection.size);
-  const back = document.createElement("canvas"); // the lines of all designs
+  const back = document.createElement("canvas"); // picture of the lines of all designs
   let backKey = "";
-  let active = -1; // axis of the drag
+  let active = -1; // axis on which the user drags; -1 if none
 
   const isNarrow = () => plot.width < NARROW;
   const ends = (): [number, number] => (isNarrow() ? [14, plot.width - 14] : [plot.height - 34, 34]);
@@ -46,7 +46,7 @@ export function makeParallel(study: Study, selection: Selection): HTMLElement {
   };
   const point = (axis: number, place: number): [number, number] => (isNarrow() ? [along(place), side(axis)] : [side(axis), along(place)]);
 
-  /** Pixels of the lines by axis, for the size of the last drawing. */
+  /** Pixels of the lines by axis, for the size at the last drawing. */
   let pixels: { across: number; along: Float32Array }[] = [];
   const layOut = () => {
     pixels = scales.map(({ place }, axis) => ({ across: side(axis), along: Float32Array.from(place, along) }));
@@ -72,7 +72,7 @@ export function makeParallel(study: Study, selection: Selection): HTMLElement {
     }
   };
 
-  /** Draws the faint lines. They change only with the size and the theme, so they are kept as a picture. */
+  /** Draws the faint lines. They change only with the size and the theme, so they are stored as a picture. */
   const drawBack = () => {
     const { canvas } = plot;
     const key = `${canvas.width}x${canvas.height} ${styleColour("--off")}`;
@@ -141,7 +141,7 @@ export function makeParallel(study: Study, selection: Selection): HTMLElement {
   function nameAxis({ label }: Scale, axis: number): void {
     const [x, y] = point(axis, isNarrow() ? 0 : 1);
     if (isNarrow()) return void plot.text(plot.fitted(label, plot.width - 20), 4, y - 14, { colour: styleColour("--text") });
-    // Names of neighbouring axes are in two lines, so that each has twice the space.
+    // Draws the names of neighbouring axes in two lines, so that each has twice the space.
     const room = roomOf(axis) + (axis + 1 < scales.length ? roomOf(axis + 1) : 0) - 6;
     plot.text(plot.fitted(label, room), Math.max(2, x - 10), axis % 2 ? 27 : 12, { colour: styleColour("--text") });
   }
@@ -184,7 +184,7 @@ export function makeParallel(study: Study, selection: Selection): HTMLElement {
     end: () => (active = -1),
   });
 
-  /** Returns the design whose line passes near a place. */
+  /** Returns the design whose line is nearest to the pixel; -1 if no line is near. */
   function designAt(x: number, y: number): number {
     const across = isNarrow() ? y : x;
     let axis = scales.findIndex((_, i) => side(i) > across) - 1;
@@ -217,7 +217,7 @@ function scalesOf(study: Study, size: number): Scale[] {
   return [...factors, ...objectives].filter(({ place }) => designs.some((i) => !Number.isNaN(place[i])));
 }
 
-/** Returns the distinct values, if they are few enough for one tick each. */
+/** Returns the distinct values; null if there are too many for one tick each. */
 function few(values: number[]): number[] | null {
   const distinct = new Set(values);
   return distinct.size <= MOST_TICKS ? [...distinct] : null;
@@ -227,7 +227,7 @@ function numeric(label: string, unit: string, scale: number, values: (number | n
   const [low, high] = extent(values, { margin: 0, isShare });
   const place = (value: number) => (value - low) / (high - low || 1);
   const named = ticks ?? [low, low + 0.25 * (high - low), low + 0.5 * (high - low), low + 0.75 * (high - low), high];
-  // The names of the two ends are placed first. The names between them are left out if there is no space.
+  // Draws the names of the two ends first. Omits names between them if there is no space.
   const order = [...named].sort((a, b) => Math.abs(place(b) - 0.5) - Math.abs(place(a) - 0.5));
   return {
     label: unit ? `${label} [${unit}]` : label,

@@ -6,12 +6,12 @@ import { onTheme, styleColour } from "../theme";
 export interface Axis {
   title: string;
   range: [number, number];
-  /** Factor from a value to the number shown at a tick. */
+  /** Factor from a value to the number that a tick shows. */
   scale?: number;
   log?: boolean;
-  /** Places with names, in place of ticks at round numbers. */
+  /** Values with names. Ticks at these values replace ticks at round numbers. */
   names?: [number, string][];
-  /** Text of a tick; by default its number. */
+  /** Returns the text of a tick; by default the number of the tick. */
   text?: (value: number) => string;
 }
 
@@ -23,7 +23,7 @@ interface Box {
 }
 
 const FONT = "12px system-ui, sans-serif";
-const LINE = 15; // pixels of a line of text
+const LINE = 15; // height of a line of text in pixels
 
 export class Plot {
   readonly canvas = element("canvas", { role: "img", tabindex: "0" });
@@ -32,15 +32,15 @@ export class Plot {
   width = 0;
   height = 0;
   box: Box = { left: 0, right: 1, top: 0, bottom: 1 };
-  /** Places of the texts in the last drawing. */
+  /** The texts in the last drawing, and their places. */
   texts: (Box & { text: string })[] = [];
   private xAxis!: Axis;
   private yAxis!: Axis;
 
-  /** `label` describes the picture for screen readers. `heightOf` returns its height for a width. */
+  /** `label` describes the picture for screen readers. `heightOf` returns the picture's height for a width. */
   constructor(label: string, private readonly heightOf: (width: number) => number, private readonly draw: () => void) {
     this.canvas.setAttribute("aria-label", label);
-    (this.canvas as HTMLCanvasElement & { plot: Plot }).plot = this; // for tests
+    (this.canvas as HTMLCanvasElement & { plot: Plot }).plot = this; // used by tests
     new ResizeObserver(() => this.redraw()).observe(this.root);
     onTheme(() => this.redraw());
   }
@@ -64,7 +64,7 @@ export class Plot {
     this.draw();
   }
 
-  /** Draws axes, and lays the box of the picture between them. */
+  /** Draws the axes, and places the box of the picture between them. */
   axes(x: Axis, y: Axis): void {
     [this.xAxis, this.yAxis] = [x, y];
     const lines = x.title === "" ? 1.4 : 2.6;
@@ -105,7 +105,7 @@ export class Plot {
     this.context.lineTo(x2, y2);
   }
 
-  /** Draws a line through the points; null interrupts it. */
+  /** Draws a line through the points. A null interrupts the line. */
   line(points: ([number, number] | null)[]): void {
     let isDown = false;
     for (const point of points) {
@@ -114,7 +114,8 @@ export class Plot {
     }
   }
 
-  /** Draws a text if there is space for it. `halo` separates it from lines; `within` moves it into the picture. */
+  /** Draws a text if there is space for it. `halo` separates the text from lines; `within` moves the text into the
+   * picture. */
   text(
     text: string, x: number, y: number,
     { align = "left", colour = "", halo = false, within = false }: { align?: CanvasTextAlign; colour?: string; halo?: boolean; within?: boolean } = {},
@@ -164,7 +165,7 @@ const shareOf = ({ range: [low, high], log }: Axis, value: number) =>
 const valueOf = ({ range: [low, high], log }: Axis, share: number) =>
   log ? low * (high / low) ** share : low + share * (high - low);
 
-/** Returns multiples of 1, 2 or 5 times a power of ten. */
+/** Returns the multiples of 1, 2 or 5 times a power of ten in a range. Their number is about `most`. */
 export function roundNumbers(low: number, high: number, most: number): number[] {
   const raw = (high - low) / most;
   if (!(raw > 0)) return [low];
@@ -174,7 +175,7 @@ export function roundNumbers(low: number, high: number, most: number): number[] 
   return Array.from({ length: Math.max(0, Math.floor(high / step + 1e-9) - first + 1) }, (_, i) => Number(((first + i) * step).toPrecision(12)));
 }
 
-/** Returns the powers of ten in a range; for a short range, also their doubles and fivefolds. */
+/** Returns the powers of ten in a range. If the range is short, also returns their doubles and fivefolds. */
 function powers(low: number, high: number): number[] {
   const decades = Math.log10(high / low);
   const every = Math.max(1, Math.ceil(decades / 8));
@@ -192,7 +193,8 @@ function tickText(value: number, all: number[]): string {
   return text.replace("e+", "e").replaceAll("-", "\u2212");
 }
 
-/** Returns the least and the greatest number, with a margin. Equal numbers give a range around them. Shares stay between 0 and 1. */
+/** Returns the least and the greatest number, with a margin. For equal numbers, returns a range around them. Shares
+ * stay between 0 and 1. */
 export function extent(values: Iterable<number | null>, { margin = 0.05, isShare = false } = {}): [number, number] {
   let [low, high] = [Infinity, -Infinity];
   for (const value of values) {
@@ -206,7 +208,8 @@ export function extent(values: Iterable<number | null>, { margin = 0.05, isShare
   return isShare ? [Math.max(0, low - space), Math.min(1, high + space)] : [low - space, high + space];
 }
 
-/** Calls back with the place of the pointer. A press that does not move is a click; a press that moves is a drag. */
+/** Calls the listeners with the place of the pointer. A press that does not move is a click; a press that moves is a
+ * drag. */
 export function listenToPointer(
   target: HTMLElement,
   { click, drag, end }: { click: (x: number, y: number) => void; drag?: (from: [number, number], to: [number, number]) => void; end?: () => void },
@@ -231,7 +234,7 @@ export function listenToPointer(
   target.addEventListener("pointerup", (event) => {
     if (!from) return;
     if (moved) {
-      drag?.(from, place(event)); // moves may be merged, so that the last one is not reported
+      drag?.(from, place(event)); // the browser may merge moves, so that it does not report the last one
       end?.();
     } else click(...from);
     from = null;

@@ -8,7 +8,7 @@ import { extent, listenToPointer, Plot } from "./plot";
 import { makeColumns, makeCommand, makeSmallTable, panel } from "./widgets";
 
 export function makeRare(rare: Rare): HTMLElement[] {
-  Object.assign(window.mebots, { rare }); // for scripts and tests
+  Object.assign(window.mebots, { rare }); // used by scripts and tests
   let chosen = -1;
   const redraws: (() => void)[] = [];
   const choose = (design: number) => {

@@ -38,7 +38,7 @@ function makeChart({ title, x, curves }: ReplayedFlight["charts"][number]): HTML
     order.forEach((i) => {
       const { y } = curves[i];
       context.strokeStyle = colours[i];
-      context.globalAlpha = isMeasured(i) ? 0.4 : 1; // a wide line, so that the model's line is visible on it
+      context.globalAlpha = isMeasured(i) ? 0.4 : 1; // draws the log as a wide line, so that the model's line is visible on it
       context.lineWidth = isMeasured(i) ? 4 : 1.4;
       context.beginPath();
       plot.line(y.map((value, k) => (value === null ? null : [plot.x(x[k]), plot.y(value)])));

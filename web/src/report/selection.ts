@@ -18,7 +18,7 @@ export class Selection {
   ticked: Mission[] = [];
   /** Time that drawing took in the last animation frame [ms]. */
   lastFrame_ms = 0;
-  /** Panels that must still be drawn after the last change. */
+  /** Panels that have not been drawn since the last change. */
   readonly dirty = new Set<() => void>();
   private readonly filters = new Map<string, Test>();
   private readonly listeners: (() => void)[] = [];

@@ -19,7 +19,7 @@ import { makeChoice, makeColumns } from "./widgets";
 export function makeStudy(study: Study): HTMLElement[] {
   const selection = new Selection(study.designs.number.length);
   const shown = new Shown(study);
-  Object.assign(window.mebots, { study, selection, shown }); // for scripts and tests
+  Object.assign(window.mebots, { study, selection, shown }); // used by scripts and tests
   const hasMeans = study.objectives.length > 0 && study.factors.some(({ levels }) => levels.length > 1);
   const fronts = study.objectives.length > 0 ? makeFronts(study, selection) : null;
   const effects = hasMeans ? makeEffects(study, selection, shown) : null;
@@ -56,12 +56,12 @@ function makeAnswer(study: Study): HTMLElement {
     ...remarks.map((text) => element("p", {}, text)), element("p", { class: "faint" }, facts));
 }
 
-/** Makes the controls of all panels: the objective and the selection. They stay in view. */
+/** Creates the controls of all panels: the objective and the selection. They stay visible while the page scrolls. */
 function makeToolbar(study: Study, selection: Selection, shown: Shown): HTMLElement {
   const text = element("span", { class: "status", role: "status" });
   const clear = element("button", { onclick: () => selection.reset() }, "show all");
   const draw = () => {
-    clear.style.visibility = selection.isFiltered ? "visible" : "hidden"; // its space stays, so that no panel moves under a brush
+    clear.style.visibility = selection.isFiltered ? "visible" : "hidden"; // keeps its space, so that no panel moves during a drag
     text.textContent = selection.isFiltered ? `${selection.count.toLocaleString("en")} of ${counted(selection.size, "design")} selected` : "all designs";
   };
   selection.onChange(draw);
@@ -70,7 +70,7 @@ function makeToolbar(study: Study, selection: Selection, shown: Shown): HTMLElem
   return element("div", { class: "toolbar" }, ...(study.objectives.length ? [choice] : []), text, clear);
 }
 
-/** Reloads the page of a running study, unless there is a selection or a chosen design. */
+/** Reloads the page of a running study periodically, unless there is a selection or a chosen design. */
 function reload(period_s: number, selection: Selection): void {
   setInterval(() => {
     if (!selection.isFiltered && selection.chosen < 0) location.reload();

@@ -6,10 +6,10 @@ import { factorText, objectiveText, titleOf } from "./format";
 import { PLACES } from "./fronts";
 import type { Selection } from "./selection";
 
-const ROW = 28; // pixels, as in report.css
+const ROW = 28; // height of a row in pixels, as in report.css
 const MOST_ROWS_IN_VIEW = 12;
-const LONGEST = 46; // characters of a column
-const NARROW = 620; // pixels, as in report.css
+const LONGEST = 46; // maximum number of characters in a column
+const NARROW = 620; // width of a narrow page in pixels, as in report.css
 
 interface Column {
   title: string;
@@ -17,7 +17,7 @@ interface Column {
   /** The value by which the column is sorted. */
   value(design: number): number | string | null;
   isNumber: boolean;
-  /** The sign with which the first click sorts better values first. */
+  /** The sign with which the first click on the title sorts better values first. */
   sign: number;
 }
 
@@ -26,7 +26,7 @@ export function makeTable(study: Study, selection: Selection): HTMLElement {
   const widths = columns.map(({ title, text }) => {
     let most = Math.max(5, title.length + 2);
     for (let i = 0; i < selection.size; ++i) most = Math.max(most, text(i).length);
-    return `${0.86 * Math.min(most, LONGEST) + 3}ch`; // most characters are narrower than a digit
+    return `${0.86 * Math.min(most, LONGEST) + 3}ch`; // most letters are narrower than a digit
   });
   const template = `34px ${widths.join(" ")}`;
   let [by, sign] = [0, 1];

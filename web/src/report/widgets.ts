@@ -6,7 +6,8 @@ export function panel(title: string, text: string, ...children: (Node | string)[
   return element("section", { class: "panel" }, element("h2", {}, title), element("p", { class: "note" }, text), ...children);
 }
 
-/** Makes two columns of panels. A narrow page has one column, in the given order. `isRight` selects the panels of the second column. */
+/** Creates two columns of panels. A narrow page has one column, in the given order. `isRight` selects the panels of
+ * the second column. */
 export function makeColumns(panels: HTMLElement[], isRight = (_: HTMLElement, i: number) => i % 2 === 1): HTMLElement {
   panels.forEach((one, i) => (one.style.order = String(i)));
   const [left, right] = [panels.filter((one, i) => !isRight(one, i)), panels.filter(isRight)];
@@ -41,7 +42,7 @@ export function makeTooltip(): Tooltip {
   };
 }
 
-/** Makes a command with a button that copies it. */
+/** Creates a text with a command, and a button that copies the command. */
 export function makeCommand(text: string): HTMLElement {
   const code = element("code", {}, text);
   const button = element("button", { class: "copy", onclick: () => void copy() }, "copy");
@@ -50,7 +51,7 @@ export function makeCommand(text: string): HTMLElement {
       await navigator.clipboard.writeText(text);
       button.textContent = "copied";
     } catch {
-      getSelection()?.selectAllChildren(code); // the browser forbids it: the text is selected for the keyboard
+      getSelection()?.selectAllChildren(code); // if the browser forbids copying, selects the text for the keyboard
       button.textContent = "selected";
     }
     setTimeout(() => (button.textContent = "copy"), 1500);
@@ -58,7 +59,7 @@ export function makeCommand(text: string): HTMLElement {
   return element("div", { class: "command" }, code, button);
 }
 
-/** Makes a table of a few rows. Numbers are right-aligned. */
+/** Creates a table of a few rows. Numbers are right-aligned. */
 export function makeSmallTable(heads: string[], rows: (string | number | null)[][]): HTMLElement {
   const cell = (value: string | number | null) => element("td", typeof value === "number" || /^[\u2212–\d]/.test(value ?? "–") ? { class: "number" } : {}, String(value ?? "–"));
   return element("div", { class: "scroll" }, element("table", {},

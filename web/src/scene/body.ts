@@ -4,7 +4,8 @@ import * as THREE from "three";
 import type { Json } from "../data/payload";
 import type { Run } from "../data/run";
 
-/** Drawn speed of a rotor at full command [rad/s]: much slower than the real one, so that the eye can see it. */
+/** Drawn speed of a rotor at full command [rad/s]. It is much lower than the real speed, so that the eye can see the
+ * rotation. */
 const DRAWN_SPEED = 25;
 /** Length of the drawn field of view [m]. */
 const FRUSTUM_M = 0.3;
@@ -49,7 +50,8 @@ export class Body {
     this.group.updateMatrixWorld();
   }
 
-  /** If there are several bodies, only the chosen one shows the view of its camera. */
+  /** Sets whether this body is the chosen one. If there are several bodies, only the chosen body shows the view of
+   * its camera. */
   setChosen(chosen: boolean): void {
     this.frustum.visible = chosen;
   }
@@ -63,7 +65,7 @@ export class Body {
     }
   }
 
-  /** Returns a corner of the drawn field of view, in the scene; null without a camera. */
+  /** Returns a corner of the drawn field of view in the scene's coordinates; null if the body has no camera. */
   frustumCorner(): THREE.Vector3 | null {
     return this.screen ? this.corner.clone().applyMatrix4(this.eye.matrixWorld) : null;
   }
@@ -72,7 +74,7 @@ export class Body {
     return [...(this.info.position as string[]), ...(this.info.attitude as string[])].every((name) => this.run.has(this.full(name)));
   }
 
-  /** Returns the positions at all rows, three numbers each. */
+  /** Returns the positions at all rows, as three numbers for each row. */
   path(): Float32Array {
     const columns = (this.info.position as string[]).map((name) => this.run.values(this.full(name))!);
     const points = new Float32Array(3 * this.run.times.length);
@@ -113,7 +115,8 @@ export class Body {
     this.eye.near = 0.02;
     this.eye.far = 100;
     this.eye.position.copy(lens.position);
-    // A camera of three.js looks along its own -z, with y up. The drone's camera looks along x, with z up, and is turned down by its pitch.
+    // A camera of three.js looks along its own -z, with y up. The drone's camera looks along x, with z up, and is
+    // pitched down.
     this.eye.quaternion
       .setFromEuler(new THREE.Euler(0, camera.pitch, 0, "ZYX"))
       .multiply(new THREE.Quaternion().setFromRotationMatrix(

@@ -41,7 +41,7 @@ export class Path {
     this.flown.geometry.setColors(colours);
   }
 
-  /** Shows the path up to `row`, the last row that is flown. */
+  /** Shows the path up to `row`, the last row at or before the shown time. */
   show(row: number): void {
     this.flown.geometry.instanceCount = Math.min(row, this.segments);
     this.flown.visible = row > 0;

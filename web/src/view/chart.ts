@@ -63,8 +63,8 @@ export class Chart implements Drawing {
     this.showWindow();
   }
 
-  /** Returns the data for uPlot. Curves of runs with different times are drawn over all times together, with gaps
-   * that lines bridge. */
+  /** Returns the data for uPlot. If runs have different times, uses the times of all runs together. Lines bridge the
+   * resulting gaps. */
   private data(): uPlot.AlignedData {
     const stacked = this.kind === "stack";
     const values = this.curves.map(({ curve }) => curve.values(this.window.mean));
@@ -80,7 +80,7 @@ export class Chart implements Drawing {
       .map((group) => [group.times, ...group.values] as uPlot.AlignedData));
   }
 
-  /** The curves in the order of uPlot.join: the curves of one run are together. */
+  /** The curves in the order of uPlot.join, in which the curves of one run are together. */
   private get ordered(): RunCurve[] {
     return this.runCount === 1 ? this.curves : [...this.curves].sort((a, b) => a.runIndex - b.runIndex);
   }
@@ -133,7 +133,7 @@ export class Chart implements Drawing {
   }
 }
 
-/** Stacks each curve on the previous ones. */
+/** Returns the sums of each curve and all previous curves, for a stack. */
 function cumulated(curves: Float64Array[]): Float64Array[] {
   const sums: Float64Array[] = [];
   for (const values of curves) {
@@ -153,7 +153,7 @@ function largest(data: uPlot.AlignedData): number {
  * prefix if space is short. */
 function tickText(value: number, step: number, prefix: string, unit: string): string {
   const places = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
-  const isQuarter = Math.abs(step * 10 ** places - Math.round(step * 10 ** places)) > 1e-6; // 0.25, say
+  const isQuarter = Math.abs(step * 10 ** places - Math.round(step * 10 ** places)) > 1e-6; // for example 0.25
   const decimals = Math.min(12, places + (isQuarter ? 1 : 0));
   const number = String(+value.toFixed(decimals)).replace("-", "\u2212");
   if (prefix === "") return number;

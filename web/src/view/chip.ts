@@ -14,14 +14,14 @@ interface Cores {
   cycles_waited?: number;
 }
 
-/** The clock of a core over the time in which it had power. */
+/** Describes the clock of a core over the time in which the core had power. */
 interface Clock {
   least_hz: number;
   most_hz: number;
   mean_hz: number;
 }
 
-/** Returns "87 MHz", or the range of a clock that changed. */
+/** Returns a text such as "87 MHz", or the range of a clock that changed. */
 export function clockText(clock: Clock | null): string {
   if (clock === null) return "off";
   const { least_hz, most_hz, mean_hz } = clock;
@@ -46,7 +46,7 @@ function number(text: string): HTMLElement {
   return element("td", { class: "number" }, text);
 }
 
-/** Makes a bar whose length is a share. */
+/** Creates a bar whose length is a share. */
 function bar(share: number): HTMLElement {
   const filled = element("i", { style: `width: ${Math.max(0, 100 * share)}%` });
   const paint = () => (filled.style.background = colour(0));
@@ -59,8 +59,8 @@ function shareText(share: number): string {
   return `${(100 * share).toFixed(1)} %`;
 }
 
-/** Makes the table of energies: the parts that consumed energy, the greatest first; then their sum, and the devices
- * of the board. */
+/** Creates the table of energies. It contains the parts that consumed energy, the greatest first, then their sum,
+ * and the devices of the board. */
 function makeEnergy(chip: Json): HTMLElement {
   const used = (list: Record<string, number>) => Object.entries(list).filter(([, joules]) => joules !== 0).sort(([, a], [, b]) => b - a);
   const row = (name: string, joules: number, text: string, share?: number) => element("tr", {},

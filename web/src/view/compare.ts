@@ -9,11 +9,11 @@ import { finalValues, shownValue } from "./statistics";
 interface Row {
   label: string;
   cells: string[];
-  /** Formats a change: for numbers, the last run minus the first run. */
+  /** The change as text; for numbers, the last run minus the first run. */
   difference: string;
 }
 
-/** A value as text and, if it is a number, as a number with its unit. */
+/** Contains a value as text and, if it is a number, as a number with its unit. */
 interface Cell {
   text: string;
   number?: number;

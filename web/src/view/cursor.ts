@@ -5,7 +5,7 @@ import type { Clock } from "../clock";
 import { element } from "../dom";
 import type { Window } from "./window";
 
-/** Adds the lines to an area that spans the times of the window. */
+/** Adds the lines to an area whose width corresponds to the times of the window. */
 export function addCursors(area: HTMLElement, clock: Clock, window: Window): void {
   const moment = element("div", { class: "moment" });
   const pointed = element("div", { class: "pointed" });

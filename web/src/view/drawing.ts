@@ -6,7 +6,7 @@ import { colour } from "../theme";
 /** Width of the axes left and right of the curves [px]. */
 export const AXIS = { left: 70, right: 16 };
 
-/** A curve of one of the runs. The first run is shown in full. */
+/** Contains a curve of one of the runs. The first run is shown in full. */
 export interface RunCurve {
   run: Run;
   runIndex: number;
@@ -15,7 +15,7 @@ export interface RunCurve {
 
 export interface Drawing {
   readonly root: HTMLElement;
-  /** Height in pixels. */
+  /** The height in pixels. */
   readonly height: number;
   /** Sets the height; null restores the initial height. */
   setHeight(height: number | null): void;

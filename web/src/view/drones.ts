@@ -6,7 +6,8 @@ import { shown } from "../data/units";
 import { element } from "../dom";
 import type { Stage } from "../scene/stage";
 
-/** Returns the variable of a group for a body: the member with the body's name, or with the index in this name. */
+/** Returns the variable of a group for a body. This is the member with the body's name, or with the index in this
+ * name. */
 function memberFor(members: Record<string, string>, body: string): string | undefined {
   return members[body] ?? members[/\[(\d+)\]$/.exec(body)?.[1] ?? ""];
 }

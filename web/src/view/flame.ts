@@ -40,7 +40,7 @@ export function makeFlames(profiles: Json[], window: Window): HTMLElement {
   let asked = false;
   window.onChange(() => {
     if (!windowed || asked || !drawing.isConnected) return;
-    asked = true; // wheel events are more frequent than frames
+    asked = true; // wheel events occur more often than animation frames
     requestAnimationFrame(() => {
       asked = false;
       draw();

@@ -7,14 +7,14 @@ import { shown, shownUnit } from "../data/units";
 import { dotted, element, svg } from "../dom";
 
 const BOX = { width: 170, height: 58 };
-const NAME = { size: 15, fits: 16 }; // font size, and the number of letters that a box holds in this size
-const LARGEST = 1.25; // pixels of the page per unit of the drawing, which one instance alone would exceed
+const NAME = { size: 15, fits: 16 }; // font size, and the number of letters that fit into a box
+const LARGEST = 1.25; // maximum number of page pixels per unit of the drawing; a single instance would exceed it
 
-/** Places for an arrow's label, as parts of its length. Places near the tail come first, because arrows cross in the
- * middle. */
+/** Positions for an arrow's label, as shares of its length. Positions near the tail come first, because arrows cross
+ * in the middle. */
 const SHARES = [0.34, 0.42, 0.5, 0.26, 0.58, 0.66, 0.74];
 
-/** A box, given by its middle and size. */
+/** Describes a box by its middle and size. */
 interface Place {
   x: number;
   y: number;
@@ -66,7 +66,7 @@ function placesOf(names: string[]): Map<string, [number, number]> {
   const count = names.length;
   if (count === 1) return new Map([[names[0], [140, 70]]]);
   if (count === 2) return new Map([[names[0], [130, 90]], [names[1], [480, 90]]]);
-  const radiusY = Math.max(150, 22 * count); // room for words between boxes
+  const radiusY = Math.max(150, 22 * count); // leaves space for texts between boxes
   const radiusX = 1.7 * radiusY;
   return new Map(names.map((name, i) => {
     const angle = (2 * Math.PI * i) / count - Math.PI / 2 - Math.PI / count;
@@ -94,7 +94,7 @@ function makeBox(name: string, model: string, [x, y]: [number, number], onChoose
     svg("text", { x: String(x), y: String(y + 16), class: "model" }, shortened(model)));
 }
 
-/** Makes an arrow. Adds the place of its text to the occupied places. */
+/** Creates an arrow. Adds the place of its text to the occupied places. */
 function makeArrow(bundle: Bundle, from: [number, number], to: [number, number], taken: Place[], onChoose: () => void): SVGElement {
   const group = svg("g", { class: "bundle", tabindex: "0", onclick: onChoose, onfocus: onChoose });
   const text = labelOf(bundle);
@@ -142,7 +142,7 @@ function edgeOf([x, y]: [number, number], [px, py]: [number, number]): [number, 
   return [x + share * dx, y + share * dy];
 }
 
-/** Describes each instance: its model, the description of the model, and its step. */
+/** Creates a description of each instance: its model, the description of the model, and its step. */
 function makeInstances(system: SystemInfo, names: string[]): HTMLElement[] {
   if (names.length === 0) return [];
   const rows = names.map((name) => {
@@ -153,7 +153,7 @@ function makeInstances(system: SystemInfo, names: string[]): HTMLElement[] {
     element("table", {}, element("thead", {}, element("tr", {}, ...["instance", "model", "what it is", "step"].map((head) => element("th", { class: "whole" }, head)))), element("tbody", {}, ...rows))];
 }
 
-/** Returns the function that updates the values to the shown time. */
+/** Adds a table of connections to `into`. Returns the function that updates the values to the shown time. */
 function showConnections(run: Run, clock: Clock, into: HTMLElement, bundles: Bundle[], title: string, before: HTMLElement[]): () => void {
   const rows = bundles.flatMap((bundle) => bundle.connections);
   const body = element("tbody", {});

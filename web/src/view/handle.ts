@@ -4,12 +4,12 @@
 import { element } from "../dom";
 import { recalled, remember } from "../remembered";
 
-const KEY_STEP = 16; // pixels
+const KEY_STEP = 16; // pixels per key press
 
 interface Options {
-  /** For screen readers: "height of the plot". The size is remembered under this name. */
+  /** Describes the bar for screen readers, such as "height of the plot". The size is stored under this name. */
   label: string;
-  /** "x": the bar moves to the left and right. */
+  /** The direction of movement. "x": the bar moves to the left and right. */
   axis: "x" | "y";
   /** The size that the bar changes [px]. */
   size: () => number;
@@ -47,11 +47,11 @@ export function makeHandle({ label, axis, size, resize }: Options): HTMLElement 
   bar.addEventListener("keydown", (event) => {
     if (event.key !== less && event.key !== more) return;
     event.preventDefault();
-    event.stopPropagation(); // the page's keys move the moment
+    event.stopPropagation(); // otherwise, the page would change the shown time
     resize(size() + (event.key === more ? KEY_STEP : -KEY_STEP));
     remember(label, size());
   });
   const last = recalled(label);
-  if (last !== null) requestAnimationFrame(() => resize(last)); // when the page has its layout
+  if (last !== null) requestAnimationFrame(() => resize(last)); // waits until the page has its layout
   return bar;
 }

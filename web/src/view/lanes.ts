@@ -8,7 +8,7 @@ import { AXIS, type Drawing, type RunCurve } from "./drawing";
 import { makeScrubbable } from "./scrub";
 import type { Window } from "./window";
 
-/** Heights [px]: a lane with words, a lane with shades only, the gap between lanes, a line for a name. */
+/** Heights [px] of a lane with words, of a lane with shades, of the gap between lanes, and of a line for a name. */
 const WORDS = 20;
 const SHADES = 13;
 const GAP = 3;
@@ -25,18 +25,19 @@ interface Lane {
   height: number;
 }
 
-/** Lanes below each other. Their area is aligned with that of the plots, so that a time is at the same place in all of them. */
+/** Draws lanes below each other. Their area is aligned with that of the plots, so that a time is at the same place
+ * in all of them. */
 export class Lanes implements Drawing {
   readonly root = element("div", { class: "lanes" });
   private readonly canvas = element("canvas", {});
   private readonly area = element("div", { class: "lane-area" }, this.canvas);
   private readonly lanes: Lane[] = [];
-  private readonly isAbove: boolean; // names over the lanes
+  private readonly isAbove: boolean; // true if names are above the lanes
   private readonly natural: number;
 
   constructor(curves: RunCurve[], clock: Clock, private readonly window: Window) {
     const names = laneNames(curves);
-    this.isAbove = widest(names) > AXIS.left - 6; // if one of them has no space next to the lanes
+    this.isAbove = widest(names) > AXIS.left - 6; // names are above if one has no space at the left of the lanes
     curves.forEach((entry, i) => {
       const name = element("div", { class: "lane-name", title: `${entry.curve.variable}, ${entry.run.name}` }, names[i]);
       this.root.append(name);
@@ -53,7 +54,7 @@ export class Lanes implements Drawing {
     window.onChange(() => this.redraw());
   }
 
-  /** Places lanes and names, and returns the height. */
+  /** Computes the places of lanes and names, and returns the total height. */
   private layOut(scale: number): number {
     let bottom = 0;
     for (const lane of this.lanes) {
@@ -71,7 +72,7 @@ export class Lanes implements Drawing {
     return this.area.clientHeight;
   }
 
-  /** Names keep their size, so only the rest is scaled. */
+  /** Sets the total height. Names keep their size, so only the rest is scaled. */
   setHeight(height: number | null): void {
     const fixed = this.lanes.length * (GAP + (this.isAbove ? NAME : 0));
     const scale = height === null ? 1 : (height - fixed) / (this.natural - fixed);
@@ -92,7 +93,8 @@ export class Lanes implements Drawing {
     for (const lane of this.lanes) this.drawLane(context, lane, most.get(lane.entry.curve.unit) ?? 1, area.clientWidth);
   }
 
-  /** Returns the greatest value of each unit in the lanes of shades, so that lanes of one unit can be compared. */
+  /** Returns the greatest value of each unit in the lanes of shades. Lanes of one unit have a common scale, so that
+   * they can be compared. */
   private greatest(): Map<string, number> {
     const most = new Map<string, number>();
     for (const { entry: { curve } } of this.lanes.filter(({ entry }) => !isWords(entry))) {
@@ -140,7 +142,7 @@ export class Lanes implements Drawing {
     const times = entry.run.times;
     context.fillStyle = colour(0);
     for (let i = 1; i < values.length; ++i) {
-      const from = Math.round(x(times[i - 1])); // whole pixels, so that neighbours leave no seam
+      const from = Math.round(x(times[i - 1])); // rounds to whole pixels, so that no gap appears between neighbours
       const to = Math.round(x(times[i]));
       if (to < 0 || values[i] <= 0) continue;
       context.globalAlpha = Math.min(1, values[i] / most);
@@ -150,7 +152,7 @@ export class Lanes implements Drawing {
   }
 }
 
-/** True if the states have names, or are on and off. */
+/** Returns true if the curve's states have names, or are on and off. */
 function isWords({ run, curve }: RunCurve): boolean {
   const info = run.info(curve.variable);
   return !curve.isRate && (info?.items !== undefined || info?.type === "Boolean");

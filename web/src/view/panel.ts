@@ -13,7 +13,7 @@ import { Lanes } from "./lanes";
 import type { Window } from "./window";
 
 interface Options {
-  /** Adds a button that removes the panel. */
+  /** If present, the panel has a close button that calls this function. */
   onClose?: () => void;
   /** Height of the curves [px]. */
   height?: number;
@@ -47,7 +47,7 @@ export function makePanel(info: PanelInfo, allRuns: Run[], clock: Clock, window:
   }));
   const outputs = curves.map((entry, i) => {
     const value = makeValue(entry, runCount, window);
-    if (kind === "lanes") value.swatch.remove(); // their colours are those of states
+    if (kind === "lanes") value.swatch.remove(); // lanes have the colours of states
     values.append(value.root);
     return { ...value, paint: () => paintSwatch(value.swatch, curveColour(entry, i, runCount), curveDash(curves, i, runCount)) };
   });
@@ -70,7 +70,7 @@ function isShares(info: PanelInfo, run: Run): boolean {
   return info.kind === "stack" && info.curves.every((wanted) => run.curve(wanted)?.unit === SHARE);
 }
 
-/** Makes a note with the time over which the shown values are means. */
+/** Creates a note with the time over which the shown values are means. */
 function meanNote(window: Window): HTMLElement {
   const note = element("span", { class: "unit" });
   const show = () => (note.textContent = ` mean over ${shown(Number(window.mean.toPrecision(2)), "s")}`);
@@ -79,7 +79,8 @@ function meanNote(window: Window): HTMLElement {
   return note;
 }
 
-/** Returns each run's curves. If several runs have stacked parts or many lanes, returns only each run's sum. */
+/** Returns the curves of each run. If several runs have stacked parts or many lanes, returns only the sum of each
+ * run. */
 function curvesOf(info: PanelInfo, runs: Run[]): RunCurve[] {
   const curves: RunCurve[] = [];
   const isParts = info.kind === "stack" || (info.kind === "lanes" && info.curves.every(({ rate_of }) => rate_of !== undefined));
@@ -99,7 +100,7 @@ function curvesOf(info: PanelInfo, runs: Run[]): RunCurve[] {
   return curves;
 }
 
-/** Gives the mark before a curve's name the look of the curve. */
+/** Draws the mark before a curve's name with the colour and dashes of the curve. */
 function paintSwatch(swatch: HTMLElement, tone: string, dash: [number, number] | undefined): void {
   swatch.classList.toggle("dashed", dash !== undefined);
   swatch.style.background = dash

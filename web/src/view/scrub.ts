@@ -6,13 +6,13 @@ import type { Clock } from "../clock";
 import { element } from "../dom";
 import type { Window } from "./window";
 
-/** If the mouse moves less than this [px], the action is a click. */
+/** Mouse movement below which a press is a click [px]. */
 const CLICK = 4;
 
 interface Options {
-  /** What a drag of the mouse does without shift. */
+  /** The effect of a drag of the mouse without shift. */
   drag: "chooses" | "moves";
-  /** The times that the target spans, if they are not those of the window. */
+  /** The times that the target spans, if they differ from those of the window. */
   along?: Window;
 }
 
@@ -22,8 +22,8 @@ export function makeScrubbable(target: HTMLElement, clock: Clock, window: Window
     return Math.min(Math.max((event.clientX - box.left) / Math.max(1, box.width), 0), 1);
   };
   const timeAt = (event: MouseEvent) => along.start + shareAt(event) * (along.stop - along.start);
-  const fingers = new Map<number, PointerEvent>(); // or the mouse
-  let marked: { from: PointerEvent; box: HTMLElement } | null = null; // a span that a drag chooses
+  const fingers = new Map<number, PointerEvent>(); // pressed fingers, or the pressed mouse button
+  let marked: { from: PointerEvent; box: HTMLElement } | null = null; // span that the present drag selects
   const isDrag = (event: MouseEvent) => Math.abs(event.clientX - marked!.from.clientX) >= CLICK;
   const showMarked = (event: MouseEvent) => {
     const [low, high] = [shareAt(marked!.from), shareAt(event)].sort((a, b) => a - b);
@@ -77,7 +77,7 @@ export function makeScrubbable(target: HTMLElement, clock: Clock, window: Window
   target.addEventListener(
     "wheel",
     (event) => {
-      if (!event.ctrlKey && !event.shiftKey) return; // the page scrolls
+      if (!event.ctrlKey && !event.shiftKey) return; // lets the page scroll
       event.preventDefault();
       window.zoom(Math.exp((event.deltaY || event.deltaX) / 300), timeAt(event));
     },

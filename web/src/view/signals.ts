@@ -8,7 +8,7 @@ import { element } from "../dom";
 
 const MOST_ROWS = 400;
 
-/** Other words for a variable with this meaning. */
+/** Maps a word of a search to other words for the same quantity. */
 const SYNONYMS: Record<string, string[]> = {
   altitude: ["position.z", "height"], height: ["position.z", "altitude"], battery: ["cell."], charge: ["state_of_charge", "soc"],
   heading: ["yaw"], cpu: ["soc.", "core"], chip: ["soc."], propeller: ["rotor"], motor: ["rotor"], drone: ["body"],

@@ -5,7 +5,7 @@ import type { Run } from "../data/run";
 import { shown, shownUnit } from "../data/units";
 import { element } from "../dom";
 
-/** Keys of summary.json that are not values of the config's `summary`. */
+/** Lists the keys of summary.json that are not values of the config's `summary`. */
 const OWN = new Set(["outcome", "end_reason", "end_text", "error", "real_time_factor", "step", "steps", "stop_time", "rows", "units",
   "wall_clock", "versions", "parameters", "inputs", "notices", "statistics", "scenario", "lost_instances", "simulated_time"]);
 
@@ -15,7 +15,8 @@ export interface FinalValue {
   unit: string;
 }
 
-/** Returns the values of the config's `summary`. A nested label follows its outer label. `members`: includes the members of groups. */
+/** Returns the values of the config's `summary`. The label of a nested value follows the label of the outer value.
+ * `members` determines whether the members of groups are included. */
 export function finalValues(summary: Json, members = true): FinalValue[] {
   const found: FinalValue[] = [];
   const walk = (values: Json, units: Json, path: string[]) => {
@@ -31,7 +32,7 @@ export function finalValues(summary: Json, members = true): FinalValue[] {
   return found;
 }
 
-/** Returns the values like finalValues(), without the members of groups. The statistics of groups remain. */
+/** Returns the same values as finalValues(), but without the members of groups. The statistics of groups remain. */
 export function mainValues(summary: Json): FinalValue[] {
   return finalValues(summary, false);
 }

@@ -15,7 +15,7 @@ function firstTrue(run: Run, ending: string): number | null {
   return row > 0 ? run.times[row] : null;
 }
 
-/** Returns text such as "Crossed the gate 1.4 cm off its middle after 23.5 s". */
+/** Returns a text such as "Crossed the gate 1.4 cm off its middle after 23.5 s"; empty if no gate was crossed. */
 function crossing(run: Run): string {
   const time = firstTrue(run, ".gate.crossed");
   if (time === null) return "";
@@ -24,7 +24,7 @@ function crossing(run: Run): string {
   return `crossed the gate${off} after ${shownTime(time)}`;
 }
 
-/** Returns a text about the energy that was delivered, and the largest part of it. */
+/** Returns a text about the delivered energy and its largest part. */
 function energy(summary: Json): string {
   const { delivered, ...parts } = summary.energy ?? {};
   if (summary.units?.energy?.delivered !== "J" || typeof delivered !== "number" || !(delivered > 0)) return "";
@@ -39,7 +39,7 @@ function charge(summary: Json): string {
   return typeof left === "number" && summary.units?.state_of_charge === "1" ? `${(100 * left).toFixed(1)} % of the charge left` : "";
 }
 
-/** Returns a text about a program on the chip alone: mean power, and the instructions of the controller. */
+/** Returns a text about a program that ran on the chip alone: mean power, and the instructions of the controller. */
 function chip({ header }: Run): string {
   if (!header.chip) return "";
   const { chip_mean_w, controller, cluster, clocks } = header.chip;
@@ -47,7 +47,7 @@ function chip({ header }: Run): string {
   return `${chip_mean_w === null ? "" : `${shown(chip_mean_w, "W")} in the mean; `}${counts}`;
 }
 
-/** Returns one sentence on a run that has ended; "" if the run left no results. */
+/** Returns one sentence about a run that has ended; "" if the run left no results. */
 export function storyOf(run: Run): string {
   const { summary } = run;
   if (summary.outcome === undefined) return "";
@@ -74,9 +74,9 @@ export function makeStory(run: Run): HTMLElement {
   return element("div", { class: "story" }, what, happened);
 }
 
-const MOST_STORIES = 4; // more would leave no space for the scene
+const MOST_STORIES = 4; // more sentences would leave no space for the scene
 
-/** Makes one sentence for each of several runs. */
+/** Creates one sentence for each of several runs. */
 export function makeStories(runs: Run[]): HTMLElement {
   const lines = runs.slice(0, MOST_STORIES).filter((run) => storyOf(run) !== "").map((run) => element("p", { class: "happened" }, `${run.name}: ${storyOf(run)}`));
   return element("div", { class: "story" }, ...lines);

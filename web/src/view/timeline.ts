@@ -9,7 +9,7 @@ import { element } from "../dom";
 import { makeScrubbable } from "./scrub";
 import { Window } from "./window";
 
-const MARGIN = 24; // pixels between the shown time and the line, as in page.css
+const MARGIN = 24; // pixels between the text of the shown time and the line, as in page.css
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10];
 
 export function makeTimeline(run: Run, clock: Clock, window: Window): HTMLElement {
@@ -73,8 +73,8 @@ function keepApart(marks: HTMLElement[], first: number): void {
     mark.classList.remove("quiet");
     words.style.marginLeft = "";
     const box = words.getBoundingClientRect();
-    const over = Math.max(0, box.right + 4 - innerWidth); // the last words would leave the page
-    const under = Math.max(0, first - box.left); // the first ones would lie over the time
+    const over = Math.max(0, box.right + 4 - innerWidth); // pixels of the text beyond the right edge of the page
+    const under = Math.max(0, first - box.left); // pixels of the text that would cover the shown time
     const quiet = box.left - over + under < end + 8 || mark.classList.contains("warning");
     mark.classList.toggle("quiet", quiet);
     if (quiet) continue;

@@ -13,7 +13,7 @@ export class Window {
     this.to = end;
   }
 
-  /** If the span is the whole run, extends it together with the run. */
+  /** Extends the span to a later end of the run, if the span is the whole run. */
   extend(end: number): void {
     const whole = this.isWhole;
     this.end = end;
