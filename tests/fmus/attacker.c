@@ -103,7 +103,7 @@ static int process_file(const char* name, int flags) {
   return flags == O_RDONLY ? has_content(path) : opens(path, flags);
 }
 
-// Files.
+// Attacks on files.
 static int read_private_file(void) {
   return has_content(in_home("private.txt"));
 }
@@ -221,7 +221,7 @@ static int open_by_handle(void) {
   return file >= 0;
 }
 
-// Devices.
+// Attacks on devices.
 static int open_memory(void) {
   return opens("/dev/mem", O_RDONLY);
 }
@@ -270,7 +270,7 @@ static int open_queue(void) {
   return queue >= 0;
 }
 
-// Sockets.
+// Attacks through sockets.
 static int reaches(int family, int type, const void* address, socklen_t size) {
   const int line = socket(family, type | SOCK_CLOEXEC, 0);
   const int done = line >= 0 && connect(line, address, size) == 0;
@@ -345,7 +345,7 @@ static int list_interfaces(void) {
   return done;
 }
 
-// Other processes.
+// Attacks on other processes.
 static int read_arguments(void) {
   return process_file("cmdline", O_RDONLY);
 }
@@ -498,7 +498,7 @@ static int change_root(void) {
   return chroot("/usr") == 0;
 }
 
-// The kernel.
+// Attacks on the kernel.
 static int load_bpf(void) {
   char attributes[128] = {1, 0, 0, 0, 4, 0, 0, 0, 4, 0, 0, 0, 1};  // a map: hash, key 4, value 4, one entry
   const long map = syscall(SYS_bpf, 0, attributes, sizeof attributes);
@@ -565,7 +565,7 @@ static int watch_files(void) {
   return group >= 0;
 }
 
-// Resources.
+// Attacks that exhaust resources.
 static int many_processes(void) {
   enum { MANY = 1000 };
   static pid_t children[MANY];
@@ -740,7 +740,7 @@ static const Attack attacks[] = {
     ATTACK(real_time, "take real-time priority"),
 };
 
-/// Runs an attack in a separate process, whose end undoes the effects on the process.
+/// Runs an attack in a separate process. The effects of the attack on the process end with this process.
 static int reached_by_child(int (*reach)(void)) {
   const pid_t child = fork();
   if (child == 0) {

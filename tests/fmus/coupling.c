@@ -84,7 +84,7 @@ typedef struct {
   double h;
   pthread_t thread;
   int running;
-  atomic_int status;  // of the step; fmi2Pending while it continues
+  atomic_int status;  // status of the step; fmi2Pending while the step continues
   atomic_int cancelled;
 } Model;
 

@@ -224,7 +224,7 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real point, fmi2Real h, fmi2B
   if (std::abs(point - c.state.time) > 1e-9) return c.refuse("the step starts at another time");
   if (c.does("exit")) std::exit(3);
   if (c.does("umask") && c.state.time > 0.25) umask(0);
-  if (c.does("heap")) {  // damages the shared heap, and logs
+  if (c.does("heap")) {  // damages the shared heap, and logs a message
     auto* volatile block = static_cast<char*>(std::malloc(1000));
     std::memset(block, 'x', 60000);
     static const std::string text(20000, 'y');

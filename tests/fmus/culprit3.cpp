@@ -21,7 +21,7 @@ struct Instance : Saved {
   int events = 0;
 };
 
-double shared = 0;  // of all instances, for the crime "shared"
+double shared = 0;  // shared by all instances, for the crime "shared"
 
 Instance& of(fmi3Instance instance) {
   return *static_cast<Instance*>(instance);
@@ -184,7 +184,7 @@ fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance, std::size_t* count) {
   return fmi3OK;
 }
 
-// All elements have the value of the output.
+// Returns the value of the output for all requested elements.
 #define MEBOTS_DEFINE(name, type)                                                                              \
   fmi3Status fmi3Get##name(fmi3Instance instance, const fmi3ValueReference[], std::size_t, type values[],      \
                            std::size_t count) {                                                                \
@@ -203,7 +203,7 @@ fmi3Status fmi3SetString(fmi3Instance, const fmi3ValueReference[], std::size_t, 
   return fmi3Error;
 }
 
-// The FMU does not support these functions.
+// Functions that the FMU does not support. They return an error.
 fmi3Status fmi3EnterConfigurationMode(fmi3Instance) {
   return fmi3Error;
 }

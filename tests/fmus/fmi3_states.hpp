@@ -6,8 +6,8 @@
 
 #include <cstring>
 
-/// Defines the functions for saved states. The bytes of a `State` are copied. of(instance) must return a reference to a
-/// State, or to a class that is derived from it.
+/// Defines the functions for saved states. A saved state is a copy of the bytes of a `State`. of(instance) must return
+/// a reference to a State, or to a class that is derived from it.
 #define FMI3_SAVED_STATES(State)                                                                                    \
   fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState* state) {                                          \
     *state = new State(of(instance));                                                                               \

@@ -4,7 +4,7 @@
 #pragma once
 
 #ifdef __cplusplus
-#define FMI2_DEFINE  // functions.hpp declares them with their visibility
+#define FMI2_DEFINE  // functions.hpp declares the functions with their visibility
 #else
 #define FMI2_DEFINE FMI2_EXPORT
 #endif
@@ -24,8 +24,8 @@
   }                                                \
   FMI2_ANSWER(fmi2OK, fmi2SetDebugLogging, fmi2Component, fmi2Boolean, size_t, const fmi2String[])
 
-// Some tools load a library only if it has all functions of the standard: those that the FMU does not support return an
-// error.
+// Defines functions that return an error. Some tools load a library only if it has all functions of the standard,
+// including those that the FMU does not support.
 #define FMI2_NO_STATE                                                   \
   FMI2_ANSWER(fmi2Error, fmi2GetFMUstate, fmi2Component, fmi2FMUstate*) \
   FMI2_ANSWER(fmi2Error, fmi2SetFMUstate, fmi2Component, fmi2FMUstate)  \
@@ -58,8 +58,8 @@
     return count == 0 ? fmi2OK : fmi2Error;                                                                           \
   }
 
-/// Variables of one type as an array of a model: FIELD(component) with NUMBER values. CHANGED(component) is called
-/// after a change.
+/// Defines the functions that get and set the variables of one type. The variables are the array FIELD(component) with
+/// NUMBER values. CHANGED(component) is called after a change.
 #define FMI2_VALUES(TYPE, FIELD, NUMBER, CHANGED)                                                                 \
   FMI2_DEFINE fmi2Status fmi2Get##TYPE(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2##TYPE v[]) { \
     for (size_t i = 0; i < n; ++i) {                                                                              \

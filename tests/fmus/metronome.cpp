@@ -22,7 +22,7 @@ struct Metronome {
   bool beat = false;
   bool echo = false;
   bool tap = false;
-  bool starts_echo = false;  // its interval is new
+  bool starts_echo = false;  // true if the interval of `echo` has changed
   double interval = 0;
 
   double* real(fmi3ValueReference reference) {
@@ -93,7 +93,7 @@ fmi3Status fmi3GetClock(fmi3Instance instance, const fmi3ValueReference[], std::
   return fmi3OK;
 }
 
-/// Handles the ticks of clocks that the importer sets.
+/// Handles the ticks of the input clocks that the importer sets.
 fmi3Status fmi3SetClock(fmi3Instance instance, const fmi3ValueReference references[], std::size_t count,
                         const fmi3Clock[]) {
   auto& metronome = of(instance);

@@ -23,7 +23,7 @@ enum { PARTS = 64 };
 
 typedef struct {
   double reals[REALS];
-  double slopes[2];  // of FORCE and OTHER_VELOCITY
+  double slopes[2];  // slopes of FORCE and OTHER_VELOCITY
   double acceleration, pull_rate;
 } Model;
 

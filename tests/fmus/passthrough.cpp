@@ -80,7 +80,7 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real, fmi2Real, fmi2Boolean) 
   Passthrough& p = self(component);
   fmi2Real x = p.reals[kU];
   for (fmi2Integer i = 0; i < p.work; ++i) x = 0.5 * x + p.reals[kU];
-  p.reals[kY] = p.work == 0 ? p.reals[kU] : 0.5 * x;  // 0.5 x tends to u
+  p.reals[kY] = p.work == 0 ? p.reals[kU] : 0.5 * x;  // x converges to 2 u, so y converges to u
   p.reals[kSum] += p.reals[kU];
   return fmi2OK;
 }

@@ -80,12 +80,12 @@ typedef struct {
   State state;
   fmi2CallbackFunctions callbacks;
   char name[TEXT_SIZE];
-  int zero;  // a value that the compiler does not know
+  int zero;  // a zero that the compiler cannot see
   int* null;
   int file;
   int has_thread;
-  int was_bad;     // a fault that occurs once has occurred
-  int bad_string;  // string_out is at an invalid address
+  int was_bad;     // true if a fault that occurs only once has occurred
+  int bad_string;  // true if string_out is at an invalid address
 } Probe;
 
 /// These C++ exceptions are in probe_throw.cpp.
@@ -151,7 +151,7 @@ FMI2_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
   return p;
 }
 
-/// Changes the process for all code in it.
+/// Changes settings of the process, which affect all code in it.
 static void meddle(void) {
   umask(0);
   if (chdir("/") != 0) abort();
@@ -161,7 +161,7 @@ static void meddle(void) {
   close(0);
 }
 
-/// Changes the environment for other instances; one entry is in memory that is unloaded with the library.
+/// Changes the environment, which other instances see. One entry is in memory that is unloaded with the library.
 static void change_environment(void) {
   static char own_entry[] = "PROBE_ENTRY=1";
   setenv("PROBE_INTEGRAL", "7", 1);
@@ -170,7 +170,7 @@ static void change_environment(void) {
   putenv(own_entry);
 }
 
-/// Changes the thread that calls it, and starts timers.
+/// Changes settings of the calling thread, and starts timers.
 static void meddle_with_thread(void) {
   static char stack[1 << 16];
   const stack_t own_stack = {.ss_sp = stack, .ss_size = sizeof stack};
@@ -196,7 +196,7 @@ static void meddle_with_thread(void) {
   if (timer_create(CLOCK_MONOTONIC, &event, &timer) == 0) timer_settime(timer, 0, &much_later, NULL);
 }
 
-// This function is called when the library is unloaded.
+// If one of these is set, the library ends the process when it is unloaded.
 static int dies_at_end = 0;
 static int exits_at_end = 0;
 __attribute__((destructor)) static void end(void) {
@@ -226,7 +226,7 @@ FMI2_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tole
   return fmi2OK;
 }
 
-// This thread continues long after its FMU was freed.
+// Runs in a thread that continues long after the FMU was freed.
 static void* stay(void* nothing) {
   for (int i = 0; i < 100; ++i) usleep(1000);
   return nothing;
@@ -323,7 +323,7 @@ static void* say_from_a_thread(void* argument) {
   return NULL;
 }
 
-// Misuses the logger in one of many ways. The tests contain the resulting messages.
+// Misuses the logger in one of many ways, which `fault` names. The tests contain the resulting messages.
 static int abuse_logger(Probe* p, const char* fault) {
   void* own = p->callbacks.componentEnvironment;
   if (strcmp(fault, "log_foreign") == 0) {
@@ -349,7 +349,7 @@ static int abuse_logger(Probe* p, const char* fault) {
   return 1;
 }
 
-/// Returns the address of the memory that the master shares under this name; null if there is none.
+/// Returns the address of the memory that the master shares under this name; null if it shares none.
 static char* shared_memory(const char* name) {
   FILE* maps = fopen("/proc/self/maps", "r");
   char line[512];
@@ -361,10 +361,10 @@ static char* shared_memory(const char* name) {
   return (char*)start;
 }
 
-/// Offsets in `Control`, master/src/slave/isolation/protocol.hpp.
+/// Offsets of members of `Control`, master/src/slave/isolation/protocol.hpp.
 enum { ANSWER_BYTES = 24, LOG_BYTES = 32, CALLS = 44, ANSWERED = 8 };
 
-/// Continuously reports that the next call has started.
+/// Counts up the number of calls without end, as if the next call had started.
 static void* forge_calls(void* place) {
   for (;;) ++*(volatile uint32_t*)place;
 }
@@ -382,7 +382,7 @@ static void forge(const char* fault) {
   if (strcmp(fault, "forge_calls") == 0) {
     start_thread(&forge_calls, control + CALLS);
   } else {
-    *(volatile uint32_t*)(control + ANSWERED) += 1;  // as if the call had returned
+    *(volatile uint32_t*)(control + ANSWERED) += 1;  // forges the end of the call
   }
   for (;;) pause();
 }
@@ -392,7 +392,7 @@ static int refused(long answer) {
   return answer == -1 && (errno == EPERM || errno == EACCES || errno == ESRCH || errno == ENOENT);
 }
 
-/// Opens a file or folder of a process; -1 if that fails.
+/// Opens a file or folder of a process in /proc. Returns -1 if that fails.
 static int open_of(pid_t process, const char* what, int access) {
   char path[64];
   snprintf(path, sizeof path, "/proc/%d/%s", process, what);
@@ -438,7 +438,7 @@ static void harm_others(void) {
   }
 }
 
-/// Starts and ends a process, as FMUs with a helper do.
+/// Starts a process and ends it, as FMUs with a helper program do.
 static void end_child(void) {
   const pid_t child = fork();
   if (child == 0) {
@@ -458,7 +458,7 @@ static void end_from_handler(int signal_number) {
   _exit(0);
 }
 
-/// Ends the process, or a fork of it. "kernel_exit" bypasses the C library.
+/// Ends the process, or a forked process, in the way that `fault` names. "kernel_exit" bypasses the C library.
 static void end_process(const char* fault) {
   if (strcmp(fault, "exit") == 0) exit(3);
   if (strcmp(fault, "quick_exit") == 0) quick_exit(0);
@@ -483,7 +483,7 @@ static void end_process(const char* fault) {
   }
 }
 
-/// Ends its thread, copies or replaces its process, or lets a signal end it.
+/// Ends the thread, copies or replaces the process, or ends it by a signal, as `fault` states.
 static void leave(Probe* p, const char* fault) {
   if (strcmp(fault, "pthread_exit") == 0) pthread_exit(NULL);
   if (strcmp(fault, "cancel") == 0 || strcmp(fault, "enabled_cancel") == 0) {
@@ -530,7 +530,7 @@ static void flood_log(Probe* p) {
   free(text);
 }
 
-/// Starts a process in a new session, whose parent has ended; then hangs.
+/// Starts a process in a new session, whose parent has ended. Then hangs.
 static void leave_daemon(void) {
   const pid_t between = fork();
   if (between == 0) {
@@ -609,7 +609,7 @@ static fmi2Status misbehave(Probe* p, const char* fault) {
   if (strcmp(fault, "end_child") == 0) end_child();
   if (strncmp(fault, "forge_", 6) == 0) forge(fault);
 #if defined(__x86_64__)
-  if (strcmp(fault, "foreign_call") == 0) {  // kill(parent, SIGKILL) by the system call of 32-bit programs
+  if (strcmp(fault, "foreign_call") == 0) {  // calls kill(parent, SIGKILL) by the system call of 32-bit programs
     long answer = 37;
     __asm__ volatile("int $0x80" : "+a"(answer) : "b"(getppid()), "c"(SIGKILL));
   }
@@ -658,7 +658,7 @@ FMI2_EXPORT fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate* state) {
 
 FMI2_EXPORT fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
   memcpy(&((Probe*)c)->state, state, sizeof(State));
-  show_buffer(c);  // an address is not a state: this instance has its own buffers
+  show_buffer(c);  // a state cannot contain the address, because each instance has its own buffers
   return fmi2OK;
 }
 

@@ -44,11 +44,11 @@ struct Sampler {
   bool endless = false;
   bool in_initialization = false;
   bool in_event = false;
-  bool sample = false;  // ticks
+  bool sample = false;  // true while the clock ticks
   bool echo = false;
   bool crossed = false;
   bool tap = false;
-  bool starts_echo = false;  // its interval is new
+  bool starts_echo = false;  // true if the interval of `echo` has changed
 
   bool get(fmi3ValueReference reference, double& value) const {
     switch (reference) {

@@ -73,7 +73,7 @@ struct Springs {
         return {domain};
     }
   }
-  /// Returns the number of values used.
+  /// Sets an array from the first elements of `values`. Returns the number of elements that it used.
   std::size_t set(fmi3ValueReference reference, std::span<const double> values) {
     for (auto [array_reference, array] : {std::pair{kForce, &force}, {kX, &x}, {kV, &v}}) {
       if (array_reference != reference) continue;
@@ -177,7 +177,7 @@ fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance instance, fmi3Float64 
   return fmi3OK;
 }
 
-/// Knowns and unknowns are whole arrays.
+/// Each known and unknown is a whole array.
 fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],
                                         std::size_t unknown_count, const fmi3ValueReference knowns[],
                                         std::size_t known_count, const fmi3Float64 seeds[], std::size_t,

@@ -12,16 +12,16 @@ enum Reference : fmi3ValueReference { kSize = 1, kFault, kAt, kY, kEvents, kBlob
 
 enum class Fault : fmi3Int32 {
   none,
-  early,       // returns in the middle of each step, with an event
+  early,       // returns in the middle of each step, because of an event
   stuck,       // returns at the start of a step, again and again
   past,        // returns at a time before the step
   future,      // returns at a time after the step
   no_time,     // returns at a time that is not a number
-  endless,     // an event always needs another update
+  endless,     // each event requires another update, without end
   growing,     // `blob` has twice as many bytes after each step
-  huge,        // `bulk` claims to have 2^31 bytes
+  huge,        // `bulk` reports a size of 2^31 bytes
   unreadable,  // `bulk` is at an address without memory
-  more,        // writes one element of `y` too many
+  more,        // returns one element of `y` too many
   fewer,       // expects one element of `y` fewer than `n`
 };
 
@@ -32,7 +32,7 @@ struct State {
   double time = 0;
   double y = 0;
   fmi3Int32 events = 0;
-  fmi3UInt64 bytes = 1024;  // of `blob`
+  fmi3UInt64 bytes = 1024;  // size of `blob`
 
   bool faults() const { return time >= at; }
 };
@@ -84,7 +84,7 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean* need_upd
 
 fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 start, fmi3Float64 step, fmi3Boolean, fmi3Boolean* event,
                       fmi3Boolean* terminate, fmi3Boolean* early, fmi3Float64* reached) {
-  constexpr double kWholeStep = 0.075;  // the tests' step is 0.1 s
+  constexpr double kWholeStep = 0.075;  // shorter than the tests' step of 0.1 s
   auto& unruly = of(instance);
   unruly.time = start;
   *event = *terminate = *early = false;

@@ -46,7 +46,7 @@ fmi3Status fmi3DoStep(fmi3Instance, fmi3Float64, fmi3Float64, fmi3Boolean, fmi3B
   return fmi3OK;
 }
 
-// The functions that get and set the values of one type.
+// Defines the functions that get and set the values of one type.
 #define MEBOTS_ACCESS(Name, Type, member)                                                                             \
   fmi3Status fmi3Get##Name(fmi3Instance instance, const fmi3ValueReference[], std::size_t count, Type values[],       \
                            std::size_t) {                                                                             \

@@ -27,7 +27,7 @@ csv.field_size_limit(1 << 20)
 
 
 class Targets:
-    """The targets of the attacks."""
+    """Sets up the targets of the attacks."""
 
     def __init__(self, folder: pathlib.Path):
         self.home = folder / "home"
@@ -111,7 +111,7 @@ def attack(mebots: str, fmu: str, kind: str, folder: pathlib.Path) -> dict[str, 
 
 
 def table_in(page: pathlib.Path) -> dict[tuple[str, str], str]:
-    """Returns the results stated on a page, by text of the attack and kind of process."""
+    """Returns the results in the table of a page, by text of the attack and kind of process."""
     rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in page.read_text().splitlines() if line.startswith("| ")]
     start = next(i for i, row in enumerate(rows) if row[0] == "an FMU tries to")
     return {(row[0], kind): cell for row in rows[start + 1:] for kind, cell in zip(rows[start][1:], row[1:])}

@@ -21,9 +21,9 @@ sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "support"))
 import io_faults
 
 OF_TIME = ("wall_clock", "real_time_factor", "resumed_at")
-"""Keys of summary.json that differ between runs, and between a run and a resumed one."""
+"""Lists the keys of summary.json that differ between two runs, or between a run and a resumed run."""
 GROWS = ("results.csv", "log.txt")
-"""Files that are written under their final names from the start."""
+"""Lists the files that have their final names from the start."""
 
 
 def system(probe, stop_s, format, record=("a.*", "b.*")):
@@ -36,8 +36,8 @@ def system(probe, stop_s, format, record=("a.*", "b.*")):
 
 
 class Run:
-    """A run into one folder, with optional checkpoints. After a fault it is resumed from its checkpoint, or
-    repeated."""
+    """Performs a run into one folder, with optional checkpoints. After a fault, the run is resumed from its checkpoint,
+    or repeated."""
 
     def __init__(self, mebots, config, *more):
         self.command = [mebots, "run", str(config), "--quiet", *more]
@@ -65,7 +65,7 @@ class Report(Run):
 
 
 def without_times(text):
-    """Returns the summary without values that depend on the clock."""
+    """Returns the summary without the values that depend on the clock."""
     def cut(value):
         if isinstance(value, dict):
             return {key: cut(one) for key, one in value.items() if key not in OF_TIME}
@@ -74,8 +74,8 @@ def without_times(text):
 
 
 def rows_of(file):
-    """Returns the data sets of an HDF5 file. In a resumed run they are copied from results.csv and have other places
-    in the file."""
+    """Returns the data sets of an HDF5 file. A resumed run copies them from results.csv, so they have other places in
+    the file."""
     found = {}
 
     def take(name, item):
@@ -88,18 +88,18 @@ def rows_of(file):
 
 
 def content(out):
-    """Returns the contents of the files that must be equal again, by file name."""
+    """Returns the contents of the files that must be equal in each run, by file name."""
     files = {path.name: path.read_bytes() for path in out.iterdir() if path.is_file()}
     if "summary.json" in files:
         files["summary.json"] = without_times(files["summary.json"])
     if "results.h5" in files:
         files["results.h5"] = rows_of(out / "results.h5")
-    files.pop("log.txt", None)  # the log of a resumed run contains a notice of it
+    files.pop("log.txt", None)  # the log of a resumed run contains an additional notice
     return files
 
 
 def torn(out, whole):
-    """Returns the files that are neither complete nor absent."""
+    """Returns the files that are incomplete."""
     found = []
     for path in out.iterdir() if out.exists() else ():
         name, bytes_ = path.name, path.read_bytes() if path.is_file() else b""
@@ -127,7 +127,7 @@ def torn(out, whole):
 
 
 def problem_of(case, out, fault, done, whole, preload):
-    """Returns the problem after a fault, or an empty text."""
+    """Checks the run after a fault. Returns a description of the problem; an empty text if there is none."""
     told = done.stdout + done.stderr
     if fault.removesuffix(io_faults.STICKY) in io_faults.HARMLESS:
         if done.returncode != 0:
@@ -154,7 +154,8 @@ def problem_of(case, out, fault, done, whole, preload):
 
 
 def sweep(name, case, folder, preload, most):
-    """Makes the calls of a case fail in turn. Prints a row per kind and fault, and returns the number of problems."""
+    """Makes each call of a case fail in turn. Prints a row per kind of call and fault, and returns the number of
+    problems."""
     out = folder / "out"
     done, counts = io_faults.run(preload, case.first(out), out)
     assert done.returncode == 0, done.stderr

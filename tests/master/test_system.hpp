@@ -21,15 +21,15 @@
 #include <string_view>
 #include <vector>
 
-/// Code that the master's tests share, mostly for configs that use the probe FMU (tests/fmus/probe.c).
+/// Contains code that the master's tests share, mostly for configs that use the probe FMU (tests/fmus/probe.c).
 namespace mebots::test {
 
-/// Returns `text` with every "PROBE" replaced by the path of the FMU made from tests/fmus/probe.c, and "COUPLING" by
-/// that of coupling.c.
+/// Replaces every "PROBE" in `text` by the path of the FMU made from tests/fmus/probe.c, and "COUPLING" by that of
+/// coupling.c.
 std::string with_probe(std::string text);
 
-/// A copy of a test FMU (tests/fmus/NAME.c) with `text` in place of a part of its description. Deleted by the
-/// destructor.
+/// Creates a copy of a test FMU (tests/fmus/NAME.c) in which `text` replaces a part of the description. The destructor
+/// deletes the copy.
 class ChangedFmu {
  public:
   ChangedFmu(const std::string& name, const std::string& part, const std::string& text);
@@ -43,7 +43,7 @@ class ChangedFmu {
 template <typename Work>
 std::string input_error(Work work);
 
-/// Applies INSTANCE.VARIABLE=VALUE, as `--set` does.
+/// Applies the setting INSTANCE.VARIABLE=VALUE to the system, as `--set` does.
 void apply_set(master::SystemDescription& system, const std::string& text);
 
 /// Collects the messages of FMUs.
@@ -59,17 +59,17 @@ class Messages final : public master::MessageSink {
   std::vector<Severity> severities;
 };
 
-/// A complete run in memory, from the text of a config to results.csv.
+/// Performs a complete run in memory, from the text of a config to the text of results.csv.
 class TestRun {
  public:
   explicit TestRun(const std::string& config);
 
   master::Simulation& simulation() { return *simulation_; }
   TestRun& initialize();
-  /// Initialises and steps to the end.
+  /// Initialises the run and steps to its end.
   TestRun& to_end();
   std::string csv();
-  /// Returns the column of a variable, by its name without unit.
+  /// Returns the column of a variable in results.csv. `name` is the name without unit.
   std::vector<double> column(const std::string& name);
 
   modeldesc::TemporaryFolder folder{"mebots-test"};
@@ -88,7 +88,7 @@ class TestRun {
   std::optional<master::Simulation> simulation_;
 };
 
-/// The result of the mebots program.
+/// Contains exit code and output of the mebots program.
 struct ProgramResult {
   int code = -1;
   std::string out;
@@ -98,8 +98,8 @@ struct ProgramResult {
 /// Runs the program with these arguments in `folder`.
 ProgramResult run_program(const std::vector<std::string>& arguments, const std::filesystem::path& folder);
 
-/// Runs a sandboxed FMU once. Returns which part of the sandbox this system refuses; empty if none. Tests that need the
-/// sandbox skip themselves with this text.
+/// Runs a sandboxed FMU once. Returns which part of the sandbox this system rejects; empty if none. Tests that need the
+/// sandbox are skipped with this text as the reason.
 const std::string& sandbox_refusal();
 
 template <typename Work>

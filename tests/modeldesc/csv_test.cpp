@@ -27,7 +27,7 @@ std::vector<Row> rows_of(std::string_view text) {
   return rows;
 }
 
-/// Returns code and text of the error when reading all rows; column `numbers` (from 0) is read as numbers.
+/// Reads all rows, and column `numbers` (from 0) as numbers. Returns the code and the text of the error.
 std::pair<ErrorCode, std::string> refusal_of(std::string_view text, std::size_t numbers = 0) {
   try {
     CsvReader reader(text, "t.csv");

@@ -20,7 +20,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// Returns code and place of every mistake when `read` gets the root of this text.
+/// Calls `read` with the root of this text. Returns the code and the place of every mistake.
 template <typename Read>
 std::vector<std::pair<ErrorCode, std::string>> mistakes_of(std::string_view text, const Read& read) {
   std::vector<std::pair<ErrorCode, std::string>> found;
@@ -180,8 +180,8 @@ TEST(Document, TakesTimeInProportionToItsLength) {
     return std::chrono::duration<double>(Clock::now() - start).count();
   };
   seconds(1000);
-  // The text is 50 times as long. The bound is ten times the linear time, plus a tenth of a second, because the machine
-  // may be busy. If the time were quadratic, it would be 2500 times as long.
+  // Bounds the time. The text is 50 times as long, so a linear reader takes 50 times as long, and a quadratic one 2500
+  // times. The bound is ten times the linear time, plus a tenth of a second, because the machine may be busy.
   EXPECT_LT(seconds(100'000), 500 * seconds(2000) + 0.1);
 }
 

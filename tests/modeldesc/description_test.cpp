@@ -24,7 +24,7 @@ class DescriptionTest : public testing::Test {
     return file;
   }
 
-  /// Returns a description of one variable, or of several separated by commas.
+  /// Reads a description that contains one variable, or several separated by commas.
   Description read(const std::string& variables, const std::string& more = "") {
     return read_description(write("description.json", R"({"name": "x", "text": "An x", "namespace": "a::x", "step": 0.1,
       "stop_time": 1, )" + more + R"("variables": [)" + variables +

@@ -37,7 +37,7 @@ std::string error_of(const std::string& variables) {
   return "no error";
 }
 
-/// An array whose size is the structural parameter "n".
+/// Declares an array whose size is the structural parameter "n".
 constexpr const char* kSized = R"(
   <UInt64 name="n" valueReference="1" causality="structuralParameter" start="2"/>
   <Float64 name="m" valueReference="2" causality="output" start="1 2 3 4 5 6">

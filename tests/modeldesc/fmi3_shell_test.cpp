@@ -25,7 +25,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// An FMU of tests/fmus that is built for FMI 3.0. It is unpacked and loaded.
+/// Unpacks and loads an FMU of tests/fmus that is built for FMI 3.0.
 class Fmu3 {
  public:
   Fmu3(const char* archive, const char* identifier) : folder_("fmi3 f\xC3\xBCr tests") {
@@ -70,7 +70,7 @@ class Fmu3 {
 
 #define CALL(fmu, name) (fmu).find<decltype(name)>(#name)
 
-/// An instance with its logged messages.
+/// Owns an instance, and records its logged messages.
 class Instance3 {
  public:
   explicit Instance3(const Fmu3& fmu, bool event_mode = false) : fmu_(fmu) {
@@ -122,7 +122,7 @@ class Instance3 {
     EXPECT_EQ(CALL(fmu_, fmi3GetString)(handle_, &reference, 1, &value, 1), fmi3OK) << last_message_;
     return value;
   }
-  /// Sets an array of type Binary. The memory of its bytes is freed after the call.
+  /// Sets an array of type Binary. Frees the memory of its bytes after the call.
   fmi3Status set_binaries(const std::string& name, const std::vector<std::string>& texts) {
     const auto reference = fmu_.reference(name);
     std::vector<std::vector<std::uint8_t>> copies;

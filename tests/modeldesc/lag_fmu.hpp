@@ -18,7 +18,8 @@ namespace mebots::test {
 
 using Library = fmi2::Functions;
 
-/// The FMU lag. It is unpacked once per process, into a folder with a space and an umlaut in its name.
+/// Gives access to the FMU lag. The FMU is unpacked once per process, into a folder with a space and an umlaut in its
+/// name.
 class LagFmu {
  public:
   static const LagFmu& get();
@@ -26,7 +27,7 @@ class LagFmu {
   const Library& library() const { return library_; }
   const modeldesc::ModelDescription& description() const { return description_; }
   std::filesystem::path binary() const;
-  /// Returns `resources/` as a file: URI with percent-encoding.
+  /// Returns the path of `resources/` as a file: URI with percent-encoding.
   std::string resource_uri() const;
   fmi2ValueReference reference(std::string_view name) const;
 
@@ -50,7 +51,7 @@ struct Message {
   std::string text;
 };
 
-/// An instance of the FMU lag, with its logged messages.
+/// Owns an instance of the FMU lag, and records its logged messages.
 class Lag {
  public:
   explicit Lag(const std::string& name = "lag", bool logging_on = false);
@@ -63,8 +64,8 @@ class Lag {
   /// Returns the text of the last message; empty if there is none.
   std::string last_message() const { return messages_.empty() ? "" : messages_.back().text; }
 
-  /// Calls the functions from the set-up of the experiment to the end of initialisation. Then the instance is ready to
-  /// step.
+  /// Calls the functions from the set-up of the experiment to the end of initialisation. Afterwards the instance can be
+  /// stepped.
   void start(double start_s = 0);
   fmi2Status step(double point_s, double step_s);
 
@@ -82,7 +83,7 @@ class Lag {
 
   static void log(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status, fmi2String category,
                   fmi2String format, ...);
-  /// Returns callbacks whose messages are appended to `messages`.
+  /// Returns callbacks that append each logged message to `messages`.
   static fmi2CallbackFunctions callbacks(std::vector<Message>& messages);
 
  private:

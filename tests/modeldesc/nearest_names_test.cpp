@@ -14,7 +14,7 @@ TEST(NearestNames, DistanceCountsEdits) {
   EXPECT_EQ(edit_distance("", "abc"), 3u);
   EXPECT_EQ(edit_distance("kitten", "sitting"), 3u);
   EXPECT_EQ(edit_distance("Step", "sTEP"), 0u);
-  EXPECT_EQ(edit_distance("setp", "step"), 1u);  // neighbours swapped
+  EXPECT_EQ(edit_distance("setp", "step"), 1u);  // two neighbours are swapped
 }
 
 TEST(NearestNames, ANameIsNearUpToAThirdOfItsLength) {

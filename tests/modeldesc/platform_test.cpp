@@ -40,14 +40,14 @@ class PlatformTest : public testing::Test {
     return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
   }
 
-  /// Returns the library of the test FMU, with this ELF machine in its header.
+  /// Copies the library of the test FMU, and writes this ELF machine into its header. Returns the copy's path.
   std::string library_for(std::uint16_t machine) {
     auto bytes = bytes_of(MEBOTS_BINARY_DIR "/fmu_binaries/lag.so");
     bytes[offsetof(Elf64_Ehdr, e_machine)] = static_cast<char>(machine);
     return bytes;
   }
 
-  /// Packs the test FMU with this library.
+  /// Packs the test FMU with this library. Returns the archive's path.
   fs::path packed(const std::string& name, const fs::path& library) {
     FmuParts parts;
     parts.description = MEBOTS_BINARY_DIR "/generated/lag/modelDescription.xml";
@@ -100,8 +100,8 @@ TEST_F(PlatformTest, ReadsLibrariesOfMacOs) {
   const std::string thin_32("\xce\xfa\xed\xfe\x07\0\0\0", 8);
   EXPECT_THAT(find_platforms(file("x86.dylib", thin_32)),
               ElementsAre(testing::Field(&Platform::fmi2_folder, "darwin32")));
-  // A universal library of macOS: the number of its platforms, then 20 bytes for each platform. Of these bytes, only
-  // the type of the processor is read.
+  // Builds a universal library of macOS: the number of its platforms, then 20 bytes for each platform. The reader uses
+  // only the processor type in these bytes.
   const auto row = [](char processor) { return std::string("\1\0\0", 3) + processor + std::string(16, '\0'); };
   const auto universal = std::string("\xca\xfe\xba\xbe\0\0\0\2", 8) + row('\7') + row('\14');
   EXPECT_THAT(find_platforms(file("both.dylib", universal)),
@@ -144,7 +144,7 @@ TEST_F(PlatformTest, MergesBuildsIntoOneArchive) {
   EXPECT_TRUE(fs::exists(content / "documentation/sbom.spdx.json"));
   EXPECT_TRUE(fs::exists(content / "documentation/sbom.win64.spdx.json"));
   const auto expected = bytes_of(merged);
-  merge_fmus({first, windows, arm}, first);  // in place
+  merge_fmus({first, windows, arm}, first);  // the target is also an input
   EXPECT_EQ(bytes_of(first), expected);
 }
 

@@ -16,7 +16,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Steps the lag with changing inputs. Equal calls have equal results, bit for bit.
+/// Steps the lag with changing inputs. Equal calls give equal results, bit for bit.
 void drive(Lag& lag, int from, int to) {
   for (int i = from; i < to; ++i) {
     ASSERT_EQ(lag.set("left.u", i % 7 - 3), fmi2OK);
@@ -39,7 +39,7 @@ void expect_same_bits(Lag& a, Lag& b) {
   EXPECT_EQ(a.string("history.text"), b.string("history.text"));
 }
 
-/// Compares a straight run with a run whose state `transfer` gives to another instance in the middle.
+/// Compares an uninterrupted run with a run in which `transfer` transfers the state to another instance in the middle.
 void expect_same_bits_after(const std::function<void(Lag& from, Lag& to)>& transfer) {
   Lag straight;
   prepare(straight);
@@ -116,7 +116,7 @@ TEST(ShellState, CanBeSavedAndRestoredInEveryPhase) {
   lag.start();
   drive(lag, 0, 3);
   ASSERT_EQ(library().set_fmu_state(lag.component(), state), fmi2OK);
-  EXPECT_EQ(lag.step(0, 0.1), fmi2Error);  // instantiated again
+  EXPECT_EQ(lag.step(0, 0.1), fmi2Error);  // the new instance is not initialised
   lag.start();
   EXPECT_EQ(lag.integer("steps"), 0);
   ASSERT_EQ(library().free_fmu_state(lag.component(), &state), fmi2OK);
@@ -136,7 +136,7 @@ TEST(ShellState, DoesNotCarryPointers) {
   ASSERT_EQ(library().set_fmu_state(lag.component(), state), fmi2OK);
   EXPECT_EQ(lag.integer("message.base.lo"), 0);
   EXPECT_EQ(lag.integer("message.size"), 0);
-  EXPECT_EQ(lag.integer("message.sum"), 11);  // a value, so it is part of the state
+  EXPECT_EQ(lag.integer("message.sum"), 11);  // the sum is a value, so it is part of the state
 
   Lag other;
   ASSERT_EQ(library().set_fmu_state(other.component(), state), fmi2OK);
@@ -208,7 +208,7 @@ TEST(ShellState, IsRefusedIfAnotherBuildHasAnotherLayout) {
                 HasSubstr("saved by another build of lag, whose variables have another layout"));
   }
   ASSERT_EQ(library().free_fmu_state(lag.component(), &state), fmi2OK);
-  drive(lag, 5, 6);  // it has changed nothing
+  drive(lag, 5, 6);  // the failed call has changed nothing
   Lag straight;
   straight.start();
   drive(straight, 0, 6);
@@ -226,7 +226,7 @@ TEST(ShellState, NullPointersAndTooSmallArraysAreRefused) {
   EXPECT_THAT(lag.last_message(), HasSubstr("the array has 4"));
   EXPECT_EQ(library().serialized_fmu_state_size(lag.component(), state, nullptr), fmi2Error);
   EXPECT_EQ(library().free_fmu_state(lag.component(), &state), fmi2OK);
-  EXPECT_EQ(library().free_fmu_state(lag.component(), &state), fmi2OK);  // null by now
+  EXPECT_EQ(library().free_fmu_state(lag.component(), &state), fmi2OK);  // the state is null after the first call
 }
 
 }  // namespace

@@ -56,12 +56,12 @@ TEST(Shell, TakesEveryFormOfFileUri) {
     ASSERT_NE(component, nullptr) << uri;
     EXPECT_EQ(library().setup_experiment(component, 0, 0, 0, 0, 0), fmi2OK);
     EXPECT_EQ(library().enter_initialization_mode(component), fmi2OK);
-    EXPECT_EQ(library().exit_initialization_mode(component), fmi2OK) << uri;  // reads a file in resources
+    EXPECT_EQ(library().exit_initialization_mode(component), fmi2OK) << uri;  // the model reads a file in resources
     library().free_instance(component);
   }
 }
 
-/// A function of FMI 2.0 that takes an instance, with a call of it that has correct arguments.
+/// Contains the name of a function of FMI 2.0 that takes an instance, and a call of it with correct arguments.
 struct Call {
   const char* name;
   std::function<fmi2Status(fmi2Component)> call;
@@ -206,7 +206,7 @@ TEST(Shell, SaysWhatItDoesNotOffer) {
   EXPECT_EQ(library().cancel_step(lag.component()), fmi2Error);
   fmi2Integer value = 0;
   EXPECT_EQ(library().get_integer_status(lag.component(), fmi2DoStepStatus, &value), fmi2Error);
-  EXPECT_EQ(lag.step(0, 0.1), fmi2OK);  // none of these had an effect
+  EXPECT_EQ(lag.step(0, 0.1), fmi2OK);  // none of the calls had an effect
 }
 
 TEST(Shell, AMendableErrorInAStepLeadsToStateErrorAndResetLeadsOut) {

@@ -69,7 +69,7 @@ TEST(ShellValues, AreRefusedOutsideTheirLimitsWithNothingChanged) {
   const std::array values = {1.0, 100.5};
   EXPECT_EQ(library().set_real(lag.component(), references.data(), 2, values.data()), fmi2Error);
   EXPECT_EQ(lag.last_message(), "fmi2SetReal: right.u = 100.5 V is above its maximum of 100 V");
-  EXPECT_EQ(lag.real("left.u"), 7);  // no value of the call was set
+  EXPECT_EQ(lag.real("left.u"), 7);  // the failed call has set no value
   EXPECT_EQ(lag.set("left.u", -101), fmi2Error);
   EXPECT_THAT(lag.last_message(), HasSubstr("below its minimum of -100 V"));
   EXPECT_EQ(lag.set("left.u", std::nan("")), fmi2Error);
@@ -90,10 +90,10 @@ TEST(ShellValues, CannotBeSetForOutputsAndForFixedParametersAfterInitialisation)
   lag.start();
   EXPECT_EQ(lag.set("left.time_constant", 3), fmi2Error);
   EXPECT_THAT(lag.last_message(), HasSubstr("left.time_constant is a fixed parameter"));
-  EXPECT_EQ(lag.set("gain", 2), fmi2OK);  // tunable
+  EXPECT_EQ(lag.set("gain", 2), fmi2OK);  // the parameter is tunable
   ASSERT_EQ(lag.set("left.u", 1), fmi2OK);
   ASSERT_EQ(lag.step(0, 50), fmi2OK);
-  EXPECT_NEAR(lag.real("left.y"), 2, 1e-12);  // steady: the remaining distance is exp(-50)
+  EXPECT_NEAR(lag.real("left.y"), 2, 1e-12);  // the state is steady: the remaining distance is exp(-50)
 }
 
 TEST(ShellValues, UnknownReferencesAndWrongTypesAreNamed) {
@@ -139,7 +139,7 @@ TEST(ShellValues, TextsAndBytesTravelBothWays) {
 TEST(ShellValues, AStepThatEndsInTheNanosecondReachedAlreadyChangesNothing) {
   Lag lag;
   lag.start(10);
-  EXPECT_EQ(lag.step(10, 2e-13), fmi2OK);  // the remainder, if a tool adds up its steps
+  EXPECT_EQ(lag.step(10, 2e-13), fmi2OK);  // a tool that sums its steps may have this remainder
   EXPECT_EQ(lag.integer("steps"), 0);
   EXPECT_EQ(lag.step(10, 1e-9), fmi2OK);
   EXPECT_EQ(lag.integer("steps"), 1);
@@ -178,7 +178,7 @@ TEST(ShellValues, ATenThousandFoldSumOfStepsDoesNotDrift) {
   Lag lag;
   ASSERT_EQ(lag.set("left.u", 1), fmi2OK);
   lag.start();
-  double summed = 0;  // like a tool that adds up its steps
+  double summed = 0;  // sums the steps as some tools do
   for (int i = 0; i < 10000; ++i) {
     ASSERT_EQ(lag.step(summed, 0.1), fmi2OK) << lag.last_message();
     summed += 0.1;

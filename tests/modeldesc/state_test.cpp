@@ -15,7 +15,7 @@ enum class Phase : std::uint8_t { ground, flight };
 struct Cell {
   double charge_c = 1.5;
   std::array<double, 2> branch_v{0.25, -0.5};
-  double sum_v = -0.25;  // of the branches
+  double sum_v = -0.25;  // derived: sum of the branches
 
   void visit(Visitor& v) {
     v("charge_c", charge_c);
@@ -25,8 +25,8 @@ struct Cell {
 };
 
 struct Pack {
-  std::vector<Cell> cells = std::vector<Cell>(3);  // a fixed number
-  std::vector<Cell> spares;                        // a variable number
+  std::vector<Cell> cells = std::vector<Cell>(3);  // list with a fixed number of elements
+  std::vector<Cell> spares;                        // list with a variable number of elements
   std::optional<std::int32_t> fault;
   std::optional<Cell> boost;
   std::variant<double, std::int32_t, std::string> setting = 0.5;
@@ -71,7 +71,7 @@ TEST(State, RestoredObjectEqualsTheSavedOne) {
   Pack restored;
   restore(restored, save(saved));
   EXPECT_EQ(first_difference(saved, restored), std::nullopt);
-  EXPECT_EQ(restored.cells[2].sum_v, 3);  // derived values are computed again
+  EXPECT_EQ(restored.cells[2].sum_v, 3);  // restoring computes derived values again
   EXPECT_EQ(restored.names, saved.names);
   EXPECT_EQ(restored.setting, saved.setting);
 
@@ -171,7 +171,7 @@ struct Reordered : Cell {
   }
 };
 struct Retyped : Cell {
-  std::int64_t charge_nc = 0;  // as many bytes
+  std::int64_t charge_nc = 0;  // has as many bytes as the original type
   void visit(Visitor& v) {
     v("charge_c", charge_nc);
     v("branch_v", branch_v);

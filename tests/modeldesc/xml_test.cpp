@@ -46,7 +46,8 @@ TEST(Xml, KeepsNumbersToTheLastBitAndTextToTheLastCharacter) {
   expect_round_trip(x);
 }
 
-/// Returns a description as another tool writes it: with flat names, omitted defaults, unknown attributes and elements.
+/// Returns a description in the style of another tool. It has flat names, omitted defaults, and unknown attributes and
+/// elements.
 std::string foreign(const std::string& variables, const std::string& structure = "") {
   return R"(<?xml version="1.0"?>
 <!DOCTYPE fmiModelDescription [<!ENTITY secret SYSTEM "file:///etc/passwd">]>
@@ -227,7 +228,7 @@ TEST(Xml, IsReadInWhateverEncodingItIsWritten) {
   const auto points = code_points(text);
   std::string latin;
   std::string little = "\xFF\xFE";
-  std::string big;  // without a mark
+  std::string big;  // big-endian, without byte order mark
   for (const auto point : points) {
     latin += static_cast<char>(point);
     little += {static_cast<char>(point), '\0'};

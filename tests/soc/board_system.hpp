@@ -15,12 +15,12 @@
 namespace mebots::soc::test {
 
 inline constexpr std::uint32_t kL2 = 0x1C000000;
-/// A millisecond in nanoseconds.
+/// Number of nanoseconds in a millisecond.
 inline constexpr std::int64_t kMs = 1'000'000;
-/// Address at which test programs store their results: three quarters of L2 lie below it.
+/// Address at which test programs store their results. Three quarters of L2 are below it.
 inline constexpr std::uint32_t kResults = 0x1C060000;
 
-/// The AI-deck with a program of assembly text, which may use the names of board.h.
+/// Simulates the AI-deck with a program of assembly text. The program may use the names of board.h.
 class BoardSystem {
  public:
   explicit BoardSystem(std::string_view text, const Settings& settings = {}, const BoardDescription& board = ai_deck())
@@ -32,13 +32,13 @@ class BoardSystem {
              {}}) {}
 
   static BoardDescription ai_deck() { return read_board(MEBOTS_SOURCE_DIR "/configs/boards/ai_deck.json"); }
-  /// Returns the board without instruction caches, for tests that count every cycle of code that runs once.
+  /// Returns the AI-deck without instruction caches, for tests that count every cycle of code that runs once.
   static BoardDescription without_caches() {
     auto board = ai_deck();
     board.instruction_caches = {};
     return board;
   }
-  /// Returns the board with a camera of narrow pictures with any number of rows.
+  /// Returns the AI-deck with a camera whose pictures are narrow and may have any number of rows.
   static BoardDescription narrow(double frame_width = 64) {
     auto board = ai_deck();
     for (auto& device : board.devices) {
@@ -53,7 +53,7 @@ class BoardSystem {
 
   Camera& camera() { return dynamic_cast<Camera&>(*soc.devices().find("camera")); }
   double camera_energy_j() const { return soc.power().energy_j(*soc.devices().find("camera")); }
-  /// Returns an output of the board's devices.
+  /// Returns the value of an output of the board's devices.
   double output(std::string_view variable) const { return *soc.devices().output(variable); }
 
   std::uint32_t result(std::uint32_t index) const {

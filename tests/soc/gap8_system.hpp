@@ -11,8 +11,8 @@
 
 namespace mebots::soc::test {
 
-/// GAP8 with a program of assembly text. The program can use the registers of the firmware's headers, and RESULTS,
-/// which is kResults.
+/// Simulates GAP8 with a program of assembly text. The program can use the registers of the firmware's headers, and
+/// RESULTS, which is kResults.
 class Gap8System : public BoardSystem {
  public:
   explicit Gap8System(std::string_view text, const Settings& settings = {}, const BoardDescription& board = gap8())
@@ -27,7 +27,8 @@ class Gap8System : public BoardSystem {
   }
 };
 
-/// Vectors and the start of the fabric controller. The cluster's cores jump to `core`, exceptions to `fault`.
+/// Contains the vectors and the start code of the fabric controller. The cluster's cores jump to `core`, exceptions to
+/// `fault`.
 inline constexpr std::string_view kBegin = R"(
     .balign 256
 vectors: j fault
@@ -38,7 +39,7 @@ _start: csrr a0, mhartid
     bne a0, a1, core
 )";
 
-/// Switches the cluster on and starts the cores whose bits are set in `who`.
+/// Returns code that switches the cluster on, and starts the cores whose bits are set in `who`.
 inline std::string start_cluster(std::uint32_t who) {
   return fmt::format(R"(
     li s0, SOC_CONTROL_BASE
@@ -58,15 +59,16 @@ inline std::string start_cluster(std::uint32_t who) {
                      who);
 }
 
-/// Sets the cluster's clock to a multiple of the reference clock.
+/// Returns code that sets the cluster's clock to a multiple of the reference clock.
 inline std::string set_cluster_clock(std::uint32_t factor) {
   return fmt::format("li s0, FLL_BASE\n li a0, 1 << 26 | {}\n sw a0, FLL_BYTES + FLL_CONFIG1_OFFSET(s0)", factor);
 }
 
-/// Runs a program on the cores whose bits are set in `cores`. All its exceptions and interrupts go to `fault`.
+/// Returns a system that runs a program on the cores whose bits are set in `cores`. All exceptions and interrupts of
+/// the program go to `fault`.
 inline Gap8System timed_system(unsigned cores, std::string_view code, const Settings& settings = {}) {
   auto board = Gap8System::gap8();
-  board.instruction_caches = {};  // refills would delay the read after the event
+  board.instruction_caches = {};  // otherwise, refills would delay the read after the event
   const auto vectors = std::string(kBegin).replace(kBegin.find("j fault"), 7, ".rept 32\n j fault\n .endr");
   return Gap8System(fmt::format("{}{}{}", vectors, start_cluster(cores), code), settings, board);
 }

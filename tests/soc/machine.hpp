@@ -14,7 +14,7 @@
 
 namespace mebots::soc::test {
 
-/// The differences of a machine from a CV32E40P without fetch waits.
+/// Contains the differences between a machine and a CV32E40P without fetch waits.
 struct MachineSettings {
   CoreKind kind = CoreKind::rv32imc;
   InstructionCacheSettings instruction_cache = {};
@@ -24,8 +24,8 @@ struct MachineSettings {
   unsigned pmp_entries = 0;
 };
 
-/// A hart with 1 MiB of RAM at 0x80000000 and 4 KiB at 0x70000000, without devices. A store into `tohost` ends a
-/// program.
+/// Simulates a hart with 1 MiB of RAM at 0x80000000 and 4 KiB at 0x70000000, without devices. A store into `tohost`
+/// ends a program.
 class Machine : private Bus {
  public:
   static constexpr std::uint32_t kRam = 0x80000000;
@@ -60,7 +60,7 @@ class Machine : private Bus {
   Hart hart_;
 };
 
-/// Ends a program: stores 1 into tohost.
+/// Assembly text that ends a program: it stores 1 into tohost.
 inline constexpr std::string_view kEnd = R"(
     li t6, 1
     la t5, tohost

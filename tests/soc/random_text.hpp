@@ -9,7 +9,8 @@
 
 namespace mebots::soc::test {
 
-/// Common parts of generators of random assembly text: random numbers, and the mnemonics of the standard part.
+/// Contains the common parts of generators of random assembly text: random numbers, and the mnemonics of the standard
+/// part.
 class RandomText {
  protected:
   explicit RandomText(std::uint32_t seed) : random_(seed) {}

@@ -29,7 +29,7 @@ std::ostream& operator<<(std::ostream& out, const Measured& value) {
   return out << value.instructions << " instructions, " << value.cycles << " cycles";
 }
 
-using Table = std::vector<std::pair<std::string, Measured>>;  // in the order of the programs
+using Table = std::vector<std::pair<std::string, Measured>>;  // names and values in the order of the programs
 
 /// Returns the reference of a core from micro.csv. Its columns are the name; then instructions, cycles and both per
 /// repetition for CV32E40P; then the same for RI5CY.
@@ -67,7 +67,8 @@ Table measured(const Machine& machine) {
   return table;
 }
 
-/// Compares with the first programs of the reference, as many as the machine has run.
+/// Compares the found values with the first rows of the reference. The number of rows is that of the programs that the
+/// machine has run.
 void expect_exact(const Table& found, const Table& expected) {
   ASSERT_LE(found.size(), expected.size());
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -116,7 +117,7 @@ class CauseSum final : public Observer {
   int wrong = 0;
 };
 
-/// Runs a program under an observer; the causes of its cycles must add up to them.
+/// Runs a program under an observer, and checks that the sum of the causes equals the number of cycles.
 void expect_sum(Machine& machine, CauseSum& causes) {
   machine.hart().observe(&causes);
   EXPECT_EQ(machine.run(1'000'000'000), Stop::watch);

@@ -17,8 +17,8 @@ std::filesystem::path shipped(const std::string& name) {
   return std::filesystem::path(MEBOTS_SOURCE_DIR) / "configs" / (name + ".json");
 }
 
-/// Runs an unchanged shipped mission and checks its result. A decision takes at least the 20.2 ms in which its frame is
-/// read out.
+/// Runs an unchanged shipped mission and checks its result. A decision takes at least 20.2 ms, because the camera's
+/// frame is read out in this time.
 void expect_passed(const std::string& mission, int least_pictures) {
   const Folder folder;
   const auto flight = fly(shipped(mission), folder / "out");
@@ -40,7 +40,7 @@ TEST(Gap8Drone, FliesTheHardMissionBySight) {
   expect_passed("gate_hard_gap8", 600);
 }
 
-/// The default of the cluster is 87 MHz at 1.2 V, with which an inference takes 3.1 ms.
+/// By default, the cluster has 87 MHz at 1.2 V. An inference then takes 3.1 ms.
 TEST(Gap8Drone, TheFirmwareSetsTheClocksAndTheVoltageThatTheMissionSays) {
   const Folder folder;
   const std::vector<std::string> short_flight{"--stop-time", "6"};

@@ -12,7 +12,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 GRAVITY = 9.80665
-AVIONICS = 0.96  # W, avionics.base_power of fmu_motors
+AVIONICS = 0.96  # power [W] of the parameter avionics.base_power of fmu_motors
 BENCH = ("motors.rotor_data=crazyflie_bench", "motors.bus.resistance=0", "battery.cell.name=bitcraze_250",
          "world.drone.name=crazyflie_bench")
 
@@ -26,7 +26,8 @@ def hover(mebots, out, *sets):
 
 
 def bench_power(mass):
-    """Returns the electrical power [W] of four rotors that carry this mass [kg], by the rotor file's fit."""
+    """Returns the electrical power [W] of four rotors that carry this mass [kg], computed with the
+    fit in the rotor file."""
     rotor = json.loads((ROOT / "fmu_motors/params/rotors/crazyflie_bench.json").read_text())
     thrust = mass * GRAVITY / 4
     speed = math.sqrt(thrust / rotor["thrust_coefficient"]["value"])
@@ -34,7 +35,8 @@ def bench_power(mass):
 
 
 def motor_power(mass, voltage):
-    """Returns the same power by the equations of a rotor file that has the section `motor`."""
+    """Returns the same power, computed with the equations of a rotor file that has the section
+    `motor`."""
     rotor = json.loads((ROOT / "fmu_motors/params/rotors/crazyflie_legacy.json").read_text())
     emf, ohm, ripple = (rotor["motor"][key]["value"] for key in ("back_emf", "resistance", "ripple_conductance"))
     square = mass * GRAVITY / 4 / rotor["thrust_coefficient"]["value"]
@@ -62,12 +64,13 @@ def main():
         loaded = hover(mebots, out, *BENCH, "world.drone.dry_mass=0.0299")
         assert loaded["outcome"] == "battery_empty", loaded["outcome"]
         near(loaded["energy"]["motors"] / loaded["simulated_time"], bench_power(0.037), 0.005, "motor power with 10 g")
-        # The loss in the cell grows with the square of the current. So the endurance decreases faster than the power
-        # increases.
+        # The loss in the cell increases with the square of the current. Therefore the endurance
+        # decreases faster than the power increases.
         powers = [AVIONICS + bench_power(mass) for mass in (0.027, 0.037)]
         assert loaded["simulated_time"] / seconds < powers[0] / powers[1], (loaded["simulated_time"], seconds)
 
-        # While the cell empties, the bus falls from 3.9 to 3.0 V. The loss by the ripple of the current falls with it.
+        # While the cell discharges, the bus voltage falls from 3.9 to 3.0 V. The loss due to the
+        # current ripple falls with it.
         flown = hover(mebots, out, "world.drone.dry_mass=0.0299")
         assert flown["outcome"] == "battery_empty", flown["outcome"]
         power = flown["energy"]["motors"] / flown["simulated_time"]

@@ -13,8 +13,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Returns a shipped config that records every communication point, for tests to which the config's own recording
-/// interval is too long.
+/// Returns a shipped config with a shorter recording interval: it records every communication point, as some tests
+/// need.
 nlohmann::ordered_json every_point(const std::string& name) {
   auto config = shipped_config(name);
   config.erase("record");
@@ -49,7 +49,7 @@ TEST_F(GateEasy, DroneTakesOffPassesTheGateAndLands) {
   ASSERT_EQ(flight_->exit_code, 0) << flight_->output;
   EXPECT_EQ(flight_->summary.at("outcome"), "passed") << flight_->output;
   const auto altitude = values("world.drone.position.z");
-  // The motors start as slowly as real ones; during that time, the reference of the climb already advances.
+  // Like real motors, the motors start slowly. During that time, the reference of the climb already advances.
   EXPECT_NEAR(*std::max_element(altitude.begin(), altitude.end()), 1.0, 0.2);
   EXPECT_LT(altitude.back(), 0.05);
   EXPECT_EQ(values("world.gate.touched").back(), 0);
@@ -91,8 +91,8 @@ TEST_F(GateEasy, EveryJouleOfTheCellIsAccountedFor) {
 }
 
 TEST_F(GateEasy, BatteryDeliversWhatTheLoadsReportOneStepLater) {
-  // The battery receives the mean power of a load in a step only in the next step. So all energy has arrived except
-  // that of the last step.
+  // The battery receives a load's mean power of one step in the next step. Therefore all energy has arrived except that
+  // of the last step.
   const double reported = values("motors.energy").back();
   const double delivered = values("battery.motors.energy").back();
   const double under_way = values("motors.power").back() * 0.002;
@@ -153,7 +153,7 @@ TEST_F(GateEasy, PicturesOfTheFlightAreKept) {
   EXPECT_GT(count, 10);
 }
 
-/// Runs the easy mission with one change.
+/// Runs the easy mission with changed settings.
 Flight fly_changed(const std::vector<std::string>& sets) {
   const Folder folder;
   return fly(write(folder / "changed.json", shipped_config("gate_easy")), folder / "out", sets);
@@ -194,7 +194,8 @@ TEST(Mission, DroneThatHangsOnTheFrameIsStuckHoweverItsCellEnds) {
 }
 
 TEST(Mission, DroneThatComesBackThroughTheGateIsTurnedBack) {
-  // Moves the drone backwards when it is behind the gate. Lands it one second after it has flown back through the gate.
+  // Moves the drone backwards when it has passed the gate. Lands it one second after it has flown back through the
+  // gate.
   auto config = shipped_config("gate_easy");
   config["scenario"] = nlohmann::ordered_json::parse(R"([
     {"variable": "world.setpoint.velocity.x", "set": -0.3,
@@ -229,7 +230,7 @@ TEST(Mission, FirmwareThatFaultsLeavesResultsAndAMessage) {
   const Folder folder;
   const auto elf = folder / "lost.elf";
   const auto source = folder / "lost.S";
-  std::ofstream(source) << ".globl _start\n_start: lui t0, 0x40000\n jr t0\n";  // a jump to an address without code
+  std::ofstream(source) << ".globl _start\n_start: lui t0, 0x40000\n jr t0\n";  // jumps to an address without code
   const std::string build =
       "riscv64-unknown-elf-gcc -nostdlib -march=rv32imc_zicsr -mabi=ilp32 -Wl,-N,-Ttext=0x1C000000 '" +
       source.string() + "' -o '" + elf.string() + "'";

@@ -20,13 +20,13 @@ MIXTURES = [[], ["world"], ["soc"], ["soc", "world"], ["motors", "battery"], ["s
 
 
 def arrays_of(archive):
-    """Returns the names of the variables that have dimensions."""
+    """Returns the names of an FMU's variables that have dimensions."""
     description = xml.etree.ElementTree.fromstring(zipfile.ZipFile(archive).read("modelDescription.xml"))
     return {v.get("name") for v in description.find("ModelVariables") if v.find("Dimension") is not None}
 
 
 def element_name(name, arrays):
-    """Returns the FMI 3.0 name of a variable of FMI 2.0."""
+    """Converts a variable's name in FMI 2.0 to its name in FMI 3.0."""
     row = re.fullmatch(r"(.*)\[(\d)\]\.(.*)", name)
     if row and f"{row[1]}.{row[3]}" in arrays:
         return f"{row[1]}.{row[3]}[{row[2]}]"
@@ -37,7 +37,8 @@ def element_name(name, arrays):
 
 
 def renamed(value, arrays):
-    """Returns `value` with the names of the instances in `arrays`: instance -> names of its arrays."""
+    """Replaces the names of variables in a value of the config. `arrays` maps an instance to the
+    names of its arrays."""
     if isinstance(value, dict):
         return {renamed(k, arrays): renamed(v, arrays) for k, v in value.items()}
     if isinstance(value, list):
@@ -47,7 +48,7 @@ def renamed(value, arrays):
 
 
 def mixture(config, fmus, chosen):
-    """Returns the config with FMUs of FMI 3.0 for the chosen instances."""
+    """Returns the config in which the chosen instances use FMUs of FMI 3.0."""
     instances = {}
     arrays = {}
     for name, instance in config["instances"].items():
@@ -60,7 +61,7 @@ def mixture(config, fmus, chosen):
 
 
 def fly(mebots, config, folder):
-    """Returns the values of results.csv, without names, and the pictures."""
+    """Runs a config. Returns the values of results.csv, without names, and the pictures."""
     folder.mkdir()
     (folder / "config.json").write_text(json.dumps(config))
     subprocess.run([mebots, "run", folder / "config.json", "--out", folder / "out", "--quiet"], check=True)

@@ -18,7 +18,7 @@ SETS = ("motors.rotor_data=crazyflie_bench", "motors.bus.resistance=0", "battery
 
 def main():
     mebots, config, expected = sys.argv[1:]
-    energies = () if config.endswith("_gap8.json") else ("soc.energy.name=gap8",)  # the others had silicon's energies
+    energies = () if config.endswith("_gap8.json") else ("soc.energy.name=gap8",)  # missions on gap8 already had the energies of silicon
     with tempfile.TemporaryDirectory() as out:
         command = [mebots, "run", ROOT / "configs" / config, "--out", out, "--quiet", "--expect", "passed", "--set", *SETS, *energies]
         subprocess.run([str(word) for word in command], check=True)

@@ -13,7 +13,7 @@
 namespace mebots::system_test {
 namespace {
 
-/// While this object exists, glibc assumes in started programs that the processor lacks these features.
+/// Makes glibc in newly started programs assume that the processor lacks these features, as long as this object exists.
 class PlainProcessor {
  public:
   PlainProcessor() { ::setenv("GLIBC_TUNABLES", "glibc.cpu.hwcaps=-AVX,-AVX2,-AVX512F,-FMA,-FMA4,-BMI1,-BMI2", 1); }
@@ -36,7 +36,7 @@ TEST(Processors, MissionHasTheSameBitsWithoutAvxFmaAndBmi) {
   const auto config = write(folder / "gate_easy.json", shipped_config("gate_easy"));
   const auto flight = fly(config, folder / "this");
   ASSERT_EQ(flight.exit_code, 0) << flight.output;
-  // Python calls exp() of glibc, which has variants for different processors.
+  // Calls exp() of glibc through Python. It has variants for different processors.
   const std::string sum =
       "python3 -c 'from math import exp; print(hash(tuple(exp(-i / 7300) for i in range(100000))))'";
   const auto exponentials = output_of(sum);

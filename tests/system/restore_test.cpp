@@ -69,7 +69,7 @@ class Restore : public ::testing::Test {
 
 TEST_F(Restore, RunThatGoesBackToItsSavedStateGivesTheBitsOfAStraightRun) {
   Mission mission(config_, folder_ / "restored.csv");
-  mission.step(1250);  // half of the time
+  mission.step(1250);  // simulates half of the time
   const auto state = mission.simulation().save_state();
   mission.step(700);
   mission.simulation().restore_state(state);
@@ -87,8 +87,8 @@ TEST_F(Restore, StateAsBytesContinuesInNewInstancesWithTheSameBits) {
   }
   Mission second(config_, folder_ / "second.csv");
   second.step(1);
-  const auto kept = second.simulation().save_state();  // so that the FMUs know that an earlier state may be set
-  second.step(1259);  // the recorder truncates its file to the place of the saved state, so it must be that long
+  const auto kept = second.simulation().save_state();  // enables the FMUs to restore an earlier state
+  second.step(1259);  // the recorder truncates its file to the saved length, so the file must have this length
   second.simulation().restore_state(second.simulation().deserialize(bytes));
   second.finish();
   EXPECT_TRUE(read_file(folder_ / "second.csv") == straight());

@@ -41,7 +41,7 @@ def config_file(folder, name, scenario=None):
 
 
 class Mission:
-    """The results of a run."""
+    """Contains the results of a run."""
 
     def __init__(self, out):
         with (out / "results.csv").open(encoding="utf-8") as file:
@@ -49,7 +49,8 @@ class Mission:
         self.summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
 
     def line(self, sender):
-        """Returns (end of its stop bit [ps], value) of all bytes on the line, and checks their numbers."""
+        """Returns (end of its stop bit [ps], value) of each byte on the line, and checks the bytes'
+        numbers."""
         found = []
         for index, row in enumerate(self.rows):
             words = row[f"{sender}.uart.sent"].split()
@@ -74,7 +75,7 @@ def fly(mebots, folder, name, *options, scenario=None):
 
 
 def fly_with_a_kill(mebots, folder):
-    """Kills a run after its checkpoint at 2 s, and resumes it."""
+    """Kills a run after its checkpoint at 2 s, and resumes the run."""
     out = folder / "killed"
     run = subprocess.Popen([mebots, "run", str(config_file(folder, "killed")), "--out", str(out), "--quiet", "--stop-time", "6",
                             "--checkpoint-every", "2"])
@@ -92,7 +93,7 @@ def fly_with_a_kill(mebots, folder):
 
 
 def frames_of(line):
-    """Returns (end of the last byte [ps], set-point) of all frames on a line without errors."""
+    """Returns (end of the last byte [ps], set-point) of each frame on a line without errors."""
     frames = []
     for first in range(0, len(line) - len(line) % FRAME.size, FRAME.size):
         ends, values = zip(*line[first:first + FRAME.size])

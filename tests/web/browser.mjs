@@ -38,6 +38,6 @@ export async function openUrl(browser, url, { width = 1400, height = 900, dark =
   return { page, problems, requests };
 }
 
-/** Opens a page on the disk at a time of the run, or without a time if `time` is null. The rest is as in openUrl(). */
+/** Opens a page on the disk at a time of the run; if `time` is null, without a time. Otherwise works as openUrl(). */
 export const open = (browser, file, { time = 0, ...options } = {}) =>
   openUrl(browser, pathToFileURL(file).href + (time === null ? "" : `#t=${time}`), options);

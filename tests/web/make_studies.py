@@ -79,7 +79,7 @@ def write_study(file, content, refresh_s=None):
         study=study, factors=space.factors, designs=space.designs, evidence=evidence, answer=judge.answer(places), units=units,
         places=places, status=status, failed=[0] * len(space.designs), provenance={"mission": study.mission.name, "draws": json.dumps(study.draws)},
         replay=Replay(space, file.parent / "replays"), outcomes=(OUTCOMES, outcomes))  # fmt: skip
-    if refresh_s is not None:  # like a running study
+    if refresh_s is not None:  # as for a running study
         running = dataclasses.replace(judge.standings(), headlines=["96 flown, about 288 left, 2 min"])
         content = dataclasses.replace(content, answer=running, places=[""] * len(space.designs), replay=None, outcomes=None, refresh_s=refresh_s)
     report.write(file, content)
@@ -100,7 +100,8 @@ def write_rare(file, configs):
 
 
 def cost(macs, cycles, clock=87e6, cores=8):
-    """Returns the costs of a layer of an invented network, at 30 pJ per cycle of a core. All accounts add up."""
+    """Returns the costs of a layer of an invented network, at 30 pJ per cycle of a core. The sums
+    of all accounts are equal."""
     causes = {"base": 5 * cycles, "cache": cycles // 2, "bank_conflict": cycles // 4, "far_memory": cycles // 8, "load_use": 0, "other": 0}
     energy_j = 30e-12 * cores * cycles
     return {
@@ -111,12 +112,13 @@ def cost(macs, cycles, clock=87e6, cores=8):
 
 
 def judged(error):
-    """Returns the accuracy of an invented network. Each interval reaches from the error by a fifth of it to both sides."""
+    """Returns the accuracy of an invented network. Each interval is the error plus and minus a
+    fifth of it."""
     return {"pictures": 64, "data": "pictures", "float": {"outputs": {"error": error, "interval": [0.8 * error, 1.2 * error], "deviation": 0.3}}}
 
 
 def network(is_measured):
-    """Returns network.json of an invented network of 24 layers."""
+    """Returns the content of network.json for an invented network of 24 layers."""
     layers, costs, offset = [], [], 0
     for i in range(24):
         size, channels = 80 >> (i // 8), 8 << (i // 8)

@@ -50,7 +50,7 @@ poses = messages["/tf"]
 assert {name for name, _, _ in poses} == {"foxglove.FrameTransform"}
 assert [pose["translation"]["z"] for _, _, pose in poses] == column("world.drone.position.z")
 for (_, _, pose), roll, pitch, yaw in zip(poses, column("world.drone.roll"), column("world.drone.pitch"), column("world.drone.yaw")):
-    q = pose["rotation"]  # back to the angle about z, and to the z axis of the body
+    q = pose["rotation"]  # converts the rotation to the angle about z, and to the z axis of the body
     assert math.isclose(math.atan2(2 * (q["w"] * q["z"] + q["x"] * q["y"]), 1 - 2 * (q["y"] ** 2 + q["z"] ** 2)), yaw, abs_tol=1e-12)
     assert math.isclose(1 - 2 * (q["x"] ** 2 + q["y"] ** 2), math.cos(roll) * math.cos(pitch), abs_tol=1e-12)
 

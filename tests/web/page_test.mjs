@@ -30,7 +30,7 @@ function valueAt(run, name, time) {
 const setTime = (page, time) => page.evaluate((t) => globalThis.mebots.clock.set(t), time);
 const frame = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done()))));
 
-/** Returns the number of different colours of a canvas. */
+/** Returns the number of different colours on a canvas. */
 const colours = (page, selector) => page.evaluate((which) => {
   const shown = document.querySelector(which);
   const copy = document.createElement("canvas");
@@ -331,7 +331,7 @@ const tests = {
 
   async "the flame graph is of the span of time that the plots show"({ page }) {
     await page.click('[data-tab="Profile"]');
-    await page.click(".profile input[type=checkbox]"); // with sleep, to include all of the chip's energy
+    await page.click(".profile input[type=checkbox]"); // includes sleep, so that all of the chip's energy is counted
     const energies = column("flight", "soc.energy.total");
     const times = column("flight", "time");
     for (const [from, to] of [[0, 4], [2.9, 3.1], [0.5, 2]]) {
@@ -425,13 +425,13 @@ const systemTests = {
     const text = await page.$eval(".graph svg", (graph) => graph.textContent);
     assert.match(text, /battery/);
     assert.match(text, /motors/);
-    assert.match(text, /bus\.voltage \[V\]/); // the only variable that changes there, by its name
+    assert.match(text, /bus\.voltage \[V\]/); // the only variable that changes in this group, by its name
     assert.match(text, /2 values: W/);
     assert.ok((await page.$eval(".graph .box rect", (one) => one.getBoundingClientRect().height)) < 75, "few boxes are not blown up");
     assert.equal((await page.$$(".graph .bundle path")).length, 2);
     const rows = await page.$$eval(".connections tbody tr", (found) => found.map((row) => row.textContent));
-    assert.equal(rows.length, 2 + 3, rows.join("\n")); // FMUs, connections
-    assert.match(rows[0], /fmu_batteryEquivalent-circuit battery/); // the text of its description
+    assert.equal(rows.length, 2 + 3, rows.join("\n")); // two FMUs and three connections
+    assert.match(rows[0], /fmu_batteryEquivalent-circuit battery/); // the model's name and the text of its description
     await page.$eval(".graph .box", (box) => box.dispatchEvent(new MouseEvent("click")));
     assert.equal((await page.$$(".connections tbody tr")).length, 1 + 3);
   },
@@ -561,7 +561,7 @@ const close = (text, wanted) => assert.ok(Math.abs(numberOf(text) - wanted) <= 1
 const chipTests = {
   async "a line that the program printed has its time, and words of marks lie beside the shown time"({ page }) {
     const [time, end] = await page.evaluate(() => [window.mebots.runs[0].marks.find(({ text }) => text === "cluster: all right").time, window.mebots.clock.end]);
-    assert.ok(time > 0.9 * end && time <= end, `${time} of ${end}`); // the program prints it before its end
+    assert.ok(time > 0.9 * end && time <= end, `${time} of ${end}`); // the program prints this message before its end
     const now = await page.$eval("#now", (one) => one.getBoundingClientRect().right);
     for (const left of await page.$$eval(".mark:not(.quiet) span", (all) => all.map((one) => one.getBoundingClientRect().left))) assert.ok(left >= now, `${left} < ${now}`);
   },
@@ -586,8 +586,8 @@ const chipTests = {
 
   async "a core's clock is stated, in a row of the counts and in the sentence"({ page }) {
     const { controller, cluster } = await page.evaluate(() => window.mebots.runs[0].header.chip.clocks);
-    assert.deepEqual(controller, { least_hz: 100e6, most_hz: 100e6, mean_hz: 100e6 }); // the board's, which the program keeps
-    assert.deepEqual([cluster.least_hz, cluster.most_hz], [87e6, 100e6]); // the program sets both
+    assert.deepEqual(controller, { least_hz: 100e6, most_hz: 100e6, mean_hz: 100e6 }); // the program keeps the board's clock
+    assert.deepEqual([cluster.least_hz, cluster.most_hz], [87e6, 100e6]); // the program sets both clocks
     assert.ok(cluster.mean_hz > 87e6 && cluster.mean_hz < 100e6);
     const cells = await page.$$eval(".chip tr", (rows) => rows.map((row) => [...row.cells].map((cell) => cell.textContent)));
     const [, ...clocks] = cells.find(([name]) => name === "clock");

@@ -11,9 +11,9 @@ if (!chromium || chromium.endsWith("NOTFOUND")) {
 }
 // Limits of the work for 1,000 designs and 10,000 missions; 32 designs with 1,024 missions take a tenth of it. The necessary time depends
 // on the machine: bench/web/large_report.mjs measures it.
-const MOST_STROKES = 60_000; // calls that draw something or extend a path, at the opening
+const MOST_STROKES = 60_000; // calls that draw something or extend a path when the page opens
 const MOST_STROKES_OF_A_BRUSH = 30_000;
-const TIMES_DRAWN = 1; // by a brush, for each panel
+const TIMES_DRAWN = 1; // drawings per panel for one brush
 const MOST_ELEMENTS = 1000;
 
 /** Waits until all panels show the last change. */
@@ -57,7 +57,7 @@ const misplaced = (page) => page.evaluate(() => {
   return found;
 });
 
-/** Counts the calls by which a page draws. */
+/** Counts the calls with which a page draws. */
 function countStrokes() {
   window.strokes = 0;
   for (const name of ["moveTo", "lineTo", "arc", "rect", "fillRect", "stroke", "fill", "fillText", "drawImage"]) {

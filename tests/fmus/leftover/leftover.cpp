@@ -25,7 +25,7 @@ fmi2Real* reals_of(fmi2Component component) {
 }
 void changed(fmi2Component) {}
 
-// The places.
+// Each branch defines one place that keeps data.
 #if defined(LEFTOVER_NOTHING)
 void begin_instance() {}
 double next() {
@@ -120,7 +120,7 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real, fmi2Real, fmi2Boolean) 
   return fmi2OK;
 }
 
-// A saved state contains only the data of the instance.
+// A saved state contains only the data of the instance, not the data outside it.
 fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate* state) {
   if (*state == nullptr) *state = new (std::nothrow) Instance;
   std::memcpy(*state, component, sizeof(Instance));

@@ -72,7 +72,7 @@ Tenant& self(fmi2Component component) {
   return *static_cast<Tenant*>(component);
 }
 
-/// Throws an exception, so that the C++ runtime is involved.
+/// Returns the gain through an exception, so that the C++ runtime is involved.
 double thrown_gain() {
   try {
     throw std::out_of_range(std::to_string(find_gain()));

@@ -14,7 +14,7 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// A folder with an FMU, cases and their CSV files.
+/// Creates a folder with an FMU, cases and their CSV files.
 class CaseFolder {
  public:
   CaseFolder() { std::filesystem::copy(PROBE_FMU, path() / "thing.fmu"); }
@@ -22,7 +22,7 @@ class CaseFolder {
   std::filesystem::path path() const { return folder_.path(); }
   void write(const std::string& name, const std::string& text) const { test::write_file(path() / name, text); }
 
-  /// Returns the result of one case. `keys` are members of the case in addition to `expected`.
+  /// Runs one case and returns its result. `keys` are members of the case in addition to `expected`.
   cases::CaseResult run(const std::string& expected, const std::string& keys = "", bool isolate = false) const {
     write("out.csv", expected);
     write("cases.json", fmt::format(R"({{"cases": {{"one": {{"expected": "out.csv"{}}}}}}})", keys));

@@ -15,8 +15,8 @@ namespace {
 using test::TestRun;
 using testing::HasSubstr;
 
-/// Returns t_k in nanoseconds, computed from thirds of a nanosecond: an independent computation for steps of n / 3
-/// nanoseconds.
+/// Returns t_k in nanoseconds, computed from thirds of a nanosecond. This is an independent computation for steps of n
+/// / 3 nanoseconds.
 std::int64_t rounded_thirds(std::int64_t thirds) {
   const auto whole = thirds >= 0 ? thirds / 3 : -((-thirds + 2) / 3);
   return whole + (thirds - 3 * whole == 2 ? 1 : 0);
@@ -55,8 +55,8 @@ TEST(TimeGrid, InternalTimeRoundsTiesToEven) {
   EXPECT_EQ(grid.time_ns(5), 62);
   EXPECT_EQ(grid.time_s(12), 1.25e-8);
   const TimeGrid negative(-100, {1, 80'000'000});
-  EXPECT_EQ(negative.time_ns(1), -88);  // -87.5
-  EXPECT_EQ(negative.time_ns(3), -62);  // -62.5
+  EXPECT_EQ(negative.time_ns(1), -88);  // the exact time is -87.5 ns
+  EXPECT_EQ(negative.time_ns(3), -62);  // the exact time is -62.5 ns
 }
 
 TEST(TimeGrid, ThirdsAreRoundedAsCountedByHand) {
@@ -108,13 +108,13 @@ TEST(TimeGrid, ATimeBetweenThePointsIsTakenAsItIs) {
   EXPECT_EQ(grid.length_s(100'000'000, 333'333'333), 1.0 / 3 - 0.1);
 }
 
-/// A probe that outputs the end t + h and the length h of its last step, as the FMU received them.
+/// Returns a config of a probe that outputs the end t + h and the length h of its last step, as the FMU received them.
 std::string probe_system(const std::string& times, const std::string& instance = "", const std::string& more = "") {
   return fmt::format(R"({{{}, "instances": {{"a": {{"fmu": "PROBE"{}}}}}, "connections": []{}}})", times, instance,
                      more);
 }
 
-/// Checks that an FMU received the nearest doubles of t_k and of the step, in every step of p / q.
+/// Checks that an FMU received the doubles nearest to t_k and to the step, in every step of length p / q.
 void expect_exact_steps(TestRun& run, std::int64_t p, std::int64_t q, std::size_t points) {
   const auto times = run.column("time");
   const auto ends = run.column("a.last_end");
@@ -175,7 +175,7 @@ TEST(RatioSteps, ARunContinuesFromASavedStateWithTheSameBits) {
   straight.to_end();
   TestRun second(text);
   second.initialize();
-  const auto kept = second.simulation().save_state();  // so that the FMUs know that an earlier state may be set
+  const auto kept = second.simulation().save_state();  // enables the FMUs to restore an earlier state
   for (int i = 0; i < 23; ++i) second.simulation().step();
   const auto bytes = second.simulation().serialize(second.simulation().save_state());
   for (int i = 0; i < 9; ++i) second.simulation().step();

@@ -66,8 +66,8 @@ TEST(Time, ADecimalFartherFromARatioThanTheToleranceIsRefused) {
   EXPECT_EQ(exact_time(sixtieth * (1 + 0.9e-15)), (ExactTime{1, 60}));
   EXPECT_EQ(exact_time(sixtieth * (1 + 2e-15)), std::nullopt);
   EXPECT_EQ(exact_time(0.0166666666666), std::nullopt);
-  EXPECT_EQ(exact_time(1.0 / 1'000'003), std::nullopt);  // a prime above the largest denominator
-  EXPECT_EQ(exact_time(1e-8 / 3), std::nullopt);         // 1/3e8
+  EXPECT_EQ(exact_time(1.0 / 1'000'003), std::nullopt);  // the denominator is a prime above the largest permitted one
+  EXPECT_EQ(exact_time(1e-8 / 3), std::nullopt);         // 1 / 3e8: the denominator is too large
   EXPECT_EQ(exact_time(1e10), std::nullopt);
   EXPECT_EQ(exact_time(std::numeric_limits<double>::quiet_NaN()), std::nullopt);
 }
@@ -94,7 +94,7 @@ TEST(Time, RoundsToWholeNumbersWithTiesToEven) {
   EXPECT_EQ(nearest_whole(-8, 3), -3);
 }
 
-/// True if x is the double nearest to numerator / denominator, which means that neither neighbour of x is nearer.
+/// Returns true if x is the double nearest to numerator / denominator: neither neighbour of x is nearer.
 bool is_nearest(WideInteger numerator, std::int64_t denominator, double x) {
   // For x = m / 2^s, the distance times 2^s and the denominator is |numerator 2^s - m denominator|, a whole number.
   const auto distance = [&](double value, int s) {

@@ -88,7 +88,7 @@ TEST(Clocks, TicksWithoutEndAreReported) {
   }
 }
 
-/// An FMU with a periodic clock. The FMU itself returns shift and interval of the clock.
+/// Simulates an FMU with a periodic clock. The FMU itself returns shift and interval of the clock.
 class ShiftedInstance final : public ClockInstance {
  public:
   explicit ShiftedInstance(double shift_s) : shift_s_(shift_s) {}

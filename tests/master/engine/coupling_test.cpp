@@ -27,7 +27,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-/// Returns a system of two instances of the coupling FMU (tests/fmus/coupling.c), a and b.
+/// Returns a config of two instances, a and b, of the coupling FMU (tests/fmus/coupling.c).
 std::string pair(const std::string& parameters, const std::string& connections, const std::string& more = "",
                  const std::string& times = R"("step": 0.1, "stop_time": 0.2)") {
   return fmt::format(
@@ -107,8 +107,8 @@ TEST(Maps, ValuesThatAreNamedBecomeOthers) {
         .size();
   };
   EXPECT_EQ(mapped("7", R"({"7": "high", "-3": "low"})"), 3U);
-  EXPECT_EQ(mapped("5", R"({"7": "low"})"), 3U);        // 5 is unchanged: it is an item
-  EXPECT_THROW(mapped("6", R"({"7": "low"})"), Error);  // 6 is not an item
+  EXPECT_EQ(mapped("5", R"({"7": "low"})"), 3U);        // 5 is unchanged, because it is an item of the target
+  EXPECT_THROW(mapped("6", R"({"7": "low"})"), Error);  // 6 is not an item of the target
   EXPECT_THAT(refused(R"({"from": "a.count", "to": "b.level_in", "map": {"7": "middle"}})"),
               AllOf(HasSubstr("/connections/0/map/7"), HasSubstr("'middle' is not an item")));
   EXPECT_THAT(refused(R"({"from": "a.count", "to": "b.level_in", "map": {"07": 5, "7": 5}})"),
@@ -210,7 +210,7 @@ TEST(Types, NarrowerTypesDoNotTakeWiderOnes) {
               HasSubstr("the types differ: Real and Integer"));
 }
 
-/// Returns a system with a loop through both instances: x = G(x). G is the quadratic function of a. b outputs its
+/// Returns a config with a loop through both instances: x = G(x). G is the quadratic function of a. b outputs its
 /// input.
 std::string loop(const std::string& parameters) {
   return fmt::format(
@@ -221,7 +221,7 @@ std::string loop(const std::string& parameters) {
 
 TEST(InitialLoops, SolvesALinearLoopThatSweepsMakeDiverge) {
   // The loop is x = 4 - 3 x.
-  EXPECT_NEAR(at_start(loop(R"("a": 4, "b": -3)"), "b.loop_out"), 1, 1e-11);  // Newton stops at 1e-12 relative
+  EXPECT_NEAR(at_start(loop(R"("a": 4, "b": -3)"), "b.loop_out"), 1, 1e-11);  // Newton's method stops at 1e-12 relative
 }
 
 TEST(InitialLoops, AQuadraticLoopIsSolved) {
@@ -232,7 +232,7 @@ TEST(InitialLoops, AQuadraticLoopIsSolved) {
 }
 
 TEST(InitialLoops, ALoopWithoutSolutionIsReportedWithItsPath) {
-  TestRun run(loop(R"("a": 1, "b": 1)"));  // x = 1 + x
+  TestRun run(loop(R"("a": 1, "b": 1)"));  // the loop is x = 1 + x, which has no solution
   try {
     run.initialize();
     FAIL();
@@ -297,7 +297,7 @@ TEST(InputDerivatives, OnesThatAreNoNumbersLeaveTheInputHeldWithOneNotice) {
   TestRun run(pair(R"("behaviour": "nan_slope")", R"({"from": "a.ramp_out", "to": "b.ramp_in"})", "",
                    R"("step": 0.1, "stop_time": 1)"));
   run.to_end();
-  EXPECT_NEAR(run.column("b.ramp_area").back(), 0.285, 1e-15 * 10);  // of t^2 held from the start of each step
+  EXPECT_NEAR(run.column("b.ramp_area").back(), 0.285, 1e-15 * 10);  // area under t^2 held from the start of each step
   EXPECT_EQ(
       std::ranges::count_if(run.messages.lines,
                             [](const std::string& line) {
@@ -409,7 +409,7 @@ TEST(Pending, ADiscardThatComesLateIsADiscard) {
   }
 }
 
-/// Interrupts a run that is under way, from another thread.
+/// Interrupts an active run from another thread after a short time.
 std::jthread interrupt_soon(TestRun& run) {
   return std::jthread([&run] {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -450,7 +450,7 @@ TEST(Pending, AnInstanceWhoseStepCannotBeEndedIsNeitherTerminatedNorFreed) {
   EXPECT_NO_THROW(run.simulation().terminate());
 }
 
-/// Allocates memory for `seconds`, so that the memory of slaves that were freed is used again.
+/// Allocates memory for `seconds`, so that it uses the memory of freed slaves again.
 void reuse_freed_memory(double seconds) {
   const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
   while (std::chrono::steady_clock::now() < until) {
@@ -467,7 +467,7 @@ TEST(Pending, AnInstanceThatIsNotFreedKeepsItsCallbacks) {
     const auto user = interrupt_soon(run);
     EXPECT_EQ(run.simulation().run().reason, EndReason::interrupted);
   }
-  reuse_freed_memory(0.05);  // while the step continues and logs
+  reuse_freed_memory(0.05);  // meanwhile, the step continues and logs
 }
 
 TEST(Pending, AStepThatTheFmuDidNotCancelContinues) {
@@ -480,7 +480,7 @@ TEST(Pending, AStepThatTheFmuDidNotCancelContinues) {
   EXPECT_NO_THROW(run.simulation().terminate());
 }
 
-/// A receiver of messages that fails, as a program's listener may.
+/// Throws when it receives a message, as a program's listener may do.
 class FailingSink final : public MessageSink {
  public:
   void message(const Message& /*message*/) override { throw std::runtime_error("the listener failed"); }
@@ -497,7 +497,7 @@ TEST(Pending, AnInstanceIsDestroyedAlthoughItsStepCannotBeEnded) {
   slave.enter_initialization();
   slave.exit_initialization();
   EXPECT_TRUE(slave.step(0, 100'000'000).pending);
-}  // must not end the process
+}  // the exception must not end the process
 
 TEST(Discard, AStepIsDividedWhereTheConfigAllows) {
   const auto config = [](const std::string& more) {
@@ -508,7 +508,7 @@ TEST(Discard, AStepIsDividedWhereTheConfigAllows) {
   TestRun run(config(R"(, "on_discard": "divide")"));
   run.to_end();
   EXPECT_THAT(run.column("a.steps"), ElementsAre(0, 4, 8));
-  EXPECT_NEAR(run.column("a.now").back(), 0.2, 1e-15);  // the FMU adds t and h itself
+  EXPECT_NEAR(run.column("a.now").back(), 0.2, 1e-15);  // the FMU itself adds t and h
   TestRun undivided(config(""));
   try {
     undivided.to_end();

@@ -62,14 +62,14 @@ TEST(ExchangeClocks, TicksAndValuesPassOnAtStateEvents) {
 TEST(ExchangeClocks, CountdownsTickAfterTheirInterval) {
   TestRun run(crossings());
   const auto times = run.to_end().column("a.echo_time");
-  EXPECT_NEAR(times[2], 0.32, 1e-8);  // at 0.5
+  EXPECT_NEAR(times[2], 0.32, 1e-8);  // the value at 0.5 s
   EXPECT_NEAR(times[4], 0.92, 1e-8);
 }
 
 TEST(ExchangeClocks, AClockMayFollowAPeriodicInputClock) {
   TestRun run(samplers(sampler("a", R"("measured": 1)") + ", " + sampler("b"),
                        R"({"from": "a.sample", "to": "b.tap"}, {"from": "a.control", "to": "b.heard"})"));
-  EXPECT_EQ(run.to_end().column("b.sum").back(), -20);  // ten samples of -2
+  EXPECT_EQ(run.to_end().column("b.sum").back(), -20);  // ten samples of -2 each
 }
 
 TEST(ExchangeClocks, HaveTheSameBitsInAProcessOfTheirOwn) {
@@ -81,7 +81,7 @@ TEST(ExchangeClocks, HaveTheSameBitsInAProcessOfTheirOwn) {
   }
 }
 
-/// Returns `name` at the end of a run that saves its state at each point and continues in a new run.
+/// Runs a config, and returns `name` at the end. The run saves its state at each point and continues in a new run.
 double end_with_stops(const std::string& config, const char* name) {
   auto run = std::make_unique<TestRun>(config);
   run->initialize();

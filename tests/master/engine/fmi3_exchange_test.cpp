@@ -67,7 +67,7 @@ TEST(Fmi3ModelExchange, HasTheSameBitsInAProcessOfItsOwn) {
 TEST(Fmi3ModelExchange, TakesDirectionalDerivativesOfArrays) {
   test::Messages messages;
   const auto fmu = std::make_shared<Fmu>(SPRINGS_FMU);
-  auto [slave, instance] = make_continuous_here({"a", fmu, {{0, 2}}, {}, {}}, messages);  // two masses
+  auto [slave, instance] = make_continuous_here({"a", fmu, {{0, 2}}, {}, {}}, messages);  // the array has two masses
   slave->setup_experiment({});
   slave->enter_initialization();
   slave->exit_initialization();

@@ -31,7 +31,7 @@ std::size_t below(Random& random, std::size_t limit) {
   return std::uniform_int_distribution<std::size_t>(0, limit - 1)(random);
 }
 
-/// An FMU with random dependencies. Some outputs declare none, so they depend on every input.
+/// Describes an FMU with random dependencies. Some outputs declare none, so they depend on every input.
 struct RandomFmu {
   explicit RandomFmu(Random& random) {
     std::string variables;
@@ -69,7 +69,7 @@ struct RandomFmu {
   }
 
   modeldesc::TemporaryFolder folder{"mebots-test"};
-  std::vector<std::vector<std::size_t>> dependencies;  // inputs of each output
+  std::vector<std::vector<std::size_t>> dependencies;  // inputs on which each output depends
   std::shared_ptr<const modeldesc::ModelDescription> model;
 };
 
@@ -122,7 +122,7 @@ struct RandomSystem {
   ResolvedSystem system;
 };
 
-/// Returns the inputs at edges that close a loop, in the order of a recursive depth-first search.
+/// Returns the inputs at the edges that close a loop, in the order of a recursive depth-first search.
 std::vector<std::pair<std::size_t, std::size_t>> torn_by_recursion(const Edges& edges) {
   std::map<std::pair<std::size_t, std::size_t>, int> colours;
   std::vector<std::pair<std::size_t, std::size_t>> torn;

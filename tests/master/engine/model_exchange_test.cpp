@@ -22,7 +22,7 @@ using testing::AllOf;
 using testing::Each;
 using testing::HasSubstr;
 
-/// Returns a system of masses. `instances` are members of a JSON object, and `connections` are elements of a list.
+/// Returns a config of masses. `instances` are members of a JSON object, and `connections` are elements of a list.
 std::string system_of(const std::string& instances, const std::string& connections = "", const std::string& more = "",
                       const std::string& times = R"("step": 0.1, "stop_time": 2)") {
   return fmt::format(R"({{{}, "instances": {{{}}}, "connections": [{}]{}}})", times, instances, connections, more);

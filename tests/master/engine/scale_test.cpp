@@ -48,7 +48,7 @@ void report(const char* what, int count, const Holdings& before, const Holdings&
              before.mappings, after.mappings, before.heap_bytes, after.heap_bytes);
 }
 
-/// The FMU that is loaded repeatedly: the cheapest one, or the one that scripts/scale.sh sets.
+/// Returns the FMU that is loaded repeatedly: the one that scripts/scale.sh sets, otherwise the cheapest one.
 std::filesystem::path cycled_fmu() {
   const char* asked = std::getenv("MEBOTS_CYCLED_FMU");  // NOLINT(concurrency-mt-unsafe): before any thread
   return asked == nullptr ? PASSTHROUGH_FMU : asked;
@@ -77,7 +77,7 @@ TEST(Scale, AThousandInstancesOfOneFmuRunAsARing) {
   EXPECT_EQ(last[kCount], 1);
 }
 
-/// Returns the config of a ring with `count` instances.
+/// Returns the config of a ring that has `count` instances.
 std::string ring(int count) {
   std::string instances;
   std::string connections;
@@ -143,8 +143,8 @@ TEST(Scale, InstancesReleaseAllResources) {
     return slave;
   };
   const auto cycle = [&] { start("cycle")->terminate(); };
-  const auto stays = start("stays");                // keeps the data that the FMU's instances share
-  for (int i = 0; i < cycles() / 10; ++i) cycle();  // late one-time allocations do not count as growth
+  const auto stays = start("stays");                // keeps the data that the FMU's instances share in memory
+  for (int i = 0; i < cycles() / 10; ++i) cycle();  // excludes late one-time allocations from the measured growth
   const auto before = holdings();
   for (int i = 0; i < cycles(); ++i) cycle();
   const auto after = holdings();

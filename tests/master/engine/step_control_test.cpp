@@ -18,13 +18,13 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
 
-/// Parts of a config, as JSON.
+/// Contains parts of a config, as JSON.
 struct Settings {
   std::string control = R"({"max_step": 0.1})";
-  std::string of_a = {};  ///< more keys of an instance
+  std::string of_a = {};  ///< further keys of an instance
   std::string of_b = {};
   std::string of_record = {};
-  std::string more = {};  ///< of the config
+  std::string more = {};  ///< further keys of the config
   std::string step = "0.0001";
   int seconds = 5;
 };
@@ -41,7 +41,7 @@ std::string masses(const Settings& settings) {
                      held.path().string(), settings.of_a, settings.of_b, settings.of_record);
 }
 
-/// Returns the root mean square of the error of a.mass_x over time.
+/// Returns the root mean square over time of the error of a.mass_x.
 double error_of(TestRun& run) {
   const auto times = run.column("time");
   const auto values = run.column("a.mass_x");

@@ -31,7 +31,8 @@ TEST(ThreadPolicy, ShortStepsAreNeverTriedInParallel) {
   }
 }
 
-/// Returns how many of 10000 windows are stepped in parallel, if a window takes these times [s].
+/// Returns how many of 10000 windows the policy steps in parallel. The arguments are the times of a window in both
+/// modes [s].
 int parallel_windows(double serial_s, double parallel_s) {
   ThreadPolicy policy;
   int parallel = 0;

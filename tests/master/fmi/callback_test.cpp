@@ -36,7 +36,7 @@ std::string format(const char* text, ...) {
   return result;
 }
 
-/// A listener that ignores all callbacks.
+/// Ignores all callbacks.
 class Ignoring final : public CallbackListener {
  public:
   void logged(LoggerCall /*call*/) override {}
@@ -133,10 +133,10 @@ TEST(ReadText, ATextThatEndsWithItsPageIsReadAndOneThatContinuesIsNot) {
 TEST(PlainText, BytesThatAreNotUtf8AreReplacedOneByOne) {
   EXPECT_EQ(valid_utf8("caf\xc3\xa9 \xe2\x82\xac \xf0\x9f\x98\x80"), "caf\xc3\xa9 \xe2\x82\xac \xf0\x9f\x98\x80");
   EXPECT_EQ(valid_utf8("caf\xe9!"), "caf\xef\xbf\xbd!");
-  EXPECT_EQ(valid_utf8("\xc0\xaf"), "\xef\xbf\xbd\xef\xbf\xbd");                  // an overlong form
-  EXPECT_EQ(valid_utf8("\xed\xa0\x80"), "\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd");  // a surrogate
-  EXPECT_EQ(valid_utf8("\xe2\x82"), "\xef\xbf\xbd\xef\xbf\xbd");                  // truncated
-  EXPECT_EQ(valid_utf8("\xf4\x90\x80\x80").size(), 12U);                          // above U+10FFFF
+  EXPECT_EQ(valid_utf8("\xc0\xaf"), "\xef\xbf\xbd\xef\xbf\xbd");                  // overlong form of a character
+  EXPECT_EQ(valid_utf8("\xed\xa0\x80"), "\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd");  // surrogate code point
+  EXPECT_EQ(valid_utf8("\xe2\x82"), "\xef\xbf\xbd\xef\xbf\xbd");                  // truncated character
+  EXPECT_EQ(valid_utf8("\xf4\x90\x80\x80").size(), 12U);                          // code point above U+10FFFF
 }
 
 TEST(PlainText, RemovesAllControlCharactersOfTerminals) {

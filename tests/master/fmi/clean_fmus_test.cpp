@@ -66,14 +66,14 @@ TEST(CleanFmus, AStaticObjectWithMemoryOfItsOwnIsSeenWhenTheLibraryIsLoaded) {
 TEST(CleanFmus, RandomNumbersStartAsInAFreshProcess) {
   renew_c_library();
   const int first = std::rand();
-  constexpr int kFirstOfAll = 1804289383;  // the first number of the GNU C library without srand()
+  constexpr int kFirstOfAll = 1804289383;  // the first number that the GNU C library draws without srand()
   EXPECT_EQ(first, kFirstOfAll);
   std::srand(7);
   std::rand();
   renew_c_library();
   EXPECT_EQ(std::rand(), first);
   const double drawn = drand48();
-  EXPECT_DOUBLE_EQ(drawn, 11.0 / 281474976710656.0);  // POSIX: X = a 0 + c, c = 0xB, over 2^48
+  EXPECT_DOUBLE_EQ(drawn, 11.0 / 281474976710656.0);  // POSIX: X = a 0 + c with c = 0xB, divided by 2^48
 }
 
 }  // namespace

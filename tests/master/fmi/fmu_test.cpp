@@ -15,7 +15,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-/// The probe with a changed description, and its library replaced by `library` if given.
+/// Creates the probe FMU with a changed description. If `library` is given, it replaces the FMU's library.
 class ChangedProbe {
  public:
   explicit ChangedProbe(const std::function<void(std::string&)>& change,

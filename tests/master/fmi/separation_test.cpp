@@ -56,7 +56,7 @@ class Separation : public testing::Test {
 
 struct Pair {
   std::string kind;
-  std::string word;  // in the notice
+  std::string word;  // word that the notice must contain
 };
 
 void PrintTo(const Pair& pair, std::ostream* stream) {

@@ -17,7 +17,7 @@ using testing::AllOf;
 using testing::AnyOf;
 using testing::HasSubstr;
 
-/// Reads a config from text; replaces "PROBE" by the path of the probe FMU.
+/// Reads a config from a text, in which "PROBE" is replaced by the path of the probe FMU.
 SystemDescription read(const std::string& text) {
   const modeldesc::TemporaryFolder folder("mebots-test");
   const auto file = folder.path() / "mission.json";
@@ -29,7 +29,7 @@ std::string reading_error(const std::string& text) {
   return test::input_error([&] { read(text); });
 }
 
-/// Returns a valid config with one more line at its root.
+/// Returns a valid config with an additional line at its root.
 std::string config_with(const std::string& line, const std::string& instance = R"("a": {"fmu": "PROBE"})",
                         const std::string& step = R"("step": 0.1, "stop_time": 2)") {
   return fmt::format(R"({{{} {}, "instances": {{{}}}, "connections": []}})", line, step, instance);
@@ -85,10 +85,10 @@ TEST(Config, ATableGivesACopyForEachRow) {
   EXPECT_EQ(system.instances[1].name, "p[2]");
   EXPECT_EQ(std::get<std::int64_t>(system.instances[1].parameters[0].value), 2);
   EXPECT_EQ(std::get<std::string>(system.instances[1].parameters[1].value), "second");
-  EXPECT_THAT(system.source, HasSubstr("0.5, first"));  // the hash of the inputs has the table
+  EXPECT_THAT(system.source, HasSubstr("0.5, first"));  // so that the hash of the inputs includes the table
 }
 
-/// Reads a config whose one entry is repeated for each row of a table.
+/// Reads a config in which one entry is repeated for each row of a table.
 SystemDescription repeated_for_rows(const std::string& table, const std::string& entry) {
   const modeldesc::TemporaryFolder folder("mebots-test");
   const auto file = folder.path() / "mission.json";

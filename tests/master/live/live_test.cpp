@@ -34,7 +34,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// A server that serves the text "the page", and data that no socket's buffers can hold.
+/// Starts a server that serves the text "the page", and data that exceed the socket buffers.
 class LiveClients : public testing::Test {
  protected:
   live::LiveRun::Server::Answers answers() {
@@ -49,7 +49,7 @@ class LiveClients : public testing::Test {
   int port() const { return std::stoi(server_->address().substr(std::string("http://127.0.0.1:").size())); }
   std::string path() const { return server_->address().substr(server_->address().find('/', 8)); }
 
-  /// Connects and sends the start of a request.
+  /// Connects to the server and sends only the start of a request. Returns the socket.
   int connect_slowly(const std::string& beginning) {
     const int line = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     const int buffer = 1 << 16;
@@ -63,7 +63,7 @@ class LiveClients : public testing::Test {
     lines_.push_back(line);
     return line;
   }
-  /// Returns how long the server takes to close the connection while the client repeatedly sends `part`.
+  /// Returns how long the server takes to close the connection while the client repeatedly sends `part` [s].
   static double seconds_until_closed(int line, const std::string& part) {
     const auto start = Clock::now();
     while (seconds_since(start) < 20) {
@@ -112,7 +112,7 @@ TEST_F(LiveClients, HaveAnAnswerOnlyAfterAllOfItWasSent) {
   const int line = connect_slowly("GET " + path() + "data HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port()) +
                                   "\r\nConnection: close\r\n\r\n");
   char byte = 0;
-  ASSERT_EQ(recv(line, &byte, 1, 0), 1);  // the answer was computed
+  ASSERT_EQ(recv(line, &byte, 1, 0), 1);  // the server has sent its reply
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   EXPECT_FALSE(is_sent_);
   std::vector<char> rest(std::size_t{1} << 20);

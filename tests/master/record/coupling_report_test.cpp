@@ -19,8 +19,8 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-/// Returns a system of two masses (fmus/oscillator.c). b, at the end of the spring between them, receives a's velocity
-/// and outputs its force.
+/// Returns a config of two masses (fmus/oscillator.c). A spring connects them, and b is at its end. b receives the
+/// velocity of a and outputs the spring's force.
 std::string two_masses(double step_s, const std::string& algorithm, const std::string& coupling, bool derivatives) {
   static const test::ChangedFmu held("oscillator", R"(canInterpolateInputs="true" maxOutputDerivativeOrder="1")", "");
   const auto fmu = derivatives ? std::filesystem::path(OSCILLATOR_FMU) : held.path();
@@ -34,7 +34,7 @@ std::string two_masses(double step_s, const std::string& algorithm, const std::s
 
 constexpr const char* kBond = R"({"bonds": {"spring": {"effort": "a.force", "flow": "b.other_velocity"}}})";
 
-/// Returns the summary of a complete run.
+/// Performs a complete run and returns its summary.
 nlohmann::ordered_json summary_of(const std::string& config) {
   const modeldesc::TemporaryFolder folder("mebots-test");
   test::write_file(folder.path() / "test.json", test::with_probe(config));
@@ -54,7 +54,7 @@ std::vector<std::string> warnings_of(const nlohmann::ordered_json& summary) {
 TEST(BondEnergy, IsWhatBothHalvesTogetherGained) {
   // Only the work of its force increases the energy of a, and only the work of its pull increases that of b. So the
   // increase of both energies together is the energy that the coupling creates.
-  constexpr double kEnergyAtStart = 5 + 5;  // 10/2 x^2 of a and 10/2 (x - y)^2 of b, in J
+  constexpr double kEnergyAtStart = 5 + 5;  // [J]: 10/2 x^2 of a, and 10/2 (x - y)^2 of b
   for (const bool derivatives : {false, true}) {
     const double step_s = derivatives ? 0.001 : 0.01;
     // Between points, outputs are parabolas through the last three points. The error per second is h^3 / 24 times the
@@ -101,7 +101,7 @@ TEST(BondEnergy, ABondIsAnEffortOneWayAndAFlowTheOther) {
   EXPECT_THAT(refused("a.force", "b.other_velocity", R"(, "limit": 0)"), HasSubstr("limit"));
 }
 
-/// Returns a system that transfers t^2 from a to b, with derivatives or held.
+/// Returns a config that transfers t^2 from a to b, either with derivatives or held constant.
 std::string ramp(const std::string& coupling, bool derivatives, const std::string& algorithm = "jacobi") {
   static const test::ChangedFmu held("coupling", R"(canInterpolateInputs="true" maxOutputDerivativeOrder="2")", "");
   const auto fmu = derivatives ? std::filesystem::path(COUPLING_FMU) : held.path();

@@ -51,7 +51,7 @@ TEST(Hdf5, HoldsTheBitsOfTheCsv) {
   const auto file = run.folder.path() / "results.h5";
   auto& sink = add_sink(run, file);
   run.to_end();
-  run.csv();  // all rows are in the files
+  run.csv();  // now all rows are in the files
   sink.close();
   EXPECT_EQ(dataset<double>(file, "/time", H5T_NATIVE_DOUBLE), run.column("time"));
   EXPECT_EQ(dataset<double>(file, "/a/real_out", H5T_NATIVE_DOUBLE), run.column("a.real_out"));

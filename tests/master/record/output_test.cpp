@@ -150,7 +150,7 @@ TEST(Statistics, CountTheCallsToEveryInstance) {
   EXPECT_EQ(json["instances"]["a"]["steps"], 10);
   EXPECT_NEAR(json["master"]["share"].get<double>() + json["instances"]["a"]["share"].get<double>() +
                   json["instances"]["b"]["share"].get<double>(),
-              1, 1e-12);  // rounding
+              1, 1e-12);  // tolerance for rounding
 }
 
 TEST(OutputFile, AFullDiskIsReported) {
@@ -203,7 +203,7 @@ TEST(InputHash, IncludesAllFilesOfANetwork) {
   SystemDescription system;
   auto& instance = system.instances.emplace_back();
   instance.name = "soc";
-  instance.fmu_path = folder / "network.json";  // any file
+  instance.fmu_path = folder / "network.json";  // any existing file
   instance.parameters.push_back({"network", folder.path().string(), ""});
   const auto plain = hash_inputs(system, {});
   EXPECT_EQ(plain.files[1].first, "soc.network vectors/000.picture");

@@ -16,7 +16,8 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// Returns a system in which a feeds b, and b's integral shows b's input. `scenario` is the content of the list.
+/// Returns a config in which a's output is b's input, and b's integral shows this input. `scenario` is the content of
+/// the list.
 std::string system_with(const std::string& scenario, const std::string& more = "") {
   return R"({"step": 0.1, "stop_time": 1, "instances": {
       "a": {"fmu": "PROBE", "parameters": {"real_in": 2, "integer_in": 4}}, "b": {"fmu": "PROBE")" +
@@ -179,7 +180,7 @@ TEST(Scenario, ItsStateIsSavedWithTheRun) {
   }
   TestRun second(text);
   second.initialize();
-  const auto kept = second.simulation().save_state();  // so that the FMUs know that an earlier state may be set
+  const auto kept = second.simulation().save_state();  // enables the FMUs to restore an earlier state
   for (int i = 0; i < 9; ++i) second.simulation().step();
   second.simulation().restore_state(second.simulation().deserialize(bytes));
   while (second.simulation().step()) {

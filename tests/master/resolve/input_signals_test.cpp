@@ -22,9 +22,9 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-using MasterRun = Run;  // GoogleTest's class has a member of this name
+using MasterRun = Run;  // GoogleTest's class also has a member Run
 
-/// A folder with files of signals.
+/// Creates a folder with files of signals.
 class Files {
  public:
   Files() = default;
@@ -95,7 +95,7 @@ TEST(InputSignals, AnFmuThatInterpolatesGetsTheExactIntegralOfARamp) {
       fmt::format(R"({{"step": 0.1, "stop_time": 1, "instances": {{"c": {{"fmu": "COUPLING"}}}}, "connections": [],
                              "inputs": {{"file": "{}", "to": {{"u": "c.ramp_in"}}}}, "record": ["c.ramp_area"]}})",
                   files.path()));
-  EXPECT_NEAR(run.to_end().column("c.ramp_area").back(), 5, 1e-14);  // ten roundings
+  EXPECT_NEAR(run.to_end().column("c.ramp_area").back(), 5, 1e-14);  // tolerance for ten roundings
 }
 
 TEST(InputSignals, SlopesEndBeforeAJumpAndNeverOvershoot) {
@@ -110,7 +110,7 @@ TEST(InputSignals, SlopesEndBeforeAJumpAndNeverOvershoot) {
 }
 
 TEST(InputSignals, AKinkBetweenTwoPointsGivesTheLineBetweenTheValuesAtThem) {
-  const Files files("time,u\n0,0\n0.25,1\n1,1\n");  // 0.8 at 0.2 s, 1 at 0.3 s: the slope 4 would lead to 1.2
+  const Files files("time,u\n0,0\n0.25,1\n1,1\n");  // 0.8 at 0.2 s and 1 at 0.3 s; with the slope 4, it would be 1.2
   TestRun run(
       fmt::format(R"({{"step": 0.1, "stop_time": 0.3, "instances": {{"c": {{"fmu": "COUPLING"}}}}, "connections": [],
                              "inputs": {{"file": "{}", "to": {{"u": "c.ramp_in"}}}}, "record": ["c.ramp_area"]}})",
@@ -367,7 +367,7 @@ TEST(InputSignals, AnIsolatedInstanceGetsTheSame) {
 TEST(InputSignals, ARunFromASavedStateContinuesWithTheSameBits) {
   const Files files("time,u\n0,0\n0.33,3\n0.33,-1\n0.71,4\n1,9\n");
   auto text = test::with_probe(probe_with(files, kToReal));
-  const std::string probe = "probe.fmu";  // it changes timers, so its runs cannot start from a saved state
+  const std::string probe = "probe.fmu";  // this FMU changes timers, so its runs cannot start from a saved state
   text.replace(text.find(probe), probe.size(), "steady.fmu");
   const auto config = files.put("c.json", text);
   const auto columns = [](MasterRun& run) {
@@ -399,7 +399,7 @@ TEST(InputSignals, FilesAreInputsOfTheRun) {
 TEST(InputSignals, ASystemThatIsConvertedKeepsItsFiles) {
   const Files files("time,u\n0,0\n1,1\n");
   auto config = probe_with(files, kToReal);
-  config.replace(config.find(files.path()), files.path().size(), "in.csv");  // relative to the config
+  config.replace(config.find(files.path()), files.path().size(), "in.csv");  // makes the path relative to the config
   const std::filesystem::path json = files.put("c.json", test::with_probe(config));
   const auto folder = json.parent_path();
   std::filesystem::create_directory(folder / "sub");

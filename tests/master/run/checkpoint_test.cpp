@@ -20,7 +20,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-// Each step of a sleeps: the run takes about half a second, so that kills interrupt it.
+// In each step, `a` sleeps. The run then takes about half a second, so that kills interrupt it.
 constexpr const char* kSavedSystem = R"({"step": 0.01, "stop_time": 3, "instances": {
     "a": {"fmu": "PROBE", "parameters": {"gain": -0.9, "offset": 0.3, "fault": "nap", "fault_time": 0}},
     "b": {"fmu": "PROBE", "parameters": {"gain": 0.8}, "step": 0.03}},
@@ -59,8 +59,8 @@ class Checkpoints : public testing::Test {
   }
   ProgramResult run(const std::vector<std::string>& arguments) const { return run_program(arguments, folder.path()); }
 
-  /// Repeatedly kills the run and its resumed successors, each after a different time, until one reaches its end.
-  /// Returns the number of kills.
+  /// Kills the run, and then each resumed run, after different times, until one run reaches its end. Returns the number
+  /// of kills.
   int run_with_kills(const std::vector<std::string>& begin, unsigned seed) const {
     std::mt19937 random(seed);
     std::uniform_int_distribution<int> delay_us(1'000, 150'000);
@@ -75,7 +75,7 @@ class Checkpoints : public testing::Test {
       EXPECT_EQ(code, 128 + SIGKILL);
       ++kills;
       begun = std::filesystem::exists(folder.path() / "killed" / "checkpoint.bin");
-      if (kills > 60) delay_us = std::uniform_int_distribution<int>(1'000'000, 2'000'000);  // a very slow machine
+      if (kills > 60) delay_us = std::uniform_int_distribution<int>(1'000'000, 2'000'000);  // for a very slow machine
       if (kills > 100) throw Error("the run never comes to its end");
     }
   }
@@ -191,7 +191,7 @@ TEST_F(Checkpoints, RowsThatWereChangedSinceTheCheckpointAreNotContinued) {
   wait(child);
   const auto rows = result("killed", "results.csv");
   auto changed = rows;
-  changed[changed.find('\n') + 1] = '9';  // the time of the first row
+  changed[changed.find('\n') + 1] = '9';  // changes the time of the first row
   write_file(folder.path() / "killed/results.csv", changed);
   const auto refused = run({"resume", "killed"});
   EXPECT_EQ(refused.code, 2);

@@ -47,7 +47,7 @@ TEST(Simulation, OutputsTravelInOneStepAsJacobiSays) {
     "connections": [{"from": "a.steps", "to": "b.integer_in"}, {"from": "b.integer_out", "to": "c.integer_in"}]})");
   run.to_end();
   EXPECT_THAT(run.column("a.steps"), testing::ElementsAre(0, 1, 2, 3, 4));
-  EXPECT_THAT(run.column("b.integer_out"), testing::ElementsAre(1, 1, 2, 3, 4));  // steps at t_k-1, plus one
+  EXPECT_THAT(run.column("b.integer_out"), testing::ElementsAre(1, 1, 2, 3, 4));  // number of steps at t_k-1, plus one
   EXPECT_THAT(run.column("c.integer_out"), testing::ElementsAre(2, 2, 2, 3, 4));
 }
 
@@ -69,7 +69,7 @@ TEST(Simulation, AnInitialLoopThatConvergesIsSolved) {
     "connections": [{"from": "a.real_out", "to": "b.real_in"}, {"from": "b.real_out", "to": "a.real_in"}]})");
   run.initialize();
   EXPECT_NEAR(run.column("a.real_out").front(), 4.0 / 3,
-              4e-12);  // converged to 1e-12 relative per sweep, gain 0.25 per round
+              4e-12);  // converged to 1e-12 relative per sweep; the gain is 0.25 per round
   EXPECT_NEAR(run.column("b.real_out").front(), 2.0 / 3, 4e-12);
 }
 
@@ -86,7 +86,7 @@ TEST(Simulation, AnInitialLoopThatDivergesIsReportedWithItsPath) {
   }
 }
 
-/// Returns a ring of three instances with different parameters, in the order of `names`.
+/// Returns a config of a ring of three instances with different parameters, in the order of `names`.
 std::string ring(const std::vector<std::string>& names) {
   const auto instance = [](const std::string& name) {
     const int number = name[0] - 'a' + 1;
@@ -153,7 +153,7 @@ TEST(Simulation, MessagesOfWantedCategoriesArrive) {
   EXPECT_TRUE(silent.messages.lines.empty());
 }
 
-/// Returns the error if the probe fails in the step to 0.5 s.
+/// Returns the message of the error if the probe fails in the step to 0.5 s.
 std::string failure(TestRun& run) {
   try {
     run.to_end();
@@ -181,7 +181,7 @@ TEST(Faults, AnErrorNamesInstanceTimeFunctionAndTheFmusWords) {
 
 TEST(Faults, AFatalErrorIsNotFollowedByAnotherCall) {
 #ifdef __SANITIZE_ADDRESS__
-  const __lsan::ScopedDisabler unfreed;  // fmi2FreeInstance is among the calls that must not follow
+  const __lsan::ScopedDisabler unfreed;  // fmi2FreeInstance must not be called either, so memory stays allocated
 #endif
   EXPECT_THAT(failure("fatal"), HasSubstr("fmi2Fatal"));
 }
@@ -253,7 +253,7 @@ TEST(Simulation, ARunDoesNotContinueAtItsEnd) {
 TEST(StopWhen, AConditionMayHaveToHoldForATime) {
   TestRun run(one_probe("", R"(, "stop_when": [{"variable": "a.steps", "above": 3, "for": 0.3}])"));
   run.to_end();
-  EXPECT_EQ(run.column("time").back(), 0.7);  // above 3 from 0.4 s on
+  EXPECT_EQ(run.column("time").back(), 0.7);  // the value is above 3 from 0.4 s on
 }
 
 TEST(StopWhen, ABreakStartsTheTimeAnew) {

@@ -32,7 +32,7 @@ TEST(State, ARunRestoredFromTheMiddleGivesTheSameBytes) {
 
   TestRun run(kSystem);
   run.initialize();
-  step_to(run, 151);  // b is in the middle of its step
+  step_to(run, 151);  // now b is in the middle of its step
   const auto state = run.simulation().save_state();
   step_to(run, 180);
   EXPECT_FALSE(run.simulation().ended());

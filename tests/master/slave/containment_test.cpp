@@ -192,7 +192,7 @@ TEST_F(Containment, ChangesOfTheProcessByAStepAreReportedAndReverted) {
 }
 
 TEST_F(Containment, NamesTheFmuIfTheInstanceIsUnknown) {
-  constexpr int kCount = 60;  // more instances than are checked individually
+  constexpr int kCount = 60;  // more than the number of instances that are checked individually
   std::string instances;
   for (int i = 0; i < kCount; ++i) instances += fmt::format(R"({}"i{}": {{"fmu": "PROBE"}})", i == 0 ? "" : ", ", i);
   write_file(
@@ -228,7 +228,7 @@ TEST_F(Containment, CodeInWhichAThreadRunsStaysInMemory) {
   TestRun(config("")).to_end();
   EXPECT_EQ(mapped(), before) << "without threads the library goes with the run";
   {
-    TestRun run(config("thread_stays"));  // for a tenth of a second, in code of the FMU
+    TestRun run(config("thread_stays"));  // the thread runs code of the FMU for a tenth of a second
     run.to_end();
   }
   EXPECT_GT(mapped(), before);

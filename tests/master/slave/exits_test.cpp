@@ -33,7 +33,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-/// Runs the change on a thread, and returns the report of ProcessState. Then calls `still` on the same thread.
+/// Calls `change` on a thread and returns the report of ProcessState. Then calls `still` on the same thread.
 template <typename Change, typename Still>
 std::vector<std::string> reported(Change change, Still still) {
   std::vector<std::string> texts;

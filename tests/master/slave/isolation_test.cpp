@@ -25,7 +25,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-// A system with buffers, texts, two steps, and connections of all types.
+// Describes a system with buffers, texts, two step sizes, and connections of all types.
 constexpr const char* kIsolatedSystem = R"({"step": 0.01, "stop_time": 1, "instances": {
     "a": {"fmu": "PROBE", "parameters": {"gain": -0.9, "offset": 0.3, "string_in": "a, b"}},
     "b": {"fmu": "PROBE", "parameters": {"gain": 0.8}, "step": 0.02}},
@@ -34,7 +34,7 @@ constexpr const char* kIsolatedSystem = R"({"step": 0.01, "stop_time": 1, "insta
                   {"from": "a.string_out", "to": "b.string_in"}, {"from": "a.boolean_out", "to": "b.boolean_in"}],
   "record": {"texts": true}})";
 
-/// True if Landlock keeps signals inside a sandbox, as it does since Linux 6.12.
+/// Returns true if Landlock blocks signals from inside a sandbox to other processes, as it does since Linux 6.12.
 bool kernel_keeps_signals_inside() {
   constexpr long kCreateRuleset = 444;
   constexpr int kAskVersion = 1;
@@ -55,7 +55,7 @@ class Isolation : public testing::Test {
   }
   std::string result(const std::string& file) const { return read_file(folder.path() / "results" / "two" / file); }
   nlohmann::json summary() const { return nlohmann::json::parse(result("summary.json")); }
-  /// Returns the config with further keys for instance b.
+  /// Writes a config that contains further keys for instance b.
   void give_b(const std::string& keys) {
     std::string text = kIsolatedSystem;
     text.insert(text.find(R"("step": 0.02)"), keys + ", ");
@@ -75,7 +75,8 @@ class Isolation : public testing::Test {
     }
     return found;
   }
-  /// True if all these processes end within ten seconds. On a busy machine, a killed process takes some time to end.
+  /// Returns true if all these processes end within ten seconds. On a busy machine, a killed process takes some time to
+  /// end.
   bool all_end() const {
     for (int i = 0; i < 500 && !processes_left().empty(); ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -89,7 +90,7 @@ class Isolation : public testing::Test {
   modeldesc::TemporaryFolder folder{"mebots-test"};
 };
 
-/// Returns exit code and error of `mebots run two.json --isolate` with a limit of open files.
+/// Runs `mebots run two.json --isolate` with a limit of open files. Returns the exit code and the text on stderr.
 ProgramResult run_below(const std::string& limit, const std::filesystem::path& folder) {
   const auto command = fmt::format("cd '{0}' && {{ ulimit {1} && '{2}' run two.json --isolate --quiet; }} 2>'{0}/err'",
                                    folder.string(), limit, MEBOTS_PROGRAM);
@@ -119,7 +120,7 @@ TEST_F(Isolation, OwnProcessesGiveTheSameBits) {
   const auto isolated = run({"--isolate"});
   EXPECT_EQ(isolated.code, 0) << isolated.err;
   EXPECT_TRUE(result("results.csv") == csv);
-  const auto lines = [](const std::string& text) {  // messages of each instance are in order
+  const auto lines = [](const std::string& text) {  // the messages of each instance are in order
     std::istringstream stream(text);
     std::map<std::string, std::string> by_instance;
     for (std::string line; std::getline(stream, line);) by_instance[line.substr(14, 1)] += line + "\n";
@@ -240,7 +241,7 @@ TEST_F(Isolation, AnFmuThatClosesAllFilesOrKillsItsParentHarmsNoOther) {
   }
 }
 
-/// Another process of the same user, during this object's lifetime.
+/// Runs another process of the same user during this object's lifetime.
 class Bystander {
  public:
   Bystander() {
@@ -286,7 +287,7 @@ TEST(Guard, AllowsSignalsToItselfOnlyWithoutLandlock) {
   if (tried == 0) {
     master::isolation::forbid_harm(master::isolation::Signals::to_itself);
     const auto refused = [](long answer) { return answer == -1 && errno == EPERM; };
-    const long high = static_cast<long>(other) | (1L << 32);  // the kernel uses the low half only
+    const long high = static_cast<long>(other) | (1L << 32);  // the kernel uses only the low half
     bool held = refused(kill(other, SIGKILL)) && refused(syscall(SYS_kill, high, SIGKILL)) &&
                 refused(kill(-1, SIGKILL)) && refused(kill(0, SIGKILL)) &&
                 refused(syscall(SYS_tkill, other, SIGKILL)) && refused(syscall(SYS_tgkill, other, other, SIGKILL)) &&

@@ -106,7 +106,7 @@ TEST(ContinuousSystem, EvaluatesConnectionsInsideTheRightHandSide) {
 }
 
 TEST(ContinuousSystem, ReadsOutputsAfterTheInputsThatTheyDependOn) {
-  // A chain of gains y = 3 u. They are connected in the worst order, without declared dependencies.
+  // Connects a chain of gains y = 3 u in the worst order, without declared dependencies.
   const Laws gain = {.values = 2, .outputs = [](double, Values& v) { v[1] = 3 * v[0]; }};
   PlainModel last("c", gain, {0, 0});
   PlainModel middle("b", gain, {0, 0});
@@ -147,14 +147,14 @@ TEST(ContinuousSystem, FindsTheTimesOfImpactsExactly) {
   // The ball falls for sqrt(2 h / g). After impact number n, it flies for 2 e^n v / g.
   const double first_s = std::sqrt(2 / 9.81);
   const double speed = 9.81 * first_s;
-  system.advance(first_s + 0.7 * speed / 9.81);  // the top of the first flight
+  system.advance(first_s + 0.7 * speed / 9.81);  // time of the top of the first flight
   EXPECT_NEAR(ball.value(0), 0.49, 1e-9);
   EXPECT_NEAR(ball.value(1), 0, 1e-8);
   EXPECT_EQ(system.statistics().counts.state_events, 1);
   system.advance(first_s + 2 * 0.7 * speed / 9.81 + 0.49 * speed / 9.81);
   EXPECT_NEAR(ball.value(0), 0.49 * 0.49, 1e-8);
   system.advance(4);
-  EXPECT_EQ(ball.value(0), 0);  // at rest
+  EXPECT_EQ(ball.value(0), 0);  // the ball is at rest
   EXPECT_EQ(ball.value(1), 0);
 }
 
@@ -185,7 +185,7 @@ TEST(ContinuousSystem, SolvesRobertsonsStiffKinetics) {
 }
 
 TEST(ContinuousSystem, HandlesTimeEventsAtTheirTimes) {
-  // A model that adds 1 to its state every 0.3 s.
+  // Defines a model that adds 1 to its state every 0.3 s.
   const Laws clock = {.states = 1,
                       .values = 2,
                       .derivatives = [](double, const Values&, auto d) { d[0] = 0; },
@@ -242,7 +242,7 @@ TEST(ContinuousSystem, KeepsTheSolversStepsIfAStepEventChangesNothing) {
 }
 
 TEST(ContinuousSystem, RestartsIfAStepEventChangesTheSignOfAnIndicator) {
-  // A clock x' = 1 with the threshold v[1], which one step event moves from above x to below x.
+  // Defines a clock x' = 1 with the threshold v[1]. One step event moves the threshold from above x to below x.
   const Laws laws = {
       .states = 1,
       .values = 2,
@@ -332,7 +332,7 @@ TEST(ContinuousSystem, EndsWhereAMemberRequestsIt) {
   EXPECT_NEAR(reached.time_s, 0.5, 1e-12);
 }
 
-/// A pair of oscillators with directional derivatives.
+/// Simulates a pair of oscillators with directional derivatives.
 class LinearModel final : public PlainModel {
  public:
   LinearModel(std::string name, Values start)

@@ -14,20 +14,20 @@
 #include <utility>
 #include <vector>
 
-/// Continuous models in plain C++, without FMI.
+/// Defines continuous models in plain C++, without FMI.
 namespace mebots::master {
 
-/// A model as functions of its variables. `values` holds all Reals by reference, the states first.
+/// Implements a model by functions of its variables. `values` contains all Reals by reference, the states first.
 class PlainModel : public ContinuousInstance {
  public:
   using Values = std::vector<double>;
 
   struct Laws {
     std::size_t states = 0;
-    std::size_t values = 0;  // all Reals
+    std::size_t values = 0;  // number of all Reals
     std::size_t indicators = 0;
     std::function<void(double t, const Values& v, std::span<double> derivatives)> derivatives = {};
-    std::function<void(double t, Values& v)> outputs = {};  // from states and inputs
+    std::function<void(double t, Values& v)> outputs = {};  // computes the outputs from states and inputs
     std::function<void(double t, const Values& v, std::span<double> indicators)> indicators_of = {};
     std::function<DiscreteUpdate(double t, Values& v)> update = {};
     std::function<CompletedStep(double t, Values& v)> completed = {};

@@ -13,7 +13,7 @@
 namespace mebots::soc::test {
 namespace {
 
-/// The board of the time-of-flight example with a kind of its own for the sensor.
+/// Returns the board of the time-of-flight example, in which the sensor has a kind of its own.
 BoardDescription board_with_kind() {
   auto board = read_board(MEBOTS_SOURCE_DIR "/examples/time_of_flight/board.json");
   board.devices.back().kind = "range_finder";

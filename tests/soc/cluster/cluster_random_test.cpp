@@ -17,7 +17,7 @@
 namespace mebots::soc::test {
 namespace {
 
-/// An observer without any effect.
+/// Observes a hart without any effect.
 class Onlooker final : public Observer {
  public:
   void retired(const Hart& /*hart*/, const Retired& /*instruction*/) override { ++count_; }
@@ -26,7 +26,7 @@ class Onlooker final : public Observer {
   std::uint64_t count_ = 0;
 };
 
-/// An observer that only needs some steps, so that hot code is translated. Checks the order of these steps.
+/// Observes only some steps, so that hot code is translated. Checks the order of these steps.
 class StepCounter final : public Observer, private FlowMap {
  public:
   const FlowMap* flow() const override { return this; }

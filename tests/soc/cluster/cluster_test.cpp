@@ -17,7 +17,7 @@
 namespace mebots::soc::test {
 namespace {
 
-constexpr double kClusterHz = 87e6;  // at the start
+constexpr double kClusterHz = 87e6;  // clock at the start
 
 /// Checks two runs of one program at the same time. Their states and energies must be equal at every step up to
 /// `end_ns`.
@@ -123,7 +123,7 @@ BoardDescription with_tree(BoardDescription board) {
   return board;
 }
 
-/// A loop of `turns` iterations. Each iteration loads one word 16 times, without any cycle between the loads.
+/// Returns a loop of `turns` iterations. Each iteration loads one word 16 times, without any cycle between the loads.
 std::string hammer(unsigned turns) {
   return fmt::format(
       "mv a0, s1\n.balign 4\n.option push\n.option norvc\nli a3, {}\n.insn i 0x7b, 4, x0, a3, 32\n"
@@ -195,8 +195,8 @@ TEST(ClusterCore, AddsTheLatencyOfL2) {
   EXPECT_EQ(far, near + 20 * 14) << "14 cycles each: cluster router 2, AXI 12";
 }
 
-/// The fabric controller forks `body` on two cores, and sleeps until both are done. Returns the time that this takes,
-/// in nanoseconds of the timer. Registers for the body: a0 = argument, s2 = event unit, s3 = DMA, s1 = L1.
+/// Returns how long a job on two cores takes, in nanoseconds of the timer. The fabric controller forks `body` on two
+/// cores, and sleeps until both are done. Registers for the body: a0 = argument, s2 = event unit, s3 = DMA, s1 = L1.
 std::uint32_t job_ns(std::string_view body, std::uint32_t argument, std::uint32_t cluster_hz = 87'000'000) {
   Settings settings;
   settings.cluster_clock_hz = cluster_hz;
@@ -306,8 +306,8 @@ TEST(Dma, TakesTwoCyclesForAShortRow) {
   EXPECT_NEAR(longer, 128 / kClusterHz * 1e9, 10 + 1);
 }
 
-/// Busy cycles of core 1 and of the DMA. Core 1 loads 256 words from one bank, while core 0 waits for a copy of 16 KiB
-/// into L1.
+/// Contains the busy cycles of core 1 and of the DMA. Core 1 loads 256 words from one bank, while core 0 waits for a
+/// copy of 16 KiB into L1.
 struct Rivals {
   std::uint32_t core_cycles = 0;
   std::uint64_t dma_cycles = 0;
@@ -354,7 +354,7 @@ TEST(Dma, TakesCyclesOfTheBanksFromTheCores) {
   EXPECT_NEAR(static_cast<double>(core_waited + dma_waited), 256.0 / 8, 4) << "a cycle shifts which words meet";
 }
 
-/// Two cores poll for each other's stores. A core sees a store one quantum later.
+/// Two cores poll for each other's stores. Each core sees a store of the other core one quantum later.
 TEST(Cluster, SharesStoresOncePerQuantum) {
   constexpr std::uint32_t kTimes = 30;
   const auto body = fmt::format(R"(
@@ -397,7 +397,7 @@ class Order final : public state::Visitor {
 std::size_t orders_of(unsigned cores, const BoardDescription& board) {
   auto system = cores_run(hammer(1000), cores, true, board);
   std::set<std::pair<std::uint32_t, bool>> seen;
-  for (std::int64_t t = 10'000; t < 100'000; t += 300) {  // half a quantum
+  for (std::int64_t t = 10'000; t < 100'000; t += 300) {  // steps of half a quantum
     system.soc.advance(t);
     seen.insert(Order(system.soc).of_next_quantum());
   }
@@ -454,7 +454,7 @@ _start: li s0, POWER_MANAGER_BASE
   EXPECT_EQ(system.result(0), 1U) << "refused";
 }
 
-/// A board, and the program of the runtime's self-test for this board.
+/// Names a board, and the program of the runtime's self-test for this board.
 struct RuntimeOn {
   std::string_view board;
   std::string_view program;
@@ -663,7 +663,7 @@ TEST(ClusterRuntime, TranslatedCoresWaitAsInterpretedInTheLongestBlocks) {
   EXPECT_EQ(translated.soc.cluster()->hart(0).code().is_translated(), translate::can_translate());
 }
 
-/// An observer of every instruction of every hart, without any effect.
+/// Observes every instruction of every hart, without any effect.
 class Watcher final : public Observer {
  public:
   explicit Watcher(Soc& soc) {

@@ -21,7 +21,7 @@ using testing::ElementsAre;
 constexpr int kNo = ConsolePort::kNothingYet;
 constexpr int kEnd = ConsolePort::kEnded;
 
-/// A chip whose time does not advance, the history of the chip, and a console whose input arrives late.
+/// Creates a chip whose time does not advance, the history of the chip, and a console whose input arrives late.
 class HistoryTest : public testing::Test {
  protected:
   /// Calls input() `count` times and returns the results.
@@ -80,7 +80,7 @@ TEST_F(HistoryTest, AReplayRepeatsTheEndOfTheInput) {
   EXPECT_EQ(reads_, 2);
 }
 
-/// The host provides each byte only once. So the program must get the recorded bytes again.
+/// The host provides each byte only once. Therefore the replayed program must receive the recorded bytes.
 TEST_F(HistoryTest, AfterAChangeInThePastTheProgramStillGetsTheBytesThatWereRead) {
   live_ = {'a', kNo, kNo, 'b', 'c'};
   history_.record(soc_);
@@ -105,7 +105,7 @@ TEST_F(HistoryTest, ARestartReadsTheLogThenTheHost) {
   EXPECT_THAT(poll(3), ElementsAre(kNo, 'a', 'b'));
 }
 
-/// If a run is being stopped, its state is discarded. So a byte that the run reads would be lost.
+/// If a run is being stopped, its state is discarded. A byte that the run reads at that time would be lost.
 TEST_F(HistoryTest, ReadsNothingWhileTheRunIsBeingStopped) {
   live_ = {'a'};
   history_.record(soc_);

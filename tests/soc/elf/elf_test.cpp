@@ -67,7 +67,8 @@ TEST(Elf, GivesSegmentsEntryAndSymbols) {
   EXPECT_GE(in_memory, 100U + 8U) << "what the file does not give, too";
 }
 
-/// Line numbers of a function of four instructions on lines 7, 9, 9 and 12 of power.c, in a version of DWARF.
+/// Assembles a function of four instructions on lines 7, 9, 9 and 12 of power.c. Its line numbers are in a version of
+/// DWARF.
 std::vector<std::uint8_t> program_with_lines(int version) {
   return assemble_file(
       fmt::format(".section .text\n.file 1 \"app/power.c\"\n.option norvc\n_start: .type _start, @function\n"
@@ -97,7 +98,7 @@ TEST(Elf, HasNoLinesIfTheLineTableIsBroken) {
     for (int k = 0; k < 4; ++k) bytes[0x80 + random() % (bytes.size() - 0x80)] = static_cast<std::uint8_t>(random());
     try {
       if (Elf::parse(bytes, "fw.elf").where(0x80000004).find("power.c:9") == std::string::npos) ++without;
-    } catch (const Error&) {  // refused for another reason
+    } catch (const Error&) {  // the reader may reject the file for any reason
     }
   }
   EXPECT_GT(without, 100) << "some of them hit the lines";
@@ -128,7 +129,7 @@ TEST(Elf, TruncatedAtAnyLengthIsAnErrorOrWhole) {
   const auto& whole = program();
   for (std::size_t length = 0; length < whole.size(); ++length) {
     const std::vector<std::uint8_t> cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length));
-    EXPECT_NE(error_of(cut), "no error") << length;  // section headers are at its end
+    EXPECT_NE(error_of(cut), "no error") << length;  // the section headers are at the file's end
   }
 }
 
@@ -160,7 +161,8 @@ TEST(Elf, DoesNotCrashTheReaderWithDamagedBytes) {
   EXPECT_GT(refused, 100);
 }
 
-/// Two program headers, each for 16 bytes of the file: code at 0x1000, and data with these addresses and sizes.
+/// Returns an ELF file with two program headers, each for 16 bytes of the file: code at 0x1000, and data with these
+/// addresses and sizes.
 std::vector<std::uint8_t> with_data_segment(std::uint32_t run, std::uint32_t load, std::uint32_t file_size,
                                             std::uint32_t memory_size, std::uint32_t entry = 0x1000) {
   std::vector<std::uint8_t> bytes(52 + 2 * 32 + 32);
@@ -169,7 +171,7 @@ std::vector<std::uint8_t> with_data_segment(std::uint32_t run, std::uint32_t loa
   };
   const std::array<std::uint8_t, 7> ident{0x7f, 'E', 'L', 'F', 1, 1, 1};
   std::ranges::copy(ident, bytes.begin());
-  put(16, 2, 2);  // executable
+  put(16, 2, 2);  // executable file
   put(18, 243, 2);
   put(24, entry, 4);
   put(28, 52, 4);

@@ -9,13 +9,13 @@
 namespace mebots::soc::test {
 namespace {
 
-// Figures of params/gap8.json at 1.2 V and 25 C.
+// Values of params/gap8.json at 1.2 V and 25 C.
 constexpr double kInstructionJ = 30.03e-12;
 constexpr double kAccessJ = 12.81e-12;
 constexpr double kGatedW = 9.648e-6;
-constexpr double kBackgroundW = 17.13e-3 * 100 / 250;  // at 100 of 250 MHz
+constexpr double kBackgroundW = 17.13e-3 * 100 / 250;  // at 100 of the 250 MHz of the reference
 constexpr double kLeakageW = 35.5e-6 + 5.2e-6 * (524288 + 16384) / 4096;
-constexpr double kRounding = 1e-12;  // relative: sums of doubles
+constexpr double kRounding = 1e-12;  // relative tolerance for sums of doubles
 
 constexpr auto kForEver = "_start: addi a0, a0, 1\nj _start\n";
 

@@ -17,7 +17,7 @@
 namespace mebots::soc::test {
 namespace {
 
-/// Runs a program that stores its result in a0, on a core with the options that `isa` names.
+/// Runs a program that stores its result in a0. The core has the options that `isa` names.
 std::unique_ptr<Machine> run(const std::string& isa, const std::string& body) {
   const auto text = fmt::format("_start:\n{}\n{}", body, kEnd);
   const auto march = isa.find('u') == std::string::npos ? isa : std::string(isa).erase(isa.find('u'), 1);
@@ -108,7 +108,7 @@ const std::map<std::string, Rule>& one_operand() {
 const std::vector<std::uint32_t> kWords{0,          1,          0x80000000, 0x7fffffff, 0xffffffff,
                                         0x00ff0100, 0x12345678, 0xdeadbeef, 0x0000801f, 33};
 
-/// Executes all operations on all pairs, and compares with the rules.
+/// Executes all operations on all pairs of operands, and compares the results with the rules.
 TEST(BitManipulation, FollowsTheManual) {
   std::string text = "la s0, words\n la s1, results\n";
   std::vector<std::pair<std::string, std::uint32_t>> expected;
@@ -223,7 +223,7 @@ TEST(Floats, HaveRegistersFlagsAndCompressedAccesses) {
   EXPECT_EQ(machine->reg(kFirstFloat + 15), 0x40700000U) << "fa5 = 3.75";
 }
 
-/// Returns the first illegal instruction; 0 if the program ends.
+/// Returns the first illegal instruction of the program; 0 if the program ends.
 std::string illegal_at(const std::string& isa, const std::string& body) {
   const auto machine = run(isa, "li a0, 0\n la a0, handler\n csrw mtvec, a0\n" + body +
                                     "\nli a0, 0\n j finish\n.balign 4\nhandler: csrr a0, mtval\nfinish:");
@@ -258,7 +258,7 @@ TEST(Floats, UseIntegerRegistersWithZfinx) {
 TEST(Floats, TakeTheCyclesOfTheManual) {
   const auto cycles = [](const std::string& body) {
     auto machine = run("rv32imfc_zicsr", std::string(kFloatsOn) + "csrr a1, mcycle\n" + body + "\n csrr a0, mcycle\n");
-    return machine->reg(10) - machine->reg(11) - 4;  // of the first access
+    return machine->reg(10) - machine->reg(11) - 4;  // the address of the first access
   };
   EXPECT_EQ(cycles("fadd.s fa0, fa1, fa2"), 1U);
   EXPECT_EQ(cycles("fmadd.s fa0, fa1, fa2, fa3\n fmul.s fa0, fa0, fa0"), 2U);

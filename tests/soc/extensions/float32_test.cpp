@@ -24,7 +24,7 @@ constexpr std::uint32_t kLargestSubnormal = 0x007fffff;
 constexpr std::uint32_t kLeast = 1;
 constexpr std::uint32_t kSignaling = 0x7f800001;
 
-/// A result and its flags in each rounding mode, in the order of Rounding.
+/// Contains a result and its flags in each rounding mode, in the order of Rounding.
 struct Outcome {
   std::uint32_t bits;
   unsigned flags;

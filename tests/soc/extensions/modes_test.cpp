@@ -116,9 +116,9 @@ std::string guarded_data(unsigned configuration, const std::string& address) {
 }
 
 TEST(Pmp, ChecksReadsWritesAndRanges) {
-  const std::string word = "csrw pmpaddr1, t1\n";                                        // data, 4 bytes
-  const std::string eight = "csrw pmpaddr1, t1\n";                                       // NAPOT, 8 bytes
-  const std::string range = "csrw pmpaddr0, t1\n addi t1, t1, 2\n csrw pmpaddr1, t1\n";  // TOR, 8 bytes
+  const std::string word = "csrw pmpaddr1, t1\n";                                        // range of 4 bytes (data)
+  const std::string eight = "csrw pmpaddr1, t1\n";                                       // NAPOT range of 8 bytes
+  const std::string range = "csrw pmpaddr0, t1\n addi t1, t1, 2\n csrw pmpaddr1, t1\n";  // TOR range of 8 bytes
   struct Case {
     unsigned configuration;
     std::string address;
@@ -165,7 +165,7 @@ TEST(Pmp, KeepsWhatIsLocked) {
   Pmp pmp(8);
   pmp.set_address(2, 0x1000);
   pmp.set_address(3, 0x2000);
-  pmp.set_configurations(0, 0x89000000);  // entry 3: a locked range that begins at the address of entry 2
+  pmp.set_configurations(0, 0x89000000);  // entry 3 is a locked range that begins at the address of entry 2
   pmp.set_address(2, 1);
   pmp.set_address(3, 1);
   pmp.set_configurations(0, 0);

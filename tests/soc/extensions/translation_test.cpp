@@ -16,10 +16,10 @@
 namespace mebots::soc::test {
 namespace {
 
-constexpr unsigned kBase = 8;     // s0: an address in the data
-constexpr unsigned kCounter = 9;  // s1
-constexpr unsigned kLength = 60;  // random instructions of a loop
-constexpr unsigned kTurns = 200;  // more than are needed for a translation
+constexpr unsigned kBase = 8;     // s0 contains an address in the data
+constexpr unsigned kCounter = 9;  // s1 contains the loop count
+constexpr unsigned kLength = 60;  // number of random instructions in a loop
+constexpr unsigned kTurns = 200;  // more iterations than are needed for a translation
 
 class Generator {
  public:
@@ -31,7 +31,7 @@ class Generator {
     }
   }
 
-  /// Returns a program as text, and adds the rows that it contains.
+  /// Returns a program as text, and adds the encodings that it contains to `seen`.
   std::string program(std::set<const Encoding*>& seen) {
     std::string text = "_start: la s0, numbers\n li t0, 0x6000\n csrs mstatus, t0\n";
     for (unsigned reg = 10; reg < 32; ++reg) text += fmt::format("lw x{}, {}(s0)\n", reg, 4 * reg);
@@ -114,7 +114,7 @@ TEST(TranslatedOptions, RunAsInterpreted) {
   }
   for (const auto& row : encodings()) {
     if (row.extension == Extension::standard || row.extension == Extension::xpulp) continue;
-    if (row.name == "c.flwsp" || row.name == "c.fswsp") continue;  // their address is in another register
+    if (row.name == "c.flwsp" || row.name == "c.fswsp") continue;  // these take their address from another register
     EXPECT_TRUE(seen.contains(&row)) << row.name;
   }
 }

@@ -21,7 +21,7 @@ using testing::HasSubstr;
 
 constexpr std::int64_t kMs = 1'000'000;
 
-/// Returns a resources folder as in the FMU, with the board and the gate firmware of the build.
+/// Creates a resources folder as in the FMU, with the board and the gate firmware of the build, and returns its path.
 std::filesystem::path resources() {
   static const auto folder = [] {
     const auto path = std::filesystem::temp_directory_path() / fmt::format("mebots-soc-model-{}", getpid());
@@ -34,7 +34,7 @@ std::filesystem::path resources() {
   return folder;
 }
 
-/// Assembles a program for L2, and returns its file.
+/// Assembles a program for L2, and returns the path of its file.
 std::string program(std::string_view name, std::string_view text) {
   const auto path = resources() / name;
   const auto bytes = assemble_file(text, 0x1C000000);
@@ -105,7 +105,7 @@ TEST(Model, RunsTheGateFirmwareAloneWithInputsAtTheirStartValues) {
 }
 
 TEST(Model, ABareNameSelectsAProgramInsideTheFmu) {
-  picture_program();  // writes picture.elf
+  picture_program();  // writes the file picture.elf
   Variables variables;
   variables.parameters.firmware = "picture";
   variables.parameters.camera_frame_width = 16;
@@ -135,7 +135,7 @@ TEST(Model, PowerIsTheMeanOverTheStepSoThatItSumsToTheEnergy) {
   EXPECT_NEAR(parts_j, variables.outputs.energy_total_j, 1e-15 * 12 * parts_j) << "rounding of eleven sums";
 }
 
-/// Returns the same resources with other energies in the board file.
+/// Creates a resources folder whose board file names other energies. Returns its path.
 std::filesystem::path resources_with(std::string_view energies) {
   const auto path = resources() / energies;
   std::filesystem::create_directories(path);
@@ -227,7 +227,7 @@ core: csrr a0, mhartid
 
 TEST(Model, PictureByPointerAndByBase64GiveTheSame) {
   const std::vector<std::uint8_t> picture(128, 200);
-  std::string text;  // 128 bytes of 200: groups of "yMjI", then two bytes
+  std::string text;  // 128 bytes of the 200: groups of "yMjI", then two bytes
   for (int i = 0; i < 42; ++i) text += "yMjI";
   text += "yMg=";
   std::vector<double> answered_at;
@@ -241,7 +241,7 @@ TEST(Model, PictureByPointerAndByBase64GiveTheSame) {
         answered_at.push_back(static_cast<double>(t + 2 * kMs));
       }
       if (variables.outputs.camera_trigger != variables.inputs.camera_frame_id) {
-        // Takes the role of the world: provides the picture one step after the request.
+        // Acts as the world: provides the picture one step after the request.
         variables.inputs.camera_frame_id = variables.outputs.camera_trigger;
         if (by_pointer) {
           variables.inputs.camera_frame = fmu::BinaryRef::to(picture);
@@ -313,7 +313,7 @@ std::filesystem::path network_folder(std::string_view flight) {
   return folder;
 }
 
-/// Returns the error of the chip with this network in place of that of `firmware`.
+/// Returns the error of a chip that has this network, and this firmware.
 std::string network_error(const std::filesystem::path& folder, std::string_view firmware) {
   Variables variables;
   variables.parameters.firmware = firmware;

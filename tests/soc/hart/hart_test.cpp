@@ -86,7 +86,7 @@ handler: csrr s2, mcause
 TEST(Trap, DoesNotCountTheInstructionAsRetired) {
   Machine machine(with_handler("csrr s5, minstret\necall\ncsrr s6, minstret"));
   ASSERT_EQ(machine.run(), Stop::watch);
-  // The first csrr and six instructions of the handler, without the ecall itself.
+  // Counts the first csrr and six instructions of the handler, without the ecall itself.
   EXPECT_EQ(machine.reg(22) - machine.reg(21), 7U);
 }
 
@@ -246,11 +246,11 @@ TEST(Csr, ReadOfAReadOnlyRegisterBySetWithX0IsNoWrite) {
   EXPECT_EQ(machine.reg(11), 4U);
 }
 
-/// A second transcription from the manuals: the numbers of a core's registers, and the registers with slow accesses.
+/// Transcribes the manuals a second time: the numbers of a core's registers, and the registers with slow accesses.
 struct CsrSet {
-  std::vector<std::pair<unsigned, unsigned>> there;  // first and last
+  std::vector<std::pair<unsigned, unsigned>> there;  // first and last number of each range
   std::vector<std::pair<unsigned, unsigned>> slow;
-  std::map<unsigned, std::uint32_t> after_reset;  // all others read 0
+  std::map<unsigned, std::uint32_t> after_reset;  // all other registers read as 0
 
   bool has(unsigned number) const { return contains(there, number); }
   static bool contains(const std::vector<std::pair<unsigned, unsigned>>& ranges, unsigned number) {
@@ -272,7 +272,7 @@ CsrSet csrs_of(CoreKind kind) {
   set.there.insert(set.there.end(), {{0x014, 0x014}, {0x780, 0x7a1}, {0x7b0, 0x7b2}, {0x7b4, 0x7b6}, {0xcc0, 0xcc1}});
   set.slow = {{0x300, 0x300}};
   set.after_reset[0x7a1] = set.after_reset[0xcc1] = 3;
-  set.after_reset[0xc10] = 3;  // the privilege, instead of an event counter
+  set.after_reset[0xc10] = 3;  // reads the privilege mode, not an event counter
   return set;
 }
 
@@ -601,7 +601,7 @@ _start: .option norvc
   for (const bool moved : {false, true}) {
     Machine machine(kProgram);
     EXPECT_EQ(machine.run(5), Stop::limit) << "after the load";
-    if (moved) machine.hart().set_pc(machine.hart().pc());  // as by a debugger: the load has ended long before
+    if (moved) machine.hart().set_pc(machine.hart().pc());  // as a debugger does, long after the load
     EXPECT_EQ(machine.run(6), Stop::limit);
     EXPECT_EQ(machine.hart().counters().cycles, moved ? 6U : 7U);
   }

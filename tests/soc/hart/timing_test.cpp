@@ -13,8 +13,8 @@ constexpr int kRepeats = 16;
 
 struct Case {
   std::string name;
-  std::string body;  // one repetition
-  double cycles;     // of one repetition
+  std::string body;  // instructions of one repetition
+  double cycles;     // cycles of one repetition
 };
 
 /// Returns the cycles from one read of mcycle to the next, minus those of the first read.
@@ -62,7 +62,7 @@ buffer: .space 1024
   Machine machine(program, kind);
   EXPECT_EQ(machine.run(), Stop::watch) << body;
   const int first_read = kind == CoreKind::ri5cy ? 1 : 4;
-  const int padding = 2;  // nops up to the next 16 bytes
+  const int padding = 2;  // number of nops up to the next multiple of 16 bytes
   return (static_cast<double>(machine.reg(18) - machine.reg(9)) - first_read - padding) / kRepeats;
 }
 

@@ -15,7 +15,8 @@
 namespace mebots::soc::test {
 namespace {
 
-/// Instructions as macros. A loop's `last` is the distance from the instruction to the last one of the body, in bytes.
+/// Defines instructions as macros. A loop's `last` is the distance in bytes from the loop instruction to the last
+/// instruction of the body.
 constexpr std::string_view kMacros = R"(
     .option norvc
     .macro lp_starti l, first
@@ -62,7 +63,7 @@ struct Example {
   const char* instruction;
   std::uint32_t a;
   std::uint32_t b;
-  std::uint32_t into;  // rd before
+  std::uint32_t into;  // value of rd before the instruction
   std::uint32_t result;
 };
 
@@ -295,7 +296,7 @@ TEST(HardwareLoop, RunsItsBodyAsOftenAsItsCountSays) {
   for (const unsigned count : {0U, 1U, 2U, 3U, 1000U}) {
     auto machine = finished(fmt::format("li a1, {}\nlp_setup 0, a1, 8\naddi a0, a0, 1\naddi a2, a2, 2\n", count));
     ASSERT_EQ(machine.run(), Stop::watch);
-    EXPECT_EQ(machine.reg(10), std::max(count, 1U)) << count;  // a body always runs once
+    EXPECT_EQ(machine.reg(10), std::max(count, 1U)) << count;  // a body always runs at least once
     EXPECT_EQ(machine.reg(12), 2 * std::max(count, 1U)) << count;
   }
 }
@@ -572,7 +573,7 @@ TEST(HardwareLoop, ContinuesFromAStateSavedInsideIt) {
   for (std::uint64_t cycle = 1; cycle < total; cycle += 3) {
     Machine first(elf, CoreKind::ri5cy);
     ASSERT_EQ(first.run(cycle), Stop::limit);
-    Machine second(elf, CoreKind::ri5cy);  // whose code has never been marked as a loop's end
+    Machine second(elf, CoreKind::ri5cy);  // has not yet marked this code as a loop's end
     state::restore(second.hart(), state::save(first.hart()));
     ASSERT_EQ(second.run(), Stop::watch);
     EXPECT_EQ(second.hart().counters().cycles, total) << cycle;

@@ -12,7 +12,7 @@ ADD = "add   0000000 ..... ..... 000 ..... 0110011  @r\n"
 
 
 def generate(rows):
-    """Returns exit code and message of the generator for a table with these rows."""
+    """Runs the generator with a table that has these rows. Returns its exit code and message."""
     with tempfile.TemporaryDirectory() as folder:
         table = pathlib.Path(folder) / "trial.decode"
         table.write_text(rows, encoding="utf-8")

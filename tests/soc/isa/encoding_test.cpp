@@ -20,7 +20,7 @@ std::string full_name(const Encoding& row) {
   return std::string(row.name);
 }
 
-/// Returns a core with the row's extension and all others that are compatible with it.
+/// Returns a core that has the row's extension and all extensions that are compatible with it.
 Extensions core_of(const Encoding& row) {
   if (row.extension != Extension::zfinx) return kMostExtensions;
   auto core = Extensions(Extension::zfinx).with(Extension::xpulp).with(Extension::a);
@@ -81,7 +81,7 @@ TEST(EncodingTable, IsDecodedRowByRow) {
 }
 
 TEST(EncodingTable, NamesEachRowOnceAndCoversEveryOperation) {
-  std::set<std::pair<std::string, Format>> names;  // p.lw is a name of three formats
+  std::set<std::pair<std::string, Format>> names;  // for example, p.lw is a name of three formats
   std::set<Op> ops;
   for (const auto& row : encodings()) {
     EXPECT_TRUE(names.emplace(full_name(row), row.format).second) << full_name(row);
@@ -165,7 +165,7 @@ TEST(Disassembly, AgreesWithBinutilsForRandomWords) {
       if (row.format == Format::fence) word &= 0x0ff0707fU;
       if (row.op == Op::fence_i) word = row.match;
       if (is_reserved(row, word)) continue;
-      if (is_atomic(row.op)) word &= ~(3U << 25);  // aq and rl, which binutils adds to the name
+      if (is_atomic(row.op)) word &= ~(3U << 25);  // binutils adds aq and rl to the name
       words.push_back(word);
     }
   }

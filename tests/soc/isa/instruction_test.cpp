@@ -113,7 +113,7 @@ std::vector<Operation> register_operations() {
   };
 }
 
-/// Runs "body" once for each pair of operands in a0 and a1; its result is in a2.
+/// Runs `body` once for each pair of operands, which are in a0 and a1. The result is in a2.
 void expect_for_all_pairs(const std::string& name, const std::string& body, const Rule& rule) {
   std::string program = "_start: la s0, results\nla s1, operands\n";
   program += fmt::format(

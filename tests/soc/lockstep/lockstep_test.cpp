@@ -28,7 +28,7 @@ std::uint64_t wanted_instructions() {
   return text == nullptr ? 200'000 : std::strtoull(text, nullptr, 10);
 }
 
-/// 16 MiB of RAM, and a word that ends the run.
+/// Simulates a platform with 16 MiB of RAM, and a word that ends the run.
 class Platform : public Bus {
  public:
   explicit Platform(std::span<const std::uint8_t> ram)
@@ -66,8 +66,8 @@ std::vector<std::uint8_t> image_of(const LockstepProgram& program) {
   return ram;
 }
 
-/// Returns the RAM after QEMU has run it. Execution starts at the RAM's first word and ends with the machine's test
-/// device.
+/// Runs the RAM's content in QEMU, and returns the RAM afterwards. Execution starts at the RAM's first word and ends
+/// with the machine's test device.
 std::vector<std::uint8_t> run_on_qemu(const std::vector<std::uint8_t>& ram, const std::filesystem::path& path) {
   std::ofstream(path, std::ios::binary)
       .write(reinterpret_cast<const char*>(ram.data()), static_cast<std::streamsize>(ram.size()));
@@ -90,7 +90,7 @@ std::uint32_t word_at(const std::uint8_t* bytes) {
   return value;
 }
 
-/// Returns a text about the first difference of the logs: the record before it, and the difference.
+/// Describes the first difference between the logs: the record before it, and the difference.
 std::string first_difference(const std::uint8_t* ours, const std::uint8_t* theirs, std::uint32_t bytes) {
   for (std::uint32_t at = 0; at < bytes; at += 4) {
     if (word_at(ours + at) == word_at(theirs + at)) continue;
@@ -107,7 +107,7 @@ TEST(Lockstep, RandomProgramsDoTheSameOnQemu) {
   const auto folder = std::filesystem::temp_directory_path() / fmt::format("mebots-lockstep-{}", getpid());
   std::filesystem::create_directories(folder);
   constexpr std::uint32_t kTurns = 60;
-  constexpr std::uint64_t kNotingInstructions = 37;  // instructions that write a record; fewer for a trap
+  constexpr std::uint64_t kNotingInstructions = 37;  // number of instructions that write a record; a trap needs fewer
   const auto wanted = wanted_instructions();
   std::uint64_t compared = 0;
   std::uint64_t executed = 0;

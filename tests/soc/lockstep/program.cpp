@@ -11,10 +11,10 @@ namespace mebots::soc::test {
 namespace {
 
 // Registers with a fixed purpose: random instructions only read them.
-constexpr std::uint32_t kSp = 2;       // into the data, any alignment
-constexpr std::uint32_t kCounter = 5;  // of a loop
-constexpr std::uint32_t kNowhere = 7;  // an address without memory
-constexpr std::uint32_t kPointer = 8;  // x8, x9: into the data
+constexpr std::uint32_t kSp = 2;       // address in the data, with any alignment
+constexpr std::uint32_t kCounter = 5;  // counter of a loop
+constexpr std::uint32_t kNowhere = 7;  // contains an address without memory
+constexpr std::uint32_t kPointer = 8;  // x8, x9: addresses in the data
 constexpr std::uint32_t kOtherPointer = 9;
 constexpr std::uint32_t kCheckpointEvery = 8;
 
@@ -125,7 +125,7 @@ class Maker {
   /// Writes one iteration: it loads all registers from the table, executes the random code, and jumps to the next
   /// iteration.
   void start(std::uint32_t turns) {
-    emit(0);  // becomes a jump over the handler
+    emit(0);  // later replaced by a jump over the handler
     emit(0);
     while (here() % 4 != 0) emit(1);
     const auto handler_at = here();
@@ -137,17 +137,17 @@ class Maker {
     load_address(5, Layout::kLog);
     emit(csr(1, 0, kMscratch, 5));
     turn_at_ = here();
-    // x31 = start of this iteration's registers; counts the iteration
+    // x31 becomes the address of this iteration's registers. Counts the iteration.
     load_address(30, Layout::kControl);
     emit(lw(31, 0, 30));
     emit(addi(29, 31, 1));
     emit(sw(29, 0, 30));
     emit(addi(28, 0, turns));
     const auto leave_at = here();
-    emit(0x63);  // becomes the branch out
+    emit(0x63);  // later replaced by the branch out of the loop
     emit(0x00000013);
     leave_at_ = leave_at;
-    emit(i_type(0x13, 1, 31, 31, 7));  // times 128
+    emit(i_type(0x13, 1, 31, 31, 7));  // x31 times 128
     load_address(30, Layout::kStarts);
     emit(0x33U | 31U << 7 | 31U << 15 | 30U << 20);
     for (std::uint32_t i = 1; i < 32; ++i) emit(lw(i, 4 * i, 31));
@@ -209,13 +209,13 @@ class Maker {
     load_address(5, Layout::kTohost);
     emit(addi(6, 0, 1));
     emit(sw(6, 0, 5));
-    load_address(5, 0x00100000);  // the test device of QEMU's virt machine: power off
+    load_address(5, 0x00100000);  // powers off by the test device of QEMU's virt machine
     load_address(6, 0x5555);
     emit(sw(6, 0, 5));
     emit(jal(0, 0));
   }
 
-  /// Functions: some instructions, and a return.
+  /// Writes the functions. Each consists of some instructions, and a return.
   void functions() {
     for (const auto at : calls_) {
       while (here() % 2 != 0) code_.push_back(0);
@@ -284,7 +284,7 @@ class Maker {
         trap();
         break;
       case 6:
-        emit(below(2) == 0 ? 0x0ff0000fU : 0x0000100fU);  // fence, fence.i
+        emit(below(2) == 0 ? 0x0ff0000fU : 0x0000100fU);  // fence or fence.i
         count();
         break;
       default:

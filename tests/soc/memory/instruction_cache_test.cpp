@@ -10,7 +10,7 @@
 namespace mebots::soc::test {
 namespace {
 
-/// 64 sets of 4 ways with lines of 16 bytes, as in GAP8.
+/// Describes a cache with 64 sets of 4 ways and lines of 16 bytes, as in GAP8.
 constexpr InstructionCacheSettings kGap8{4096, 16, 4, 9};
 
 TEST(InstructionCache, MissesOnceAndThenHits) {
@@ -86,7 +86,7 @@ TEST(InstructionCache, PrefersInvalidWaysIfTheBoardRequestsIt) {
   for (std::uint32_t line = 1; line <= 4; ++line) cache.fetch(line, 0);
   for (std::uint32_t line = 1; line <= 4; ++line) EXPECT_TRUE(cache.holds(line)) << line;
   EXPECT_EQ(cache.state().shift_register, 0U) << "no refill yet";
-  cache.fetch(5, 0);  // bits 2 and 1 of 1
+  cache.fetch(5, 0);  // bits 2 and 1 of the value 1
   EXPECT_FALSE(cache.holds(1));
   EXPECT_TRUE(cache.holds(5));
   cache.flush();
@@ -173,7 +173,8 @@ _start: li s0, 50
   EXPECT_LT(refills, 50U * 513U);
 }
 
-/// A program with branches over cold code, calls, loads and stores to memory, and 32-bit instructions across lines.
+/// Contains a program with branches over cold code, calls, loads and stores to memory, and 32-bit instructions across
+/// lines.
 constexpr std::string_view kWanderer = R"(
 _start: li s0, 30
     la s1, data

@@ -10,9 +10,9 @@ namespace {
 TEST(Banks, DelayTheSecondClaimByACycle) {
   Banks banks(16);
   EXPECT_EQ(banks.claim(5, 0x10000000), 0U);
-  EXPECT_EQ(banks.claim(5, 0x10000040), 1U);  // 16 words later: the same bank
+  EXPECT_EQ(banks.claim(5, 0x10000040), 1U);  // an address 16 words later is in the same bank
   EXPECT_EQ(banks.claim(5, 0x10000004), 0U);
-  EXPECT_EQ(banks.claim(6, 0x10000000), 1U);  // 6 is claimed by the access that waited
+  EXPECT_EQ(banks.claim(6, 0x10000000), 1U);  // the access that waited has claimed cycle 6
 }
 
 TEST(Banks, KeepClaimsWhenTheWindowMoves) {

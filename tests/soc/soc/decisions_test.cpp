@@ -143,7 +143,7 @@ core: li s4, EVENT_UNIT_BASE
     j 5b
 )";
 
-/// Runs to `end_ms` with pictures that arrive at the first step after their request.
+/// Runs the system to `end_ms`. Each picture arrives at the first step after its request.
 void fly(BoardSystem& system, std::int64_t end_ms, std::int64_t step_ns) {
   const std::vector<std::uint8_t> bytes(64 * 40, 7);
   for (std::int64_t now = system.soc.now() / kPsPerNs + step_ns; now <= end_ms * kMs; now += step_ns) {

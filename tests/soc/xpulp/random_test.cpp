@@ -42,7 +42,7 @@ std::uint64_t wanted_instructions() {
 }
 
 TEST(Xpulp, RandomProgramsDoTheSameOnASecondDescription) {
-  constexpr int kStarts = 8;  // of each program, with other registers
+  constexpr int kStarts = 8;  // runs of each program, with different registers
   Random random(20180223);
   Generator generator(random);
   Platform platform;
@@ -119,7 +119,7 @@ TEST(Xpulp, EncodingsAreThoseOfASecondDescription) {
   const auto count = wanted_instructions();
   for (std::uint64_t i = 0; i < count; ++i) {
     auto word = (random.word() & ~0x7fU) | kOpcodes[random.below(kOpcodes.size())];
-    if (random.below(2) == 0) word &= 0xc1ffffffU;  // more words with few free bits
+    if (random.below(2) == 0) word &= 0xc1ffffffU;  // produces more words with few free bits
     if (random.below(2) == 0) word &= 0xfe0fffffU;
     if (random.below(2) == 0) word &= 0xfffff0ffU;
     // Every access is inside the RAM: all registers point there, or are 0 if they are added.
@@ -134,7 +134,7 @@ TEST(Xpulp, EncodingsAreThoseOfASecondDescription) {
         if (((word >> 15 ^ word >> 20) & 31U) == 0 || ((word >> 15 ^ word >> 7) & 31U) == 0) continue;
       }
       if (decoded.op == Op::p_elw) word &= 0x000fffffU;
-      if ((word >> 15 & 31U) == 0) continue;  // from address 0
+      if ((word >> 15 & 31U) == 0) continue;  // these accesses would start at address 0
     }
     reference.x[0] = 0;
     reference.pc = kRam;

@@ -14,21 +14,21 @@
 #include <utility>
 #include <vector>
 
-/// Random Xpulp programs, and a hart that runs them.
+/// Generates random Xpulp programs, and defines a hart that runs them.
 namespace mebots::soc::test {
 
 inline constexpr std::uint32_t kXpulpRam = 0x80000000;
-inline constexpr std::uint32_t kXpulpRamBytes = 4U << 20;  // farther than post-increments reach in one program
-inline constexpr std::uint32_t kXpulpSmall = 0x20000000;   // a second memory that random programs do not use
+inline constexpr std::uint32_t kXpulpRamBytes = 4U << 20;  // larger than the range of post-increments in one program
+inline constexpr std::uint32_t kXpulpSmall = 0x20000000;   // address of a second memory that random programs do not use
 inline constexpr std::uint32_t kXpulpSmallBytes = 4096;
-inline constexpr std::uint32_t kMiddle = kXpulpRam + kXpulpRamBytes / 2;  // start of pointers
-inline constexpr std::uint32_t kLeave = 0xfe002e23;  // sw zero, -4(zero): to a device, which ends the run
-inline constexpr unsigned kFirstPointer = 10;        // x10 to x13
+inline constexpr std::uint32_t kMiddle = kXpulpRam + kXpulpRamBytes / 2;  // initial value of pointers
+inline constexpr std::uint32_t kLeave = 0xfe002e23;  // sw zero, -4(zero): stores to a device, which ends the run
+inline constexpr unsigned kFirstPointer = 10;        // x10 to x13: pointers
 inline constexpr unsigned kLastPointer = 13;
 inline constexpr unsigned kFirstOffset = 14;  // x14, x15: small numbers
 inline constexpr unsigned kLastOffset = 15;
-inline constexpr unsigned kTurns = 16;       // x16: small numbers above or equal 0
-inline constexpr unsigned kFirstSpare = 17;  // x17, x18: not used by programs
+inline constexpr unsigned kTurns = 16;       // x16: small numbers >= 0
+inline constexpr unsigned kFirstSpare = 17;  // x17, x18: programs do not use them
 inline constexpr unsigned kLastSpare = 18;
 
 class Random {
@@ -75,7 +75,7 @@ class Generator {
   std::uint32_t plain() {
     for (;;) {
       const auto word = any_plain();
-      if (decode(word).op == Op::illegal) continue;  // with this register it is another instruction
+      if (decode(word).op == Op::illegal) continue;  // with this register, the word is another instruction
       if (!left_out_ || !left_out_(word)) return word;
     }
   }
@@ -148,19 +148,19 @@ class Generator {
     return words;
   }
 
-  /// True for standard arithmetic instructions without a jump.
+  /// Returns true for standard arithmetic instructions without a jump.
   static bool computes_in_32_bits(const Encoding& row) {
     return row.extension == Extension::standard && (row.match & 3U) == 3 && !ends_block(row.op) && !is_load(row.op) &&
            !is_store(row.op) && !is_branch(row.op) && !is_csr(row.op);
   }
 
-  /// Returns the word with another register in the field from bit `low` on.
+  /// Returns the word with another register in the field whose lowest bit is `low`.
   static std::uint32_t with(std::uint32_t word, unsigned low, std::uint32_t value) {
     return (word & ~(31U << low)) | value << low;
   }
 
  private:
-  static constexpr std::uint32_t kFirstDot = 24;  // x24 to x31
+  static constexpr std::uint32_t kFirstDot = 24;  // x24 to x31 are for dot products
   std::uint32_t dot_register() { return kFirstDot + random_.below(32 - kFirstDot); }
   /// Returns a register of a pointer or of an offset.
   std::uint32_t address_register() { return kFirstPointer + random_.below(kLastOffset - kFirstPointer + 1); }
@@ -180,7 +180,7 @@ class Generator {
     const auto skipped = random_.below(3);
     const auto distance = 4 * (skipped + 1);
     const auto registers = mostly_dots_ && random_.below(4) != 0 ? kFirstDot : 32U;
-    const auto kind = mostly_dots_ ? random_.below(8) : 2U + random_.below(2);  // 2 and 3 are Xpulp's
+    const auto kind = mostly_dots_ ? random_.below(8) : 2U + random_.below(2);  // kinds 2 and 3 are Xpulp's
     words.push_back(0x63U | kind << 12 | random_.below(registers) << 15 | random_.below(32) << 20 |
                     (distance >> 1 & 15U) << 8 | (distance >> 5) << 25);
     for (std::uint32_t i = 0; i < skipped; ++i) words.push_back(plain());
@@ -234,7 +234,7 @@ class Generator {
   std::vector<const Encoding*> dots_;
 };
 
-/// A hart whose run ends at a store to an address without memory.
+/// Defines a hart whose run ends at a store to an address without memory.
 class Platform : public Bus {
  public:
   explicit Platform(bool translate = true)
@@ -264,7 +264,7 @@ class Platform : public Bus {
   Hart hart_;
 };
 
-/// Returns the assembly text.
+/// Returns the disassembly of the words as text.
 inline std::string listing(const std::vector<std::uint32_t>& words) {
   std::string text;
   for (std::size_t i = 0; i < words.size(); ++i) {

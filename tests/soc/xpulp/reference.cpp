@@ -137,7 +137,7 @@ bool XpulpReference::load(std::uint32_t word, bool post) {
     bytes = kind % 4 == 0 ? 1 : kind % 4 == 1 ? 2 : 4;
     sign = kind < 4;
   } else {
-    if (kind != 6) return false;  // p.elw; the others belong to the base instruction set
+    if (kind != 6) return false;  // p.elw; the other words belong to the base instruction set
     bytes = 4;
   }
   const auto address = post ? base : base + step;
@@ -209,17 +209,17 @@ bool XpulpReference::alu(std::uint32_t word) {
       if (field2 != 0) return false;
       std::uint32_t result = 32;
       switch (kind) {
-        case 0:  // position of the first one from below
+        case 0:  // finds the position of the lowest one
           for (unsigned i = 32; i-- > 0;) {
             if (bits_of(a, i, i) == 1) result = i;
           }
           break;
-        case 1:  // position of the first one from above
+        case 1:  // finds the position of the highest one
           for (unsigned i = 0; i < 32; ++i) {
             if (bits_of(a, i, i) == 1) result = i;
           }
           break;
-        case 2:  // equal bits after the sign
+        case 2:  // counts the bits that are equal to the sign
           result = 0;
           if (a != 0) {
             while (result < 31 && bits_of(a, 30 - result, 30 - result) == bits_of(a, 31, 31)) ++result;
@@ -267,7 +267,7 @@ bool XpulpReference::alu(std::uint32_t word) {
   }
 }
 
-/// Executes an instruction of bit manipulation. It handles `width` bits from `first`.
+/// Executes an instruction of bit manipulation on `width` bits from bit `first` on.
 bool XpulpReference::bits(std::uint32_t word) {
   const auto kind = bits_of(word, 14, 12);
   if (kind > 4) return false;
@@ -465,7 +465,7 @@ bool XpulpReference::simd(std::uint32_t word) {
       }
       break;
     case 14:
-      if (!vector) return false;  // RTL: it decodes bits 31 to 26 only, and rs2 may have any value
+      if (!vector) return false;  // as in the RTL, which decodes bits 31 to 26 only, and accepts any rs2
       for (unsigned i = 0; i < count; ++i) put(i, std::max(part(a, i, true), -part(a, i, true)));
       break;
     case 15:
@@ -480,7 +480,7 @@ bool XpulpReference::simd(std::uint32_t word) {
     case 21:
     case 23: {
       const bool sums = code >= 20;
-      const auto signs = code - (sums ? 20 : 16);  // 0: neither, 1: the second, 3: both
+      const auto signs = code - (sums ? 20 : 16);  // signed operands: 0: none, 1: the second, 3: both
       auto sum = sums ? std::int64_t{d} : 0;
       for (unsigned i = 0; i < count; ++i) sum += part(a, i, signs == 3) * second(i, signs != 0, signs == 0);
       result = word_of(sum);

@@ -23,7 +23,7 @@ class XpulpReference {
   std::array<Loop, 2> loops{};
   std::uint32_t ram_base = 0;
   std::vector<std::uint8_t> ram;
-  // The range of offsets in the RAM to which stores have written.
+  // The range of offsets in the RAM at which stores have written.
   std::uint32_t written_from = 0;
   std::uint32_t written_to = 0;
 

@@ -21,7 +21,7 @@ std::uint32_t addi(unsigned rd, unsigned rs1, std::uint32_t imm) {
   return 0x13U | rd << 7 | rs1 << 15 | imm << 20;
 }
 
-/// Returns the iterations of a random program, then its end, followed by a trap handler that only returns.
+/// Returns a program: the iterations of random instructions, the end, and a trap handler that only returns.
 std::vector<std::uint32_t> hot_program(Generator& generator) {
   std::vector<std::uint32_t> words;
   for (auto pointer = kFirstPointer; pointer <= kLastPointer; ++pointer) {
@@ -30,7 +30,7 @@ std::vector<std::uint32_t> hot_program(Generator& generator) {
   const auto body = generator.program(64);
   words.insert(words.end(), body.begin(), body.end());
   words.push_back(addi(kOuterTurns, kOuterTurns, 0xfff));
-  words.push_back(0x00088463U);  // beqz x17: skips the jump
+  words.push_back(0x00088463U);  // beqz x17: skips the next jump
   const auto back = 0U - 4U * static_cast<std::uint32_t>(words.size());
   words.push_back(0x6fU | (back & 0x7feU) << 20 | (back & 0x800U) << 9 | (back & 0xff000U) | (back & 0x100000U) << 11);
   words.push_back(kLeave);
@@ -100,7 +100,7 @@ TEST(XpulpTranslation, RunsAsInterpreted) {
   }
 }
 
-/// Registers that dot products mostly use are in vector registers, whatever other instructions use them.
+/// Registers that dot products mostly use are kept in vector registers, even if other instructions use them, too.
 TEST(XpulpTranslation, RunsDotProductsAsInterpreted) {
   std::set<const Encoding*> seen;
   for (std::uint64_t seed = 101; seed <= 180; ++seed) {
@@ -145,7 +145,7 @@ TEST(XpulpTranslation, LoadsOperandsOfDotProductsAsInterpreted) {
                                                  0x20e5f783U,  // p.lw x15, x14(x11), in the small memory
                                                  0x00460613U,  // addi x12, x12, 4
                                                  0xa8f71857U,  // pv.sdotusp.b x16, x14, x15
-                                                 0xa8f71857U,  // three times more
+                                                 0xa8f71857U,  // the same instruction three more times
                                                  0xa8f71857U, 0xa8f71857U,
                                                  0x0f087813U,   // andi x16, x16, 240
                                                  0x010685b3U,   // add x11, x13, x16

@@ -10,7 +10,7 @@
 
 namespace mebots::bank {
 
-/// A number of independent integrators. The parameter `lines` is this number.
+/// Models independent integrators, whose number is the parameter `lines`.
 class Bank {
  public:
   explicit Bank(const Parameters& parameters);

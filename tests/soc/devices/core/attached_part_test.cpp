@@ -21,7 +21,7 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double kSumRounding = 1e-12;  // relative: sums of doubles
+constexpr double kSumRounding = 1e-12;  // relative tolerance for sums of doubles
 constexpr double kVolt = 2;
 constexpr double kIdleA = 1e-3;
 constexpr double kActiveA = 5e-3;
@@ -185,7 +185,7 @@ TEST(BoardPart, ContinuesFromAStateWithTheSameBits) {
   EXPECT_EQ(joules_of(straight, "board"), joules_of(second, "board"));
 }
 
-/// Returns the error of board gap8 after a change of one of its parts.
+/// Changes one part of board gap8. Returns the error that the board then causes.
 std::string complaint_with(void (*change)(BoardDescription&)) {
   auto board = read_board(MEBOTS_SOURCE_DIR "/configs/boards/gap8.json");
   change(board);

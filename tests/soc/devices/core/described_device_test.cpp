@@ -28,7 +28,7 @@ std::string board_text() {
   return text_of(MEBOTS_SOURCE_DIR "/examples/time_of_flight/board.json");
 }
 
-/// A host that only records complaints.
+/// Records the complaints of devices, and does nothing else.
 class Ear final : public DeviceHost {
  public:
   bool read_memory(std::uint32_t /*address*/, std::span<std::uint8_t> /*bytes*/) const override { return false; }

@@ -337,7 +337,7 @@ handler: csrr a0, mcause
   EXPECT_NEAR(system.result(17), 3e6, 1000);
 }
 
-/// Returns a chip's error for a board; empty if it accepts the board.
+/// Creates a chip from a board. Returns the error; empty if the chip accepts the board.
 std::string refusal(const BoardDescription& board) {
   try {
     const Soc soc(board, gap8(), Settings{}, BoardSystem::assembled("_start: j _start\n"), {});

@@ -144,7 +144,7 @@ TEST(Gap8Himax, HasTheHighestRateOfEachFormatOfTheTable) {
 
 TEST(Gap8Himax, HalvesAPictureByBinningOrSubsampling) {
   Himax sensor;
-  const auto picture = picture_of(Himax::kHeight);  // (row, column) is row + column
+  const auto picture = picture_of(Himax::kHeight);  // the pixel (row, column) has the value row + column
   std::vector<std::uint8_t> pixels;
   set(sensor, 0x0383, 3);
   set(sensor, 0x0387, 3);
@@ -279,7 +279,7 @@ TEST(Gap8Camera, DeliversThePictureOfTheRollAfterReadOut) {
   EXPECT_EQ(taken, picture);
 }
 
-/// Provides the world's picture for the open request.
+/// Provides the world's picture for the pending request.
 void give(BoardSystem& system, const std::vector<std::uint8_t>& picture) {
   *system.soc.devices().input("camera.frame_id") = system.output("camera.trigger");
   *system.soc.devices().find("udma")->bytes_input("camera.frame") = picture;
@@ -322,7 +322,7 @@ void store(BoardSystem& system, std::uint32_t offset, std::uint32_t value, std::
   system.soc.devices().find("udma")->store(offset, now_ns * 1000, value);
 }
 
-/// Uses the other I2C master, whose event the program does not handle.
+/// Writes to the sensor through the other I2C master, whose event the program does not handle.
 void write_sensor(BoardSystem& system, std::uint32_t commands, std::int64_t now_ns, std::uint32_t bytes = 10) {
   store(system, 0x290, commands, now_ns);
   store(system, 0x294, bytes, now_ns);
@@ -338,7 +338,7 @@ void expect_row_is_missed(BoardSystem& system) {
   }
 }
 
-/// A system after the request of a transfer, during the frame of this transfer.
+/// Creates a system that has requested a transfer, and runs it into the frame of this transfer.
 struct InItsFrame : BoardSystem {
   InItsFrame() : BoardSystem(takes_a_picture(), {}, gap8_board_of_camera()) {
     *soc.devices().input("camera.frame_height") = Himax::kWindowHeight;
@@ -353,7 +353,7 @@ std::vector<std::uint8_t> stored_by(const BoardSystem& system) {
   return taken;
 }
 
-/// Returns a black picture, which differs from that of picture_of().
+/// Returns a black picture, which differs from the picture of picture_of().
 std::vector<std::uint8_t> night() {
   return std::vector<std::uint8_t>(picture_of(Himax::kWindowHeight).size());
 }
@@ -411,7 +411,7 @@ TEST(Gap8Camera, ReadsAFrameOutInTheFormatWithWhichItBegan) {
   EXPECT_EQ(stored_by(system), picture_of(Himax::kWindowHeight));
 }
 
-/// Time of the picture relative to the standby.
+/// States when the picture arrives, relative to the standby.
 enum class Comes : std::uint8_t { before, behind, never };
 class Gap8CameraStandingBy : public testing::TestWithParam<std::tuple<Comes, std::uint32_t>> {};
 INSTANTIATE_TEST_SUITE_P(Pictures, Gap8CameraStandingBy,
@@ -569,7 +569,7 @@ TEST_P(Gap8CameraInMode, ContinuesFromAStateBeforeAndAfterAClearedTransfer) {
   expect_same_run_from_states({}, GetParam(), [&](BoardSystem& system, std::int64_t ms) {
     if (ms == 25) give(system, picture);
     if (ms == 30) store(system, 0x488, 0x30, ms * kMs);
-    if (ms == 40) write_sensor(system, kStream, ms * kMs);  // when the frames of mode 3 are complete
+    if (ms == 40) write_sensor(system, kStream, ms * kMs);  // at this time, the frames of mode 3 are complete
     if (ms == 50) {
       EXPECT_EQ(system.output("camera.trigger"), 2);
     }

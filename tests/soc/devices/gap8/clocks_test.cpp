@@ -50,7 +50,7 @@ class Gap8Rtc : public testing::Test {
 };
 
 TEST_F(Gap8Rtc, CalendarPassesTheEndOfFebruaryInALeapYearAndOfAYear) {
-  set(0x13, 0x240228, 0);  // 28 February 2024
+  set(0x13, 0x240228, 0);  // sets the date to 28 February 2024
   set(0x12, 0x235958, 0);
   EXPECT_EQ(get(0x12, kSecond), 0x235959U);
   EXPECT_EQ(get(0x12, 2 * kSecond), 0U);
@@ -72,7 +72,7 @@ TEST_F(Gap8Rtc, AlarmRaisesItsEventOnceOrWheneverItsFieldsMatch) {
   heard.clear();
   set(0x0A, 1, 10 * kSecond);
   EXPECT_EQ(get(0x0A, 10 * kSecond), 0U);
-  set(0x18, 4U << 16 | 1U << 4, 10 * kSecond);  // at second 3 of each minute
+  set(0x18, 4U << 16 | 1U << 4, 10 * kSecond);  // sets the alarm to second 3 of each minute
   for (auto time = rtc.next_event(); time < 190 * kSecond; time = rtc.next_event()) {
     rtc.advance(time);
     set(0x0A, 1, time);
@@ -82,7 +82,7 @@ TEST_F(Gap8Rtc, AlarmRaisesItsEventOnceOrWheneverItsFieldsMatch) {
 }
 
 TEST_F(Gap8Rtc, CountdownTakesOneTickMoreThanItsValueAndCanBeMasked) {
-  set(0x28, 32, 0);  // a tick of 1/1024 s after the restart
+  set(0x28, 32, 0);  // the next tick is 1/1024 s after the restart
   set(0x01, 1, 0);
   set(0x01, 0, 0);
   set(0x21, 9, 0);
@@ -191,7 +191,7 @@ TEST_F(Gap8AdvancedTimer, TogglesRiseEverySecondTimeAndATriangleMatchesTwice) {
 }
 
 TEST_F(Gap8AdvancedTimer, KeepsItsCountAtAChangeOfClock) {
-  begin(kSaw | 4U << 16, kSetThenClear);  // a tick in five clocks
+  begin(kSaw | 4U << 16, kSetThenClear);  // one tick in five clocks
   signals.clock_changes(10 * kTick);
   clock_hz = 50e6;
   EXPECT_EQ(get(0x40 + 0x2C, 10 * kTick), 12U);
@@ -201,7 +201,7 @@ TEST_F(Gap8AdvancedTimer, KeepsItsCountAtAChangeOfClock) {
 }
 
 TEST_F(Gap8AdvancedTimer, KeepsTheElapsedPartOfATickAtAChangeOfClock) {
-  begin(kSaw | 9U << 16, kSetThenClear);  // a tick in ten clocks
+  begin(kSaw | 9U << 16, kSetThenClear);  // one tick in ten clocks
   signals.clock_changes(25 * kTick);
   clock_hz = 1e9;
   EXPECT_EQ(get(0x40 + 0x2C, 25 * kTick), 12U) << "no tick has passed meanwhile";
@@ -223,9 +223,9 @@ TEST_F(Gap8AdvancedTimer, RaisesNoEventForEdgesBeforeItWasEnabled) {
 TEST_F(Gap8AdvancedTimer, CountsDuringStoresMoreFrequentThanItsTicks) {
   begin(kSaw, kSetThenClear);
   for (Picoseconds now = 0; now <= 25 * kTick; now += kTick / 4) {
-    set(0x40 + 0x0C, 0, now);                      // a channel without an event
-    set(0x104, 1U << 1 | (now / kTick & 1), now);  // another timer's enable
-    set(0x40, 1, now);                             // starts a timer that is already running
+    set(0x40 + 0x0C, 0, now);                      // changes a channel without an event
+    set(0x104, 1U << 1 | (now / kTick & 1), now);  // changes another timer's enable bit
+    set(0x40, 1, now);                             // starts the timer again while it is running
     ASSERT_EQ(get(0x40 + 0x2C, now), 10 + static_cast<std::uint32_t>(now / kTick % 10)) << now;
   }
   EXPECT_THAT(heard, ElementsAre(Pair(38U, 3), Pair(38U, 13), Pair(38U, 23)));

@@ -25,7 +25,7 @@ namespace {
 
 using gap8_devices::ClusterTimer;
 
-/// The cluster's timer with the events that it raises.
+/// Tests the cluster's timer, and records the events that it raises.
 class ClusterTimerTest : public testing::Test {
  protected:
   std::uint32_t load(std::uint32_t offset, std::uint64_t tick) {
@@ -40,7 +40,7 @@ class ClusterTimerTest : public testing::Test {
 
 TEST_F(ClusterTimerTest, CountsTicksAndRaisesAnEventAtEachMatch) {
   timer.store(TIMER_COMPARE_HI_OFFSET, 100, 30);
-  timer.store(TIMER_CONFIG_HI_OFFSET, 100, 0x15);  // the high counter: on, event, restarts
+  timer.store(TIMER_CONFIG_HI_OFFSET, 100, 0x15);  // high counter: enabled, raises events, restarts
   EXPECT_EQ(load(TIMER_COUNT_HI_OFFSET, 117), 17U);
   EXPECT_EQ(timer.next_tick(), 130U);
   timer.advance(130);
@@ -52,7 +52,7 @@ TEST_F(ClusterTimerTest, CountsTicksAndRaisesAnEventAtEachMatch) {
 
 TEST_F(ClusterTimerTest, StopsAfterOneShotAndCountsInPairsAndByItsPrescaler) {
   timer.store(TIMER_COMPARE_LO_OFFSET, 0, 4);
-  timer.store(TIMER_CONFIG_LO_OFFSET, 0, 0x65 | 2U << 8);  // one shot, every third tick
+  timer.store(TIMER_CONFIG_LO_OFFSET, 0, 0x65 | 2U << 8);  // one shot; counts every third tick
   EXPECT_EQ(timer.next_tick(), 12U);
   timer.advance(12);
   EXPECT_EQ(timer.next_tick(), kNoTick);
@@ -78,7 +78,7 @@ TEST_F(ClusterTimerTest, ComparesBothHalvesOfAPairAfterEachStore) {
 TEST_F(ClusterTimerTest, RestartsACountWhenEitherHalfOfAPairIsStored) {
   for (const std::uint32_t half : {TIMER_COUNT_LO_OFFSET, TIMER_COUNT_HI_OFFSET}) {
     timer.reset();
-    timer.store(TIMER_CONFIG_LO_OFFSET, 0, 1U << 31 | 0x41 | 2U << 8);  // every third tick
+    timer.store(TIMER_CONFIG_LO_OFFSET, 0, 1U << 31 | 0x41 | 2U << 8);  // counts every third tick
     timer.store(half, 2, 0);
     EXPECT_EQ(load(TIMER_COUNT_LO_OFFSET, 4), 0U) << half;
     EXPECT_EQ(load(TIMER_COUNT_LO_OFFSET, 5), 1U) << half;
@@ -88,8 +88,8 @@ TEST_F(ClusterTimerTest, RestartsACountWhenEitherHalfOfAPairIsStored) {
 TEST_F(ClusterTimerTest, KeepsItsCountsWhenAPairIsSplitOrFormed) {
   timer.store(TIMER_CONFIG_LO_OFFSET, 0, 1U << 31 | 1);
   timer.store(TIMER_COUNT_LO_OFFSET, 0, 0xfffffff0U);
-  timer.store(TIMER_CONFIG_HI_OFFSET, 0, 1);     // no effect in a pair
-  timer.store(TIMER_CONFIG_LO_OFFSET, 1000, 1);  // separate counters from here on
+  timer.store(TIMER_CONFIG_HI_OFFSET, 0, 1);     // no effect while the counters form a pair
+  timer.store(TIMER_CONFIG_LO_OFFSET, 1000, 1);  // from here on, the counters are separate
   EXPECT_EQ(load(TIMER_COUNT_LO_OFFSET, 1000), 984U);
   EXPECT_EQ(load(TIMER_COUNT_HI_OFFSET, 1000), 1U) << "carried over, and nothing for the time in the pair";
   EXPECT_EQ(load(TIMER_COUNT_HI_OFFSET, 1010), 11U);

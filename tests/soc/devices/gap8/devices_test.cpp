@@ -710,7 +710,7 @@ TEST(Gap8Timer, CountsTheCoresClockAndRestartsAtAMatch) {
   signals.raise_fabric_event = [&](unsigned event) { raised.push_back(event); };
   gap8_devices::Timer timer(signals, [] { return 50e6; });
   timer.store(0x10, 0, 1000);
-  timer.store(0x00, 0, 0x15);  // on, interrupt, clear at the comparison
+  timer.store(0x00, 0, 0x15);  // enabled, raises the interrupt, clears at the comparison
   EXPECT_EQ(read(timer, 0x08, 10 * kMicrosecond), 500U);
   EXPECT_EQ(timer.next_event(), 20 * kMicrosecond);
   timer.advance(20 * kMicrosecond);
@@ -724,7 +724,7 @@ TEST(Gap8Timer, CountsTheCoresClockAndRestartsAtAMatch) {
 TEST(Gap8Timer, DividesByItsPrescalerAndCountsInPairs) {
   gap8_devices::Signals signals;
   gap8_devices::Timer timer(signals, [] { return 50e6; });
-  timer.store(0x00, 0, 1U | 1U << 6 | 4U << 8);  // every fifth cycle
+  timer.store(0x00, 0, 1U | 1U << 6 | 4U << 8);  // counts every fifth cycle
   EXPECT_EQ(read(timer, 0x08, 10 * kMicrosecond), 100U);
   timer.store(0x00, 10 * kMicrosecond, 1U << 31);
   timer.store(0x08, 10 * kMicrosecond, 0xffffff00U);

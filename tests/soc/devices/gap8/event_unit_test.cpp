@@ -36,8 +36,8 @@ constexpr std::uint32_t kMutex = 0xC0;
 constexpr std::uint32_t kTrigger = 0x100;
 constexpr std::uint32_t kBarrier = EU_BARRIER_OFFSET;
 
-/// The event unit of a cluster of four cores. The functions access the address range in which each core sees its own
-/// registers (EU_*_DEMUX_OFFSET).
+/// Tests the event unit of a cluster of four cores. The functions access the address range in which each core sees its
+/// own registers (EU_*_DEMUX_OFFSET).
 class EventUnitOfFour : public testing::Test {
  protected:
   BusReply store(unsigned core, std::uint32_t offset, std::uint32_t value) {

@@ -59,7 +59,7 @@ tohost: .word 0, 0
                      others.of_cores == Meanwhile::sleeps ? ".insn i 0x03, 6, a5, EU_WAIT_CLEAR_OFFSET(s0)" : "nop");
 }
 
-/// The number of cycles of each of the two loops.
+/// Number of cycles of each of the two loops.
 constexpr double kLoopOfWork = 200'000 * 4.0;
 constexpr double kHzAtReset = 1525 * 32768.0;
 

@@ -71,7 +71,7 @@ TEST_F(MchanTest, CopiesBytesAndCountsThemInItsCounter) {
   EXPECT_EQ(counter, 0U);
   EXPECT_EQ(load(DMA_STATUS_OFFSET), 1U << 16) << "taken, nothing to come";
   store(DMA_QUEUE_OFFSET, 40 | 1U << 16 | 1U << 17 | 1U << 19);  // 40 bytes into L1, with an event
-  store(DMA_QUEUE_OFFSET, 0x200);                                // its address in L1 may be that of the alias
+  store(DMA_QUEUE_OFFSET, 0x200);                                // the address in L1 may be the alias
   EXPECT_FALSE(dma.busy()) << "the command is not complete";
   store(DMA_QUEUE_OFFSET, (kL2 + 0x100));
   EXPECT_EQ(load(DMA_STATUS_OFFSET), 1U << 16 | 1U);
@@ -89,7 +89,7 @@ TEST_F(MchanTest, CopiesRowsOutOfL1AndRaisesItsEventAfterTheLastOne) {
   store(DMA_QUEUE_OFFSET, 20 | 1U << 17 | 1U << 18 | 1U << 19);
   store(DMA_QUEUE_OFFSET, kL1);
   store(DMA_QUEUE_OFFSET, (kL2 + 0x400));
-  store(DMA_QUEUE_OFFSET, 0x100U << 16 | 8);  // rows of 8 bytes, 256 apart; the last one is half
+  store(DMA_QUEUE_OFFSET, 0x100U << 16 | 8);  // rows of 8 bytes at a distance of 256 bytes; the last row has 4 bytes
   store(DMA_QUEUE_OFFSET, 4 | 1U << 17 | 1U << 19);
   store(DMA_QUEUE_OFFSET, kL1);
   store(DMA_QUEUE_OFFSET, (kL2 + 0x800));

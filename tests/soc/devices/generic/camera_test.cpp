@@ -9,7 +9,7 @@
 namespace mebots::soc::test {
 namespace {
 
-constexpr std::int64_t kDelayNs = 16'666'700;  // exposure and read-out of the board file
+constexpr std::int64_t kDelayNs = 16'666'700;  // sum of exposure and read-out in the board file
 
 /// Immediately requests a picture of at most {} bytes, writes {} to CONTROL, and sleeps. The interrupt handler stores
 /// STATUS, width, height, id and time.

@@ -31,7 +31,7 @@ constexpr Picoseconds kMs = 1'000 * kUs;
 constexpr Picoseconds kByte = 86'805'556;
 constexpr std::uint32_t kData = 0x0, kStatus = 0x4, kBaud = 0x8, kStopBits = 0xc, kThreshold = 0x10;
 
-/// A chip that sleeps, with the device of the board that has the UART.
+/// Creates a chip that sleeps, with the device of the board that has the UART.
 class Chip {
  public:
   Chip()
@@ -50,7 +50,7 @@ class Chip {
   double number(std::string_view variable) { return *uart().output(variable); }
   double& input(std::string_view variable) { return *uart().input(variable); }
   const std::string& sent() { return *uart().text_output("uart.sent"); }
-  /// Runs a step up to `end`, with this text on the line.
+  /// Performs a step up to `end`, in which `received` arrives on the line.
   void step(Picoseconds end, std::string_view received = "") {
     *uart().text_input("uart.received") = received;
     uart().begin_step(begin_);
@@ -121,7 +121,7 @@ TEST(Uart, FullFifosLoseBytesAndReportTheFirst) {
   chip.step(kMs, "0 =8680556 01@1 02@2 03@3 04@4");
   EXPECT_EQ(chip.load(kStatus), 2U | 2U << 8 | 1U << 17);
   EXPECT_EQ(chip.number("uart.bytes_lost"), 2);
-  for (std::uint32_t i = 0; i < 4; ++i) chip.store(kData, i, kMs);  // one on the line, two in the FIFO
+  for (std::uint32_t i = 0; i < 4; ++i) chip.store(kData, i, kMs);  // one byte is on the line, two are in the FIFO
   EXPECT_EQ(chip.load(kStatus), 2U | 1U << 16 | 1U << 17 | 1U << 18);
   EXPECT_EQ(chip.number("uart.bytes_lost"), 3);
   chip.store(kStatus, 3U << 17);
@@ -169,7 +169,8 @@ TEST(Uart, WrongBitsDependOnTheSeedAndTheByteOnly) {
   for (const auto byte : received(1, 1)) EXPECT_EQ(std::popcount(byte), 1);
   EXPECT_EQ(received(1, 1), received(1, 1));
   EXPECT_NE(received(1, 1), received(1, 2));
-  // 200 draws of probability 0.25: mean 50, standard deviation 6.1; four of them.
+  // 200 draws with probability 0.25 have the mean 50 and the standard deviation 6.1. The tolerance is four standard
+  // deviations.
   EXPECT_NEAR(200 - std::ranges::count(received(0.25, 7), 0U), 50, 25);
 }
 
