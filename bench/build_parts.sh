@@ -14,7 +14,7 @@ declare -A options=(
 parts=("$@")
 ((${#parts[@]})) || parts=(core chip world python pages tests all)
 
-measured() {  # wall and processor seconds of a command; its output goes to $folder/log
+measured() {  # prints wall and processor seconds of a command; writes its output to $folder/log
   local TIMEFORMAT='%R %U %S'
   { time "$@" > "$folder/log" 2>&1; } 2>&1 | awk '{ printf "%7.1f s %7.1f s", $1, $2 + $3 }' \
     || { tail -20 "$folder/log" >&2; exit 1; }

@@ -19,7 +19,8 @@ place=$PWD/build/arm64-sources
 plain="-O2 -fPIC -ffp-contract=off"
 begin_sysroot "$sysroot" "$place" "$packages $(cat scripts/arm64_sysroot.sh scripts/debian_sources.sh cmake/arm64.cmake | sha256sum)"
 
-# mmdebstrap wants an empty folder, and the one for the libraries contains the marks of steps.
+# Uses an empty folder, as mmdebstrap requires. The folder for the libraries is not empty, because it contains
+# the marks of finished steps.
 unpack_packages() {
   rm -rf "$place/root"
   mmdebstrap --quiet --variant=extract --architectures=arm64 "--include=libc6-dev,libstdc++-12-dev,$packages" bookworm "$place/root" "$mirror"

@@ -31,9 +31,9 @@ import prose_lint
 COUNTS = {"comments": 40, "messages": 20, "help texts": 10, "pages": 5}
 MESSAGES = {"error", "warning", "log", "output", "text"}
 HELP = {"help", "variable", "schema"}
-# Lists of changes and generated reports are not pages to read at once.
+# Excludes lists of changes and generated reports, which are not read as a page.
 NOT_PAGES = {"CHANGELOG.md", "examples/paper/REPORT.md", "docs/blind-reading.md"}
-# Licences and instructions to tools are not read as prose.
+# Excludes licences and instructions to tools.
 NO_PROSE = re.compile(r"SPDX|Mozilla[\s*]+Public[\s*]+License|Copyright \(c\)|clang-format o|NOLINT")
 # In these languages a line that starts with # is for the preprocessor, or a private member.
 NO_HASH_COMMENTS = {".hpp", ".h", ".cpp", ".c", ".ts", ".mjs"}
@@ -81,7 +81,8 @@ def block_comments(source: str) -> Iterator[Comment]:
 
 
 def comments(commit: str | None, paths: list[str], code_lines: int) -> Iterator[Draw]:
-    """Yields comments of whole lines and docstrings, each up to its end, with ``code_lines`` lines of code."""
+    """Yields comments of whole lines and docstrings, each up to its end, and the first ``code_lines`` lines of the code
+    after it."""
     for path in list_messages.names(commit, paths):
         suffix = pathlib.Path(path).suffix
         if suffix not in prose_lint.SOURCES:
@@ -107,7 +108,7 @@ def drawn(options: argparse.Namespace) -> dict[str, list[Draw]]:
 
 
 def sentences(text: str) -> int:
-    """Returns the number of sentences in a text, or in a page without its code, comments and targets of links."""
+    """Returns the number of sentences in a text. Does not count code, comments and targets of links in a page."""
     prose = re.sub(r"^(```|~~~).*?^\1\s*$|^    .*?$|<!--.*?-->|(?<=\])\([^)\s]*\)", "", text, flags=re.MULTILINE | re.DOTALL)
     parts = re.split(r"\n\s*\n|\n(?=[-#|])|\||(?<=[.!?])\s", prose)
     return sum(len(re.findall(r"[A-Za-z]{2,}", part)) >= 3 for part in parts)

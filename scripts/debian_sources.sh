@@ -11,7 +11,7 @@ begin_sysroot() {
     mkdir -p "$steps" "$2"
     echo "$3" >"$steps/wanted"
   fi
-  exec 3>&2  # a step that fails ends the script while its errors still go to the log
+  exec 3>&2  # keeps stderr: a step that fails ends the script while its errors still go to the log
   trap 'if (($?)); then tail -n 20 "$log" >&3; echo "$(basename "$0"): failed; the whole output is in $log" >&3; fi' EXIT
 }
 

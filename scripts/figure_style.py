@@ -15,7 +15,7 @@ BLUE, VERMILION, GREEN, PINK, OCHRE, SKY, VIOLET, GREY = PALETTE
 GOOD, MIDDLING, BAD = BLUE, SKY, VERMILION
 FAINT = "#999999"
 INK = "#22272e"
-SEQUENCE = "cividis"  # for numbers that rise: uniform lightness
+SEQUENCE = "cividis"  # for ordered numbers: its lightness rises uniformly
 
 plt.rcParams.update({
     "font.size": 10, "axes.titlesize": 10, "axes.spines.top": False, "axes.spines.right": False, "axes.linewidth": 0.8,
@@ -26,7 +26,7 @@ plt.rcParams.update({
 
 
 def label_line(axes, text, colour, at=-1, line=None, offset=(5, 0), **more):
-    """Writes a curve's name next to it in its colour, in place of a legend; `at` is the index of the point."""
+    """Writes a curve's name next to the curve in its colour, in place of a legend. `at` is the index of the point."""
     line = line or axes.lines[-1]
     x, y = line.get_xdata()[at], line.get_ydata()[at]
     axes.annotate(text, (x, y), xytext=offset, textcoords="offset points", color=colour, va="center", fontsize=9,
@@ -34,6 +34,6 @@ def label_line(axes, text, colour, at=-1, line=None, offset=(5, 0), **more):
 
 
 def save(figure, file):
-    """Saves a figure; equal figures give equal bytes."""
+    """Saves a figure. Equal figures give equal bytes."""
     figure.savefig(file, metadata={"Software": None} if str(file).endswith(".png") else {"Date": None})
     plt.close(figure)

@@ -29,11 +29,12 @@ dictionary=()
 if [[ -f tests/fuzz/$name.dict ]]; then dictionary=(-dict="tests/fuzz/$name.dict"); fi
 longest=2048
 case $name in
-  elf) longest=16384 ;;       # a program with sections is larger
-  checkpoint) longest=4096 ;; # the state of a run is larger
-  gdb) longest=512 ;;         # packets are short
+  elf) longest=16384 ;;       # large enough for a program with sections
+  checkpoint) longest=4096 ;; # large enough for the state of a run
+  gdb) longest=512 ;;         # enough, because packets are short
 esac
-# libFuzzer would truncate longer inputs, and truncated JSON or XML is rarely useful; ctest replays them complete.
+# Deletes longer inputs, because libFuzzer would truncate them, and truncated JSON or XML is rarely useful.
+# ctest replays them complete.
 find "$build/kept/$name" -type f -size +"$longest"c -delete
 # With this folder, the readers unpack into memory instead of onto a disk.
 if [[ -d /dev/shm ]]; then export TMPDIR=/dev/shm; fi

@@ -29,8 +29,8 @@ PYTHON = ROOT / ".venv/bin/python"
 
 @dataclasses.dataclass(frozen=True)
 class Question:
-    """A section of the page: its heading, one command, those lines of the command's output that are the answer, and a
-    picture."""
+    """Describes a section of the page: its heading, one command, the lines of the command's output that are the answer,
+    and a picture."""
 
     title: str
     command: str
@@ -88,7 +88,7 @@ def missing_lines(question, output):
 
 
 def shorten_studies(folder):
-    """Writes a copy of configs/ whose studies fly each design once."""
+    """Writes a copy of configs/ in which each study has one mission per design."""
     shutil.copytree(ROOT / "configs", folder / "configs")
     for file in (folder / "configs/questions").glob("*.json"):
         study = json.loads(file.read_text(encoding="utf-8"))
@@ -98,7 +98,8 @@ def shorten_studies(folder):
 
 
 def stated_values(lines):
-    """Returns the values in headlines and rows of a table by objective or column, and design: {key: (value, low, high)}, and the best designs."""
+    """Reads headlines and rows of tables. Returns {key: (value, low, high)}, where the key contains the objective or
+    column and the design, and the set of best designs."""
     texts, best = {}, []
     for line in lines:
         if headline := re.match(r"(?:Lowest|Highest) (\S+) .*: (.+), (-?\d+(?:\.\d+)?(?: \w+)?(?: \([^)]*\))?)\. ", line):
@@ -136,7 +137,7 @@ def table(folder, name):
 
 
 def columns(folder, factor, objective, scale=1.0):
-    """Returns the designs' values of a factor, and mean, lower and upper end of an objective. For a design without an
+    """Returns the designs' values of a factor, and mean, lower and upper end of an objective. If a design has no
     interval, both ends are its mean."""
     names, means, ends = [], [], ([], [])
     for row in table(folder, "designs.csv"):
@@ -199,7 +200,7 @@ def draw_energy(folder, style):
     figure, (left, right) = style.plt.subplots(1, 2, figsize=(7.6, 2.6), width_ratios=(1.9, 1), layout="constrained")
     rows = table(folder, "results.csv")
     times = [float(row["time [s]"]) for row in rows]
-    span = 10  # rows: 0.3 s, so that the controller's switching is seen as its mean
+    span = 10  # number of rows in 0.3 s, so that the figure shows the mean of the controller's switching
     loads = {"motors": style.BLUE, "avionics": style.OCHRE, "chip": style.VERMILION, "camera": style.GREEN}
     energies = {name: [float(row[f"battery.{'soc' if name == 'chip' else name}.energy [J]"]) for row in rows] for name in loads}
     powers = {name: [(values[i] - values[i - span]) / (times[i] - times[i - span]) for i in range(span, len(rows))] for name, values in energies.items()}
@@ -243,7 +244,7 @@ def main():
                 print(output)
             failed = failed or bool(missing)
             if not (arguments.check or arguments.short):
-                import figure_style as style  # needs matplotlib, which a check does not
+                import figure_style as style  # imported here, because a check does not need matplotlib
 
                 style.save(DRAW[question.name](folder / "results" / question.name, style), PICTURES / question.picture)
     if asked == 0:

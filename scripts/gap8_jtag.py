@@ -27,21 +27,21 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 BOARD = ROOT / "configs/boards/gap8.json"
 READER = ROOT / "tests/conformance/gap8/read_flash.S"
 READER_BUFFER = 0x1C020000
-BRIDGE_POINTER = 0x1C000090  # where flasher and dumper store the address of their bridge
+BRIDGE_POINTER = 0x1C000090  # address at which flasher and dumper store the address of their bridge
 FUSER_POINTER = 0x1C000190
-FUSES = 128  # bytes
+FUSES = 128  # number of bytes
 HOST_READY, GAP_READY, BUFFER, RUN, ADDRESS, SIZE = 0, 4, 8, 16, 20, 24
 SECTOR = 256 << 10
-LONGEST = 1024  # bytes of a packet
-SLICES_S = (0.02, 1.0)  # of the first slice that a program runs for, and of the longest
+LONGEST = 1024  # maximum number of bytes in a packet
+SLICES_S = (0.02, 1.0)  # duration of the first slice of a run, and of the longest slice
 LONGEST_WAIT_S = 120
 
 
 class Chip:
-    """A program in mebots-soc, stopped except during run()."""
+    """Controls a program in mebots-soc. The program is stopped except during run()."""
 
     def __init__(self, soc, program, *options):
-        self.said = tempfile.TemporaryFile("a+")  # a full pipe without a reader would stop the program
+        self.said = tempfile.TemporaryFile("a+")  # a file, because a full pipe without a reader would stop the program
         self.process = subprocess.Popen(
             [soc, "run", program, "--board", BOARD, "--gdb", "0", *options], text=True, stdout=subprocess.DEVNULL,
             stderr=self.said)
@@ -142,14 +142,15 @@ class Chip:
 
 
 def bridge_at(chip, pointer, ready):
-    """Returns the address of the program's bridge, after its word at `ready` is 1."""
+    """Waits until the program's word at `ready` is 1. Returns the address of the program's bridge."""
     chip.run_until("the bridge", lambda: chip.word(pointer) not in (0, 0xDEADBEEF)
                    and chip.word(chip.word(pointer) + ready) == 1)
     return chip.word(pointer)
 
 
 def sector_bridge(chip):
-    """Returns the bridge of flasher and dumper, and resets its ready flag."""
+    """Returns the addresses of the bridge of flasher or dumper and of its buffer. Resets the bridge's ready flag and
+    sets its run flag."""
     bridge = bridge_at(chip, BRIDGE_POINTER, GAP_READY)
     chip.put(bridge + GAP_READY, 0)
     chip.put(bridge + RUN, 1)
@@ -203,7 +204,7 @@ class Fuser:
         self.bridge = bridge_at(chip, FUSER_POINTER, self.TO_HOST)
 
     def ask(self, command, bit, count):
-        """Returns the program's status: 0 is success."""
+        """Sends a command, and returns the program's status: 0 is success."""
         for offset, value in ((self.BIT, bit), (self.COUNT, count), (self.COMMAND, command), (self.TO_HOST, 0),
                               (self.TO_CHIP, 1)):
             self.chip.put(self.bridge + offset, value)

@@ -21,7 +21,7 @@ python=${PYTHON:-.venv/bin/python}
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 
-# The exit code is 0 unless an available program misses its milestone.
+# The exit code is 0 unless an available program does not reach its milestone.
 failed=0
 row() { printf '%-34s %-12s %s\n' "$1" "$2" "$3"; }
 # milestone NAME ELF REQUIRED-OUTPUT [OPTIONS...] runs a program, and prints whether it printed the required output.

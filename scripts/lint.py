@@ -34,13 +34,14 @@ OFF_IN_TESTS = ("bugprone-command-processor bugprone-empty-catch bugprone-implic
 
 
 def groups(build):
-    """Returns the compile commands of the unity sources in C++."""
+    """Returns the compile commands of the unity sources that contain C++."""
     commands = json.loads((build / "compile_commands.json").read_text())
     return [entry for entry in commands if re.search(r"/Unity/unity_\d+_cxx\.cxx$", entry["file"])]
 
 
 def dependencies(build):
-    """Returns for each object file, by its path in the build folder, the files that its compilation read, as Ninja recorded them."""
+    """Maps each object file, by its path in the build folder, to the files that its compilation read, as Ninja recorded
+    them."""
     found, files = {}, []
     for line in subprocess.run(["ninja", "-C", build, "-t", "deps"], capture_output=True, text=True, check=True).stdout.splitlines():
         if line.startswith("    "):
@@ -69,7 +70,7 @@ def key(build, entry, options, files):
 
 
 def check(build, entry, files):
-    """Returns clang-tidy's output, and true if the group is clean."""
+    """Runs clang-tidy on a group. Returns its output, and true if it found no fault."""
     in_product = PRODUCT.match(str(pathlib.Path(entry["file"]).relative_to(build)))
     options = OPTIONS if in_product else [*OPTIONS, "-checks=" + ",".join(f"-{name}" for name in OFF_IN_TESTS)]
     remembered = REMEMBERED / key(build, entry, options, files) if files else None

@@ -20,10 +20,10 @@ from typing import NamedTuple
 
 import prose_lint
 
-# Folders whose texts reach a user. Tests, benchmarks and examples print for their developers.
+# Folders whose texts reach a user. Tests, benchmarks and examples print only for their developers.
 PRODUCT = re.compile(r"^(?:master|modeldesc|fmu_\w+|web/src|configs/schemas)/")
 SUFFIXES = {".cpp", ".hpp", ".c", ".h", ".py", ".ts"}
-# Comments and characters are matched so that quotes in them do not start a literal.
+# Matches comments and characters, too, so that quotes in them do not start a literal.
 CPP = re.compile(
     r"(?P<skip>//[^\n]*|/\*.*?\*/|(?<!\w)'(?:[^'\\\n]|\\.)+')"
     r'|R"(?P<fence>\w*)\((?P<raw>.*?)\)(?P=fence)"'
@@ -37,7 +37,7 @@ SCRIPT = re.compile(
     r"|`(?P<raw>(?:[^`\\]|\\.)*)`",
     re.DOTALL | re.MULTILINE,
 )
-# An assertion's text is for developers.
+# Excludes the texts of assertions, which are for developers.
 ASSERTION = re.compile(r"(?:MEBOTS_ASSERT|static_assert)\((?:[^;\"]|\"[^\"]*\"\s*,)*$")
 KINDS = [
     ("error", r"throw|raise |Error\b|error\w*\(|refuse|fail|complain|mistake|finding|fault"),
@@ -67,7 +67,7 @@ def names(commit: str | None, paths: list[str]) -> list[str]:
 
 
 def is_prose(text: str) -> bool:
-    """True if people read the text: at least two words of letters, and no path, pattern or code."""
+    """Returns True if people read the text: it has at least two words of letters, and is no path, pattern or code."""
     return len(re.findall(r"(?:^|\s)\(?[A-Za-z']{2,}[,.:;)]?(?=\s|$)", text)) >= 2 and not re.search(r"\{\{|;\s*(?:\n|$)|\bvoid\b|#include|=>|&&", text)
 
 
@@ -96,7 +96,7 @@ def literals(path: str, source: str) -> Iterator[Text]:
 
 
 def described(path: str, source: str) -> Iterator[Text]:
-    """Yields the descriptions in a JSON file: of an FMU's variables, or of a schema's keys."""
+    """Yields the descriptions in a JSON file. They describe an FMU's variables, or a schema's keys."""
     kind = "schema" if "schemas/" in path else "variable"
     for found in re.finditer(r'"(?:description|title)":\s*("(?:[^"\\]|\\.)*")', source):
         yield Text(kind, path, source.count("\n", 0, found.start()) + 1, json.loads(found[1]))

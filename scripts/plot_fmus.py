@@ -23,7 +23,7 @@ ROTORS = ("crazyflie_bench", "crazyflie_legacy")
 
 
 def discharge(_):
-    """Runs the hover mission with a drone of 32.9 g plus its cell, until the protection opens."""
+    """Draws a discharge: runs the hover mission with a drone of 32.9 g plus its cell, until the protection opens."""
     figure, axis = plt.subplots(figsize=(7, 3.6))
     for cell in CELLS:
         with mebots.Mission(ROOT / "configs/hover.json", set={"battery.cell.name": cell, "world.drone.dry_mass": 0.0329},
@@ -39,7 +39,7 @@ def discharge(_):
 
 
 def settled(fmus, rotor, rows):
-    """Returns thrust [g] and power [W] of four rotors at the bench's duty cycles and voltages."""
+    """Returns the steady thrust [g] and power [W] of four rotors at the bench's duty cycles and voltages."""
     points = []
     for _, _, voltage, duty, _ in rows:
         start = {f"rotor[{i}].command": duty / 100 for i in range(1, 5)} | {"bus.voltage": voltage, "rotor_data": rotor}
@@ -50,7 +50,7 @@ def settled(fmus, rotor, rows):
 
 
 def thrust(fmus):
-    """Draws both rotor files and the measurements of 2015."""
+    """Draws the thrust and power of both rotor files, and the measurements of 2015."""
     data = json.loads((ROOT / "fmu_motors/params/rotors/crazyflie_bench.json").read_text())
     rows = np.array(data["bench"]["rows"])
     figure, (left, right) = plt.subplots(1, 2, figsize=(8, 3.4))

@@ -21,13 +21,13 @@ import structure  # noqa: E402
 
 
 def short(folder, part):
-    """Returns the name of the folder that is known to readers: `engine` for master/src/engine/algorithm."""
+    """Returns the short name of a folder that readers use, such as `engine` for master/src/engine/algorithm."""
     steps = folder.relative_to(part).parts
     return "/".join(steps[1:2] if steps[0] == "src" and len(steps) > 1 else steps[:1]) or "."
 
 
 def graph_of(root, part):
-    """Returns {(folder, folder): number of includes}, and for each folder the row in which it is drawn."""
+    """Returns {(folder, folder): number of includes}, and maps each folder to the row in which it is drawn."""
     order = json.loads((REPOSITORY / "tests/structure/layers.json").read_text())
     tree = structure.Structure(root, order)
     edges, rows = Counter(), {}

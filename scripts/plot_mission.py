@@ -24,7 +24,7 @@ SCENES = ROOT / "fmu_world" / "params" / "scenes"
 
 
 def read_run(folder, build):
-    """Reads a run with the package of a build."""
+    """Reads the results of a run with the Python package of a build."""
     sys.path.insert(0, str(build / "python"))
     try:
         import mebots

@@ -21,11 +21,12 @@ from figure_style import PALETTE, plt, save
 
 SCALES = {"nanoseconds": (1e-9, "s")}
 ROW_INCHES = 0.3
-LEAST_SHARE = 0.004  # narrower boxes get no row of their own
+LEAST_SHARE = 0.004  # minimum share of a box for which a row is added
 
 
 def read_stacks(profile, names, left_out):
-    """Returns [(stack of frames, own cost)] of an evented profile, without stacks that contain a left-out name."""
+    """Returns [(stack of frames, own cost)] of an evented profile. Omits stacks that contain one of the names in
+    `left_out`."""
     stacks, stack, last = [], [], 0
     for event in profile["events"]:
         if stack and event["at"] > last and not any(names[frame] in left_out for frame in stack):
@@ -55,8 +56,8 @@ def boxes(stacks):
 
 
 def colour(name):
-    """Returns the same colour for the same function in every picture: from the palette, light enough for black text.
-    Sleep and interrupts, which are not functions, are grey."""
+    """Returns a colour of the palette that is light enough for black text. A function has the same colour in every
+    picture. Sleep and interrupts, which are not functions, are grey."""
     if name.startswith("["):
         return "#d9dce0"
     tone = to_rgb(PALETTE[zlib.crc32(name.encode()) % (len(PALETTE) - 1)])
@@ -64,7 +65,7 @@ def colour(name):
 
 
 def rows_of(stacks):
-    """Returns the number of visible rows of boxes."""
+    """Returns the number of rows of visible boxes."""
     total = sum(cost for _, cost in stacks) or 1
     return max((depth + 1 for depth, _, width, _ in boxes(stacks) if width / total >= LEAST_SHARE), default=1)
 
@@ -102,7 +103,7 @@ def main():
         named = [p for p in data["profiles"] if p["name"].startswith(wanted)]
         if not named:
             parser.error(f"{arguments.profile} has no profile \"{wanted}\"; it has {'; '.join(p['name'] for p in data['profiles'])}")
-        chosen.append(named[0])  # those of the fabric controller precede those of the cluster's cores
+        chosen.append(named[0])  # profiles of the fabric controller precede those of the cluster's cores
     drawn = [read_stacks(profile, names, arguments.leave_out) for profile in chosen]
     heights = [rows_of(stacks) for stacks in drawn]
     figure, axes = plt.subplots(len(chosen), 1, figsize=(10, ROW_INCHES * sum(heights) + 0.6 * len(chosen) + 0.3),

@@ -44,7 +44,7 @@ SOURCES = {".hpp", ".h", ".cpp", ".c", ".py", ".ts", ".mjs", ".cmake", ".sh"}
 PAGES = {".md", ".rst"}
 COMMENT = re.compile(r'^\s*(?://+<?|#(?!include|define|if|endif|pragma|!)|\*|""")\s?(.*)')
 MESSAGE = re.compile(r'"((?:[^"\\]|\\.){12,})"')
-# These files quote the patterns, or texts by others.
+# Exempts files that quote the patterns, or texts by others.
 EXEMPT = {"scripts/prose_lint.py", "CONTRIBUTING.md", "docs/blind-reading.md"}
 
 
@@ -59,7 +59,7 @@ def git(*arguments: str) -> str:
 
 
 def added_lines(base: str, paths: list[str]) -> Iterator[Line]:
-    """Yields lines of the working tree that ``base`` lacks. A moved file counts as moved, not as added."""
+    """Yields the lines of the working tree that ``base`` lacks. The lines of a moved file are not added lines."""
     path, number = "", 0
     for line in git("diff", "--find-renames=40%", "--unified=0", base, "--", *paths).split("\n"):
         if line.startswith("+++ "):
@@ -79,7 +79,7 @@ def all_lines(paths: list[str]) -> Iterator[Line]:
 
 
 def prose(line: Line) -> str | None:
-    """Returns the part of a line that people read, or None."""
+    """Returns the part of a line that is prose, or None."""
     suffix = pathlib.Path(line.path).suffix
     if suffix in PAGES:
         return None if line.text.startswith(("```", "    ")) else line.text.strip(" |#-*")

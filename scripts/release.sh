@@ -62,7 +62,7 @@ built() { scripts/setup.sh && cmake --preset release && cmake --build --preset r
 may_be_left_out() {  # may_be_left_out PROOF TEST
   case $1:$2 in
     *:Interop.*OMSimulator*) ;;  # OMSimulator has to be built from source
-    sanitizers:*) ;;             # crashes and allocations are handled by the sanitizer; missing tools are reported by the proof `tests`
+    sanitizers:*) ;;             # the sanitizer handles crashes and allocations; the proof `tests` reports missing tools
     *) return 1 ;;
   esac
 }
@@ -94,7 +94,7 @@ for name in "${chosen[@]}"; do
     77) result=skipped remark=$(sed -n 's/^skipped: //p' "$logs/$name.txt" | tail -n 1) skipped=$((skipped + 1)) ;;
     *) result=FAILED remark=$(tail -n 1 "$logs/$name.txt") failed=$((failed + 1)); tail -n 5 "$logs/$name.txt" ;;
   esac
-  # If ctest left tests out, they are listed, and the proof is incomplete.
+  # Lists tests that ctest omitted. If there are any, the proof is incomplete.
   left_out=
   while IFS= read -r test; do
     left_out+="${left_out:+, }$test"

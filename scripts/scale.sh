@@ -6,13 +6,13 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 build=${1:-build/ci}
-# The allocator counts its per-thread cache (tcache) as used, so the measurement turns it off.
+# Turns off the allocator's per-thread cache (tcache), because the allocator counts its memory as used.
 export GLIBC_TUNABLES=glibc.malloc.tcache_count=0
 run() {
   MEBOTS_CYCLES=10000 "$build/bin/master_test" --gtest_brief=1 --gtest_filter="$1" | grep -v '^Running main'
 }
 run 'Scale.*'
-for fmu in "$build"/fmus/fmu_{battery,motors,soc,world}.fmu; do  # fmu_gap8 contains no program
+for fmu in "$build"/fmus/fmu_{battery,motors,soc,world}.fmu; do  # without fmu_gap8, which contains no program
   echo "$(basename "$fmu"):"
   MEBOTS_CYCLED_FMU=$(realpath "$fmu") run 'Scale.InstancesRelease*:Scale.ClosedArchives*'
 done

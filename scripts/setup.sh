@@ -11,30 +11,30 @@ cd "$(dirname "$0")/.."
 
 packages=(
   build-essential cmake ninja-build pkg-config ccache git ca-certificates
-  clang-14 clang-format-14                                        # fuzzing; format, as in CI
-  libeigen3-dev libsundials-dev libode-dev libccd-dev             # models
-  musl-dev                                                        # sin(), exp() ... with the same bits on every machine
-  libzip-dev libpugixml-dev nlohmann-json3-dev                    # FMU archives, XML, JSON
-  libcli11-dev libfmt-dev                                         # command line, text
-  libxbyak-dev                                                    # translation of firmware to host code
-  libseccomp-dev                                                  # system call filter of an FMU in a separate process
-  bubblewrap                                                      # the sandbox of such a process
-  libssl-dev                                                      # hash of a run's inputs
-  libhdf5-dev                                                     # results as HDF5
-  libpng-dev zlib1g-dev                                           # textures; recorded pictures
-  libdeflate-dev                                                  # compression of recorded pictures and of the page
-  libtinygltf-dev                                                 # meshes of a scene
-  libcpp-httplib-dev                                              # the page of a run in progress
+  clang-14 clang-format-14                                        # fuzzing; checking the format, as in CI
+  libeigen3-dev libsundials-dev libode-dev libccd-dev             # models of battery, world and physics
+  musl-dev                                                        # sin(), exp() and so on with the same bits on every machine
+  libzip-dev libpugixml-dev nlohmann-json3-dev                    # reading FMU archives, XML, JSON
+  libcli11-dev libfmt-dev                                         # reading the command line, formatting text
+  libxbyak-dev                                                    # translating firmware to host code
+  libseccomp-dev                                                  # filtering system calls of an FMU in a separate process
+  bubblewrap                                                      # sandbox of such a process
+  libssl-dev                                                      # hashing a run's inputs
+  libhdf5-dev                                                     # writing results as HDF5
+  libpng-dev zlib1g-dev                                           # reading textures; recording pictures
+  libdeflate-dev                                                  # compressing recorded pictures and the page
+  libtinygltf-dev                                                 # reading meshes of a scene
+  libcpp-httplib-dev                                              # serving the page of a run in progress
   libgtest-dev libgmock-dev libbenchmark-dev                      # tests, benchmarks
-  gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf            # the drone's firmware
-  gdb-multiarch libclang-rt-14-dev xz-utils                       # its debugger; fuzzing
+  gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf            # compiling the drone's firmware
+  gdb-multiarch libclang-rt-14-dev xz-utils                       # debugging the firmware; fuzzing
   libomp-14-dev                                                   # without it, clang does not find SUNDIALS (fuzzing)
   python3 python3-venv                                            # interoperability tests, plots
   python3-dev pybind11-dev                                        # the Python package; foreign FMUs written in Python
-  chromium                                                        # tests of the page
-  zsh fish mandoc                                                 # tests of completion and manual pages
+  chromium                                                        # testing the page
+  zsh fish mandoc                                                 # testing completion and manual pages
 )
-command -v node >/dev/null || packages+=(nodejs)                  # the page of a run; a newer version may be installed
+command -v node >/dev/null || packages+=(nodejs)                  # for the page of a run; a newer version may be installed
 command -v npm >/dev/null || packages+=(npm)
 
 python_requirements=(scripts/requirements.txt)

@@ -67,7 +67,7 @@ def main():
                         "--log-commits", f"--log={theirs}", arguments.program], check=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         count = 0
         tohost = table.get("tohost")
-        # Spike has no limit that works with traps, so its log may be longer.
+        # The log of Spike may be longer, because Spike has no limit that works with traps.
         expected = itertools.islice(lines(theirs, tohost, entry), arguments.max_instructions)
         for a, b in itertools.zip_longest(lines(ours, tohost), expected):
             if a != b:

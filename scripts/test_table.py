@@ -14,7 +14,7 @@ import sys
 import xml.etree.ElementTree
 
 
-# These are ctest's words. For a test that was skipped, ctest writes "notrun" with a message.
+# Kinds of results, in ctest's words. For a test that was skipped, ctest writes "notrun" with a message.
 KINDS = ("passed", "failed", "skipped", "not run")
 
 
@@ -28,7 +28,7 @@ def kind_of(case):
 
 
 def areas(build):
-    """Returns the area of each test by name, from the folders of the build."""
+    """Maps the name of each test to its area, according to the folders of the build."""
     shown = subprocess.run(["ctest", "--test-dir", build, "--show-only=json-v1"], check=True, capture_output=True, text=True)
     found = {}
     for test in json.loads(shown.stdout)["tests"]:

@@ -16,7 +16,7 @@ mount -t proc proc "$root/proc"
 mkdir "$root/package"
 cp "$package" "$root/package/"
 
-as_in() {  # as_in COMMANDS: in the clean root
+as_in() {  # as_in COMMANDS: executes the commands in the clean root
   chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root DEBIAN_FRONTEND=noninteractive \
     PIP_DISABLE_PIP_VERSION_CHECK=1 /bin/bash -euo pipefail -c "$1"
 }

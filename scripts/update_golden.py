@@ -20,8 +20,8 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 def battery(k):
-    """Returns the inputs of a flight of 40 g that ends when the protection opens. A source supplies power for a minute.
-    """
+    """Returns the battery's inputs in step k of a flight of 40 g. The flight ends when the protection opens. A source
+    supplies power for a minute."""
     return {
         "motors.power": 9.5 + math.sin(0.3 * k) if k > 2 else 0.0,
         "soc.power": 0.06 if k % 4 else 0.12,
@@ -33,7 +33,7 @@ def battery(k):
 
 
 def motors(k):
-    """Returns the inputs of the motors: spin-up, hover with a manoeuvre, a sagging bus, a stop."""
+    """Returns the inputs of the motors in step k: spin-up, hover with a manoeuvre, a sagging bus, a stop."""
     flying = 5 <= k < 170
     swing = 0.1 * math.sin(0.2 * k)
     return {
@@ -49,8 +49,8 @@ def motors(k):
 
 
 def world(k):
-    """Returns the inputs of a flight without control: up from the ground in a side wind with a little yaw torque, then
-    a drop that ends in a crash."""
+    """Returns the inputs of the world in step k of a flight without control. The drone rises from the ground in a side
+    wind with a little yaw torque, and then drops and crashes."""
     thrust = 0.12 if k < 20 else 0.08 if k < 32 else 0.0
     return {
         **{f"rotor[{i}].thrust": thrust for i in (1, 2, 3, 4)},
@@ -70,7 +70,8 @@ def write(path, header, rows):
 
 
 def run(archive, inputs_at, step, count):
-    """Returns names and rows of the inputs and of the Real and Boolean outputs at count + 1 communication points."""
+    """Runs an FMU. Returns the names and rows of the inputs, and of the Real and Boolean outputs, at count + 1
+    communication points."""
     description = fmpy.read_model_description(archive)
     folder = fmpy.extract(archive)
     references = {v.name: v.valueReference for v in description.modelVariables}

@@ -14,16 +14,16 @@ toolchain=$PWD/cmake/win64.cmake
 plain="-O2 -ffp-contract=off"
 begin_sysroot "$sysroot" "$place" "$(cat scripts/win64_sysroot.sh scripts/debian_sources.sh cmake/win64.cmake | sha256sum)"
 
-# Headers without libraries are the same everywhere.
+# Copies headers without libraries, because such headers are the same on all platforms.
 copy_headers() {
   mkdir -p "$sysroot"/{include,lib/cmake,share/cmake}
   cp -r /usr/include/{fmt,nlohmann,eigen3,xbyak} "$sysroot/include/"
   cp -r /usr/share/cmake/nlohmann_json "$sysroot/share/cmake/"
   cp -r /usr/share/eigen3 "$sysroot/share/"
   cp /usr/include/tiny_gltf.h "$sysroot/include/"
-  mkdir -p "$sysroot/fmt/lib/cmake"  # as deep as Debian's folder, from which the package finds its headers
+  mkdir -p "$sysroot/fmt/lib/cmake"  # as deep as Debian's folder, because the package finds its headers relative to it
   cp -r /usr/lib/x86_64-linux-gnu/cmake/fmt "$sysroot/fmt/lib/cmake/"
-  rm -f "$sysroot"/fmt/lib/cmake/fmt/fmt-targets-*.cmake  # its libraries; the FMUs take the headers alone
+  rm -f "$sysroot"/fmt/lib/cmake/fmt/fmt-targets-*.cmake  # removes the targets of its libraries; the FMUs use only the headers
 }
 
 build_libccd() {

@@ -24,7 +24,7 @@ NOISE = 0.05
 
 
 def study(fmu):
-    """Returns a study with two objectives. The measurement does not use its other parts."""
+    """Returns a study that has two objectives. The measurement does not use its other parts."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         (folder / "mission.json").write_text(json.dumps({
@@ -45,7 +45,7 @@ def point(chance, on_front):
 
 
 def timed(read, designs, on_front):
-    """Returns the processor time [s]."""
+    """Returns the processor time of one evaluation [s]."""
     evidence, chance = Evidence(read, designs), random.Random(1)
     for design in range(designs):
         x, y = point(chance, on_front)

@@ -26,7 +26,7 @@ PADDING = "x" * 40
 
 
 def line(mission, build, number):
-    """Returns a line of the journal."""
+    """Returns the journal's line for a mission."""
     body = (f'{{"mission":"{mission}","flown_by":"{build}","outcome":"far","error":"","code":"","simulated_time":1.0,'
             f'"values":{{"integral":{number!r},"out":2.5,"padding":"{PADDING}"}}').encode()
     return b'%b,"crc32":"%08x"}\n' % (body, zlib.crc32(body))
@@ -38,7 +38,7 @@ def record(order):
 
 
 class Instant(concurrent.futures.Executor):
-    """Answers immediately."""
+    """Executes no mission, and returns results immediately."""
 
     def submit(self, function, order):
         del function
@@ -48,7 +48,7 @@ class Instant(concurrent.futures.Executor):
 
 
 def answer(order):
-    if "shared" not in order:  # one order, before batches
+    if "shared" not in order:  # a single order, not a batch
         return record(order)
     build = order["shared"]["build"]
     if "missions" in order:

@@ -49,7 +49,7 @@ def main():
     count = int(sys.argv[2]) if len(sys.argv) > 2 else 100
     mebots, fmu = str(build / "bin" / "mebots"), str(build / "fmus" / "fmu_battery.fmu")
     environment = dict(os.environ, MEBOTS_PYTHON=sys.executable)
-    environment.pop("PYTHONDONTWRITEBYTECODE", None)  # as in installed packages
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)  # as in installed packages, Python may write bytecode
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         (folder / "mission.json").write_text(json.dumps({

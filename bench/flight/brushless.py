@@ -15,11 +15,11 @@ import numpy as np
 import flight_data as data
 from fit_rotor import flight_coefficient
 
-SETS = (("brushless_flights", 0.037), ("brushless_flights_payload", 0.0444))  # masses: the folders' README.md
+SETS = (("brushless_flights", 0.037), ("brushless_flights_payload", 0.0444))  # masses [kg] from the folders' README.md
 
 
 def coefficients(folder, name, mass_kg):
-    """Returns the median of the thrust coefficient in each flight."""
+    """Returns the median thrust coefficient of each flight."""
     paths = data.distinct(path for path in (Path(folder) / data.IMRC / name / "data").iterdir() if path.stat().st_size and not path.suffix)
     found = [flight_coefficient(data.flight_of(data.read_usd(path), path.name, mass_kg)) for path in paths]
     return np.array([np.median(one) for one in found if len(one)])

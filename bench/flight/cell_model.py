@@ -9,7 +9,7 @@ import numpy as np
 from flight_data import GRAVITY, STEP_S
 
 PARAMS = Path(__file__).resolve().parents[2]
-RUNNING_OUT_V2 = 1e-3  # least discriminant: beyond the maximum power, a cell delivers its maximum
+RUNNING_OUT_V2 = 1e-3  # minimum discriminant: beyond its maximum power, a cell delivers the maximum
 GRID = np.linspace(0, 1, 4001)
 
 
@@ -32,7 +32,7 @@ class Rotors:
         return 4 * self._power(np.minimum(needed, supply_v), speed, supply_v)
 
     def driven(self, duty, supply_v):
-        """Returns the duty cycles of four rotors, as the first axis of the array."""
+        """Returns the power of four rotors together [W]. Their duty cycles are the first axis of `duty`."""
         effective = duty * supply_v
         square = self.ohm * self.drag / self.emf
         speed = 2 * effective / (self.emf + np.sqrt(self.emf**2 + 4 * square * effective))
@@ -48,10 +48,10 @@ def _curve(data):
 
 @dataclass
 class Cell:
-    """The curves of a cell over GRID. `resistance` scales all resistances."""
+    """Contains the curves of a cell over GRID. `resistance` scales all resistances."""
     open_circuit: np.ndarray
     series: np.ndarray
-    pairs: list                # of (resistance, time constant)
+    pairs: list                # list of (resistance, time constant)
     capacity_c: float
 
     @staticmethod
@@ -95,14 +95,14 @@ def discharge(cell, rest_v, factor, power, steps, rest_w):
     return np.array(rows).T
 
 
-CRACIUN_MASS_KG = 0.0376    # Bitcraze: Crazyflie 2.0 of 27 g, Multi-ranger 2.3 g, Qi charger 5.0 g, Loco positioning 3.3 g
-AVIONICS_W = 0.96           # avionics.base_power of fmu_motors
-CRACIUN_DECKS_W = 0.5       # assumed: receiver of the Loco deck, 160 mA at 3.3 V (DW1000 data sheet)
+CRACIUN_MASS_KG = 0.0376    # mass with Crazyflie 2.0 (27 g), Multi-ranger 2.3 g, Qi charger 5.0 g, Loco positioning 3.3 g (Bitcraze)
+AVIONICS_W = 0.96           # parameter avionics.base_power of fmu_motors
+CRACIUN_DECKS_W = 0.5       # assumption: the receiver of the Loco deck takes 160 mA at 3.3 V (DW1000 data sheet)
 
 
 @dataclass
 class Set:
-    """The flights of one set as arrays of equal length, padded with nan."""
+    """Contains the flights of one set as arrays of equal length, padded with nan."""
     flights: list
     rotors: Rotors
 
@@ -129,12 +129,13 @@ class Set:
         return AVIONICS_W + (CRACIUN_DECKS_W if self.duty is None else 0)
 
     def errors(self, cell, factor):
-        """Returns model minus measured voltage; nan after a flight's end."""
+        """Returns the model's voltage minus the measured voltage; nan after a flight's end."""
         factor = np.broadcast_to(factor, self.rest_v.shape)
         return discharge(cell, self.rest_v, factor, self.loads_w, self.steps, self.rest_w) - self.voltage_v
 
     def best_factor(self, cell, first_s=None):
-        """Returns the least-squares factor of each flight's resistances, over its first seconds or the whole flight."""
+        """Returns the factor of each flight's resistances with the least squares of errors, over the flight's first
+        seconds or over the whole flight."""
         last = self.steps if first_s is None else round(first_s / STEP_S)
         tries = np.geomspace(0.3, 3.0, 60)
         sums = np.array([np.nansum(self.errors(cell, t)[:, :last]**2, axis=1) for t in tries])

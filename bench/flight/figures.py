@@ -33,7 +33,7 @@ LEAST_SHOWN_S = 100.0
 CHARGED = "bitcraze_250_charged"
 HOVERING_CELL = "bitcraze_250_flights"
 BARE_G = 27.0
-STATED = (("Bitcraze, bare drone", BARE_G, 420.0), ("MEbots paper, 40 g", 40.0, 410.0))  # mass [g], seconds
+STATED = (("Bitcraze, bare drone", BARE_G, 420.0), ("MEbots paper, 40 g", 40.0, 410.0))  # mass [g], hover time [s]
 
 
 def quantity(kind, name, key):
@@ -41,7 +41,8 @@ def quantity(kind, name, key):
 
 
 def voltage(axis, flights):
-    """Draws the flight with the median error among the long ones, with the interval of the cell's resistances."""
+    """Draws the voltage of the flight with the median error among the long flights, with the interval of the cell's
+    resistances."""
     long = [f for f in flights if len(f.voltage_v) * data.STEP_S > LEAST_SHOWN_S]
     off = rms(Set(long, Rotors()).errors(Cell.load("bitcraze_250_flights"), 1.0))
     flight = long[int(np.argsort(off)[len(off) // 2])]
@@ -62,7 +63,8 @@ def voltage(axis, flights):
 
 
 def thrust(axis, folder):
-    """Draws two thrusts over time: from the measured rotor speeds, and from weight and measured acceleration."""
+    """Draws two thrusts over time: one computed from the measured rotor speeds, one from weight and measured
+    acceleration."""
     flight = data.flight(folder, THRUST_FLIGHT)
     pulls = [np.mean((flight.speed_rad_per_s[:, s]**2).sum(axis=0) * flight.upright[s]) for s in flight.blocks()]
     times = [flight.time_s[s].mean() for s in flight.blocks()]
@@ -77,7 +79,7 @@ def thrust(axis, folder):
 
 
 def voltage_errors(axis, title, flights):
-    """Draws the share of flights whose error is below a limit, for both cells: without a fit, and with one after the
+    """Draws the share of flights whose error is below a limit, for both cells: without a fit, and with a fit to the
     first seconds."""
     flown = Set(flights, Rotors())
     curves = [(name, colour, "-", rms(flown.errors(Cell.load(name), 1.0)), "blind") for name, colour in CELLS]

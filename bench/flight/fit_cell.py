@@ -21,10 +21,10 @@ from scipy.optimize import least_squares
 import flight_data as data
 from cell_model import GRID, Cell, Rotors, Set, rms
 
-EMPTY_V = 3.7   # at rest: at lower voltages the fit would depend on the end of the curve
-TRUST_V = 0.05  # larger errors count linearly
+EMPTY_V = 3.7   # voltage at rest; at lower voltages, the fit would depend on the end of the curve
+TRUST_V = 0.05  # larger errors have linear weight
 SHAPE = "bitcraze_250"
-COMMON = 3      # values shared by all flights: series resistance, resistance and time constant of the pair
+COMMON = 3      # number of values that all flights share: series resistance, resistance and time constant of the pair
 
 
 def scaled(base, series, pairs):

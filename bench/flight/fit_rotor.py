@@ -15,17 +15,17 @@ from scipy.optimize import least_squares, minimize_scalar
 
 import flight_data as data
 
-TORQUE_PER_THRUST = 0.007350863  # m, utiasDSL/drone-models, cf2x_L250
+TORQUE_PER_THRUST = 0.007350863  # in m; source: utiasDSL/drone-models, cf2x_L250
 TORQUE_DOUBT = 0.15
 LEAST_THRUST_G = 24              # of four rotors: below the weight of the lightest drone, k decreases and load cells
                                  # drift noticeably
-LEAST_DUTY = 0.35                # below, the ripple of the current reaches zero, which the equations neglect
-LOG_DELAY_S = 0.004              # from command to logged speed, by cross correlation on jana04
+LEAST_DUTY = 0.35                # below it, the ripple of the current reaches zero, which the equations neglect
+LOG_DELAY_S = 0.004              # time from command to logged speed, by cross correlation on jana04
 ENDS_S = 1.0
 
 
 def flight_coefficient(flight):
-    """Returns k of each second: m (g + dv/dt) = k sum w^2 cos(tilt)."""
+    """Returns the coefficient k of each second of a flight: m (g + dv/dt) = k sum w^2 cos(tilt)."""
     found = []
     for s in flight.blocks():
         rise = (flight.climb_m_per_s[s][-1] - flight.climb_m_per_s[s][0]) / np.ptp(flight.time_s[s])
@@ -40,7 +40,7 @@ def stand_coefficient(stand):
 
 
 def motor_at(stand, drag, law):
-    """Returns the effective voltage and the power at the measured speed."""
+    """Returns the effective voltage and the power that the law gives at the measured speed."""
     emf, resistance, ripple = law
     current = drag * stand.speed_rad_per_s**2 / emf
     voltage = emf * stand.speed_rad_per_s + resistance * current
@@ -48,7 +48,8 @@ def motor_at(stand, drag, law):
 
 
 def steady_points(flight):
-    """Returns mean duty cycle, voltage and speed of each rotor in each second, as points of a stand without thrust."""
+    """Returns mean duty cycle, voltage and speed of each rotor in each second, in the form of a stand without thrust.
+    """
     rows = [(flight.duty[i, s].mean(), flight.voltage_v[s].mean(), flight.speed_rad_per_s[i, s].mean())
             for s in flight.blocks() for i in range(4)]
     duty, voltage, speed = np.array(rows).T
@@ -70,8 +71,8 @@ def fit_motor(powered, spun, drag):
 
 
 def simulated_speed(flight, drag, law, inertia):
-    """Computes speeds with the equations, from the first measured speed on. Small explicit steps suffice for a lag of
-    80 ms."""
+    """Computes speeds with the equations, starting from the first measured speed. Small explicit steps suffice for a
+    lag of 80 ms."""
     emf, resistance, _ = law
     speed, course = flight.speed_rad_per_s[:, 0].copy(), np.empty_like(flight.speed_rad_per_s)
     steps = np.diff(flight.time_s, append=flight.time_s[-1])
@@ -84,7 +85,7 @@ def simulated_speed(flight, drag, law, inertia):
 
 
 def fit_inertia(flights, drag, law):
-    """Returns J with the least variance of the speed error; the mean error of each rotor is attributed to
+    """Returns the inertia J with the least variance of the speed error. The mean error of each rotor is attributed to
     differences between motors."""
     def variance(logarithm):
         found = []

@@ -23,7 +23,7 @@ IMRC = "crazyflie-data-collection"
 FLIGHTS = f"{IMRC}/brushed_flights/data"
 STANDS = f"{IMRC}/system-id/data"
 
-# Fits use only these flights and these files of stands.
+# Fits may use only these flights and these files of stands.
 CALIBRATION_FLIGHTS = ("jana04", "jana05", "jana06")
 CALIBRATION_STANDS = ("cf21_eckart1/data.csv", "cf21_bitcraze2021/cf21_stock2.csv")
 
@@ -32,8 +32,8 @@ CLIMBING_FLIGHTS = ("jana20", "jana23", "jana24", "jana25", "jana27", "jana28", 
 SECOND_DRONE_FLIGHTS = tuple(f"rl{n}" for n in range(20, 31))
 JUDGED_STAND = "cf21_bitcraze2021/cf2.1-stock-prop.csv"
 
-JANA_MASS_KG = 0.0347  # README of the flights: with cell, RPM deck and uSD deck
-RL_MASS_KG = 0.0365    # system-id/estimate_kw.py
+JANA_MASS_KG = 0.0347  # source: README of the flights; with cell, RPM deck and uSD deck
+RL_MASS_KG = 0.0365    # source: system-id/estimate_kw.py
 
 
 def digest(path):
@@ -41,7 +41,7 @@ def digest(path):
 
 
 def distinct(paths):
-    """Returns the paths without those whose file has the same content as an earlier file, in the order of names."""
+    """Returns the paths in the order of names, without files whose content is equal to that of an earlier file."""
     found = {}
     for path in sorted(paths):
         found.setdefault(digest(path), path)
@@ -49,7 +49,7 @@ def distinct(paths):
 
 
 def read_usd(path):
-    """Returns the columns of the event fixedFrequency in a log of Bitcraze's uSD deck; `time` is in seconds from its
+    """Returns the columns of the event fixedFrequency in a log of Bitcraze's uSD deck. `time` is in seconds from the
     first row."""
     columns = read_events(Path(path))["fixedFrequency"]
     return columns | {"time": columns["time"] - columns["time"][0]}
@@ -57,7 +57,7 @@ def read_usd(path):
 
 @dataclass
 class Flight:
-    """The rotors' data of a flight, as arrays over time. Arrays of rotors have four rows."""
+    """Contains the rotors' data of a flight, as arrays over time. Arrays of rotors have four rows."""
     name: str
     mass_kg: float
     time_s: np.ndarray
@@ -75,7 +75,7 @@ class Flight:
 
 
 def flight_of(log, name, mass_kg, duty="pwm.m{}_pwm"):
-    """Returns the columns of a log as a flight. Without a state, tilt and climb are zero."""
+    """Converts the columns of a log to a flight. Without a state in the log, tilt and climb are zero."""
     length = len(log["time"])
     has_state = "stateEstimate.qx" in log
     upright = 1 - 2 * (log["stateEstimate.qx"]**2 + log["stateEstimate.qy"]**2) if has_state else np.ones(length)
@@ -85,7 +85,7 @@ def flight_of(log, name, mass_kg, duty="pwm.m{}_pwm"):
 
 
 def flight(folder, name):
-    """Returns a flight named jana* or rl*. The logs of rl* have no state."""
+    """Reads a flight named jana* or rl*. The logs of rl* have no state."""
     if name.startswith("rl"):
         return flight_of(read_usd(Path(folder) / STANDS / "cf21_imrc2025" / name), name, RL_MASS_KG, "motor.m{}")
     return flight_of(read_usd(Path(folder) / FLIGHTS / name), name, JANA_MASS_KG)
@@ -93,20 +93,20 @@ def flight(folder, name):
 
 @dataclass
 class Stand:
-    """Steady points of a motor stand, as one of four equal rotors."""
+    """Contains steady points of a motor stand, as one of four equal rotors."""
     duty: np.ndarray
     voltage_v: np.ndarray
     speed_rad_per_s: np.ndarray
-    square_speed: np.ndarray   # mean of the four squares
+    square_speed: np.ndarray   # mean of the squares of the four speeds
     thrust_n: np.ndarray
-    current_a: np.ndarray      # of the supply, without that at rest; nan if not measured
+    current_a: np.ndarray      # current of the supply minus the current at rest; nan if not measured
 
     def where(self, mask):
         return Stand(*(getattr(self, name)[mask] for name in self.__dataclass_fields__))
 
     @property
     def grams(self):
-        """Returns the thrust of the four rotors."""
+        """Returns the thrust of the four rotors [g]."""
         return 4e3 * self.thrust_n / GRAVITY
 
     @property
@@ -144,19 +144,19 @@ def stand(folder, name):
 
 @dataclass
 class Discharge:
-    """The voltage of a cell during a flight in equal intervals, from the start of the motors."""
+    """Contains the voltage of a cell during a flight in equal intervals, from the start of the motors."""
     name: str
-    fitted: bool              # the cell may be fitted to it
-    rest_v: float             # before the motors start
-    voltage_v: np.ndarray     # means over intervals of STEP_S
-    duty: np.ndarray | None   # of the four rotors; None if not logged
-    start_s: float            # on a clock common to all flights of a set, or their number
-    end_rest_v: float         # after the motors stop; nan if the log ends in flight
+    fitted: bool              # true if fits may use the flight
+    rest_v: float             # voltage before the motors start
+    voltage_v: np.ndarray     # mean voltages over intervals of STEP_S
+    duty: np.ndarray | None   # duty cycles of the four rotors; None if not logged
+    start_s: float            # start time on the common clock of the set, or the number of the flight
+    end_rest_v: float         # voltage after the motors stop; nan if the log ends in flight
 
 
 STEP_S = 0.5
 LEAST_DURATION_S = 15.0
-DROP_V = 0.15  # drop of the voltage by which running motors are recognised
+DROP_V = 0.15  # voltage drop that indicates running motors
 
 
 def _means(values, rows):
@@ -165,8 +165,8 @@ def _means(values, rows):
 
 
 def craciun(folder):
-    """Returns flights that have only the voltage, with 100 rows per second. Flights with an even SHA-256 may be used
-    for fits."""
+    """Reads flights that have only the voltage, with 100 rows per second. Fits may use the flights with an even
+    SHA-256."""
     found = []
     for path in distinct((Path(folder) / CRACIUN).glob("*.csv")):
         voltage = np.genfromtxt(path, delimiter=",", skip_header=1)[:, 3]
@@ -181,7 +181,7 @@ def craciun(folder):
 
 
 def nanobench(folder):
-    """Returns flights with duty cycles, 100 rows per second, in order of time. None may be used for fits."""
+    """Reads flights with duty cycles, 100 rows per second, in order of time. Fits must not use these flights."""
     found = []
     for path in distinct((Path(folder) / NANOBENCH).glob("*.csv")):
         with open(path, newline="") as file:

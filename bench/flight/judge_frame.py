@@ -17,7 +17,7 @@ import numpy as np
 import flight_data as data
 
 ROOT = Path(__file__).resolve().parents[2]
-ROWS = 50        # 0.1 s
+ROWS = 50        # rows in 0.1 s
 SLICE_S = 0.25
 ENDS = 5
 
@@ -37,7 +37,7 @@ def means(values):
 
 
 def horizontal_drag(folder, name):
-    """Returns drag [N s/m] and standard deviation of the velocity [m/s], for x and y."""
+    """Returns the drag [N s/m] and the standard deviation of the velocity [m/s] along x and y."""
     log = data.read_usd(Path(folder) / data.FLIGHTS / name)
     velocity = means(body_velocity(log))
     acceleration = means(data.GRAVITY * np.array([log["acc.x"], log["acc.y"]]))
@@ -47,7 +47,7 @@ def horizontal_drag(folder, name):
 
 def climb_drag(folder):
     """Returns the drag along the vertical [N s/m], its standard error, and the number of slices. The first rotor's
-    sensor fails in these flights, so rotors 2 to 4 stand for all four."""
+    sensor fails in these flights, so the mean of rotors 2 to 4 replaces the mean of all four."""
     rise, share = [], []
     for name in data.CLIMBING_FLIGHTS:
         f = data.flight(folder, name)

@@ -20,12 +20,13 @@ from fit_rotor import flight_coefficient
 from motors_fmu import Motors
 
 ROTORS = ("crazyflie_bench", "crazyflie_legacy")
-L250_RPM2THRUST = (-5.382196214637237e-7, 2.4582929831265485e-10)  # utiasDSL/drone-models, params.toml
+L250_RPM2THRUST = (-5.382196214637237e-7, 2.4582929831265485e-10)  # source: utiasDSL/drone-models, params.toml
 GRAMS = ((15, 20), (20, 25), (25, 30), (30, 35), (35, 40), (40, 45))
 
 
 def spread(errors):
-    """Returns a text with the mean, the standard deviation, and the 5th and 95th percentile, in percent."""
+    """Returns the mean, the standard deviation, and the 5th and 95th percentile of relative errors as text, in percent.
+    """
     e = 100 * np.asarray(errors)
     return f"{e.mean():+.1f} (sd {e.std():.1f}, 5 to 95 %: {np.percentile(e, 5):+.1f} to {np.percentile(e, 95):+.1f})"
 
@@ -69,7 +70,8 @@ def speed_table(sets, models):
 
 
 def stand_errors(stand, model):
-    """Returns errors of thrust at speed, speed at duty, power at thrust and power at speed, at each point."""
+    """Returns the errors of four quantities at each point: thrust at speed, speed at duty, power at thrust and power at
+    speed."""
     points = zip(stand.duty, stand.voltage_v, stand.speed_rad_per_s, stand.square_speed, stand.thrust_n, stand.power_w)
     return np.array([(model.thrust_coefficient * square / thrust - 1, model.speed_at(duty, volt) / speed - 1,
                       model.power_at_thrust(thrust, volt) / power - 1, model.power_at_speed(speed, volt) / power - 1)

@@ -32,20 +32,20 @@ import mebots
 
 ROOT = Path(__file__).resolve().parents[2]
 AIRFRAME = ROOT / "configs/airframes/crazyflie_21plus.json"
-MASS_KG = 0.0434          # docs/replay.md, NanoBench: of a 2.1+ on a stand
-POSITION_GAIN = 2.0       # 1/s, PID_POS_X_KP
-FASTEST_M_PER_S = 1.1     # PID_POS_VEL_X_MAX and 10 % of overhead
-PERIOD_S = 0.01           # of the position loop, and of the logs
-OFF, FLY = 0, 2           # setpoint.mode
-LEFT_M = 0.05             # from the take-off position: the trajectory has started
+MASS_KG = 0.0434          # source: docs/replay.md, NanoBench; mass of a 2.1+ on a stand
+POSITION_GAIN = 2.0       # PID_POS_X_KP [1/s]
+FASTEST_M_PER_S = 1.1     # PID_POS_VEL_X_MAX plus 10 %
+PERIOD_S = 0.01           # period of the position loop and of the logs
+OFF, FLY = 0, 2           # values of setpoint.mode
+LEFT_M = 0.05             # distance from the take-off position after which the trajectory has started
 SETTLED_S = 3.0
 FIGURES = ("level, rms", "level, greatest", "vertical, rms", "vertical, greatest")
-GAP_M = 0.3               # only in a gap of the log do Vicon and the drone's own estimate differ by more
+GAP_M = 0.3               # if Vicon and the drone's own estimate differ by more, the log has a gap
 
 
 @dataclass
 class Tracking:
-    """A logged flight in equal steps of PERIOD_S; arrays have a row for x, y, z."""
+    """Contains a logged flight in equal steps of PERIOD_S. Arrays have a row for x, y, z."""
     name: str
     trajectory: str           # kind and parameters, equal for repetitions
     rest_v: float
@@ -55,7 +55,7 @@ class Tracking:
     judged: slice
 
     def errors(self, position_m):
-        """Returns horizontal and vertical error over the judged part."""
+        """Returns the horizontal and the vertical error in the judged part of the flight."""
         off = position_m[:, self.judged] - self.setpoint_m[:, self.judged]
         return np.hypot(off[0], off[1]), off[2]
 
@@ -72,7 +72,7 @@ def trajectory_of(metadata):
 
 
 def read(path):
-    """Returns a flight, or the reason why it is left out."""
+    """Reads a flight. Returns the flight, or the reason why it is omitted."""
     with open(path, newline="") as file:
         names = next(csv.reader(file))
     log = dict(zip(names, np.genfromtxt(path, delimiter=",", skip_header=1).T))
@@ -98,7 +98,7 @@ def read(path):
 
 
 def charge_at(rest_v):
-    """Returns the state of charge at which the airframe's cell has this open-circuit voltage."""
+    """Returns the state of charge at which the cell of the airframe has this open-circuit voltage."""
     cell = json.loads(AIRFRAME.read_text())["cell"]
     curve = json.loads((ROOT / f"fmu_battery/params/cells/{cell}.json").read_text())["open_circuit_voltage"]
     grid = np.linspace(0, 1, 4001)
@@ -125,7 +125,7 @@ def mission_file(folder):
 
 
 def fly(file, flight):
-    """Returns positions of the simulated drone along the set-points of a flight."""
+    """Simulates a drone that receives the set-points of a flight. Returns its positions."""
     start = {f"world.start.offset.{axis}": float(value) for axis, value in zip("xy", flight.position_m[:, 0])}
     found = np.full_like(flight.position_m, np.nan)
     settings = {"battery.cell.initial_state_of_charge": charge_at(flight.rest_v)} | start

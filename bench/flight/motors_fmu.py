@@ -13,7 +13,7 @@ COMMAND = [f"rotor[{i}].command" for i in range(1, 5)]
 SPEED = [f"rotor[{i}].speed" for i in range(1, 5)]
 DUTIES = np.linspace(0, 1, 41)
 SETTLED_S = 6.0
-SETTLING_STEP_S = 0.5  # the model has a closed form and needs no small steps
+SETTLING_STEP_S = 0.5  # long, because the model has a closed form and needs no small steps
 
 
 class Motors:
@@ -37,8 +37,8 @@ class Motors:
         return slave
 
     def fly(self, flight):
-        """Returns the speeds of the four rotors and their power at each row of a flight, from its duty cycles and
-        voltages. The flight starts in the air. Therefore the first row is applied until the rotors are steady."""
+        """Returns the speeds of the four rotors and their power at each row of a flight. Duty cycles and voltages are
+        inputs. The flight starts in the air. Therefore the first row is applied until the rotors are steady."""
         slave = self._begin()
         inputs = [self.at[n] for n in [*COMMAND, "bus.voltage"]]
         outputs = [self.at[n] for n in [*SPEED, "power"]]

@@ -16,7 +16,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 COMMANDS = (0, 0.0625, 0.125, 0.1875, 0.25, 0.3125, 0.375, 0.4325, 0.5, 0.5625, 0.625, 0.6875, 0.75, 0.8125, 0.875, 0.9375, 1)
 ROTOR, CELL, CHARGE = "crazyflie_legacy", "bitcraze_250_flights", 0.5
 SETTLED_S = 60
-NEVER_EMPTY_C = 1e9  # so that the charge is constant
+NEVER_EMPTY_C = 1e9  # so large that the charge is practically constant
 
 
 def mission(folder):

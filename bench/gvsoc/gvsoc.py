@@ -15,7 +15,7 @@ LONGEST_S = 600
 
 
 def program(name, mend):
-    """Returns the program's path. If it is missing, exits and prints what to do."""
+    """Returns the program's path. If the program is missing, exits and prints `mend`, the remedy."""
     path = shutil.which(name)
     if not path:
         raise SystemExit(f"{name} is missing: {mend}")
@@ -36,9 +36,9 @@ def compiler():
 
 
 def processor_time(command, folder):
-    """Returns (output, exit code, processor time [s]) of a command."""
+    """Runs a command. Returns (output, exit code, processor time [s])."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    # GVSoC's program starts other programs. In a session of their own, all of them can be ended together.
+    # GVSoC's program starts other programs. In a separate session, all of them can be ended together.
     with subprocess.Popen([str(part) for part in command], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                           text=True, errors="replace", start_new_session=True) as running:
         try:
@@ -61,12 +61,12 @@ def run(program, folder):
 
 
 def instructions_of(done):
-    """Returns the instructions of all cores in a run of mebots-soc, from its output."""
+    """Returns the instructions of all cores in a run of mebots-soc, read from its output."""
     return sum(map(int, re.findall(r"^instructions .*", done[0], re.MULTILINE)[-1].split()[1:]))
 
 
 def left_by(simulator, done, folder):
-    """Returns the bytes of the file "result" written by a successful program, and deletes the file."""
+    """Returns the content of the file "result" that a successful program has written, and deletes the file."""
     text, code, _ = done
     file = folder / "result"
     if code != 0:

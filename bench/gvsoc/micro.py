@@ -33,7 +33,7 @@ def compiled(turns, folder):
 
 
 def noted(simulator, done, folder):
-    """Returns the cycles of each micro program, in order."""
+    """Returns the cycles of each micro program, in the order of the programs."""
     count, *words = gvsoc.words_left_by(simulator, done, folder)
     return words[1::16][:count]
 

@@ -24,7 +24,7 @@ namespace {
 using namespace mebots::soc;
 using namespace mebots::soc::test;
 
-constexpr std::uint32_t kMiddleOfData = 0x1C060000;  // random_xpulp.S
+constexpr std::uint32_t kMiddleOfData = 0x1C060000;  // as in random_xpulp.S
 constexpr std::size_t kPieceWords = 24;              // of a segment, before a watched instruction and at its end
 constexpr unsigned kWatchedOfSegment = 2;
 
@@ -51,8 +51,8 @@ bool is_watched(std::uint32_t word) {
   return traits.kind == OpKind::multiply_halves && traits.reads_rd && traits.rounds;
 }
 
-/// True if GVSoC's open PULP chip does not support the instruction. These are the additional forms of pv.pack in GAP8,
-/// and encodings with a set bit that the RTL ignores.
+/// Returns true if GVSoC's open PULP chip does not support the instruction. These are the additional forms of pv.pack
+/// in GAP8, and encodings with a set bit that the RTL ignores.
 bool is_unknown(std::uint32_t word) {
   const auto name = decode(word).encoding->name;
   const bool with_ignored_bit = (word >> 25 & 1U) != 0 && (name == "pv.pack" || name.starts_with("pv.abs."));

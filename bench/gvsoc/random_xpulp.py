@@ -22,7 +22,8 @@ import gvsoc
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 HERE = pathlib.Path(__file__).parent
 WATCHED = 0x80000000
-# Approximate numbers of instructions around the random ones: per program, per segment with its two watched ones.
+# Approximate numbers of instructions in addition to the random ones: per program, and per segment with its two watched
+# ones.
 AROUND_PROGRAM, AROUND_SEGMENT = 393_300, 89
 DATA_BYTES = 0x40000
 MOST_SEGMENTS = 230
@@ -102,7 +103,7 @@ def build(author, seed, segments, folder):
 
 
 def ours(soc, program, folder, *options):
-    """Returns records, memory, and the number of executed instructions."""
+    """Runs a program on mebots-soc. Returns its records, its memory, and the number of executed instructions."""
     done = gvsoc.processor_time([soc, "run", program, "--board", ROOT / "configs/boards/pulp_open.json", "--host-files", folder,
                                  *options], folder)
     return result("mebots-soc", done, folder), gvsoc.instructions_of(done)
@@ -114,7 +115,7 @@ def result(simulator, done, folder):
 
 
 def compare(one, other, seen):
-    """Returns the first difference outside of the known classes as text, or None. Counts the cases in `seen`."""
+    """Returns the first difference outside of the known classes as text, or None. Counts the known cases in `seen`."""
     for mine, its in zip(one[0], other[0]):
         if mine[0] == "watched" and its[0] == "watched" and mine[:5] == its[:5]:
             kind = known(*mine[1:5])
@@ -139,7 +140,7 @@ def compare(one, other, seen):
 
 
 def number(least, most):
-    """Returns the type of an option."""
+    """Returns a function that converts an option to a number in a range."""
     def read(text):
         if not text.isdecimal() or not least <= int(text) <= most:
             raise argparse.ArgumentTypeError(f"{text}: want a number from {least} to {most}")

@@ -39,7 +39,7 @@ def compiled(name, sources, options, folder):
 
 
 def programs(options, folder):
-    """Returns name, ELF, board and reader of the result of each program."""
+    """Returns the name, the ELF, the board and the reader of the result for each program."""
     if options.hello:
         yield "pulp-open's hello", options.hello.resolve(), "pulp_open", greeted
     for name, turns in TURNS.items():
@@ -51,7 +51,7 @@ def programs(options, folder):
 
 
 class Outcome(typing.NamedTuple):
-    said: object  # computed or printed result of the program
+    said: object  # result that the program computed or printed
     cycles: int | None
     seconds: float
 
@@ -72,7 +72,7 @@ def computed(simulator, done, folder):
 
 
 def measure(soc, program, board, read, repeats, folder):
-    """Returns the run of each simulator with the least processor time, and the number of instructions."""
+    """Returns for each simulator the run with the least processor time, and the number of instructions."""
     command = [soc, "run", program, "--board", ROOT / f"configs/boards/{board}.json", "--host-files", folder]
     ours, its = [], []
     for _ in range(repeats):

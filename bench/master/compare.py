@@ -27,7 +27,7 @@ import time
 
 STEP = 0.1
 SCENES = {
-    # Each entry is a name with the instances and the connections as (from, to).
+    # Each entry maps a name to the number of instances and to the connections as (from, to).
     "one FMU": (1, []),
     "chain of four": (4, [(0, 1), (1, 2), (2, 3)]),
     "ring of sixteen": (16, [(i, (i + 1) % 16) for i in range(16)]),
@@ -35,7 +35,7 @@ SCENES = {
 
 
 def processor_time():
-    """Returns the processor time of this process and its children, all threads together."""
+    """Returns the processor time of all threads of this process and its children."""
     return sum(usage.ru_utime + usage.ru_stime
                for usage in (resource.getrusage(resource.RUSAGE_SELF), resource.getrusage(resource.RUSAGE_CHILDREN)))
 
@@ -51,7 +51,7 @@ def timed(work):
 
 class Mebots:
     name = "mebots"
-    steps = 2_000_000  # for a single FMU in the long run; fewer for more FMUs
+    steps = 2_000_000  # steps for a single FMU in the long run; fewer for more FMUs
 
     def __init__(self, program, fmu):
         self.program, self.fmu = program, fmu

@@ -76,7 +76,7 @@ def status(pid):
 
 
 def below(pid):
-    """Returns the descendants of a process."""
+    """Yields the descendants of a process."""
     for file in pathlib.Path(f"/proc/{pid}/task").glob("*/children"):
         try:
             children = file.read_text().split()

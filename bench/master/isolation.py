@@ -17,11 +17,11 @@ import time
 
 KINDS = ("shared", "own", "sandboxed")
 SHORT = 2
-CALLS = 20_000  # approximate steps times instances of the long run
+CALLS = 20_000  # approximate product of steps and instances in the long run
 
 
 def run(program, config, folder):
-    """Returns processor and wall seconds."""
+    """Runs a config, and returns processor and wall seconds."""
     def used():
         usage = resource.getrusage(resource.RUSAGE_CHILDREN)
         return usage.ru_utime + usage.ru_stime

@@ -70,7 +70,7 @@ SystemDescription system_of(const Shape& shape, const std::filesystem::path& fmu
   return system;
 }
 
-/// Returns ns per instance and step for the calls that the master must make: set u, step, get y.
+/// Returns the nanoseconds per instance and step that the necessary calls take: set u, step, get y.
 double bare(const Shape& shape, Fmu& fmu, std::int64_t steps) {
   const auto& f = fmu.functions<Fmi2Functions>();
   fmi2CallbackFunctions callbacks{};
@@ -111,8 +111,8 @@ double by_master(const Shape& shape, const std::filesystem::path& fmu, FmuLibrar
   return time * 1e9 / static_cast<double>(steps * shape.instances);
 }
 
-/// Times of a call of fmi2GetReal [ns]: the bare call; the call with the check of the floating-point environment; and
-/// the call by the master, which also sets the instance for callbacks and checks the result.
+/// Contains the times of a call of fmi2GetReal [ns]: the bare call; the call with the check of the floating-point
+/// environment; and the call by the master, which also sets the instance for callbacks and checks the result.
 struct CallCosts {
   double bare, watched, by_master;
 };

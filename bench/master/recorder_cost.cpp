@@ -25,7 +25,7 @@ class Silent final : public MessageSink {
   void message(const mebots::Message& /*message*/) override {}
 };
 
-/// Five instances in a ring whose values never repeat.
+/// Simulates five instances in a ring, whose values never repeat.
 class Ring {
  public:
   Ring() {

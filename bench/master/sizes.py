@@ -102,7 +102,7 @@ SCENES = {
 
 
 def measured(program: str, config: pathlib.Path, limit: float) -> tuple[float, float, int]:
-    """Returns processor seconds, peak memory [MB] and exit code of one run."""
+    """Runs a config once. Returns processor seconds, peak memory [MB] and exit code."""
     out = config.parent / "out"
     command = ["/usr/bin/env", "timeout", str(limit), program, "run", str(config), "--out", str(out), "--quiet"]
     with open(config.parent / "log", "w") as log:

@@ -40,11 +40,11 @@ NAMESPACE = "http://opensimulationplatform.com/MSMI/OSPSystemStructure"
 
 
 class ExactTruck:
-    """The exact course of the positions of chassis and wheel. The ground rises at a given time."""
+    """Computes the exact positions of chassis and wheel over time. The ground rises at a given time."""
 
     def __init__(self, kerb_time):
         self.kerb_time = kerb_time
-        # States: chassis position and velocity, wheel position and velocity, each from its place at rest.
+        # The states are chassis position and velocity, and wheel position and velocity. Positions are relative to rest.
         a = numpy.array([[0, 1, 0, 0],
                          [-SPRING / MASS, -DAMPER / MASS, SPRING / MASS, DAMPER / MASS],
                          [0, 0, 0, 1],
@@ -63,7 +63,7 @@ def error_of(exact, times, chassis, wheel):
 
 
 class LibcosimTruck:
-    """A truck that consists of libcosim's FMUs. The ground rises at the start."""
+    """Describes a truck that consists of libcosim's FMUs. The ground rises at the start."""
 
     kerb_time = 0.0
     positions = ("chassis.position", "wheel.position")
@@ -78,7 +78,8 @@ class LibcosimTruck:
 
 
 class OwnTruck:
-    """The quarter truck of MEbots' FMUs. Positions are relative to the truck's position after the kerb."""
+    """Describes the quarter truck that consists of MEbots' FMUs. Positions are relative to the truck's position after
+    the kerb."""
 
     kerb_time = KERB_TIME
     positions = ("chassis.x", "wheel.x")
@@ -94,7 +95,7 @@ class OwnTruck:
 
 
 def held(fmu, target):
-    """Writes a copy of the FMU without time derivatives, like the FMUs of libcosim."""
+    """Writes a copy of the FMU without time derivatives, as libcosim's FMUs have none."""
     with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(target, "w") as copy:
         for name in source.namelist():
             content = source.read(name)
@@ -115,7 +116,7 @@ def config(truck, step, control=None, algorithm="jacobi"):
 
 
 def run(mebots, truck, *settings, **more):
-    """Returns the number of steps, repeated ones included, and the error."""
+    """Runs a truck. Returns the number of steps, including repeated ones, and the error."""
     exact = ExactTruck(truck.kerb_time)
     system = config(truck, *settings, **more)
     with tempfile.TemporaryDirectory() as name:
@@ -130,7 +131,8 @@ def run(mebots, truck, *settings, **more):
 
 
 def ecco(folder, tolerance):
-    """Returns the number of steps and the error of libcosim, with the settings of its example except the tolerances."""
+    """Runs libcosim with the settings of its example, except the tolerances. Returns the number of steps and the error.
+    """
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
     from libcosimpy.CosimObserver import CosimObserver
@@ -180,7 +182,7 @@ def measure_truck(mebots, truck, rollback, add):
 
 
 def measure(mebots, folder, fmu):
-    """Returns {truck: {kind of step: [(setting, steps, error)]}}."""
+    """Measures all trucks and kinds of steps. Returns {truck: {kind of step: [(setting, steps, error)]}}."""
     trucks = {}
 
     def adder(truck, suffix=""):

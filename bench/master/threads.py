@@ -26,7 +26,7 @@ def ring(fmu, count, work, steps):
 
 
 def run(mebots, config, threads, folder):
-    """Returns seconds of stepping, and the hash of the results."""
+    """Runs a config. Returns the seconds of stepping, and the hash of the results."""
     file = folder / "config.json"
     file.write_text(json.dumps(config | {"threads": threads}))
     out = folder / "out"
@@ -36,10 +36,10 @@ def run(mebots, config, threads, folder):
 
 
 def absolute(config, file):
-    """Returns the config with absolute paths."""
+    """Returns the config with absolute paths of its FMUs."""
     for instance in config["instances"].values():
         path = (file.parent / instance["fmu"]).resolve()
-        if path.is_file():  # not a name
+        if path.is_file():  # otherwise it is a name
             instance["fmu"] = str(path)
     return config
 

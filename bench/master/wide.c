@@ -7,7 +7,7 @@
 #include <string.h>
 
 typedef struct {
-  double values[3 * COUNT];  // inputs, outputs, parameters
+  double values[3 * COUNT];  // inputs, then outputs, then parameters
 } Instance;
 
 FMI2_EXPORT const char* fmi2GetTypesPlatform(void) {

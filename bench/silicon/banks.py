@@ -30,13 +30,12 @@ import gvsoc  # noqa: E402
 BANKS = 16
 MOST_CORES = 8
 LOADS = (16, 64, 256, 1024, 4096)
-DELAYS = (0, 13, 27, 38, 51, 77)  # cycles before each run
+DELAYS = (0, 13, 27, 38, 51, 77)  # cycles of delay before each run
 
 
 def any_bank(seed):
-    """Returns instructions that load from random banks, mixed with other instructions. Each core accesses the words
-    five after those of the previous core.
-    """
+    """Returns instructions that load from random banks, mixed with other instructions. Each core accesses words whose
+    index is greater by five than for the previous core."""
     pick = random.Random(seed)
     body = [pick.randrange(BANKS) for _ in range(16)] + [None] * 16
     pick.shuffle(body)
@@ -47,15 +46,15 @@ def any_bank(seed):
 # or None for another instruction. The second is the distance in words between the words that the same load reads in two
 # consecutive cores.
 FORMS = {
-    "one_bank": ([0] * 16, 0),                   # in every cycle
-    "straight": ([0] * 256, 0),                  # the same, without the end of a loop: blocks of 64 instructions
-    "every_second": ([0, None] * 8, 0),          # cores with even and odd numbers can share it without waiting
+    "one_bank": ([0] * 16, 0),                   # loads one bank in every cycle
+    "straight": ([0] * 256, 0),                  # does the same without the end of a loop, in blocks of 64 instructions
+    "every_second": ([0, None] * 8, 0),          # cores with even and odd numbers can share the bank without waiting
     "any_bank": any_bank(1),
 }
 
 
 def expected(form, cores, loads):
-    """Returns the cycles of each core by the RTL's rule, if all start in the same cycle."""
+    """Returns the cycles that each core needs by the RTL's rule, if all cores start in the same cycle."""
     body, step = FORMS[form]
     program = body * turns_of(form, loads)
     at = [0] * cores
@@ -83,7 +82,7 @@ def expected(form, cores, loads):
 
 
 def turns_of(form, loads):
-    """Returns the number of iterations of the loop, or None if it is not a whole number."""
+    """Returns the number of iterations of the loop for `loads` loads, or None if it is not a whole number."""
     in_body = sum(word is not None for word in FORMS[form][0])
     return loads // in_body if loads % in_body == 0 else None
 
@@ -146,12 +145,12 @@ def assembled(folder, cases, delay=0):
 
 
 def deviation(here, rtl):
-    """Returns (mean deviation of a core, deviation of the last core)."""
+    """Returns the mean relative deviation of a core's cycles, and the deviation of the last core."""
     return sum(abs(ours / its - 1) for ours, its in zip(here, rtl)) / len(rtl), max(here) / max(rtl) - 1
 
 
 def print_quanta(soc, folder, cases, quanta):
-    off = {}  # (quantum, case) -> deviations
+    off = {}  # maps (quantum, case) to deviations
     rtl = {case: expected(*case) for case in cases}
     for delay in DELAYS:
         assembled(folder, cases, delay)

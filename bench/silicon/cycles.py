@@ -37,7 +37,7 @@ def compiled(runs, folder):
 
 
 def rows_of(simulator, done, folder, rows):
-    """Returns cycles and output sum of each row of a finished program, and its processor time."""
+    """Returns the cycles and the output sum of each row of a finished program, and its processor time."""
     words = gvsoc.words_left_by(simulator, done, folder)
     if len(words) != 2 * rows:
         raise SystemExit(f"{simulator}: {len(words)} words measured, two for each of {rows} rows in cycles.json are wanted")
@@ -45,7 +45,7 @@ def rows_of(simulator, done, folder, rows):
 
 
 def measured(soc, data, with_gvsoc):
-    """Returns rows and processor time of each simulator."""
+    """Returns the rows and the processor time of each simulator."""
     with tempfile.TemporaryDirectory() as name:
         out = pathlib.Path(name)
         program = compiled(data["runs"], out)

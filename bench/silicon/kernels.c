@@ -3,7 +3,7 @@
 
 #include "runtime/xpulp.h"
 
-// Converts a sum to a byte.
+// Number of bits by which a sum is shifted to convert it to a byte.
 #define SHIFT 7
 
 static int8_t narrow(int32_t sum) {
@@ -11,13 +11,13 @@ static int8_t narrow(int32_t sum) {
   return (int8_t)(value > 127 ? 127 : value < -128 ? -128 : value);
 }
 
-// Returns the first of the `count` rows that belong to a core.
+// Returns the index of the core's first row; `count` rows are divided between the cores.
 static unsigned first_of(unsigned count, const job_t* job, unsigned core) {
   return count * core / job->cores;
 }
 
 void convolution_plain(const job_t* shared, unsigned core) {
-  const job_t job = *shared;  // it lies in L2
+  const job_t job = *shared;  // copies the job, which is in L2
   const unsigned end = first_of(kOut, &job, core + 1);
   for (unsigned y = first_of(kOut, &job, core); y < end; ++y) {
     for (unsigned x = 0; x < kOut; ++x) {
@@ -48,7 +48,7 @@ void convolution_plain(const job_t* shared, unsigned core) {
 // clang-format on
 
 void convolution_scalar(const job_t* shared, unsigned core) {
-  const job_t job = *shared;  // it lies in L2
+  const job_t job = *shared;  // copies the job, which is in L2
   const unsigned end = first_of(kOut, &job, core + 1);
   for (unsigned y = first_of(kOut, &job, core); y < end; ++y) {
     int8_t* out = job.out + y * kOut;
@@ -67,14 +67,14 @@ void convolution_scalar(const job_t* shared, unsigned core) {
 
 // Moves along a column: four words and four bytes are kept in registers, and each step loads one word and one byte.
 void convolution_vector(const job_t* shared, unsigned core) {
-  const job_t job = *shared;  // it lies in L2
+  const job_t job = *shared;  // copies the job, which is in L2
   const unsigned begin = first_of(kOut, &job, core);
   const unsigned end = first_of(kOut, &job, core + 1);
   const xpulp_word* const w = (const xpulp_word*)job.weights;
-  const uint32_t w0 = w[0], w1 = w[1], w2 = w[2], w3 = w[3], w4 = w[4];  // four columns of each row
-  const uint32_t w_last = w[5];                                          // the fifth column, rows 0 to 3
+  const uint32_t w0 = w[0], w1 = w[1], w2 = w[2], w3 = w[3], w4 = w[4];  // words of four columns for each row
+  const uint32_t w_last = w[5];                                          // bytes of the fifth column for rows 0 to 3
   const int32_t w_corner = job.weights[24];
-  const uint32_t next_byte = 0x04030201;  // shuffle2: bytes 1 to 3, and the low one of the other
+  const uint32_t next_byte = 0x04030201;  // shuffle2: bytes 1 to 3 of one word, and the low byte of the other
   for (unsigned x = 0; x < kOut; ++x) {
     const int8_t* p = job.pixels + begin * kWidth + x;
     const int8_t* q = p + 4;
@@ -115,7 +115,7 @@ void convolution_vector(const job_t* shared, unsigned core) {
 // clang-format on
 
 void linear_plain(const job_t* shared, unsigned core) {
-  const job_t job = *shared;  // it lies in L2
+  const job_t job = *shared;  // copies the job, which is in L2
   const unsigned end = first_of(kOutputs, &job, core + 1);
   for (unsigned output = first_of(kOutputs, &job, core); output < end; ++output) {
     int32_t sum = 0;
@@ -146,7 +146,7 @@ LINEAR(linear_scalar, XPULP_LB_POST, XPULP_MAC, 1)
 LINEAR(linear_vector, XPULP_LW_POST, XPULP_SDOTSP_B, 4)
 
 void pool_plain(const job_t* shared, unsigned core) {
-  const job_t job = *shared;  // it lies in L2
+  const job_t job = *shared;  // copies the job, which is in L2
   const unsigned end = first_of(kPooled, &job, core + 1);
   for (unsigned y = first_of(kPooled, &job, core); y < end; ++y) {
     for (unsigned x = 0; x < kPooled; ++x) {
@@ -159,7 +159,7 @@ void pool_plain(const job_t* shared, unsigned core) {
 }
 
 void pool_scalar(const job_t* shared, unsigned core) {
-  const job_t job = *shared;  // it lies in L2
+  const job_t job = *shared;  // copies the job, which is in L2
   const unsigned end = first_of(kPooled, &job, core + 1);
   for (unsigned y = first_of(kPooled, &job, core); y < end; ++y) {
     const int8_t* top = job.pixels + 2 * y * kPixels;
@@ -175,7 +175,7 @@ void pool_scalar(const job_t* shared, unsigned core) {
 }
 
 void pool_vector(const job_t* shared, unsigned core) {
-  const job_t job = *shared;  // it lies in L2
+  const job_t job = *shared;  // copies the job, which is in L2
   const unsigned end = first_of(kPooled, &job, core + 1);
   for (unsigned y = first_of(kPooled, &job, core); y < end; ++y) {
     const int8_t* top = job.pixels + 2 * y * kPixels;
@@ -224,7 +224,7 @@ static unsigned bit_of(const int8_t* bits, unsigned at) {
 
 // Computes for each window the number of bits that equal the filter's bits.
 void xnor_plain(const job_t* shared, unsigned core) {
-  const job_t job = *shared;  // it lies in L2
+  const job_t job = *shared;  // copies the job, which is in L2
   const unsigned end = first_of(kOut, &job, core + 1);
   for (unsigned y = first_of(kOut, &job, core); y < end; ++y) {
     for (unsigned x = 0; x < kOut; ++x) {
@@ -239,7 +239,7 @@ void xnor_plain(const job_t* shared, unsigned core) {
   }
 }
 
-// Returns six bits, beginning at a bit address.
+// Returns six bits, starting at the bit address `at`.
 static uint32_t six_bits(const int8_t* bits, unsigned at) {
   const xpulp_half half = *(const xpulp_half*)(bits + at / 8);
   return (uint32_t)half >> at % 8 & 63;
@@ -247,7 +247,7 @@ static uint32_t six_bits(const int8_t* bits, unsigned at) {
 
 // Moves along two columns at the same time. A word contains five rows of six bits; each step loads one row.
 void xnor_scalar(const job_t* shared, unsigned core) {
-  const job_t job = *shared;  // it lies in L2
+  const job_t job = *shared;  // copies the job, which is in L2
   const unsigned end = first_of(kOut / 2, &job, core + 1);
   uint32_t filter = 0;
   for (unsigned i = 0; i < kTaps; ++i) filter |= bit_of(job.weights, i) << (i / 5 * 6 + i % 5);

@@ -8,19 +8,19 @@
 
 #include <stdint.h>
 
-enum { kWidth = 100, kOut = kWidth - 4 };       // width and height of convolutions
-enum { kPixels = 112, kPooled = kPixels / 2 };  // width and height of pools
+enum { kWidth = 100, kOut = kWidth - 4 };       // width and height of the pictures of convolutions
+enum { kPixels = 112, kPooled = kPixels / 2 };  // width and height of the pictures of pools
 enum { kInputs = 1024, kOutputs = 16, kTaps = 25 };
 
 typedef struct {
   const int8_t* pixels;  // kWidth x kWidth, kPixels x kPixels or kInputs; of the xnor convolution, kWidth x kWidth bits
   const int8_t* weights;  // 28 of the convolution (kTaps, and three zeros), kTaps bits, or kOutputs x kInputs
-  int32_t* sums;          // kOutputs
-  int8_t* out;            // kOut x kOut, or kPooled x kPooled
+  int32_t* sums;          // kOutputs sums
+  int8_t* out;            // kOut x kOut or kPooled x kPooled bytes
   unsigned cores;
 } job_t;
 
-// Computes the share of core `core` among `job->cores` cores.
+// Computes the part of the job that belongs to core number `core` of `job->cores` cores.
 typedef void (*kernel_t)(const job_t* job, unsigned core);
 
 void convolution_plain(const job_t* job, unsigned core);

@@ -17,7 +17,7 @@ namespace {
 
 using namespace mebots::soc;
 
-/// The state of the chip when the program prints a line.
+/// Contains the state of the chip when the program prints a line.
 struct Mark {
   std::string line;
   Picoseconds time = 0;

@@ -42,7 +42,7 @@ static void run(void* argument) {
   }
 }
 
-// The hash of all results, so that the forms of a kernel can be compared.
+// Hash of all results, with which the forms of a kernel are compared.
 static uint32_t checksum;
 static void add_up(void* argument) {
   (void)argument;
@@ -63,7 +63,7 @@ static void measure(const char* name, kernel_t kernel, const int8_t* its_weights
   work.kernel = kernel;
   cluster_fork(wipe, 1, 0);
   cluster_wait();
-  work.repeats = 1;  // fills the instruction cache
+  work.repeats = 1;  // the first run fills the instruction cache
   cluster_fork(run, cores, 0);
   cluster_wait();
   work.repeats = repeats;

@@ -19,8 +19,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 HERE = pathlib.Path(__file__).parent
 MODELS = ("gap8", "gap8_silicon")
 TOP = (1.2, 250, 175)
-CAMERA_W = 1.75e-3 * 2.8  # configs/boards/gap8.json, camera
-# A longer run of the same program, so that one-time costs cancel.
+CAMERA_W = 1.75e-3 * 2.8  # power of the camera in configs/boards/gap8.json
+# Repeats each program few and many times, so that one-time costs cancel in the difference.
 FEW, MANY = 2, 6
 
 
@@ -50,7 +50,7 @@ def joules(phase):
 
 
 class Model:
-    """The chip with one set of energies. Measures phases by name and point when they are first used."""
+    """Measures a chip that has one set of energies. Each phase is measured when it is first used."""
 
     def __init__(self, build, name):
         self.build, self.name, self.at = build, name, {}
@@ -77,7 +77,7 @@ class Model:
 
 
 def of_dronet(build, model, folder):
-    """Returns the energy per picture and the mean power of the board at 100 MHz."""
+    """Returns the energy per picture and the mean power of the board with PULP-Dronet at 100 MHz."""
     dronet = folder / "pulp-dronet/pulp-dronet-v1"
     frames = sorted((folder / "Himax_Dataset/test_2").glob("frame_2[2-9].pgm"))
     found = []
@@ -100,7 +100,7 @@ def of_dronet(build, model, folder):
 
 
 def figure(model, point, rail_v, dronet):
-    """Returns the model's value in the point's unit; None if it has none."""
+    """Returns the model's value for a published point, in the point's unit; None if the model has no such value."""
     kind = point.get("figure")
     extra_w = CAMERA_W if "camera" in point.get("plus", ()) else 0
     if kind in ("power", "leakage"):
@@ -180,7 +180,7 @@ def calibrate(model, points, rail_v):
            core: "with eight cores in a scalar convolution"}
     energy = {key: value for key, value in chip["energy"].items()}
     path = ROOT / "fmu_soc/params/gap8_silicon.json"
-    checks = json.loads(path.read_text())["checks"]  # to be checked again after the next build
+    checks = json.loads(path.read_text())["checks"]  # the checks must be repeated after the next build
     for key, factor in rules.items():
         energy[key] = scaled(energy[key], factor, say.format(factor, why[factor], energy[key]["source"]))
     text = json.dumps({"name": "gap8_silicon",

@@ -7,7 +7,7 @@ functions are equal. Equal sizes give equal programs.
 
 import random
 
-FUNCTION_BYTES = 193  # of one function and its call, compiled with -O1 for rv32imc; measured
+FUNCTION_BYTES = 193  # measured size of one function and its call, compiled with -O1 for rv32imc
 
 
 def expression(chance):

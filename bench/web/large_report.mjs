@@ -11,7 +11,8 @@ const BRUSHES = 20;
 
 const median = (values) => [...values].sort((a, b) => a - b)[Math.floor(values.length / 2)];
 
-/** Moves a brush in steps. Returns the times of frames, and of all panels after each step [ms]. */
+/** Moves a brush in steps. Returns the duration of the frames, and the time until all panels are drawn after each
+ * step [ms]. */
 async function follow(page) {
   return page.evaluate(async (steps) => {
     const { selection } = window.mebots;

@@ -11,7 +11,7 @@ INCLUDE = ("src/modules/interface", "src/modules/interface/controller", "src/mod
 
 
 def compiled(checkout, folder, caller, sources):
-    """Compiles `caller` of this folder with `sources` below the checkout's src."""
+    """Compiles the file `caller` of this folder together with `sources`, which are below the checkout's src."""
     (folder / "autoconf.h").write_text("#define CONFIG_PLATFORM_CF2 1\n")
     library = folder / f"{caller}.so"
     checkout = checkout.resolve()

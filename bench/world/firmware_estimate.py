@@ -31,7 +31,7 @@ ROWS = {"level position [m]": [0, 1], "height [m]": [2], "velocity [m/s]": [3, 4
 
 
 def wish(t):
-    """Returns the mode, the forward velocity and the yaw rate that the drone gets at a time."""
+    """Returns the mode, the forward velocity and the yaw rate that the drone is commanded at a time."""
     if t < 5.0:
         return 1, 0.0, 0.0
     return 2, 0.6 if 6.0 < t < 14.0 or 22.0 < t < 30.0 else 0.0, 0.5 if 16.0 < t < 20.0 else 0.0
@@ -59,7 +59,7 @@ class World:
         return self.slave.getReal([self.at[n] for n in names])
 
     def step(self, k):
-        """Sets inputs, steps, and advances the rotors. Returns the mode of the step."""
+        """Performs step number k: sets the inputs, steps the FMU, and advances the rotors. Returns the mode."""
         mode, forward, yaw_rate = wish(k * STEP)
         command = np.array(self.real([f"rotor[{i}].command" for i in (1, 2, 3, 4)]))
         self.slave.setReal([self.at[f"rotor[{i}].{what}"] for what in ("thrust", "torque") for i in (1, 2, 3, 4)],

@@ -12,7 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-// Called by the firmware if one of its assertions fails.
+// The firmware calls this function if one of its assertions fails.
 void assertFail(char* what, char* file, int line) {
   fprintf(stderr, "%s:%d: %s\n", file, line, what);
   abort();

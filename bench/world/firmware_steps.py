@@ -77,7 +77,7 @@ def fly(archive, unpacked, drone, goal, seconds, lag, controller, library=None):
     """Returns the state at each step, beginning with the change of the goal."""
     fmu = Fmu(archive, unpacked, controller)
     own = None
-    if library:  # a copy per flight, because the controller's state is in global variables
+    if library:  # loads a copy for each flight, because the controller's state is in global variables
         with tempfile.NamedTemporaryFile(suffix=".so") as copy:
             shutil.copy(library, copy.name)
             own = ctypes.CDLL(copy.name)
@@ -88,7 +88,7 @@ def fly(archive, unpacked, drone, goal, seconds, lag, controller, library=None):
     share = -np.expm1(-STEP / lag)
     rows = []
     start = round(SETTLED / STEP)
-    heard = HOVER  # inputs set for a step take effect at its end
+    heard = HOVER  # inputs that are set for a step take effect at its end
     for k in range(start + round(seconds / STEP) + 1):
         wanted = HOVER | (goal if k >= start else {})
         state = fmu.read(STATE)
@@ -108,7 +108,7 @@ def fly(archive, unpacked, drone, goal, seconds, lag, controller, library=None):
 
 
 def judged(values, begin, end):
-    """Returns rise from 10 to 90 %, overshoot, and the time after which the response stays within 5 %."""
+    """Returns the rise time from 10 to 90 %, the overshoot, and the time after which the response stays within 5 %."""
     share = (values - begin) / (end - begin)
     above = [np.argmax(share >= level) if (share >= level).any() else None for level in (0.1, 0.9)]
     rise = (above[1] - above[0]) * STEP if None not in above else np.nan

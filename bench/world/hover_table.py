@@ -24,15 +24,15 @@ from figure_style import plt  # noqa: E402
 
 CELLS = ("bitcraze_250_flights", "ufx_250_scaled", "cyclone_300_scaled", "lipol_350_scaled")
 PAYLOADS_G = (0, 5, 10, 15)
-BARE_KG = 0.0199  # of configs/hover.json
+BARE_KG = 0.0199  # mass of the drone in configs/hover.json
 CELL, MASS = "battery.cell.name", "world.drone.dry_mass"
 
 
-DRAWS = {"draws": {"replicates": 19}, "uncertainty": "calibration"}  # of a study
+DRAWS = {"draws": {"replicates": 19}, "uncertainty": "calibration"}  # members of a study
 
 
 def flown(folder, jobs, cells=CELLS, **sections):
-    """Returns {(cell, payload): [(seconds, outcome)]}."""
+    """Runs the study. Returns {(cell, payload): [(seconds, outcome)]}."""
     masses = {round(BARE_KG + payload / 1000, 4): payload for payload in PAYLOADS_G}
     study = {
         "mission": str(ROOT / "configs/hover.json"),

@@ -32,7 +32,7 @@ double resident_mib() {
   return static_cast<double>(resident * sysconf(_SC_PAGESIZE)) / (1024.0 * 1024.0);
 }
 
-/// Returns the processor time of one core, on which other load of the machine has little influence.
+/// Returns the processor time of this process, on which other load of the machine has little influence.
 double processor_s() {
   timespec time{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);

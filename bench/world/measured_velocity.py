@@ -45,7 +45,7 @@ def measured(path, least_height):
 
 
 def flown(archive, unpacked, times, asked, lag):
-    """Returns positions at the times, for a drone with the same requested velocities, by linear interpolation
+    """Simulates a drone with the same requested velocities. Returns its positions at the times, by linear interpolation
     between rows."""
     drone = json.loads((Path(unpacked) / "resources/drones/crazyflie.json").read_text())
     curve = drone["thrust_curve"]
@@ -70,7 +70,8 @@ def flown(archive, unpacked, times, asked, lag):
 
 
 def delay(times, asked, place):
-    """Returns the delay of the velocity relative to the requested one: the shift with the least squares."""
+    """Returns the delay between the requested velocity and the velocity. It is the shift with the least sum of squares.
+    """
     speed = np.gradient(place, times)
     shifts = np.arange(0.0, LONGEST_DELAY, 0.01)
     inner = times > shifts[-1]

@@ -18,7 +18,7 @@ from pathlib import Path
 WORLD = Path(__file__).resolve().parents[2] / "fmu_world/params"
 SHIPPED = ("empty", "gate_easy", "gate_edge", "warehouse", "forest")
 COUNTS = (0, 10, 30, 100, 300, 1000, 3000)
-CLEAR_M = 1.0  # around the camera
+CLEAR_M = 1.0  # free space around the camera
 
 
 def fastest_ms(camera, scene, repeat):
@@ -36,7 +36,7 @@ def place(draw):
 
 
 def field_of(count):
-    """Returns a scene with `count` objects."""
+    """Returns a scene that contains `count` objects."""
     draw = random.Random(1)
     scene = json.loads((WORLD / "scenes/empty.json").read_text())
     scene["drone"] = str(WORLD / "drones/crazyflie.json")

@@ -16,7 +16,7 @@ static inline uint32_t event(void) {
   value = *(volatile uint32_t*)0x0c000004;
 #elif EVENT == 2
   __asm__ volatile("csrr %0, mcycle" : "=r"(value));
-  value = 0;  // cycles differ between simulators
+  value = 0;  // omits the cycles from the checksum, because they differ between simulators
 #elif EVENT == 3
   __asm__ volatile(".option push\n.option norvc\necall\n.option pop" ::: "t0");
 #endif

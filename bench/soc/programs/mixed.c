@@ -52,7 +52,7 @@ static int by_data(const struct node* x, const struct node* y) {
   return (x->data & 0xff) - (y->data & 0xff);
 }
 
-/// Bottom-up merge sort.
+/// Sorts the list by bottom-up merge sort.
 static __attribute__((noinline)) struct node* sort(struct node* list,
                                                    int (*order)(const struct node*, const struct node*)) {
   for (int width = 1;; width *= 2) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The functions of CMSIS-DSP that the firmware's Kalman filter calls, in plain C. So a checkout without submodules
- * is enough. */
+/* Contains the functions of CMSIS-DSP that the firmware's Kalman filter calls, in plain C. Therefore a checkout
+ * without submodules is sufficient. */
 #pragma once
 
 #include <math.h>

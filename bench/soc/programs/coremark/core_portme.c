@@ -11,7 +11,8 @@ int coremark_failed = 1;
 
 void start_time(void) {}
 void stop_time(void) {}
-// Returns a constant, because only the simulator's time is measured. It satisfies CoreMark's minimum of ten seconds.
+// Returns a constant, because only the simulator's processor time is measured. The constant satisfies CoreMark's
+// minimum of ten seconds.
 CORE_TICKS get_time(void) {
   return 20;
 }
