@@ -10,7 +10,7 @@
 static uint32_t random_state = 1;
 static uint64_t checksum = 0xcbf29ce484222325U;
 
-// A number from -size to size. All steps are exact in float.
+// Returns a random number from -size to size. All steps are exact in float.
 static float number(float size) {
   random_state = 1664525U * random_state + 1013904223U;
   return size * ((float)(int32_t)(random_state >> 8) / 8388608.0F - 1.0F);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "crazyflie.h"
 
-#include "math3d.h"  // controller_lee.h needs it
+#include "math3d.h"  // necessary for controller_lee.h
 
 #include "controller_brescianini.h"
 #include "controller_lee.h"

@@ -26,7 +26,7 @@ def run(*command, **options):
 
 
 class MEbots:
-    """Paths in a build folder, or in an installation."""
+    """Contains the paths of programs and files in a build folder, or in an installation."""
 
     def __init__(self, folder):
         folder = folder.resolve()
@@ -47,7 +47,7 @@ def checksum(text):
 
 
 def compare(mebots, build, name, math):
-    """Returns the checksums on the host and on the chip, and the chip's cycles."""
+    """Runs a controller on host and chip. Returns both checksums, and the chip's cycles."""
     report = build / "report.json"
     host = checksum(run(build / f"checksum_{name}_{math}"))
     chip = checksum(run(mebots.programs / "mebots-soc", "run", build / f"firmware/checksum_{name}_{math}.elf", "--board",

@@ -17,7 +17,7 @@ static double sine(double x) {
   return sum;
 }
 
-// Halves the angle three times, so that the series converges.
+// Halves the angle three times, so that the series converges fast.
 static double arc_tangent(double x) {
   for (int i = 0; i < 3; ++i) x = x / (1.0 + sqrt(1.0 + x * x));
   double power = x;
@@ -50,7 +50,7 @@ float asinf(float x) {
 float acosf(float x) {
   return (float)arc_tangent_of(sqrt(1.0 - (double)x * x), x);
 }
-// Computes squares, which are all that the controllers need. For other exponents, returns NaN.
+// Computes squares; the controllers need no other powers. For other exponents, returns NaN.
 float powf(float x, float y) {
   return y == 2.0F ? x * x : NAN;
 }

@@ -12,10 +12,10 @@ int main(int argc, char** argv) {
   }
   try {
     mebots::Mission mission(argv[1]);
-    mission.set("soc.core.clock", 150e6);  // [Hz], in place of the config's
+    mission.set("soc.core.clock", 150e6);  // [Hz], replaces the value in the config
     mission.record({"battery.cell.voltage"});
     mission.run_until(2.0);
-    mission.write("battery.auxiliary.power", 0.5);  // [W], a lamp
+    mission.write("battery.auxiliary.power", 0.5);  // power of a lamp [W]
     mission.run();
 
     const auto voltage = mission.series("battery.cell.voltage");

@@ -12,13 +12,13 @@ import mebots
 
 def main():
     mission = mebots.Mission(sys.argv[1])
-    mission.set("soc.core.clock", 150e6)  # [Hz], in place of the config's
+    mission.set("soc.core.clock", 150e6)  # [Hz], replaces the value in the config
     mission.record(["battery.cell.*", "world.drone.position.*"])
     mission.run_until(2.0)
-    mission.write("battery.auxiliary.power", 0.5)  # [W], a lamp
+    mission.write("battery.auxiliary.power", 0.5)  # power of a lamp [W]
     mission.run()
 
-    voltage = mission["battery.cell.voltage"]  # a NumPy array, one value per entry of mission.times
+    voltage = mission["battery.cell.voltage"]  # a NumPy array with one value per entry of mission.times
     print(f"outcome: {mission.outcome} after {mission.time:.3f} s ({mission.end_text})")
     print(f"lowest cell voltage: {voltage.min():.3f} {mission.unit('battery.cell.voltage')}"
           f" at {mission.times[voltage.argmin()]:.3f} s")

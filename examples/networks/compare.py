@@ -15,13 +15,14 @@ import sys
 HERE = pathlib.Path(__file__).resolve().parent
 CONFIGS = HERE.parents[1] / "configs"
 NETWORKS = ("sight", "sight_three_quarters", "sight_half")
-# The parameters that the sight firmware needs in each mission, and the ranges of the random starts. Both are those of examples/paper/sight.
+# Maps a mission to the parameters that the sight firmware needs in it, and to the ranges of the random starts. Both are
+# those of examples/paper/sight.
 MISSIONS = {
     "gate_easy": (
         {"soc.firmware": ["sight"], "soc.mission.policy": ["adaptive"], "soc.mission.yaw_rate_scale": [0.8], "soc.mission.frame_period": [0.033]},
         {"world.start.offset.x": 0.5, "world.start.offset.y": 0.5, "world.start.yaw_offset": 0.3},
     ),
-    # A flight without success may search until this time. A successful flight takes 35 s.
+    # An unsuccessful flight ends at this time. A successful flight takes 35 s.
     "gate_hard": ({"/stop_time": [90]}, {"world.start.offset.x": 0.3, "world.start.offset.y": 0.1, "world.start.yaw_offset": 0.02}),
 }
 OBJECTIVES = {
@@ -50,7 +51,7 @@ def study(mission, folder, flights):
 
 
 def rows_of(mission, results):
-    """Returns a row of the table for each network, from the missions of a study."""
+    """Returns a row of the table for each network, computed from the missions of a study."""
     with open(results / "missions.csv", newline="", encoding="utf-8") as file:
         missions = list(csv.DictReader(file))
     for network in dict.fromkeys(one["soc.network"] for one in missions):

@@ -17,12 +17,12 @@ from mebots.deploy.deployed import Options
 from mebots.deploy.lowering import lower
 from mebots.deploy.pictures import Crop
 
-CROP = Crop(62, 44)  # 200 x 200 at the middle of the bottom, as PULP-DroNet's firmware
+CROP = Crop(62, 44)  # 200 x 200 pixels in the middle of the lower edge, as in PULP-DroNet's firmware
 REPETITIONS = 10_000
 
 
 def read_labels(folder):
-    """Returns the collision label of each picture, by path."""
+    """Returns the collision label of each picture, by the picture's path."""
     labels = {}
     for file in folder.rglob("labels.txt"):
         frames = sorted(file.parent.glob("frame_*.pgm"), key=lambda one: int(one.stem.split("_")[1]))
@@ -35,7 +35,7 @@ def read_labels(folder):
 
 
 def interval(values, random):
-    """Returns the 95 % interval of a mean, by resampling pictures."""
+    """Returns the 95 % confidence interval of a mean, computed by resampling pictures."""
     chosen = random.integers(0, len(values), (REPETITIONS, len(values)))
     return np.percentile(values[chosen].mean(axis=1), [2.5, 97.5])
 

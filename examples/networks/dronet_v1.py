@@ -14,7 +14,7 @@ import numpy as np
 import onnx
 from onnx import TensorProto, helper, numpy_helper
 
-SAME, HALF = (1, 1), (1, 0)  # pads at the begin and at the end of rows and columns
+SAME, HALF = (1, 1), (1, 0)  # padding at the begin and at the end of rows and columns
 
 
 class Writer:

@@ -26,7 +26,7 @@ WIDE = (8, 8, 8, 16, 16, 32, 32)
 NARROWER = {"sight_three_quarters": (6, 6, 6, 12, 12, 24, 24), "sight_half": (4, 4, 4, 8, 8, 16, 16)}
 OUTPUTS = 4
 PICTURES = 500
-SAMPLES = 20_000  # places in all pictures from which a layer is fitted
+SAMPLES = 20_000  # number of places in all pictures to which a layer is fitted
 CHUNK = 50
 ROUNDS = 4
 RIDGE = 1e-4
@@ -34,18 +34,19 @@ PRIOR = 1e-2
 
 
 def shapes(channels):
-    """Returns the shapes of the weights: output, row, column, input."""
+    """Returns the shapes of the weights of each layer: output, row, column, input."""
     kernels = (5, 3, 3, 3, 3, 3, 3, 6)
     return [(out, kernel, kernel, into) for out, kernel, into in zip((*channels, OUTPUTS), kernels, (1, *channels), strict=True)]
 
 
 def in_float(layers):
-    """Returns (weights, biases) of each layer in counts of its output."""
+    """Returns the (weights, biases) of each layer in float, in counts of the layer's output."""
     return [(w.astype(np.float32) * 2.0 ** -s.astype(np.float32)[:, None, None, None], b * 2.0 ** -s.astype(np.float32)) for w, b, s in layers]
 
 
 def in_integers(layers):
-    """Returns weights, biases and shifts. Each shift is the greatest with which the weights fit into a byte."""
+    """Converts layers to integer weights, biases and shifts. Each shift is the greatest with which the weights fit into
+    a byte."""
     result = []
     for weights, biases in layers:
         largest = np.abs(weights).max(axis=(1, 2, 3)).clip(1e-6)
@@ -57,7 +58,7 @@ def in_integers(layers):
 
 def windows(values, kernel, stride):
     """Converts an array (pictures, rows, columns, channels) to its windows (pictures, rows, columns, window)."""
-    border = kernel // 2 if kernel < 6 else 0  # the last layer sees all of its input
+    border = kernel // 2 if kernel < 6 else 0  # the last layer's kernel covers its whole input, without a border
     padded = np.pad(values, ((0, 0), (border, border), (border, border), (0, 0)))
     seen = np.lib.stride_tricks.sliding_window_view(padded, (kernel, kernel), axis=(1, 2))[:, ::stride, ::stride]
     return seen.transpose(0, 1, 2, 4, 5, 3).reshape(*seen.shape[:3], -1)
@@ -80,7 +81,7 @@ def limited(number, values):
 
 
 def next_values(number, layer, values):
-    """Returns the limited values of layer `number` of all pictures."""
+    """Returns the limited values of layer `number` for all pictures."""
     parts = [values[begin : begin + CHUNK] for begin in range(0, len(values), CHUNK)]
     return np.concatenate([limited(number, sums(number, layer, part)) for part in parts])
 
@@ -90,7 +91,7 @@ def pictures_of(pixels):
 
 
 def drawn(values, number, kernel, random):
-    """Returns windows of layer `number` at random places, and these places."""
+    """Returns windows of layer `number` at random places, and the indices of these places."""
     stride = STRIDES[number] if number < len(STRIDES) else 1
     seen = windows(values, kernel, stride)
     places = random.integers(0, np.prod(seen.shape[:3]), min(SAMPLES, np.prod(seen.shape[:3])))
@@ -104,10 +105,10 @@ def solved(gram, product, prior=0.0, ridge=RIDGE):
 
 
 def chosen(seen, weights, keep):
-    """Returns the channels of the input to keep. Removes one channel after the other: in each round, the channel
-    without which the fit of the layer is best."""
+    """Returns the channels of the input that are kept. Removes one channel after the other. In each round, this is the
+    channel whose removal least impairs the fit of the layer."""
     outputs, window, channels = len(weights), weights.shape[1] * weights.shape[2], weights.shape[3]
-    if window > 9:  # too many unknowns for a fit: the channels with the greatest part of the sums
+    if window > 9:  # too many unknowns for a fit, so keeps the channels that contribute most to the sums
         part = weights.reshape(outputs, window, channels) ** 2 * seen.var(axis=0).reshape(window, channels)
         return sorted(np.argsort(part.sum(axis=(0, 1)))[-keep:].tolist())
     wanted = seen @ weights.reshape(outputs, -1).T
@@ -125,7 +126,7 @@ def chosen(seen, weights, keep):
 
 
 def fitted(seen, wanted, weights, limits):
-    """Fits weights and biases, beginning with `weights`. A value beyond a limit counts as the limit. Such a value is an
+    """Fits weights and biases, starting from `weights`. A value beyond a limit counts as the limit. Such a value is an
     error only if the wanted value is within the limits."""
     seen = np.column_stack([seen, np.ones(len(seen))])
     prior = np.vstack([weights.reshape(len(weights), -1).T, (wanted - seen[:, :-1] @ weights.reshape(len(weights), -1).T).mean(axis=0)])
@@ -140,10 +141,10 @@ def fitted(seen, wanted, weights, limits):
 
 
 def narrowed(whole, channels, pixels):
-    """Returns the layers of a network with these numbers of channels."""
+    """Returns the layers of a narrower network with these numbers of channels."""
     random = np.random.default_rng(1)
     narrow = []
-    wide = mine = pictures_of(pixels)  # inputs of the present layer, in both networks
+    wide = mine = pictures_of(pixels)  # inputs of the present layer in the whole and in the narrower network
     kept = [0]
     for number, shape in enumerate(shapes(channels)):
         after = next_values(number, whole[number], wide)
@@ -169,7 +170,8 @@ def read(path):
 
 
 def errors(layers, path):
-    """Returns medians over pictures with a gate, in units of the outputs, and the shares of missed and of false gates."""
+    """Returns the median errors over pictures with a gate, in units of the outputs, and the shares of missed and of
+    false gates."""
     pixels, labels = read(path)
     values = pictures_of(pixels)
     for number, layer in enumerate(layers):

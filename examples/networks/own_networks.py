@@ -16,13 +16,13 @@ from onnx import TensorProto, helper, numpy_helper
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 EDGE = 168
 STRIDES = (2, 2, 1, 2, 1, 2, 1)
-FIRMWARE = "fmu_soc/firmware/nn"  # shape.h has the shapes of its networks
+FIRMWARE = "fmu_soc/firmware/nn"  # contains shape.h with the shapes of the networks
 HERE = "examples/networks"
 
 
 class Known(typing.NamedTuple):
-    """A network to write. ``channels`` are those of the convolutions. ``pictures`` are golden pictures of the training,
-    for the calibration."""
+    """Describes a network to write. ``channels`` are the channels of the convolutions. ``pictures`` names golden
+    pictures of the training, which serve for the calibration."""
 
     folder: str
     channels: tuple
@@ -39,7 +39,8 @@ NETWORKS = {
 
 
 def read_layers(name):
-    """Returns weights (out, in, rows, columns), biases and shifts of each layer from the file of export.py."""
+    """Reads the file that export.py wrote. Returns weights (out, in, rows, columns), biases and shifts of each layer.
+    """
     folder, channels, outputs, _ = NETWORKS[name]
     content = (ROOT / folder / f"{name}.weights").read_bytes()
     at = 0
@@ -62,8 +63,8 @@ def read_layers(name):
 
 
 def scaled(layer, step_in, step_out):
-    """Returns the layer's weights and bias in float, where an input and an output have these steps. The biases include
-    half a unit for rounding."""
+    """Returns the layer's weights and bias in float. An input and an output have the given step sizes. The biases
+    include half a unit for rounding."""
     weights, biases, shifts = layer
     factor = 2.0 ** -shifts.astype(float) * step_out
     half = 2.0 ** (shifts.astype(float) - 1)
@@ -71,8 +72,8 @@ def scaled(layer, step_in, step_out):
 
 
 def model(name):
-    """Returns the network as a model in float. Its input is grey levels / 255 - 128 / 255, and its outputs are in [-1,
-    1]."""
+    """Returns the network as an ONNX model in float. Its input is grey levels / 255 - 128 / 255, and its outputs are in
+    [-1, 1]."""
     layers = read_layers(name)
     nodes = []
     constants = [numpy_helper.from_array(np.float32(value), key) for key, value in (("least", 0), ("most", 1))]

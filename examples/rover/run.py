@@ -24,8 +24,8 @@ STUCK, BUMPED = 3, 2  # the firmware's exit codes
 
 
 class Rover:
-    """The robot's wheels follow the requested speed with a lag. The right wheel is 3 % thinner than the firmware
-    assumes."""
+    """Simulates the robot's wheels, which follow the requested speed with a lag. The right wheel is 3 % thinner than
+    the firmware assumes."""
 
     LAG_S, TRACK_M, THINNER = 0.1, 0.2, 0.97
 
@@ -100,8 +100,8 @@ def main():
     rover, code = drive(build / "fmus/rover.fmu", {"errand.distance": 2.0, "errand.speed": 0.4})
     print(f"errand of 2 m at 0.4 m/s: exit code {code}, x {rover.x:.3f} m, y {rover.y:.3f} m, heading {rover.heading:.4f} rad")
     require(code == 0, "it did not arrive")
-    # The stop is late by one period of 20 ms and by the lag of the wheels: 0.4 m/s x 0.13 s. The thinner right wheel
-    # shortens the way by 1.5 %.
+    # The rover stops late by one period of 20 ms and by the lag of the wheels: 0.4 m/s x 0.13 s. The thinner right
+    # wheel shortens the way by 1.5 %.
     require(1.95 < rover.x < 2.06, "it did not stop where it should")
     # Without steering, the way of the right wheel would be shorter by 3 % of 2 m. On a track of 0.2 m, this would turn
     # the rover by 0.3 rad.

@@ -22,7 +22,7 @@ COLUMNS = ["world.drone.position.*", "motors.power"]
 
 
 def fly(build, scenario, out):
-    """Returns the results of one flight. The config is that of the mission; in addition, it records the variables that
+    """Runs one flight and returns its results. The config is that of the mission. It also records the variables that
     are drawn."""
     config = json.loads((ROOT / "configs" / "gate_easy.json").read_text())
     config["record"] = COLUMNS
@@ -40,7 +40,7 @@ def fly(build, scenario, out):
 
 
 def running_mean(values, count):
-    """Returns the moving mean over `count` steps. It hides the changes by the stabiliser from step to step."""
+    """Returns the moving mean over `count` steps, which hides the stabiliser's changes from step to step."""
     total, result = 0.0, []
     for k, value in enumerate(values):
         total += value - (values[k - count] if k >= count else 0.0)

@@ -18,7 +18,7 @@ import sys
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 MEASUREMENTS = 20
-SUPPLY_V, RANGING_A, RANGING_S = 2.8, 16e-3, 0.033  # as in board.json
+SUPPLY_V, RANGING_A, RANGING_S = 2.8, 16e-3, 0.033  # values in board.json
 
 
 def call(*command):
@@ -38,7 +38,7 @@ def require(good, complaint):
 
 
 def run_alone(build):
-    """Runs without motion: the distance is the `start` of the variable, 1.25 m."""
+    """Runs the firmware without motion. The distance is the `start` of the variable, 1.25 m."""
     report = call(build / "bin/mebots-soc", "run", build / "firmware/time_of_flight.elf", "--board", HERE / "board.json")
     print(report, end="")
     found = distances_mm(report)
@@ -70,7 +70,7 @@ def check_flight(text, columns, summary):
     require(reported[changes[-1]] > reported[changes[0]], "the drone did not climb")
     ranging_j = MEASUREMENTS * SUPPLY_V * RANGING_A * RANGING_S
     require(abs(summary["sensor_energy"] / ranging_j - 1) < 0.01, "the sensor's energy is not that of its data sheet")
-    # The loads arrive a step late, so 2 ms of standby are missing.
+    # The battery receives the loads a step late, so 2 ms of standby are missing.
     require(abs(summary["sensor_energy_of_the_battery"] / summary["sensor_energy"] - 1) < 1e-3,
             f"the battery gave the sensor another energy: {summary}")
     print(f"\n{len(changes)} distances from {reported[changes[0]]} m to {max(reported)} m, each as the world had it; "

@@ -9,11 +9,11 @@
 #define PERIOD_NS (20 * NS_PER_MS)
 #define PERIODS_PER_S 50
 #define ALTITUDE_UM 1000000
-#define SIDE_S 4             // of the square
-#define LEADER_UM_S 300000   // along a side
-#define FASTEST_UM_S 800000  // of a follower, along each axis
-#define GAIN_PER_S 1         // velocity per error of the distance
-#define FAR_MM 30000         // root() takes the sum of two squares of this, but not of 33000
+#define SIDE_S 4             // duration of a side of the square
+#define LEADER_UM_S 300000   // speed along a side
+#define FASTEST_UM_S 800000  // maximum speed of a follower along each axis
+#define GAIN_PER_S 1         // velocity per distance error
+#define FAR_MM 30000         // root() accepts the sum of two squares of this value, but not of 33000
 #define LEADER 1
 
 static void fly(uint32_t mode, int32_t x_um_s, int32_t y_um_s) {
@@ -39,7 +39,7 @@ static int32_t root(int32_t square) {
   return result;
 }
 
-// The leader's flight: a side of the square in each direction, then it hovers.
+// Flies the leader along the sides of the square, one side in each direction. Then the leader hovers.
 static void lead(int flown_periods) {
   static const int8_t kSides[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
   const int side = flown_periods / (SIDE_S * PERIODS_PER_S);
@@ -54,9 +54,9 @@ typedef struct {
   int32_t own_mm[2];
   int32_t leader_mm[2];
   int32_t leader_mm_s[2];
-  int32_t leader_ms;    // when it sent its position
-  int32_t distance_mm;  // measured
-  int heard_before;     // periods since the last packet
+  int32_t leader_ms;    // time at which the leader sent its position
+  int32_t distance_mm;  // measured distance to the leader
+  int heard_before;     // number of periods since the last packet
   bool knows_leader;
 } view_t;
 

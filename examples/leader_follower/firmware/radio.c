@@ -30,7 +30,7 @@ bool radio_receive(radio_packet_t* packet, uint32_t* from) {
   if (!is_new(count, &packets_seen)) {
     return false;
   }
-  do {  // until no packet arrives between the first and the last register
+  do {  // repeats until no packet arrives between the reads of the first and the last register
     count = RADIO_RX_COUNT;
     *from = RADIO_RX_FROM;
     packet->words[0] = (int32_t)RADIO_RX_WORD1;

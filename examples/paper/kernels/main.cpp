@@ -16,7 +16,7 @@
 
 namespace {
 
-constexpr double kMacs = 1'679'904;  // multiply-accumulate operations of an inference
+constexpr double kMacs = 1'679'904;  // number of multiply-accumulate operations of an inference
 
 struct OperatingPoint {
   double voltage_v;
@@ -24,7 +24,7 @@ struct OperatingPoint {
   double fabric_hz;
 };
 
-/// The interval at which the energy is read. It limits the error of the energy of all inferences together.
+/// Interval at which the energy is read. It limits the error of the energy of all inferences together.
 constexpr std::int64_t kLookNs = 5'000;
 
 void measure(const OperatingPoint& point, const std::string& board_path, const mebots::soc::Elf& program) {

@@ -8,7 +8,7 @@ from run import fly_all
 
 
 def _speeds(published, count, place):
-    """Yields (name, values now, published values) of `count` hard flights, the fastest (and shortest) first."""
+    """Repeats `count` hard flights, the fastest (and shortest) first. Yields (name, values now, published values)."""
     names = list(reversed(experiments.HARD_SPEEDS))[:count]
     flights = [flight for flight in experiments.speeds() if flight.speed_km_h in names and not flight.adaptive]
     for flight, summary in zip(flights, fly_all(flights, place).values()):
@@ -30,7 +30,7 @@ def _batteries(published, count, place):
 def _starts(published, count, place):
     for name, part in published["robustness"].items():
         flights = experiments.starts(name, part["flights"], seed=1)
-        numbers = range(0, len(flights), -(-len(flights) // count))  # spread over the part
+        numbers = range(0, len(flights), -(-len(flights) // count))  # spreads the flights over the whole part
         chosen = [flights[number] for number in numbers]
         for number, flight, summary in zip(numbers, chosen, fly_all(chosen, place).values()):
             way = part["ways"][number]
@@ -42,8 +42,8 @@ def _starts(published, count, place):
 
 
 def differences(published, count, place):
-    """Yields (flight, its differences from the published results: {value: (published, now)}) of each part's first
-    flights."""
+    """Repeats each part's first flights. Yields (flight, its differences from the published results: {value:
+    (published, now)})."""
     for part in (_speeds, _batteries, _starts):
         for name, now, stored in part(published, count, place):
             yield name, {key: (stored[key], value) for key, value in now.items() if stored[key] != value}

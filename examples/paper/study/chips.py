@@ -36,7 +36,7 @@ def of_targets(first, second):
 
 
 def targets_apart(first, second):
-    """Returns for each unit the largest difference of a target between both chips, and the target's name."""
+    """Returns for each unit the largest difference between the chips in a target, and the name of this target."""
     apart = dict.fromkeys(("s", "%"), (-1.0, ""))
     for a, b in zip(targets.rows(first), targets.rows(second), strict=True):
         units = [after.strip(" ,") for after in re.findall(r"{[^}]*}( [^ ,]*)?", a.form)]
@@ -113,8 +113,8 @@ def describe_joules(both):
 
 
 def joules(one):
-    """Returns the energies [J] of a flight's decisions: the chip's, the camera's, and the chip's share of the cell's
-    energy."""
+    """Returns the energies of a flight's decisions: the chip's [J], the camera's [J], and the chip's share of the
+    cell's energy [%]."""
     return f"{one['chip_j']:.3f}", f"{one['camera_j']:.3f}", f"{100 * one['chip_j'] / one['cell_j']:.3f}"
 
 
@@ -137,7 +137,7 @@ def of_easy(both):
 
 
 def charge_apart(first, second):
-    """Returns the largest difference of the charges used in the easy flights [% of the capacity]."""
+    """Returns the largest difference between the chips in the charge used in the easy flights [% of the capacity]."""
     ours, theirs = first["batteries"]["used"], second["batteries"]["used"]
     return max(abs(ours[battery][speed][kind] - theirs[battery][speed][kind])
                for battery in ours for speed in ours[battery] for kind in ours[battery][speed])
@@ -173,8 +173,8 @@ def of_starts(both):
 
 
 def same_starts(first, second, name):
-    """Returns how many of the common starts passed: [with both, with the first only, with the second only, with
-    none]."""
+    """Returns the numbers of common starts from which the drone passed: [with both chips, with the first only, with the
+    second only, with none]."""
     ends = [{way["name"]: way["outcome"] in PASSED for way in data["robustness"][name]["ways"]} for data in (first, second)]
     pairs = [(ends[0][start], passed) for start, passed in ends[1].items() if start in ends[0]]
     return [pairs.count(pair) for pair in ((True, True), (True, False), (False, True), (False, False))]
@@ -195,7 +195,8 @@ def describe_starts(both, name):
 
 
 def bounds(data):
-    """Returns the tolerance of the chip's energy, from checks against silicon, relative to the computed energy."""
+    """Returns the tolerance of the chip's energy, relative to the computed energy. The tolerance comes from checks
+    against silicon."""
     parts = [(one["least_j"] / one["chip_j"], one["most_j"] / one["chip_j"]) for one in data["decisions"].values()]
     return min(low for low, _ in parts), max(high for _, high in parts)
 
@@ -208,12 +209,12 @@ def of_clocks(both):
 
 
 def least(rows, cores):
-    """Returns the clock with the least energy [MHz]."""
+    """Returns the clock that needs the least energy [MHz]."""
     return min((row for row in rows if row["cores"] == cores and row["crossed"]), key=lambda row: row["chip_j"])["clock_mhz"]
 
 
 def of_parts(both):
-    """Returns (part, mJ and % with each chip) of the hard adaptive flight."""
+    """Returns (part, mJ and % with each chip) for the hard adaptive flight."""
     parts = [data["adaptive"]["chip"] for data in both.values()]
     for part in sorted(parts[1], key=lambda name: -parts[1][name]):
         cells = [(f"{1e3 * chip[part]:.1f}", f"{100 * chip[part] / sum(chip.values()):.1f}") for chip in parts]

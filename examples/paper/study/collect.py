@@ -18,18 +18,19 @@ from results import CRUISE, PASSED, Trace, energy_by_phase
 HARD_NAMES = [*(str(speed) for speed in HARD_SPEEDS), "adaptive"]
 WAY_POINTS = {"shown": 300, "start": 60}
 COURSE_POINTS = 400
-LAST_SECONDS = 15.0  # of a flight whose cell becomes empty
+LAST_SECONDS = 15.0  # duration that is shown of a flight whose cell becomes empty [s]
 
 
 def costs(summaries):
-    """Returns the cost of flights on the machine that ran them."""
+    """Returns the cost of the flights on the machine that ran them."""
     values = list(summaries.values())
     return {"flights": len(values), "simulated_s": sum(s["simulated_time"] for s in values),
             "processor_s": sum(s["processor_s"] for s in values), "memory_mb": max(s["memory_mb"] for s in values)}
 
 
 def decisions(summaries):
-    """Returns {flight: times and joules of its decisions, with the tolerance according to checks against silicon}."""
+    """Returns {flight: times and energies [J] of its decisions}, with the tolerance according to checks against
+    silicon."""
     return {name: {"outcome": s["outcome"], "pictures": s["pictures"], "latency_s": s["decision"]["mean"]["latency"],
                    "read_out_s": s["decision"]["mean"]["read_out"], "inference_s": s["decision"]["mean"]["inference"],
                    "chip_j": s["chip_energy"]["total"], "least_j": s["chip_energy"]["least"], "most_j": s["chip_energy"]["most"],
@@ -44,7 +45,7 @@ def outcomes(summaries):
 
 
 def batteries(summaries):
-    """Returns {battery: {speed: {kind: charge used in %}}} and the outcomes."""
+    """Returns {battery: {speed: {kind: charge used in %}}} and the outcomes of the easy flights."""
     used = {battery: {str(speed): {kind: 100 * (1 - summaries[f"a-{battery}-{speed}-{kind}"]["state_of_charge"]) for kind in ("real", "equal")}
                       for speed in EASY_SPEEDS} for battery in BATTERIES}
     phases = energy_by_phase(Trace(summaries["a-bitcraze_250-1.0-real"]["folder"]))
@@ -70,7 +71,7 @@ def lives(summaries, motors):
 
 
 def last_seconds(summary):
-    """Returns the end of a flight whose landing depends on the cell."""
+    """Returns the last seconds of a flight whose landing depends on the cell."""
     trace = Trace(summary["folder"])
     return trace.course(COURSE_POINTS, trace.flown()[1] - LAST_SECONDS)
 
@@ -104,7 +105,7 @@ def readings(fmu, summaries):
 
 
 def embedded(path, edge):
-    """Returns a picture of a flight as a data URL, reduced in size."""
+    """Reduces a picture of a flight in size, and returns it as a data URL."""
     out = io.BytesIO()
     Image.open(path).resize((edge, edge), Image.Resampling.BOX).save(out, "JPEG", quality=85)
     return "data:image/jpeg;base64," + base64.b64encode(out.getvalue()).decode()
@@ -123,7 +124,7 @@ def lateral_m(summary):
 
 
 def speeds(summaries):
-    """Returns {speed: result of the hard flight}."""
+    """Returns {speed: results of the hard flight}."""
     flights = {}
     for name in HARD_NAMES:
         summary = summaries[f"b-{name}"]
@@ -141,7 +142,7 @@ def speeds(summaries):
 
 
 def adaptive(summary):
-    """Returns results of the hard adaptive flight alone."""
+    """Returns the results of the hard adaptive flight."""
     trace = Trace(summary["folder"])
     shares = {name: entry["time"] for name, entry in summary["statistics"]["instances"].items()}
     return {"first_view": embedded(pictures(summary["folder"])[0][1], 240), "phases": energy_by_phase(trace),
@@ -184,8 +185,8 @@ def clocks(flights, summaries):
 
 
 def straight(name, flights):
-    """Returns the share of starts from which a drone that flies straight ahead meets the opening, reduced by the
-    drone's half width."""
+    """Returns the share of starts from which a drone that flies straight ahead crosses the opening. The opening is
+    reduced by half the drone's width on each side."""
     place = scene(scenario(name)["world.scene.name"])
     gate, (x, y, _) = place["gates"][0], place["start"]["position"]
     free = gate["inner"] / 2 - 0.046
@@ -204,7 +205,7 @@ def robustness(name, flights, summaries):
 
 
 def start_way(name, summary):
-    """Returns path and end of a flight from a random start, and its time just before the gate."""
+    """Returns the path and the end of a flight from a random start, and the time just before the gate."""
     trace = Trace(summary["folder"])
     return {"name": name, **trace.way(WAY_POINTS["start"]), "outcome": summary["outcome"],
             "crossed": bool(summary["gate"]["crossed"]), "last_stretch_s": trace.last_stretch_s()}
@@ -219,7 +220,7 @@ def start_offsets(summaries):
 
 
 def counted(ways, offsets):
-    """Returns the counts over the random starts of a scenario."""
+    """Returns the numbers of outcomes over the random starts of a scenario."""
     ends = [way["outcome"] for way in ways]
     passed, clean = sum(end in PASSED for end in ends), ends.count("passed")
     return {"flights": len(ways), "passed": passed, "interval": wilson(passed, len(ways)), "clean": clean,
@@ -237,14 +238,15 @@ def start_rows(name, part):
 
 
 def flown_again(name, part, summaries):
-    """Returns the part of a scenario with the rows of these flights replaced."""
+    """Replaces the rows of these flights in the part of a scenario, and returns the new part."""
     new = dict(zip(summaries, zip(start_ways(summaries), start_offsets(summaries))))
     rows = [new.get(way["name"], (way, offset)) for way, offset in start_rows(name, part)]
     return {**part, **counted([way for way, _ in rows], [offset for _, offset in rows])}
 
 
 def failure(flight, summary):
-    """Returns the picture a metre before the gate, or at the end if the drone did not get that close, and the path."""
+    """Returns a picture and the path of a flight. The picture is from a metre before the gate, or from the end if the
+    drone did not get that close."""
     trace = Trace(summary["folder"])
     near = trace.first(trace["world.gate.distance"] < 1.0)
     when = trace.time[-1] if near is None else near

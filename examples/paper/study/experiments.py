@@ -6,13 +6,13 @@ import random
 
 from missions import BATTERIES, CHIP_PARTS, RECORDED, Flight, scenario
 
-EASY_SPEEDS = (0.5, 1.0, 1.5)   # km/h
+EASY_SPEEDS = (0.5, 1.0, 1.5)   # speeds of the easy flights [km/h]
 HARD_SPEEDS = (0.1, 0.2, 0.3, 0.4, 0.5)
 ADAPTIVE_SPEED = 1.0
 CLOCKS_MHZ = (25, 50, 87, 131, 175)
 CORES = (8, 1)
-# If a drone hangs on the frame, the flight continues for this time after the referee has reported that it is stuck,
-# because some drones get free.
+# Time for which a flight continues after the referee has reported that the drone is stuck on the frame, because some
+# drones get free.
 STUCK_S = 30.0
 STARTS_RECORDED = ("world.drone.position.x", "world.drone.position.y", "world.drone.position.z", "world.gate.crossed",
                    "world.gate.distance")
@@ -66,12 +66,12 @@ def speeds():
 
 
 def least_voltage(clock_mhz):
-    """Returns the least of the chip's voltages, in steps of 50 mV, that permits a clock of the cluster [V]."""
+    """Returns the lowest voltage of the chip, in steps of 50 mV, that permits a clock of the cluster [V]."""
     return next(v for v in (1.0, 1.05, 1.1, 1.15, 1.2) if clock_mhz <= 87 + (v - 1.0) / 0.2 * (175 - 87) + 1e-6)
 
 
 def starts(name, count, seed):
-    """Returns flights from starts around the scenario's own; the camera's noise differs too."""
+    """Returns flights that start at random offsets from the scenario's start. The camera's noise also differs."""
     draw = random.Random(f"{name} {seed}")
     own = scenario(name)
     forwards, sideways, turned = SPREAD[name]

@@ -17,13 +17,13 @@ import figure_style as style  # noqa: E402
 from figure_style import plt  # noqa: E402
 
 COLOURS = dict(zip(BATTERIES, style.PALETTE))
-SMALL = ("chip", "camera", "converters")  # consumers too small to be visible next to the motors
+SMALL = ("chip", "camera", "converters")  # consumers whose energy is too small to be visible next to the motors
 PASSED, TOUCHED, FAILED = style.GOOD, style.MIDDLING, style.BAD
-HALF_DRONE_M = 0.046  # its half width
+HALF_DRONE_M = 0.046  # half the width of the drone
 
 
 def svg(figure):
-    """Returns a figure as SVG text for a page."""
+    """Returns a figure as the text of an SVG for a page."""
     out = io.StringIO()
     figure.savefig(out, format="svg", metadata={"Date": None})
     text = out.getvalue()
@@ -63,7 +63,7 @@ def decoded(url):
 
 
 def trajectories(flights, titles, name, first_view):
-    """Draws four flights from above, coloured by speed, with the first view in the first plot."""
+    """Draws four flights seen from above, coloured by speed. The first plot contains the drone's first view."""
     figure, axes = plt.subplots(2, 2, figsize=(10, 5.2), constrained_layout=True, sharex=True, sharey=True)
     lines = None
     for plot, flight, title in zip(axes.flat, flights, titles):
@@ -157,7 +157,7 @@ def starts(part, name):
               ("not passed", [w for w in ways if w["outcome"] not in ("passed", "touched_passed")], FAILED)]
     groups = [group for group in groups if group[1]]
     wide = max(max(way["y"]) for way in ways) - min(min(way["y"]) for way in ways)
-    stretched = 3 if wide < 1.0 else 1  # a flight straight ahead is a thin line
+    stretched = 3 if wide < 1.0 else 1  # stretches the plot, because a flight straight ahead is a thin line
     figure = plt.figure(figsize=(10, 2.6 * len(groups) + 0.4), constrained_layout=True)
     grid = figure.add_gridspec(len(groups), 2, width_ratios=(1.7, 1))
     above = None
@@ -180,7 +180,8 @@ def starts(part, name):
 
 
 def crossings(axes, part, gate):
-    """Draws where the centre crossed the plane, to the left of the gate's centre: flights per centimetre."""
+    """Draws a histogram of the places where the centre crossed the plane, to the left of the gate's centre: flights per
+    centimetre."""
     half = gate["inner"] / 2
     places = [100 * x for x in part["lateral_m"] if x is not None and abs(x) < gate["outer"]]
     low, high = min([*places, -100 * half]) - 2, max([*places, 100 * half]) + 2
@@ -195,7 +196,7 @@ def crossings(axes, part, gate):
 
 
 def failures(found):
-    """Draws the picture a metre before the gate for each flight that did not pass."""
+    """Draws one picture for each flight that did not pass, taken a metre before the gate."""
     columns = min(6, len(found))
     rows = -(-len(found) // columns)
     figure, axes = plt.subplots(rows, columns, figsize=(10, 2.3 * rows), constrained_layout=True, squeeze=False)
@@ -208,7 +209,7 @@ def failures(found):
 
 
 def short_name(name):
-    """Returns a short name: "hard-1-002-pictures" is start 2."""
+    """Returns a short name for a flight: "start 2" for "hard-1-002-pictures"."""
     return f"start {int(name.split('-')[2])}"
 
 
@@ -255,7 +256,7 @@ def course(values):
 
 
 def ends(flights):
-    """Draws the last seconds of flights: [{charge at which the landing starts [%], landed, course}]."""
+    """Draws the last seconds of several flights: [{charge at which the landing starts [%], landed, course}]."""
     quantities = [q for q in COURSE if q[0] != "km_h"]
     figure, axes = plt.subplots(len(quantities), len(flights), figsize=(8, 5), constrained_layout=True, sharex="col",
                                 sharey="row", squeeze=False)

@@ -8,12 +8,12 @@ from missions import BATTERIES
 from results import Trace
 from run import fly_all
 
-STEP = 0.5  # % of charge
-DESCENT = 1.5  # %: where the search starts, above the charge at which the protection opens; affects only its length
+STEP = 0.5  # resolution of the search [% of charge]
+DESCENT = 1.5  # [%]: the search starts this much above the charge at which the protection opens; affects only its length
 
 
 def under_power(summary):
-    """True if the drone landed upright before the protection opened."""
+    """Returns True if the drone landed upright before the protection opened."""
     return bool(summary["landed"] and not summary["crashed"] and Trace(summary["folder"])["battery.cell.connected"][-1] > 0)
 
 
@@ -25,7 +25,7 @@ def opening_charge(summary):
 
 
 class Search:
-    """The search for one cell and motor model: counts STEPs from its first landing."""
+    """Searches for one cell and one motor model. The search counts STEPs from its first landing."""
 
     def __init__(self, motors, battery, empty):
         self.motors, self.battery = motors, battery
@@ -34,7 +34,7 @@ class Search:
         self.flown = {}
 
     def flight(self):
-        """Returns the next flight to run; None when the answer is known."""
+        """Returns the next flight to run; None if the result is known."""
         landed = [at for at, ok in self.flown.items() if ok]
         fell = [at for at, ok in self.flown.items() if not ok]
         if landed and fell:
@@ -50,15 +50,15 @@ class Search:
 
 
 def least(found):
-    """Returns the lowest charge [%] from which a flight landed, if the flight from one step lower fell. Returns None if
-    this is not known."""
+    """Returns the lowest charge [%] from which a flight landed, if the flight that started one step lower fell. Returns
+    None if this is not known."""
     landed = [f["charge"] for f in found["flights"] if f["landed"]]
     fell = [f["charge"] for f in found["flights"] if not f["landed"]]
     return min(landed) if landed and fell and min(landed) - max(fell) <= STEP + 1e-9 else None
 
 
 def fly(place, motors):
-    """Returns {battery: {opens: %, flights: [{charge: %, landed}]}}."""
+    """Performs the search for each battery. Returns {battery: {opens: %, flights: [{charge: %, landed}]}}."""
     empty = fly_all(experiments.empties(motors), place)
     searches = [Search(motors, battery, empty[experiments.named(motors, f"endurance-{battery}-empty")])
                 for battery in BATTERIES]

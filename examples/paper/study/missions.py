@@ -11,7 +11,7 @@ import pathlib
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 KM_H = 1.0 / 3.6
 
-BATTERIES = {  # name in fmu_battery/params/cells -> (label, capacity mAh, mass g), after the paper
+BATTERIES = {  # maps a name in fmu_battery/params/cells to (label, capacity mAh, mass g), after the paper
     "bitcraze_250": ("Bitcraze", 250, 7.1),
     "ufx_250": ("UFX", 250, 5.8),
     "cyclone_300": ("Cyclone", 300, 8.1),
@@ -24,8 +24,8 @@ MODELS = "fitted on flights"
 2015."""
 HEAVIEST_G = max(mass for _, _, mass in BATTERIES.values())
 
-# The chips of the flights: the endings of their shipped missions' names in configs/. Those missions define what a chip
-# changes.
+# Maps each chip of the flights to the ending of its shipped missions' names in configs/. Those missions define what a
+# chip changes.
 CHIPS = {"ai_deck": "", "gap8_drone": "_gap8"}
 FIRST_CHIP, SECOND_CHIP = CHIPS  # the report is about the first chip and compares it with the second
 SHIPPED = ("gate_easy", "gate_hard")
@@ -37,7 +37,7 @@ MOTORS = {"bench": "bench motors", "paper": "paper's motors"}
 
 
 def merged(value, patch):
-    """Returns a JSON value with a patch applied according to RFC 7396, as `extends` of a config does."""
+    """Applies a patch to a JSON value according to RFC 7396, as `extends` of a config does. Returns the result."""
     if not isinstance(patch, dict):
         return patch
     result = dict(value) if isinstance(value, dict) else {}
@@ -51,7 +51,7 @@ def merged(value, patch):
 
 @functools.cache
 def shipped(name, chip):
-    """Returns the shipped mission of this name for a chip."""
+    """Returns the config of the shipped mission of this name for a chip."""
     mission = json.loads((ROOT / f"configs/{name}{CHIPS[chip]}.json").read_text())
     if "extends" not in mission:
         return mission
@@ -67,7 +67,7 @@ def lens(field_of_view, chip):
 
 
 def scene(name):
-    """Returns the parameters from which fmu_world builds its world."""
+    """Returns the scene file of this name, from which fmu_world builds its world."""
     return json.loads((ROOT / f"fmu_world/params/scenes/{name}.json").read_text())
 
 
@@ -79,7 +79,7 @@ def scenario(name):
 
 @dataclasses.dataclass(frozen=True)
 class Flight:
-    """A flight. Speeds in km/h, as in the paper."""
+    """Describes a flight. Speeds are in km/h, as in the paper."""
     name: str
     scenario: str
     speed_km_h: float
@@ -87,12 +87,12 @@ class Flight:
     battery: str = "bitcraze_250"
     equal_mass: bool = False
     motors: str = "bench"
-    extra: tuple = ()       # more (variable, value) pairs
+    extra: tuple = ()       # further (variable, value) pairs
     stop_time: float = 600.0
-    stuck_s: float = None   # end this long after the referee reported it stuck; None: no end
-    record: tuple = ()      # variables to record; None: the usual ones
+    stuck_s: float = None   # time until the end after the referee reported a stuck drone; None: no end
+    record: tuple = ()      # variables to record; None: the default list
     pictures: bool = False
-    replay: bool = False    # record everything that the page of the flight shows
+    replay: bool = False    # if True, records everything that the page of the flight shows
 
     def parameters(self, chip):
         values = dict(scenario(self.scenario))
@@ -140,7 +140,7 @@ def config(flight, chip):
     system["record"] = {"variables": list(flight.record) or RECORDED, "interval": 0.1}
     if flight.replay:
         system["record"] = {"interval": 0.03}
-        system["pictures"][0]["interval"] = 3  # a stuck flight is long
+        system["pictures"][0]["interval"] = 3  # long, because a stuck flight takes long
     elif not flight.pictures:
         del system["pictures"]
     return system

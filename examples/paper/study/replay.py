@@ -15,13 +15,13 @@ from fmpy.fmi2 import FMU2Slave
 from missions import CELLS, ROOT
 from results import CRUISE
 
-# The columns next to the bench's. Each column omits one more effect. An entry has its label, and states if the flight controller's power and the
-# cell's resistance are included.
+# Describes the columns in addition to that of the bench's motors. Each column omits one more effect. An entry contains
+# its label, and states if the flight controller's power and the cell's resistance are included.
 READINGS = {"paper": ("paper's motors", True, True), "no_avionics": ("without flight controller", False, True),
             "no_losses": ("nor cell resistance", False, False)}
 LOADS = {"motors.power": "motors.power", "soc.power": "soc.power", "camera.power": "soc.camera.power",
          "avionics.power": "motors.avionics.power"}  # maps inputs of the battery to recorded variables of a flight
-RESISTANCE = 1e-3  # share of the cell's own resistance if it must not count; the time constants are kept
+RESISTANCE = 1e-3  # factor of the cell's resistance if it must have no effect; the time constants stay the same
 TEN = 0.10
 LONGEST_S = 1800.0
 
@@ -42,8 +42,8 @@ def cell(name, resistance):
 
 
 def paper_power(trace, hover, cruise):
-    """Returns the power of the motors by the paper's model over a bench flight [W]: a part for hovering, determined
-    by two flights, and a part proportional to speed. 0 when the motors are off."""
+    """Returns the power of the motors by the paper's model over a bench flight [W]. It has a part for hovering,
+    determined by two flights, and a part proportional to speed. It is 0 when the motors are off."""
     def settled(flight):
         chosen = flight["world.drone.phase"] == CRUISE
         half = chosen & (np.cumsum(chosen) > chosen.sum() / 2)
@@ -55,7 +55,7 @@ def paper_power(trace, hover, cruise):
 
 
 class Battery:
-    """The battery's FMU, with one instance at a time."""
+    """Runs the battery's FMU, with one instance at a time."""
 
     def __init__(self, fmu):
         self.folder = fmpy.extract(str(fmu))
@@ -88,15 +88,15 @@ class Battery:
         return np.array(found)
 
     def of_flight(self, trace, motors_w, name, avionics, resistance):
-        """Returns the charge at the flight's samples, with another power of the motors."""
+        """Returns the charge at the samples of the flight, if the motors had the power `motors_w`."""
         loads = {load: trace[column] * (avionics or load != "avionics.power") for load, column in LOADS.items()}
         loads["motors.power"] = motors_w
         means = {load: (values[1:] + values[:-1]) / 2 for load, values in loads.items()}
         return self.charges(cell(name, resistance), means, np.diff(trace.time), lambda charge: False)
 
     def to_ten_s(self, trace, name, avionics, resistance):
-        """Returns the time after leaving the ground at which 10 % would be left if the loads of the flight's cruise
-        continued."""
+        """Returns the time after leaving the ground at which 10 % of the charge would be left, if the loads of the
+        flight's cruise continued [s]."""
         cruise = np.flatnonzero(trace["world.drone.phase"] == CRUISE)
         settled = cruise[len(cruise) // 2]
         step = float(np.median(np.diff(trace.time)))

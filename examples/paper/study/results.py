@@ -6,16 +6,16 @@ import pathlib
 
 import numpy as np
 
-TAKE_OFF, CRUISE, LANDING = 1, 2, 3  # world.drone.phase
-# The gate's part of a flight: from this distance before its plane to the landing [m].
+TAKE_OFF, CRUISE, LANDING = 1, 2, 3  # values of world.drone.phase
+# The gate's part of a flight begins at this distance before the gate's plane [m], and ends at the landing.
 NEAR_GATE_M = 0.5
 PASSED = ("passed", "touched_passed")
-# The last part of the way to the gate: from the first to the second of these distances before the gate's plane [m].
+# The last part of the way to the gate begins and ends at these distances before the gate's plane [m].
 LAST_STRETCH_M = (1.4, 0.2)
 
 
 class Trace:
-    """The columns of results.csv by name, without units."""
+    """Contains the columns of results.csv by name, without units."""
 
     def __init__(self, folder):
         with open(pathlib.Path(folder) / "results.csv", newline="") as file:
@@ -29,11 +29,11 @@ class Trace:
         return self.columns[name]
 
     def first(self, condition):
-        """Returns the time at which a condition first held [s]; None if it never did."""
+        """Returns the first time at which a condition held [s]; None if it never did."""
         return float(self.time[np.argmax(condition)]) if condition.any() else None
 
     def time_at_gate(self):
-        """Returns the time at which the gate's plane was crossed [s]; None if it was not."""
+        """Returns the time at which the drone crossed the gate's plane [s]; None if it did not."""
         return self.first(self["world.gate.distance"] <= 0)
 
     def last_stretch_s(self):
@@ -42,18 +42,18 @@ class Trace:
         return None if end is None else round(end - begin, 3)
 
     def flown(self):
-        """Returns the first and last time in the air [s]."""
+        """Returns the first and the last time at which the drone was in the air [s]."""
         air = (self["world.drone.phase"] >= TAKE_OFF) & (self["world.drone.phase"] <= LANDING)
         return float(self.time[air][0]), float(self.time[air][-1])
 
     def path_to(self, end_s):
-        """Returns the horizontal distance flown up to a time [m]."""
+        """Returns the horizontal distance that the drone flew until a time [m]."""
         chosen = self.time <= end_s
         x, y = self["world.drone.position.x"][chosen], self["world.drone.position.y"][chosen]
         return float(np.hypot(np.diff(x), np.diff(y)).sum())
 
     def distance_in_20_s(self):
-        """Returns the distance flown in 20 s in the middle of the cruise [m]."""
+        """Returns the distance that the drone flew in 20 s in the middle of the cruise [m]."""
         cruise = self["world.drone.phase"] == CRUISE
         middle = (self.time[cruise][0] + (self.time_at_gate() or self.time[cruise][-1])) / 2
         return self.path_to(middle + 10) - self.path_to(middle - 10)
@@ -81,7 +81,7 @@ class Trace:
         return {name: np.round(values[chosen], 3).tolist() for name, values in columns.items()}
 
 
-ENERGIES = {  # uses of the cell's energy -> recorded energies
+ENERGIES = {  # maps uses of the cell's energy to recorded energies
     "motors": ["battery.motors.energy"], "flight controller": ["battery.avionics.energy"],
     "chip": ["battery.soc.energy"], "camera": ["battery.camera.energy"], "converters": ["battery.energy.converters"],
     "cell": ["battery.energy.ohmic", "battery.energy.polarisation"],

@@ -17,7 +17,7 @@ from results import PASSED
 
 @dataclasses.dataclass(frozen=True)
 class Place:
-    """The folders of programs and results, the number of parallel flights, and the chip."""
+    """Contains the folders of programs and results, the number of parallel flights, and the chip."""
     build: pathlib.Path
     results: pathlib.Path
     jobs: int
@@ -58,7 +58,8 @@ def write_study(name, flights, folder, chip):
 
 
 def studies(flights, chip):
-    """Returns {name of the first flight: flights that one study can run}: equal except for the values of parameters."""
+    """Groups flights that are equal except for the values of parameters, so that one study can run them. Returns {name
+    of the first flight: flights}."""
     groups = collections.defaultdict(list)
     for flight in flights:
         system = config(flight, chip)
@@ -80,7 +81,7 @@ def fly_all(flights, place):
         started = time.monotonic()
         place.sweep(write_study(name, group, folder, place.chip), place.results, progress=lambda now, name=name: _tell(name, now))
         print(f"\r\033[K{name}: {len(group)} flights, {time.monotonic() - started:.0f} s", file=sys.stderr)
-        for table in ("missions.csv", "report.html"):  # the next study in this folder writes its own
+        for table in ("missions.csv", "report.html"):  # the next study in this folder writes its own tables
             shutil.copyfile(place.results / table, folder / table)
         costs = _costs(place.results)
         with open(folder / "missions.csv", newline="") as file:
@@ -96,7 +97,7 @@ def fly_all(flights, place):
 
 
 def fly(flight, place):
-    """Runs one flight."""
+    """Runs one flight. Returns its summary."""
     return fly_all([flight], place)[flight.name]
 
 

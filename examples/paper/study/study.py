@@ -26,11 +26,11 @@ from run import Place, fly_all
 
 PARTS = ("experiments", "landing", "clocks", *experiments.SPREAD)
 PUBLISHED = {FIRST_CHIP: ROOT / "examples/paper/results.json", SECOND_CHIP: ROOT / "examples/paper/results_gap8.json"}
-STARTS_PER_CLOCK = 20  # a clock runs one in this many of the random starts of a scenario
+STARTS_PER_CLOCK = 20  # one in this many of a scenario's random starts is also run at each clock
 
 
 def fly_experiments(place, data):
-    """Runs both experiments of the paper. Their time is kept if no results were reused."""
+    """Runs both experiments of the paper. Stores their duration if no results were reused."""
     in_the_air = {motors: experiments.endurance(motors) + experiments.empties(motors) for motors in MOTORS}
     started = time.monotonic()
     summaries = fly_all(experiments.speeds() + sum(in_the_air.values(), []) + experiments.batteries(), place)
@@ -48,7 +48,7 @@ def fly_experiments(place, data):
 
 def fly_landings(place, data):
     data["landing"] = {motors: landing.fly(place, motors) for motors in MOTORS}
-    # The last failed landing and the first successful one with the standard battery.
+    # Takes the last failed landing and the first successful landing with the standard battery.
     charges = [landing.least(data["landing"]["bench"]["bitcraze_250"]) - landing.STEP * too_low for too_low in (1, 0)]
     flights = [experiments.landing("bench", "bitcraze_250", charge) for charge in charges]
     flown = fly_all(flights, place)
@@ -95,7 +95,7 @@ def fly_failed_again(place, data, name, count):
 
 
 def check_published(count, place):
-    """Returns exit code 1 if a flight differs from the published one."""
+    """Repeats published flights. Returns exit code 1 if one differs from the published flight."""
     published = json.loads(PUBLISHED[place.chip].read_text())
     differ = 0
     for name, found in check.differences(published, count, place):

@@ -8,12 +8,12 @@ from experiments import EASY_SPEEDS
 from missions import BATTERIES
 
 COLUMNS = ("bench", "paper", "no_avionics", "no_losses")
-NOTHING = "-"  # not run with these motors
+NOTHING = "-"  # text if a target was not run with these motors
 
 
 @dataclasses.dataclass(frozen=True)
 class Row:
-    """A row of the table. `values` are the arguments of `form`, for each of COLUMNS or for the first only."""
+    """Contains a row of the table. `values` are the arguments of `form`, for each of COLUMNS or for the first only."""
     target: str
     what: str
     paper: str
@@ -109,5 +109,5 @@ def of_speeds(data):
 
 
 def rows(data):
-    """All targets, of type Row."""
+    """Returns all targets, as a list of Row."""
     return [*of_batteries(data), *of_speeds(data)]

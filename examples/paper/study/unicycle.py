@@ -10,8 +10,8 @@ import math
 from experiments import ADAPTIVE_SPEED, HARD_SPEEDS
 from missions import KM_H, scene, scenario
 
-SPEED_LAG_S = 0.6          # of the stabiliser, read from the flights
-POLICY_STEP = 0.05 * KM_H  # fmu_soc/firmware/app/policy.c
+SPEED_LAG_S = 0.6          # lag of the stabiliser, read from the flights
+POLICY_STEP = 0.05 * KM_H  # step in fmu_soc/firmware/app/policy.c
 WINDOW = 10
 # Apparent edges of the frame, relative to half the picture's width, between which the command fades:
 # dataset/expert.cpp.

@@ -11,7 +11,7 @@ import integer_network
 from data import Pictures
 from sight import OUTPUTS, Sights
 
-# For each network: the reader of its pictures, its outputs, and the number of golden pictures from each set.
+# Maps each network to the class that reads its pictures, its outputs, and the number of golden pictures from each set.
 NETWORKS = {"navigator": (Pictures, ("yaw",), {"test": 20, "easy": 6, "hard": 6}),
             "sight": (Sights, OUTPUTS, {"test": 8, "easy": 2, "hard": 2})}
 

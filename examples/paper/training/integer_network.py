@@ -13,8 +13,8 @@ EDGE = 168
 
 
 def shrink(picture):
-    """Returns the network's picture (168 x 168, grey level minus 128) from the camera's: rounded means of 2 x 2
-    pixels, evenly spaced from edge to edge. fmu_soc/firmware/nn/shrink.c computes the same."""
+    """Reduces a camera picture to the network's picture (168 x 168, grey level minus 128). Its pixels are rounded means
+    of 2 x 2 pixels, evenly spaced from edge to edge. fmu_soc/firmware/nn/shrink.c computes the same."""
     picture = np.asarray(picture).astype(np.int32)
     rows, columns = (np.arange(EDGE) * (length - 2) // (EDGE - 1) for length in picture.shape)
     total = sum(picture[np.ix_(rows + i, columns + j)] for i in (0, 1) for j in (0, 1))
@@ -36,7 +36,7 @@ def requantise(sums, biases, shifts, low, high):
 
 def infer(layers, picture):
     """Returns the network's outputs for a picture (168 x 168, grey level minus 128), and the outputs of all
-    convolutions, the first one's pooled."""
+    convolutions. The output of the first convolution is pooled."""
     values = np.asarray(picture).reshape(EDGE, EDGE, 1)
     activations = []
     for i, stride in enumerate(STRIDES):
@@ -52,7 +52,7 @@ def infer(layers, picture):
 
 
 def checksum(array, start=2166136261):
-    """Returns FNV-1a over the array's bytes, 32 bits."""
+    """Returns the 32-bit FNV-1a hash of the array's bytes."""
     value = start
     for byte in np.ascontiguousarray(array).tobytes():
         value = ((value ^ byte) * 16777619) & 0xFFFFFFFF
@@ -60,14 +60,14 @@ def checksum(array, start=2166136261):
 
 
 def load(path):
-    """Reads layers from the .npz of train.py."""
+    """Reads the layers from the .npz file that train.py wrote."""
     with np.load(path) as file:
         return [tuple(file[f"{what}{i}"] for what in ("weights", "biases", "shifts")) for i in range(len(STRIDES) + 1)]
 
 
 def to_bytes(layers):
-    """Returns the file that the firmware links: for each layer biases with the rounding half added, shifts, weights,
-    each part padded with zeros to whole words."""
+    """Returns the content of the file that the firmware links. For each layer it contains biases with the rounding half
+    added, shifts, and weights. Each part is padded with zeros to whole words."""
     out = bytearray()
     for weights, biases, shifts in layers:
         rounded = biases.astype(np.int64) + (np.int64(1) << (shifts.astype(np.int64) - 1))
@@ -78,7 +78,7 @@ def to_bytes(layers):
 
 
 def from_bytes(packed, like):
-    """Returns the layers from the bytes of to_bytes(). `like` contains the shapes of the layers' weights."""
+    """Converts the bytes of to_bytes() to layers. `like` contains the shapes of the layers' weights."""
     layers, at = [], 0
 
     def take(kind, count):

@@ -12,7 +12,8 @@ from torch.nn import functional
 
 @dataclasses.dataclass(frozen=True)
 class Shape:
-    """Convolutions as (input channels, output channels, kernel, stride, pooled by 2 afterwards), then a dense layer."""
+    """Describes a network: convolutions as (input channels, output channels, kernel, stride, pooled by 2 afterwards),
+    then a dense layer."""
     convolutions: tuple
     outputs: int
 
@@ -21,26 +22,26 @@ class Shape:
         return 6 * 6 * self.convolutions[-1][1]
 
 
-# The Stargate navigator with the camera as its only sensor: one yaw command.
+# Shape of the Stargate navigator with the camera as its only sensor. Its output is one yaw command.
 NAVIGATOR = Shape(((1, 4, 5, 2, True),
                    (4, 4, 3, 2, False), (4, 4, 3, 1, False),
                    (4, 16, 3, 2, False), (16, 16, 3, 1, False),
                    (16, 32, 3, 2, False), (32, 32, 3, 1, False)), 1)
-# The position of the gate: yaw, rise, size, visible (sight.py). An inference has 1.7 times the navigator's
-# multiplications.
+# Shape of the sight network, whose outputs are the position of the gate: yaw, rise, size, visible (sight.py). An
+# inference has 1.7 times the navigator's multiplications.
 SIGHT = Shape(((1, 8, 5, 2, True),
                (8, 8, 3, 2, False), (8, 8, 3, 1, False),
                (8, 16, 3, 2, False), (16, 16, 3, 1, False),
                (16, 32, 3, 2, False), (32, 32, 3, 1, False)), 4)
 EDGE = 168
 INPUT_STEP = 1.0 / 64       # real value of one grey level of the picture
-ACTIVATION_STEP = 6.0 / 255  # of one count of an activation: ReLU6 is 0..255
-OUTPUT_STEP = 1.0 / 127     # of one count of an output
+ACTIVATION_STEP = 6.0 / 255  # real value of one count of an activation: ReLU6 is 0..255
+OUTPUT_STEP = 1.0 / 127     # real value of one count of an output
 
 
 class Navigator(nn.Module):
-    """The network in floating point, with batch normalisation. Takes pictures in grey levels minus 128, and returns the
-    outputs of each picture. A single output has no dimension of its own."""
+    """Computes the network in floating point, with batch normalisation. The input is pictures in grey levels minus 128,
+    and the result is the outputs of each picture. A single output has no dimension of its own."""
 
     def __init__(self, shape=NAVIGATOR):
         super().__init__()
@@ -56,11 +57,11 @@ class Navigator(nn.Module):
             x = functional.relu6(norm(convolution(x)))
             if pooled:
                 x = functional.max_pool2d(x, 2)
-        return self.dense(x.flatten(1)).squeeze(1)  # removes a dimension of 1 only
+        return self.dense(x.flatten(1)).squeeze(1)  # removes the last dimension only if it is 1
 
     def folded(self):
-        """Returns weights and biases with the batch normalisation included, layer by layer; the last is the dense
-        one."""
+        """Returns the weights and biases of each layer, with the batch normalisation included. The last layer is the
+        dense one."""
         layers = []
         for convolution, norm in zip(self.convolutions, self.norms):
             gain = norm.weight / torch.sqrt(norm.running_var + norm.eps)
@@ -70,7 +71,7 @@ class Navigator(nn.Module):
 
 
 class _Round(torch.autograd.Function):
-    """Rounds half up; the gradient passes unchanged."""
+    """Rounds half up. The gradient passes unchanged."""
 
     @staticmethod
     def forward(_, x):
@@ -100,7 +101,7 @@ class IntegerNavigator(nn.Module):
             self.biases.append(nn.Parameter((bias / step_out).detach().clone()))
 
     def layer(self, i):
-        """Returns integer weights and biases and the shifts of layer i."""
+        """Returns the integer weights and biases, and the shifts of layer i."""
         weight, bias = self.weights[i], self.biases[i]
         largest = weight.detach().abs().flatten(1).amax(1).clamp(min=1e-6)
         shift = torch.floor(torch.log2(127.0 / largest)).clamp(1, 15)
@@ -122,7 +123,7 @@ class IntegerNavigator(nn.Module):
         return _Round.apply(x * 2.0 ** -shift).squeeze(1)
 
     def take(self, layers):
-        """Continues from layers as exported() returns them."""
+        """Initialises the network from layers as exported() returns them, so that training can continue."""
         for i, (weights, biases, shifts) in enumerate(layers):
             scale = 2.0 ** -torch.tensor(shifts.astype("float32"))
             weight = torch.tensor(weights.astype("float32")).permute(0, 3, 1, 2)

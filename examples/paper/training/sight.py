@@ -16,7 +16,8 @@ MOST_SIZE = 2.0
 
 
 class Sights:
-    """Pictures (grey levels minus 128) and the target of each: outputs, and whether there is a gate."""
+    """Contains pictures (grey levels minus 128) and the target of each picture: the outputs, and whether there is a
+    gate."""
 
     def __init__(self, path):
         path = pathlib.Path(path)
@@ -32,7 +33,7 @@ class Sights:
         return len(self.pixels)
 
     def with_first(self, count, others):
-        """Returns these pictures and the first pictures of others, without their labels."""
+        """Returns these pictures and the first `count` pictures of `others`, without their labels."""
         both = copy.copy(self)
         for name in ("pixels", "visible", "wanted"):
             setattr(both, name, np.concatenate([getattr(self, name), getattr(others, name)[:count]]))

@@ -25,7 +25,7 @@ def answers(model, pictures, device, scale):
 
 
 def metrics(yaw, pictures):
-    """Returns errors in units of the output, over all pictures and over those with a gate ahead."""
+    """Returns the errors in units of the output, over all pictures, and over the pictures with a gate ahead."""
     error = np.abs(yaw - pictures.yaw)
     seen = pictures.visible & (pictures.strength == 1)
     return {"mean_error": float(error.mean()), "median_error_gate": float(np.median(error[seen])),

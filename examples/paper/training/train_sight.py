@@ -18,10 +18,10 @@ from sight import Sights, batches
 
 SEED = 20261123
 BATCH = 64
-# Logit of the output `visible`: steep enough that 0.5 is nearly certain.
+# Logit of the output `visible`. It is so steep that 0.5 is nearly certain.
 LOGIT = 6.0
 VISIBLE_WEIGHT = 0.08
-# Among clutter, the main question is whether there is a gate.
+# Weight of the detection among clutter, where the main question is whether there is a gate.
 CLUTTER_VISIBLE_WEIGHT = 0.15
 # The number of pictures of the first training that the training with clutter also uses, so that the network keeps its
 # abilities.
@@ -85,7 +85,7 @@ def save(integer, path):
 
 
 def read(weights):
-    """Returns the network of a weights file."""
+    """Reads a weights file, and returns the network."""
     integer = IntegerNavigator(Navigator(SIGHT))
     shapes = [layer[0].shape for layer in integer.exported()]
     integer.take(integer_network.from_bytes(weights.read_bytes(), shapes))
@@ -93,8 +93,8 @@ def read(weights):
 
 
 def train_among_clutter(arguments):
-    """Continues with the network of a weights file, on clutter_train and the first pictures of train; evaluates on
-    clutter_val and clutter_test."""
+    """Continues the training of the network in a weights file, on clutter_train and the first pictures of train.
+    Evaluates it on clutter_val and clutter_test."""
     integer = read(arguments.begin)
     data = {name: Sights(arguments.data / name) for name in ("train", "clutter_train", "clutter_val", "clutter_test")}
     print("before:", metrics(answers(integer, data["clutter_val"], OUTPUT_STEP), data["clutter_val"]), flush=True)
@@ -117,7 +117,7 @@ def main():
     parser.add_argument("--clutter-rate", type=float, default=8e-4, help="highest learning rate with clutter")
     arguments = parser.parse_args()
     torch.manual_seed(SEED)
-    torch.set_num_threads(1)  # sums in one order on any machine
+    torch.set_num_threads(1)  # one thread, so that sums have the same order on any machine
     arguments.out.mkdir(parents=True, exist_ok=True)
     if arguments.begin:
         train_among_clutter(arguments)

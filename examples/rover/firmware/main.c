@@ -6,9 +6,9 @@
 #include "runtime/console.h"
 
 #define PERIOD_NS (20 * NS_PER_MS)
-#define STILL_PERIODS 25    // half a second without a micrometre
-#define BRAKING_PERIODS 25  // until the wheels stop
-#define STEERING_PER_S 2    // rim speed to either side per heading, in um/s per urad over the half track
+#define STILL_PERIODS 25    // periods without motion, half a second
+#define BRAKING_PERIODS 25  // periods until the wheels stop
+#define STEERING_PER_S 2    // change of each rim speed per heading error, in um/s per urad over the half track
 
 enum { THERE = 0, BUMPED = 2, STUCK = 3 };
 

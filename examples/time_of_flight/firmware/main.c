@@ -25,6 +25,6 @@ int main(void) {
     RANGE_FINDER_REPORT = distance_mm;
     print("distance %u mm\n", (unsigned)distance_mm);
   }
-  RANGE_FINDER_COMMAND = 99;  // not an opcode
+  RANGE_FINDER_COMMAND = 99;  // an invalid command
   return (RANGE_FINDER_STATUS & RANGE_FINDER_STATUS_REFUSED) != 0 ? 0 : 1;
 }

@@ -13,12 +13,12 @@ namespace {
 /// Temperature coefficient of copper's resistance at 20 degrees Celsius [1/K]: IEC 60028, annealed copper.
 constexpr double kCopper_per_k = 0.00393;
 constexpr double kReference_k = 293.15;
-/// The maximum temperature, far above the limits of insulation and magnet. If it is reached, the parameters must be
-/// wrong.
+/// Maximum temperature, far above the limits of insulation and magnet. A higher temperature means that the parameters
+/// are wrong.
 constexpr double kRunaway_k = 1000;
 constexpr double kMotors = 4;
 
-/// Three functions of an eigenvalue l over the step t: exp(l t), and its first and second integrals.
+/// Contains three functions of an eigenvalue l over the step t: exp(l t), and its first and second integrals.
 struct Mode {
   double grown;
   double once;
@@ -28,7 +28,7 @@ struct Mode {
 Mode mode(double l, double t) {
   const double x = l * t;
   const double once = std::abs(x) < 1e-8 ? t * (1 + x / 2) : std::expm1(x) / l;
-  // For small x, (once - t) / l loses digits, so the series is used.
+  // Uses the series for small x, because (once - t) / l would lose digits.
   const double twice = std::abs(x) < 1e-3 ? t * t * (0.5 + x / 6 + x * x / 24 + x * x * x / 120) : (once - t) / l;
   return {std::exp(x), once, twice};
 }
@@ -45,13 +45,13 @@ void Model::start(const Inputs& /*inputs*/, Outputs& outputs) {
 void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& outputs) {
   const double t = 1e-9 * static_cast<double>(duration_ns);
   const auto& p = parameters_;
-  // The driver switches the supply. The winding carries current at all times, but the battery supplies it only during
-  // the duty cycle. So the current of the winding is that of the battery divided by the duty cycle.
+  // Computes the current of the winding: the battery's current divided by the duty cycle. The driver switches the
+  // supply. The winding carries current at all times, but the battery supplies it only during the duty cycle.
   const double effective_v = inputs.motor_command * inputs.bus_voltage_v;
   current_a_ = effective_v > 0 ? inputs.motor_power_w / kMotors / effective_v : 0;
   const double loss_w = current_a_ * current_a_ * p.winding_resistance_ohm;
 
-  // x' = A x + g for x = (T_w - T_air, T_c - T_air).
+  // The equations are x' = A x + g for x = (T_w - T_air, T_c - T_air).
   const double a = (loss_w * kCopper_per_k - p.winding_conductance_w_per_k) / p.winding_heat_capacity_j_per_k;
   const double b = p.winding_conductance_w_per_k / p.winding_heat_capacity_j_per_k;
   const double c = p.winding_conductance_w_per_k / p.case_heat_capacity_j_per_k;

@@ -17,13 +17,14 @@ namespace mebots::motor_thermal {
 /// For constant inputs, these equations are linear in (T_w, T_c), so a step of any length is the exact solution.
 class Model {
  public:
-  /// `resources` is not used. Each parameter is checked against its limits in the description.
+  /// Creates the model. `resources` is not used. Throws an error if a parameter is outside its limits in the
+  /// description.
   Model(const Parameters& parameters, const std::filesystem::path& resources);
 
-  /// Writes the outputs at the start.
+  /// Sets the outputs to their values at the start.
   void start(const Inputs& inputs, Outputs& outputs);
-  /// Advances by duration_ns > 0 with constant inputs. Throws mebots::Error if the temperature of the winding runs
-  /// away.
+  /// Advances by duration_ns, which must be > 0, with constant inputs. Throws mebots::Error if the temperature of the
+  /// winding rises without limit.
   void step(const Inputs& inputs, std::int64_t duration_ns, Outputs& outputs);
 
   void visit(state::Visitor& v);

@@ -56,7 +56,7 @@ TEST(MotorThermal, HeatIsStoredOrGivenAway) {
   const auto& [p, o] = std::pair{bench.parameters, bench.outputs};
   const double stored = p.winding_heat_capacity_j_per_k * (o.winding_temperature_k - 293.15) +
                         p.case_heat_capacity_j_per_k * (o.case_temperature_k - 293.15);
-  // The step is exact: only the rounding of 1000 additions remains.
+  // The step is exact, so the only error is the rounding of 1000 additions.
   EXPECT_NEAR(o.heat_copper_j, stored + o.heat_air_j, 1e-10 * o.heat_copper_j);
 }
 

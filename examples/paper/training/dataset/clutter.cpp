@@ -25,7 +25,7 @@ using world::scene::Picture;
 using world::scene::Scene;
 using world::scene::Texture;
 
-/// A place on the floor with a heading. The parts of a thing are placed around it.
+/// Describes a place on the floor with a heading. The parts of an object are placed around it.
 struct Stand {
   Vector3d p_W_m;
   double yaw_rad = 0.0;
@@ -102,7 +102,7 @@ void crate(Random& random, const Stand& stand, double edge_m, double bottom_m, S
   }
 }
 
-/// Adds two posts or four legs with a bar or board across.
+/// Adds two posts with a bar, or four legs with a board.
 void table_or_doorway(Random& random, const Floor& floor, Scene& scene) {
   const Stand stand = somewhere(random, floor);
   const auto paint = random_paint(random, random.between(20.0, 235.0));
@@ -143,7 +143,7 @@ void shelf(Random& random, const Floor& floor, Scene& scene) {
   }
 }
 
-/// A surface of revolution: `profile_m` are radius and height from the top down, at least two of them.
+/// Creates a surface of revolution. `profile_m` contains radius and height of at least two points, from the top down.
 Mesh lathed(const std::vector<Vector2d>& profile_m, int sides, double wobble, const Texture& texture, Random& random) {
   Mesh mesh;
   mesh.materials = {texture};

@@ -6,7 +6,7 @@
 
 namespace mebots::training {
 
-/// The floor of a hall: x from `west_m` to `east_m`, y from -half_width_m to half_width_m.
+/// Describes the floor of a hall: x from `west_m` to `east_m`, y from -half_width_m to half_width_m.
 struct Floor {
   double west_m = -2.0;
   double east_m = 10.0;
@@ -17,7 +17,7 @@ struct Floor {
 /// stand, a crate with framed sides, a table, a doorway, a shelf, a tree, a pillar with a bumper.
 void add_clutter(Random& random, const Floor& floor, world::scene::Scene& scene);
 
-/// Returns a texture of rectangles, filled and hollow, as on a poster, a crate or a sheet.
+/// Returns a texture of filled and hollow rectangles, as on a poster, a crate or a sheet.
 world::scene::Texture drawn_paint(Random& random);
 
 }  // namespace mebots::training

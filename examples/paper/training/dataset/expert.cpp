@@ -13,9 +13,10 @@ using Eigen::Vector3d;
 constexpr double kFullCommandEdge = 1.05;
 constexpr double kNoCommandEdge = 2.1;
 constexpr double kLeastVisiblePart = 0.25;
-/// A gate seen at a flatter angle than this is a beam, not an opening.
+/// Minimum cosine of the angle at which an opening is visible. A gate that is seen at a flatter angle looks like a
+/// beam.
 constexpr double kLeastCosine = 0.3;
-/// A point that is nearer along the optical axis than this is outside of the picture.
+/// Minimum depth along the optical axis. A nearer point is outside of the picture.
 constexpr double kLeastDepth_m = 0.05;
 constexpr double kBeside = 100.0;
 
@@ -44,7 +45,7 @@ Advice expert(const world::scene::Scene& scene, const world::camera::Intrinsics&
   const double high = std::max(a, b);
   const double seen = std::min(high, 1.0) - std::max(low, -1.0);
   if (seen <= 0.0) return advice;
-  // Inside the fading distance a frame may extend beyond the picture on both sides while its centre is ahead.
+  // Near the gate, the frame may extend beyond the picture on both sides while its centre is ahead.
   const bool through = advice.distance_m > 0.0 && low < -1.0 && high > 1.0 && std::abs(advice.offset) < 1.0;
   const bool flat = advice.distance_m < kLeastCosine * to_gate_W.norm();
   if (!through && (flat || seen < kLeastVisiblePart * (high - low))) {

@@ -6,20 +6,20 @@
 
 namespace mebots::training {
 
-/// The visible part of a gate's width.
+/// States how much of a gate's width is visible.
 enum class Visibility {
   none,
-  sliver,  ///< too little of it, or seen from the side or from behind: no correct answer
+  sliver,  ///< too small a part, or a view from the side or from behind: no correct answer
   enough
 };
 
-/// The expert's answer to a picture.
+/// Contains the expert's answer to a picture.
 struct Advice {
   Visibility visibility = Visibility::none;
   /// Yaw command in [-1, 1], positive = left.
   double yaw = 0.0;
-  double distance_m = 0.0;  ///< from the camera to the gate's plane; 0 without a gate
-  double strength = 0.0;    ///< 1 far from the gate, 0 after fading
+  double distance_m = 0.0;  ///< distance from the camera to the gate's plane; 0 without a gate
+  double strength = 0.0;    ///< factor of the command: 1 far from the gate, 0 after fading
   double offset = 0.0;      ///< centre of the opening, to the left of the picture's centre, relative to half the
                             ///< picture's width
 };

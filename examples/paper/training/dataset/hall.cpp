@@ -22,9 +22,9 @@ constexpr int kMostThings = 11;
 constexpr double kClearOfGate_m = 0.8;
 
 constexpr int kMostClutter = 9;
-/// Clutter may be next to a gate, but not in it.
+/// Minimum distance of clutter from a gate. Clutter may be next to a gate, but not in it.
 constexpr double kClutterClearOfGate_m = 0.55;
-/// The share of cluttered halls whose walls are hedges under the sky.
+/// Share of cluttered halls whose walls are hedges under the sky.
 constexpr double kOutdoors = 0.2;
 
 Texture frame_paint(Random& random) {
@@ -90,8 +90,8 @@ Cylinder column(Random& random, double length_m, double half_width_m) {
   return cylinder;
 }
 
-/// True if an object whose half diagonal is `reach_m` is so far from the gates that it cannot hide a gate from every
-/// side.
+/// Returns true if an object whose half diagonal is `reach_m` is so far from the gates that it cannot hide a gate from
+/// every side.
 bool keeps_away(const Scene& scene, const Vector3d& p_W, double reach_m, double clear_m = kClearOfGate_m) {
   return std::all_of(scene.gates.begin(), scene.gates.end(),
                      [&](const Gate& gate) { return (p_W - gate.p_W_m).head<2>().norm() >= clear_m + reach_m; });
@@ -115,7 +115,7 @@ double reach_m(const world::scene::MeshThing& thing) {
   return reach;
 }
 
-/// True if all objects that `with` has in addition to `before` are far enough from the gates.
+/// Returns true if all objects that are in `with` but not in `before` are far enough from the gates.
 bool clear_of_gates(const Scene& before, const Scene& with) {
   const auto boxes_keep = std::all_of(
       with.boxes.begin() + static_cast<std::ptrdiff_t>(before.boxes.size()), with.boxes.end(), [&](const auto& box) {

@@ -39,7 +39,7 @@ using mebots::training::Random;
 using mebots::training::Sight;
 using mebots::training::Visibility;
 
-/// The output of the network: the expert's command, or the position of the gate.
+/// Selects the output of the network: the expert's command, or the position of the gate.
 enum class Task { command, sight };
 
 struct Options {
@@ -49,17 +49,17 @@ struct Options {
   std::uint64_t seed = 1;
   int scenes = 100;
   int pictures = 16;
-  double field_of_view_rad = 0.0;  ///< 0 = different in each room
-  bool clutter = false;            ///< views in random rooms with much clutter
+  double field_of_view_rad = 0.0;  ///< 0 means a different value in each room
+  bool clutter = false;            ///< if true, takes pictures in random rooms with much clutter
 };
 
-/// Disturbances of a picture between the renderer and the network.
+/// Describes the disturbances of a picture between the renderer and the network.
 struct Disturbance {
-  int blur_px = 1;    // width of a horizontal box blur, from the exposure of a turning drone
-  int blur_rows = 1;  // height of a vertical one, from a climbing or pitching drone
+  int blur_px = 1;    // width of a horizontal box blur, due to the exposure of a turning drone
+  int blur_rows = 1;  // height of a vertical box blur, due to a climbing or pitching drone
   double gain = 1.0;
   double offset = 0.0;
-  double vignetting = 0.0;  // loss of light in a corner
+  double vignetting = 0.0;  // relative loss of light in a corner
 };
 
 Disturbance random_disturbance(Random& random) {
@@ -127,13 +127,13 @@ void disturb(const Disturbance& d, int width, std::vector<std::uint8_t>& pixels)
   }
 }
 
-/// Position and attitude of the drone, usually with the gate ahead.
+/// Contains position and attitude of the drone, usually with the gate ahead.
 struct BodyPose {
   Vector3d p_WB_m;
   Eigen::Matrix3d R_WB;
 };
 
-/// Returns a drone at this position and heading with random pitch and roll of about this size.
+/// Returns a drone at this position and heading. Pitch and roll are random, with magnitudes of about `spread_rad`.
 BodyPose tilted(Random& random, const Vector3d& p, double yaw, double spread_rad) {
   const Eigen::Matrix3d R =
       (AngleAxisd(yaw, Vector3d::UnitZ()) * AngleAxisd(random.normal(spread_rad), Vector3d::UnitY()) *
@@ -242,7 +242,7 @@ bool inside(const mebots::world::scene::Box& box, const Vector3d& p_W, double ma
   return (p.cwiseAbs() - 0.5 * box.size_m).maxCoeff() < margin_m;
 }
 
-/// True if the drone can be at `p` and nothing is between it and the gate.
+/// Returns true if the drone can be at `p`, and nothing is between it and the gate.
 bool free_view(const mebots::world::scene::Scene& scene, const Vector3d& p_W) {
   for (const auto& box : obstacles(scene)) {
     if (inside(box, p_W, 0.1)) return false;
@@ -260,7 +260,7 @@ bool free_view(const mebots::world::scene::Scene& scene, const Vector3d& p_W) {
   return true;
 }
 
-/// True if the straight line from `from` to `to` intersects the box.
+/// Returns true if the straight line from `from` to `to` intersects the box.
 bool meets(const mebots::world::scene::Box& box, const Vector3d& from_W, const Vector3d& to_W) {
   const AngleAxisd turn(-box.yaw_rad, Vector3d::UnitZ());
   const Vector3d from = turn * (from_W - box.p_W_m);
@@ -281,7 +281,7 @@ bool meets(const mebots::world::scene::Box& box, const Vector3d& from_W, const V
   return enter < leave;
 }
 
-/// Returns the share of a gate's frame that the things hide from `p`, along the middle of its beams.
+/// Returns the share of a gate's frame that objects hide from `p`, measured along the middle of its beams.
 double hidden_part(const std::vector<mebots::world::scene::Box>& things, const mebots::world::scene::Gate& gate,
                    const Vector3d& p_W) {
   return mebots::training::part_of_frame(gate, 0.5, [&](const Vector3d& point_W) {
@@ -289,10 +289,10 @@ double hidden_part(const std::vector<mebots::world::scene::Box>& things, const m
   });
 }
 
-/// The largest hidden share of a gate that the sight network must detect.
+/// Maximum hidden share of a gate that the sight network must detect.
 constexpr double kMostHidden = 0.35;
 
-/// True if the drone can be at `p` and the gate to detect is not hidden.
+/// Returns true if the drone can be at `p`, and the gate to detect is not hidden.
 bool has_answer(const mebots::world::scene::Scene& scene, const std::vector<mebots::world::scene::Box>& things,
                 const Sight& seen, const Vector3d& p_W) {
   if (std::any_of(things.begin(), things.end(), [&](const auto& box) { return inside(box, p_W, 0.1); })) return false;
@@ -300,7 +300,7 @@ bool has_answer(const mebots::world::scene::Scene& scene, const std::vector<mebo
   return hidden_part(things, scene.gates[static_cast<std::size_t>(seen.gate)], p_W) <= kMostHidden;
 }
 
-/// True if the point is more than 0.3 m inside the outermost boxes, which are the walls of the room.
+/// Returns true if the point is more than 0.3 m inside the outermost boxes, which are the walls of the room.
 bool in_room(const mebots::world::scene::Scene& scene, const Vector3d& p_W) {
   Vector3d low = Vector3d::Constant(1e9);
   Vector3d high = -low;

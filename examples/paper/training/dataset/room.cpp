@@ -16,7 +16,7 @@ using world::scene::Gate;
 using world::scene::Scene;
 using world::scene::Texture;
 
-/// The minimum distance between the gate and other objects. So they cannot hide the gate from every side.
+/// Minimum distance between the gate and other objects. At this distance, they cannot hide the gate from every side.
 constexpr double kFreeAroundGate_m = 0.9;
 
 Texture gate_paint(Random& random) {

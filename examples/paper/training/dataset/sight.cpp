@@ -11,13 +11,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A gate seen at a flatter angle than this is a beam, not an opening.
+/// Minimum cosine of the angle at which an opening is visible. A gate that is seen at a flatter angle looks like a
+/// beam.
 constexpr double kFlatCosine = 0.3;
-/// A point that is nearer along the optical axis than this is outside of the picture.
+/// Minimum depth along the optical axis. A nearer point is outside of the picture.
 constexpr double kBesideDepth_m = 0.05;
-/// The share of the points along the opening's edge that must be in the picture.
+/// Minimum share of the points along the opening's edge that are in the picture.
 constexpr double kLeastInnerPart = 0.15;
-/// The depth of these points in the beams, as a share of the way from the inner edge to the outer edge.
+/// Position of these points in the beams, as a share of the distance from the inner edge to the outer edge.
 constexpr double kIntoBeam = 0.2;
 
 Sight sight_of_gate(const world::scene::Gate& gate, const world::camera::Intrinsics& intrinsics,

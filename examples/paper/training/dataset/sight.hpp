@@ -7,7 +7,7 @@
 
 namespace mebots::training {
 
-/// The position of the nearest gate in a picture, which the sight network learns.
+/// Contains the position of the nearest gate in a picture, which the sight network learns.
 struct Sight {
   /// enough: the gate is in the picture. none: not even a corner of the gate is in the picture. sliver: the visible
   /// part is too small or too flat for a correct answer. A gate that the camera is about to fly through is also a
@@ -18,7 +18,7 @@ struct Sight {
   double yaw = 0.0;
   double rise = 0.0;
   double size = 0.0;        ///< half the frame's width at the gate's depth, relative to half the picture's width
-  double distance_m = 0.0;  ///< from the camera to the gate's plane
+  double distance_m = 0.0;  ///< distance from the camera to the gate's plane
   int gate = -1;            ///< index of the gate in the scene; negative if there is none
 };
 
