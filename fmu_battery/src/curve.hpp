@@ -10,7 +10,7 @@ class Node;
 
 namespace mebots::battery {
 
-/// A quantity over state of charge s in [0, 1], in one of two forms:
+/// Computes a quantity from the state of charge s in [0, 1]. The quantity has one of two forms:
 ///   a exp(-b s) + c0 + c1 s + c2 s^2 + c3 s^3   (the form of Chen and Rincon-Mora 2006)
 ///   a table, linear between its points
 class Curve {

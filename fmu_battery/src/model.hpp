@@ -15,7 +15,8 @@
 
 namespace mebots::battery {
 
-/// A power bus with its cell, protection, converters, loads and source. Plain C++; fmu.cpp binds it to FMI.
+/// Models a power bus with its cell, protection, converters, loads and source in plain C++; fmu.cpp binds the class to
+/// FMI.
 ///
 /// Inputs are powers and are constant during a step; outputs are values at the end of the step.
 ///

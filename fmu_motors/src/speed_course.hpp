@@ -5,7 +5,7 @@
 
 namespace mebots::motors {
 
-/// The speed w of a rotor over time at a constant steady speed u:
+/// Computes the speed w of a rotor over time at a constant steady speed u:
 /// dw/dt = a (u - w) + b (u^2 - w^2)
 /// With e = u - w, this is Bernoulli's equation de/dt = -k e + b e^2 with k = a + 2 b u. Its solution has a closed
 /// form, so there is no step size.

@@ -12,7 +12,7 @@
 namespace mebots::world::camera {
 namespace {
 
-/// Tangent of the greatest permitted angle between a ray and the lens axis, 80 degrees.
+/// Tangent of the greatest angle to the axis that a lens may have: 80 degrees.
 constexpr double kFarthestAside = 5.67;
 
 /// Returns the direction of a ray that meets the sensor at `at`: the least root of r (1 + k1 r^2 + k2 r^4) = at, by

@@ -11,8 +11,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Size of the guard band. Parts of a face that are farther than this from the middle of the picture are cut off. This
-/// keeps the integers small.
+/// Guard band: parts of a face that are farther than this from the middle of the picture are cut off. This keeps the
+/// integers small.
 constexpr double kGuard_px = 32768.0;
 
 struct Polygon {
@@ -20,7 +20,7 @@ struct Polygon {
   int count = 0;
 };
 
-/// Describes a plane that clips a face. A corner is kept if its distance to the plane is not negative.
+/// A corner with a positive distance to the plane is kept.
 struct ClipPlane {
   Vector3d normal;
   double offset;
@@ -35,7 +35,7 @@ Polygon clipped(const Polygon& polygon, const ClipPlane& plane) {
     const double da = plane.distance(a);
     const double db = plane.distance(b);
     if (da >= 0.0) kept.corners[kept.count++] = a;
-    // Always computes the point from the kept corner to the removed corner. Two polygons traverse their common edge in
+    // The point is always computed from the kept corner to the lost one. Two polygons pass their common edge in
     // opposite directions, and must get the same bits.
     if (da >= 0.0 && db < 0.0) kept.corners[kept.count++] = a + (da / (da - db)) * (b - a);
     if (da < 0.0 && db >= 0.0) kept.corners[kept.count++] = b + (db / (db - da)) * (a - b);
@@ -73,10 +73,10 @@ Polygon clipped(std::span<const Vector3d> corners_C_m, double side) {
   return polygon;
 }
 
-/// Rounds to the nearest integer, and halves away from 0. Gives the same result as std::llround(), but without a call.
+/// Rounds to the nearest, halves away from 0, like std::llround() but without a call.
 std::int32_t to_nearest(double value) {
   const auto whole = static_cast<std::int32_t>(value);
-  const double rest = value - whole;  // this difference is exact
+  const double rest = value - whole;  // exact
   return whole + static_cast<std::int32_t>(rest >= 0.5) - static_cast<std::int32_t>(rest <= -0.5);
 }
 

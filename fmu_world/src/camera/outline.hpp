@@ -12,9 +12,9 @@
 
 namespace mebots::world::camera {
 
-/// Distance from the camera's plane below which parts of a face are cut off.
+/// Parts of a face that are nearer to the camera's plane than this are cut off.
 inline constexpr double kNearPlane_m = 1e-3;
-/// Number of planes that clip a face. Each plane can add a corner.
+/// Number of planes that cut a face; each can add a corner.
 inline constexpr std::size_t kClipPlanes = 5;
 /// A face has at most 8 corners; each of the five clip planes can add one. Three more are a reserve.
 inline constexpr std::size_t kMaxOutlineCorners = 16;
@@ -24,24 +24,24 @@ inline constexpr std::size_t kMaxOutlineCorners = 16;
 /// the edge is a left or top one. Therefore polygons that share an edge never share or miss a pixel.
 class Outline {
  public:
-  /// Describes a picture whose middle is on the camera's optical axis.
+  /// A picture with its middle on the camera's optical axis.
   struct Picture {
     double focal_length_px;
     int width, height;
   };
-  static constexpr std::int64_t kOne = 4096;  // 1/4096 pixel is the unit; this is one pixel
+  static constexpr std::int64_t kOne = 4096;  // a pixel
   static constexpr std::int64_t kHalf = kOne / 2;
 
-  /// Describes an edge of an outline. The edge crosses the centre line of at least one row.
+  /// An edge of an outline. It passes the centre of at least one row.
   struct Edge {
     std::int32_t x_top, y_top;  // in 1/4096 pixel
-    std::int32_t dx, dy;        // vector from the top to the bottom of the edge, dy > 0
-    int first_row, end_row;     // rows of the picture whose centre lines the edge crosses
-    std::int32_t winding;       // 1 if the polygon is to the right of the edge, -1 if to the left
+    std::int32_t dx, dy;        // from top to bottom, dy > 0
+    int first_row, end_row;     // rows whose centres it passes, within the picture
+    std::int32_t winding;       // 1 if the polygon is to its right, -1 if to its left
     double columns_per_unit;    // 1 / (4096 dy), rounded
 
     /// Computes the first column whose centre is on or right of the edge, for each of the rows [first, end). The edge
-    /// must cross the centre lines of all these rows.
+    /// must pass all of these rows.
     void columns(int first, int end, std::int32_t* columns) const {
       // The result is the least column with (kOne column + kHalf - x_top) dy >= dx (y - y_top): a quotient that is
       // rounded up. The product is at most 2^30 times 2^31, so it fits into 64 bits.
@@ -70,9 +70,8 @@ class Outline {
   };
   using Edges = std::span<Edge, kMaxOutlineCorners>;
 
-  /// Computes the outline of a polygon. `corners_C_m` are in the camera frame, counter-clockwise seen from the camera.
-  /// The outline's edges are the first edge_count() elements of `edges`. This array must not move while the outline is
-  /// used. Uses no heap.
+  /// `corners_C_m` are in the camera frame, counter-clockwise seen from the camera. The outline's edges are the first
+  /// edge_count() elements of `edges`, which must not move. Uses no heap.
   Outline(const Picture& picture, std::span<const Eigen::Vector3d> corners_C_m, Edges edges);
 
   /// The rows of the polygon are [first_row, end_row). The range is empty if the polygon contains no pixel's centre.
@@ -80,11 +79,10 @@ class Outline {
   int end_row() const { return end_row_; }
   int edge_count() const { return edge_count_; }
 
-  /// Maximum number of rows in one call of spans().
+  /// Maximum number of rows of one call of spans().
   static constexpr int kStripRows = 16;
 
-  /// Calls span(row, begin, end) for each run of covered columns in the rows [first, end). All runs are within the
-  /// picture.
+  /// Calls span(row, begin, end) for each run of covered columns in the rows [first, end), within the picture.
   template <typename Span>
   void spans(int first, int end, Span&& span) const {
     first = std::max(first, first_row_);
@@ -118,7 +116,7 @@ class Outline {
   /// edges.
   template <typename Span>
   void winding_spans(int row, Span&& span) const {
-    std::array<Crossing, kMaxOutlineCorners> crossings;  // crossings of the row's centre line, from left to right
+    std::array<Crossing, kMaxOutlineCorners> crossings;  // of the row's centre line, from left to right
     int count = 0;
     for (int i = 0; i < edge_count_; ++i) {
       const Edge& edge = edges_[i];

@@ -18,14 +18,14 @@ namespace {
 using scene::Texture;
 
 constexpr int kCheckerTexelsPerSquare = 64;
-constexpr int kNoiseCells = 16;  // number of lattice cells along a tile's edge
+constexpr int kNoiseCells = 16;  // lattice cells along a tile's edge
 constexpr int kNoiseTexels = 256;
-constexpr int kNoiseOctaves = 3;  // each octave has half the amplitude and twice the frequency of the one before
-constexpr int kBrickRows = 8;     // number of rows in a tile, and of half bricks along its edge
+constexpr int kNoiseOctaves = 3;  // each with half the amplitude and twice the frequency of the one before
+constexpr int kBrickRows = 8;     // rows in a tile, and half bricks along its edge
 constexpr int kBrickTexels = 256;
-constexpr int kMostPictureTexels = 512;  // limit along a tile's edge: 4 MB
+constexpr int kMostPictureTexels = 512;  // along a tile's edge: 4 MB
 constexpr double kBrickJoint = 0.125;    // width of a joint over the height of a row
-constexpr double kBrickSpread = 0.12;    // largest relative difference of a brick's grey level
+constexpr double kBrickSpread = 0.12;    // largest difference of a brick's grey level, relative
 
 /// Returns a uniform number in [0, 1) for a lattice point.
 double lattice(std::uint32_t seed, int layer, int x, int y) {
@@ -39,7 +39,7 @@ double smooth(double t) {
   return t * t * (3.0 - 2.0 * t);
 }
 
-/// Computes value noise in [0, 1) that repeats after `cells` lattice cells.
+/// Value noise in [0, 1) that repeats after `cells` lattice cells.
 class ValueNoise {
  public:
   ValueNoise(std::uint32_t seed, int layer, int cells) : cells_(cells), lattice_(std::size_t{1} * cells * cells) {
@@ -77,7 +77,7 @@ class LayeredNoise {
     }
   }
 
-  /// Returns the noise at (u, v), a value in [0, 1).
+  /// Returns a value in [0, 1).
   double at(double u, double v) const {
     double sum = 0.0;
     double total = 0.0;
@@ -105,7 +105,7 @@ double bricks(const Texture& texture, double u, double v) {
   return std::clamp(texture.light * (1.0 + kBrickSpread * shade), 0.0, 255.0);
 }
 
-/// Returns the grey level of a repeating picture at (u, v), interpolated between its pixels' centres.
+/// Returns the grey level of a repeating picture between its pixels' centres.
 double between_pixels(const scene::Picture& picture, double u, double v) {
   const double x = u * picture.width - 0.5;
   const double y = (1.0 - v) * picture.height - 0.5;

@@ -29,7 +29,7 @@ double upper_quantile(double tail) {
   return x;
 }
 
-/// Contains the positive half of the samples before scaling, the greatest first, and the sum of all squares.
+/// The positive half of the samples before scaling, the greatest first, and the sum of all squares.
 struct Quantiles {
   std::array<double, kSamples / 2> upper{};
   double square_sum = 0.0;
@@ -42,9 +42,8 @@ struct Quantiles {
   }
 };
 
-/// All worlds of the process share the quantiles. They are computed when the library is loaded, so that the library's
-/// memory does not change afterwards. A library with unchanged memory can run the next mission without being loaded
-/// again.
+/// All worlds of the process share the quantiles. They are computed when the library is loaded: a library whose memory
+/// has not changed since its loading can run the next mission without being loaded again.
 const Quantiles kQuantiles;
 
 }  // namespace

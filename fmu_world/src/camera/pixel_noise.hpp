@@ -19,7 +19,7 @@ class PixelNoise {
   explicit PixelNoise(double standard_deviation);
 
   double standard_deviation() const { return standard_deviation_; }
-  /// Adds noise to a row of grey levels, which starts at column 0. Has no effect if the standard deviation is 0.
+  /// Adds noise to a row of grey levels from column 0 on. Has no effect for a standard deviation of 0.
   void add(std::span<float> row_grey, std::uint64_t seed, std::uint64_t frame_index, int row) const;
 
  private:

@@ -8,8 +8,8 @@
 namespace mebots::world::camera {
 namespace {
 
-constexpr int kChunk = 64;                  // number of pixels whose intermediate values fit into the first-level cache
-constexpr int kVector = kSpareColumns + 1;  // number of pixels in the longest vectors
+constexpr int kChunk = 64;                  // pixels whose intermediate values stay in the first-level cache
+constexpr int kVector = kSpareColumns + 1;  // pixels of the longest vectors
 static_assert(kChunk % kVector == 0);
 
 /// Returns condition ? a : b, computed with bits. In some of the loops below, GCC turns the operator ?: into a branch
@@ -32,10 +32,10 @@ float smaller(float a, float b) {
   return a < b ? a : b;
 }
 
-/// Contains the position of a texture look-up on one axis.
+/// The position of a texture look-up on one axis.
 struct Axis {
-  std::int32_t index;  // index in the ripmap's array
-  float fraction;      // share of the next texel in the interpolation
+  std::int32_t index;  // in the ripmap's array
+  float fraction;      // of the way to the next texel
 };
 
 /// Computes a texture look-up. `texels` is the coordinate in texels of level 0, `footprint` is the pixel's extent in
@@ -64,8 +64,8 @@ const bool kHasLongVectors = __builtin_cpu_supports("avx2") != 0;
 constexpr bool kHasLongVectors = false;
 #endif
 
-/// Rounds a number of pixels up to whole vectors. Otherwise, short runs would spend most of their time on single pixels
-/// after the last vector.
+/// Rounds a number of pixels up to whole vectors. Otherwise, most of the time for short runs would be spent on the
+/// remaining single pixels.
 int whole_vectors(int count) {
   return (count + kVector - 1) / kVector * kVector;
 }

@@ -9,8 +9,8 @@
 namespace mebots::world::camera {
 namespace {
 
-/// Stores the tiles that are in use. Drawing tiles takes most of the time of a world's start. Tiles never change, so
-/// all worlds share them.
+/// The tiles in use. Drawing tiles takes most of the time of a world's start. Tiles never change, so all worlds share
+/// them.
 class Tiles {
  public:
   std::shared_ptr<const Tile> get(const scene::Texture& texture) {

@@ -8,7 +8,7 @@
 
 namespace mebots::world::camera {
 
-/// Contains a texture of the scene as a tile, and the lengths of the tile's edges along the surface's two axes.
+/// A texture of the scene as a tile, and the lengths of the tile's edges along the surface's two axes.
 struct Tile {
   Ripmap ripmap;
   double edge_u_m;
@@ -18,7 +18,7 @@ struct Tile {
 /// Draws the tile of a scene's texture. The surface's first axis is u, its second axis is v.
 Tile make_tile(const scene::Texture& texture);
 
-/// Returns the tile of a texture. All worlds of the process share the tile while it is in use.
+/// Returns a tile that all worlds of the process share while it is in use.
 std::shared_ptr<const Tile> shared_tile(const scene::Texture& texture);
 
 }  // namespace mebots::world::camera

@@ -14,8 +14,8 @@
 
 namespace mebots::world::crazyflie {
 
-/// The cascade of PID controllers of a Crazyflie: position -> velocity -> roll, pitch and thrust at 100 Hz; attitude ->
-/// rate -> four motors at 500 Hz. It does not use mass or inertia.
+/// Computes the cascade of PID controllers of a Crazyflie: position -> velocity -> roll, pitch and thrust at 100 Hz;
+/// attitude -> rate -> four motors at 500 Hz. The cascade does not use mass or inertia.
 ///
 /// A goal with velocities is the firmware's hover set-point: horizontal velocity along the heading, yaw rate, altitude.
 /// If the goal is to hold the position, the controller first brakes. It then holds the position at which the drone has

@@ -10,11 +10,11 @@
 
 namespace mebots::world::crazyflie {
 
-/// Extended Kalman filter of position, velocity in body axes and attitude error. After measurements, the error is added
-/// to the attitude, as in M. W. Mueller, M. Hamer, R. D'Andrea, "Fusing ultra-wideband range measurements with
-/// accelerometers and rate gyroscopes for quadrocopter state estimation", ICRA 2015. The covariance turns with the
-/// attitude, as in M. W. Mueller, M. Hehn, R. D'Andrea, "Covariance correction step for Kalman filtering with an
-/// attitude", JGCD 2016. The equations of motion are x' = R v, v' = f - w x v - g R^T e_z, R' = R [w]x. The
+/// Estimates position, velocity in body axes and attitude error with an extended Kalman filter. After measurements, the
+/// error is added to the attitude, as in M. W. Mueller, M. Hamer, R. D'Andrea, "Fusing ultra-wideband range
+/// measurements with accelerometers and rate gyroscopes for quadrocopter state estimation", ICRA 2015. The covariance
+/// turns with the attitude, as in M. W. Mueller, M. Hehn, R. D'Andrea, "Covariance correction step for Kalman filtering
+/// with an attitude", JGCD 2016. The equations of motion are x' = R v, v' = f - w x v - g R^T e_z, R' = R [w]x. The
 /// measurements of flow and distance, and all numbers, are those of the Crazyflie's firmware (crazyflie-firmware,
 /// commit 2a18fc29, kalman_core_params_defaults.h, mm_flow.c, mm_tof.c, zranger2.c).
 class Kalman {

@@ -21,19 +21,19 @@ namespace mebots::world {
 class FlowSensor {
  public:
   struct Sample {
-    std::int64_t number = 0;  ///< number since time 0; there is no sample at the start
+    std::int64_t number = 0;  ///< since time 0; the start has no sample
     std::array<std::int32_t, 2> counts{};
     bool seen = false;
-    double period_s = 0.0;  ///< time since the previous sample
+    double period_s = 0.0;  ///< since the sample before
   };
 
   FlowSensor(const scene::FlowData& data, std::uint64_t seed, std::int64_t start_ns);
 
-  /// Sets the seed of the noise. The seed is not part of the state. Therefore the owner must set it before every step.
+  /// Sets the seed. It is not part of the state: its owner sets it before every step.
   void reseed(std::uint64_t seed) { seed_ = seed; }
 
-  /// Updates the sensor after a time step of dt that ends at time_ns. During dt, the body is assumed to be at `state`.
-  /// `distance_m` is the distance to the next surface along the body's -z axis; infinity if there is none.
+  /// Updates the sensor: the body was at `state` for dt until time_ns, `distance_m` along -z from the next surface
+  /// (infinity if there is none).
   void update(std::int64_t time_ns, const RigidState& state, double distance_m, double dt_s);
 
   const Sample& sample() const { return sample_; }
@@ -46,9 +46,9 @@ class FlowSensor {
   std::int64_t period_ns_;
   std::uint64_t seed_;
   Sample sample_;
-  std::array<double, 2> moved_pixels_{};  ///< motion since the last sample, including the rounding error of that sample
+  std::array<double, 2> moved_pixels_{};  ///< since the last sample, with its rounding error
   double gathered_s_ = 0.0;
-  bool hidden_ = false;  ///< true if the motion was invisible at any time since the last sample
+  bool hidden_ = false;  ///< since the last sample
 };
 
 }  // namespace mebots::world

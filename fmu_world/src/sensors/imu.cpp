@@ -13,7 +13,7 @@
 namespace mebots::world {
 namespace {
 
-constexpr int kAxes = 6;  // three accelerations and three rates
+constexpr int kAxes = 6;  // three of each
 
 }  // namespace
 

@@ -22,20 +22,19 @@ class Imu {
   static constexpr std::int64_t kPeriod_ns = 1'000'000;
 
   struct Settings {
-    double acceleration_noise_m_per_s2 = 0.0;  ///< standard deviation of the noise of a sample
-    double acceleration_bias_m_per_s2 = 0.0;   ///< standard deviation of the bias
+    double acceleration_noise_m_per_s2 = 0.0;  ///< standard deviation of a sample
+    double acceleration_bias_m_per_s2 = 0.0;   ///< of the bias
     double rate_noise_rad_per_s = 0.0;
     double rate_bias_rad_per_s = 0.0;
   };
 
-  /// Throws mebots::Error if a standard deviation is negative or not finite.
+  /// Throws mebots::Error for a standard deviation that is negative or not finite.
   Imu(const Settings& settings, std::uint64_t seed);
 
-  /// Sets the seed of the noise. The seed is not part of the state. Therefore the owner must set it before every step.
+  /// Sets the seed. It is not part of the state: its owner sets it before every step.
   void reseed(std::uint64_t seed) { seed_ = seed; }
 
-  /// Updates the sensors after a time step of dt that ends at time_ns. During dt, the body moved from the state `from`
-  /// to the state `to`.
+  /// Updates the sensors: the body moved from one state to the other within dt, up to time_ns.
   void update(std::int64_t time_ns, const RigidState& from, const RigidState& to, double dt_s);
 
   const Eigen::Vector3d& acceleration_m_per_s2() const { return acceleration_m_per_s2_; }

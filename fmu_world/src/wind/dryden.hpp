@@ -11,8 +11,8 @@
 
 namespace mebots::world {
 
-/// Gusts after Dryden (MIL-STD-1797A): frozen turbulence that the wind carries past the drone with `speed`. All axes
-/// have one length scale L.
+/// Computes gusts after Dryden (MIL-STD-1797A). They are frozen turbulence that the wind carries past the drone with
+/// `speed`. All axes have one length scale L.
 ///
 ///   along x:   H(s) = sigma sqrt(2 L / (pi V)) / (1 + L/V s)
 ///   y and z:   H(s) = sigma sqrt(L / (pi V)) (1 + sqrt(3) L/V s) / (1 + L/V s)^2

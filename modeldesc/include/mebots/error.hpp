@@ -8,9 +8,9 @@
 
 namespace mebots {
 
-/// The error type of the project. The message states the problem, its place (file, instance, variable), the value, and
-/// the remedy. The code identifies the kind of the error for programs. To add context, catch the error and keep its
-/// code:
+/// Reports an error; all code of the project throws this type. The message states the problem, its place (file,
+/// instance, variable), the value, and the remedy. The code identifies the kind of the error for programs. To add
+/// context, catch the error and keep its code:
 ///
 ///     throw Error(error.code(), place + ": " + error.what());
 ///

@@ -9,7 +9,7 @@
 
 namespace mebots::motor_thermal {
 
-/// Thermal model of a motor. The winding (w) and the case (c) around it are heat capacities:
+/// Models the temperatures of a motor. The winding (w) and the case (c) around it are heat capacities:
 ///
 ///     C_w dT_w/dt = I^2 R (1 + a (T_w - 20 degC)) - G_w (T_w - T_c)
 ///     C_c dT_c/dt = G_w (T_w - T_c) - G_c (T_c - T_air)
