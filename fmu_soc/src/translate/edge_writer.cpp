@@ -11,6 +11,13 @@ namespace mebots::soc::translate {
 
 using namespace Xbyak::util;
 
+namespace {
+
+/// A loop begins at a line of the host's caches, so that its speed does not depend on the code before it.
+constexpr std::size_t kLoopAlignment = 64;
+
+}  // namespace
+
 void EdgeWriter::begin(const Region& region) {
   MEBOTS_ASSERT(!region.nodes.empty());
   region_ = &region;
@@ -23,6 +30,7 @@ void EdgeWriter::begin_node(std::size_t index) {
   MEBOTS_ASSERT(index < labels_.size());
   present_ = &region_->nodes[index];
   following_ = index + 1 < region_->nodes.size() ? &region_->nodes[index + 1] : nullptr;
+  if (present_->is_loop_head) a_.align(kLoopAlignment);
   a_.L(labels_[index]);
 }
 

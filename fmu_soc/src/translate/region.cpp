@@ -59,6 +59,7 @@ class LoopFinder {
 
   /// Multiplies the weights of a loop's body, which consists of all nodes that reach `last` without passing `head`.
   void weigh(std::size_t head, std::size_t last) {
+    region_.nodes[head].is_loop_head = true;
     std::vector<bool> inside(region_.nodes.size());
     std::vector<std::size_t> waiting{last};
     inside[head] = true;

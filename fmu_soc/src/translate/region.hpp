@@ -15,7 +15,8 @@ struct Node {
   std::uint32_t number = 0;  // number of the block
   const Block* block = nullptr;
   const Instruction* first = nullptr;
-  std::uint32_t weight = 1;  // estimate of how often it runs: 8 to the power of its loop depth
+  std::uint32_t weight = 1;   // estimate of how often it runs: 8 to the power of its loop depth
+  bool is_loop_head = false;  // true if a loop of the region begins with it
 
   /// Returns the slot after the node's last instruction. Its index is the number of instructions of the node.
   const Instruction* end() const {
