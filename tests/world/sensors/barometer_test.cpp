@@ -61,7 +61,7 @@ TEST(Barometer, RoundsToItsResolution) {
 
 TEST(Barometer, NoiseHasTheRequestedDeviationAndNoMean) {
   scene::BarometerData data = exact_barometer();
-  data.noise_pa = 1.32;
+  data.noise_pa = 0.9;
   Barometer sensor(data, {}, 4);
   double sum = 0.0;
   double squares = 0.0;
@@ -72,8 +72,8 @@ TEST(Barometer, NoiseHasTheRequestedDeviationAndNoMean) {
     sum += error;
     squares += error * error;
   }
-  EXPECT_NEAR(sum / kCount, 0.0, 4.0 * 1.32 / std::sqrt(kCount));  // four standard errors
-  EXPECT_NEAR(std::sqrt(squares / kCount), 1.32, 4.0 * 1.32 / std::sqrt(2.0 * kCount));
+  EXPECT_NEAR(sum / kCount, 0.0, 4.0 * data.noise_pa / std::sqrt(kCount));  // four standard errors
+  EXPECT_NEAR(std::sqrt(squares / kCount), data.noise_pa, 4.0 * data.noise_pa / std::sqrt(2.0 * kCount));
 }
 
 TEST(Barometer, TheBiasIsConstantAndDrawnFromTheSeed) {
