@@ -11,7 +11,7 @@
 
 namespace mebots::app {
 
-/// Performs a command after the command line was parsed. Returns the program's exit code.
+/// Executes a command. Called after the command line was parsed. Returns the program's exit code.
 using Action = std::function<int()>;
 
 /// Adds a command to the parser. If the command is given, the parser stores its action in `action`, which must exist
@@ -44,8 +44,8 @@ void add_validate(CLI::App& app, Action& action);
 /// Returns the default folder for the results of a config: results/<name of the config>.
 std::filesystem::path default_results(const std::filesystem::path& config);
 
-/// Writes the page of these results folders, as `mebots report` does. If `file` is empty, writes flight.html in the
-/// first folder. Returns the path of the written file. Throws Error.
+/// Writes the HTML report of these results folders, as `mebots report` does. If `file` is empty, writes flight.html
+/// into the first folder. Returns the path of the written file. Throws Error if the report cannot be written.
 std::filesystem::path write_report(const std::vector<std::filesystem::path>& folders, std::filesystem::path file);
 
 /// Throws InputError if the folder in which a file is to be written does not exist.
@@ -55,23 +55,24 @@ void require_folder_of(const std::filesystem::path& file);
 /// exceptions.
 int guarded(const std::function<void()>& work);
 
-/// Prints the text after "mebots: error: " to standard error.
+/// Prints "mebots: error: ", followed by the text, to standard error.
 void print_error(const std::string& text);
 
-/// Writes a command's result to standard output, after earlier output. Throws Error if the output is closed or full.
+/// Writes a command's result to standard output, after all text that was printed before. Throws Error if the output is
+/// closed or full.
 void print_product(std::string_view text);
 
 /// Returns the footer of a command's help: the sections "Exit codes:" and "Examples:", with one entry per line.
 std::string help_footer(const std::vector<std::string>& exit_codes, const std::vector<std::string>& examples);
 
-/// Accepts a number greater than 0.
+/// Returns a validator that accepts numbers greater than 0.
 const CLI::Validator& positive();
-/// Accepts any text that is not empty.
+/// Returns a validator that accepts any text that is not empty.
 const CLI::Validator& not_empty();
 
-/// Used by commands that are written in Python. Replaces this program by the interpreter, which calls `main()` of
-/// `module` (such as "mebots.exploration.command") with `words` as arguments. `command` is the user's command for
-/// errors, such as "mebots sweep". Never returns. Throws InputError if the package or an interpreter is missing.
+/// Replaces this program by a Python interpreter, which calls `main()` of `module` (such as
+/// "mebots.exploration.command") with the arguments `words`. `command` is the user's command, such as "mebots sweep";
+/// errors quote it. Never returns. Throws InputError if the mebots package or an interpreter is missing.
 void become_python(const std::string& command, const std::string& module, const std::vector<std::string>& words);
 
 }  // namespace mebots::app

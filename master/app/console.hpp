@@ -12,9 +12,9 @@
 
 namespace mebots::app {
 
-/// The output on the terminal. Lines go to standard output; in quiet mode, most of them are not printed. Warnings and
-/// errors always go to standard error. On a terminal, one line can be redrawn in place. On a terminal, warnings and
-/// errors are coloured unless NO_COLOR is set (no-color.org).
+/// Prints the messages of a command. Lines go to standard output; in quiet mode, only always() prints lines. Warnings
+/// and errors always go to standard error. On a terminal, redraw() replaces one line in place, and warnings and errors
+/// are coloured unless NO_COLOR is set (no-color.org).
 class Console final {
  public:
   explicit Console(bool quiet);
@@ -28,7 +28,7 @@ class Console final {
 
   /// True if standard output is a terminal, so that a line can be redrawn.
   bool is_terminal() const { return terminal_; }
-  /// Returns the present width of the terminal in characters.
+  /// Returns the current width of the terminal in characters.
   static std::size_t width();
   /// Draws a line that the next drawn line replaces. An empty text removes it.
   void redraw(std::string_view text);
@@ -40,9 +40,9 @@ class Console final {
   std::mutex mutex_;
   bool quiet_;
   bool terminal_;
-  bool colour_;  // of standard error
+  bool colour_;  // true if standard error shows colours
   std::string drawn_;
-  std::map<std::pair<std::string, Severity>, int> counts_;  // of warnings and errors, by instance
+  std::map<std::pair<std::string, Severity>, int> counts_;  // number of warnings and errors of each instance
 };
 
 }  // namespace mebots::app

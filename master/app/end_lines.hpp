@@ -8,11 +8,11 @@
 
 namespace mebots::app {
 
-/// Returns the report of a run after its end: outcome, speed, the summary's values with units, and the place of the
-/// files. Values share at most ten lines; with `verbose`, each value has its own line.
+/// Returns lines that report the end of a run: its outcome, its speed, the summary's values with units, and the paths
+/// of the written files. The values fill at most ten lines; if `verbose` is true, each value has its own line.
 std::vector<std::string> end_lines(const master::Run& run, bool verbose);
 
-/// Describes a run at t = 0: instances, connections, steps, columns of the results.
+/// Returns lines that describe a run at t = 0: its instances, connections, steps and columns of results.
 std::vector<std::string> start_lines(const master::Run& run);
 
 }  // namespace mebots::app

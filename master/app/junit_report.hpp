@@ -15,17 +15,19 @@ enum class JunitOutcome { passed, failure, error };
 struct JunitCase {
   std::string name;
   JunitOutcome outcome = JunitOutcome::passed;
-  std::string message;  ///< empty if it passed
+  std::string message;  ///< why it did not pass; empty if it passed
   double time_s = 0;
-  std::string out;  ///< its output; may be empty
+  std::string out;  ///< text of the element system-out; may be empty
 };
 
-/// Writes a JUnit file with one suite, named `classname`. Throws Error.
+/// Writes a JUnit file that contains one suite, named `classname`, with these cases. Throws Error if the file cannot be
+/// written.
 void write_junit(const std::filesystem::path& file, const std::string& classname, const std::vector<JunitCase>& cases);
 
-/// Writes the run as one test case of a JUnit file. The test case passes if the run ended with one of the `expected`
-/// outcomes, or if `expected` is empty. Another outcome, or an interrupt, is a failure. If `error` is not empty, the
-/// test case has an error. `run` is null if the run could not be opened. Throws Error.
+/// Writes a JUnit file that contains the run as one test case. The test case passes if the run ended with one of the
+/// `expected` outcomes, or if `expected` is empty. If the run had another outcome or was interrupted, the test case
+/// fails. If `error` is not empty, the test case has an error. `run` is null if the run could not be opened. Throws
+/// Error if the file cannot be written.
 void write_junit(const std::filesystem::path& file, const master::Run* run, const std::vector<std::string>& expected,
                  const std::string& error);
 

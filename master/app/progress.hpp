@@ -13,8 +13,8 @@
 
 namespace mebots::app {
 
-/// Shows the progress of a run: a bar on a terminal, otherwise occasional lines. Reads the wall clock only after a
-/// number of steps, so that short steps are not slowed down.
+/// Shows the progress of a run: as a bar on a terminal, otherwise as occasional lines. Reads the wall clock only once
+/// in many steps, because reading it at every step would slow down short steps.
 class Progress final : public master::Observer {
  public:
   Progress(Console& console, std::int64_t start_time_ns, std::int64_t stop_time_ns);
@@ -47,11 +47,11 @@ std::string duration_text(double seconds);
 /// Throws InputError if a run of this system cannot end with one of the expected outcomes.
 void check_expected(const master::SystemDescription& system, const std::vector<std::string>& expected);
 
-/// Returns the reason why the outcome of a run is not one of `expected`; empty if the outcome is one of them, or if
-/// `expected` is empty.
+/// Returns the reason why the outcome of the run is not one of `expected`. Returns an empty text if the outcome is one
+/// of them, or if `expected` is empty.
 std::string why_unexpected(const master::Run& run, const std::vector<std::string>& expected);
 
-/// Returns a text as one word of a POSIX shell, quoted if necessary.
+/// Returns the text as one word of a POSIX shell; adds quotes if necessary.
 std::string shell_word(std::string_view text);
 
 }  // namespace mebots::app

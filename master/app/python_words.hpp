@@ -10,7 +10,7 @@
 
 namespace mebots::app {
 
-/// The command line of a command that is written in Python, for become_python().
+/// The arguments that become_python() passes to a command written in Python.
 using Words = std::vector<std::string>;
 
 /// Appends an option and its value, unless the value is empty.

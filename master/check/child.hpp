@@ -10,13 +10,13 @@
 
 namespace mebots::check {
 
-/// Receives the reports of an experiment in a child process, and sends them to the parent.
+/// Receives the findings of an experiment that runs in a child process, and sends them to the parent.
 class Witness {
  public:
   virtual ~Witness() = default;
   virtual void error(std::string text, std::string way_out) = 0;
   virtual void warning(std::string text, std::string way_out) = 0;
-  /// Reports a warning at level pedantic.
+  /// Reports a warning of the level pedantic.
   virtual void remark(std::string text, std::string way_out) = 0;
   /// Records the next call to the FMU, so that a crash report can name this call.
   virtual void doing(std::string_view what) = 0;
@@ -28,28 +28,28 @@ class Interrupted final : public std::exception {
   const char* what() const noexcept override { return "interrupted"; }
 };
 
-/// States the severity of a crash, an exit or a hang of the child, and the remedy to suggest.
+/// The severity and the remedy that are reported if the child crashes, exits or hangs.
 struct CrashRule {
   Severity severity = Severity::error;
   std::string way_out = "run the FMU under a debugger, or build it with -fsanitize=address";
-  double deadline_s = 30;                       ///< of computing and sleeping, not of waiting for a processor
-  const std::atomic<bool>* given_up = nullptr;  ///< true ends the child; null = never
+  double deadline_s = 30;                       ///< counts processor and sleeping time, but no waiting for a processor
+  const std::atomic<bool>* given_up = nullptr;  ///< if it becomes true, the child is ended; null: never
 };
 
 /// An experiment that runs in a separate child process.
 struct ChildProbe {
-  std::string name;     ///< a statement that holds if the probe finds no error
-  std::string skipped;  ///< why it does not apply to this FMU; empty if it applies
+  std::string name;     ///< a statement that is true if the probe finds no error
+  std::string skipped;  ///< why the probe does not apply to this FMU; empty if it applies
   std::function<void(Witness&)> run;
-  bool is_plain = false;  ///< a plain run: if it fails, the following probes are skipped
+  bool is_plain = false;  ///< true for a plain run: if it fails, all following probes are skipped
 };
 
-/// Runs foreign code safely: in a forked child with a deadline and without standard output. Findings before a crash, an
-/// exit or a hang of the child are kept, and this event becomes a finding too. When the function returns, the child and
+/// Runs foreign code in a forked child that has a deadline and no standard output. If the child crashes, exits or
+/// hangs, its earlier findings are kept, and the event is added as a finding. When this function returns, the child and
 /// all its descendants have ended. They also end if this process ends. If a callback of mebots crashes, a second run
-/// uses callbacks that do nothing. If the second run crashes, too, the cause is the FMU; otherwise it is the callback.
-/// The calling process must have one thread only. Throws mebots::Error if no child can be created or a callback of
-/// mebots failed. If the user cancelled, throws Interrupted after the child has ended.
+/// uses callbacks that do nothing. If the second run crashes too, the FMU is reported as the cause, otherwise the
+/// callback. The calling process must have only one thread. Throws mebots::Error if no child can be created, or if a
+/// callback of mebots failed. Throws Interrupted after the child has ended if the user cancelled the check.
 void run_in_child(const CrashRule& rule, Findings findings, const std::function<void(Witness&)>& work);
 
 }  // namespace mebots::check

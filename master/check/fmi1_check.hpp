@@ -6,10 +6,10 @@
 
 #include <filesystem>
 
-/// Checks of co-simulation FMUs of FMI 1.0. They cover the requirements for running such an FMU in any tool.
+/// Declares checks of FMI 1.0 co-simulation FMUs. They cover what every tool needs in order to run such an FMU.
 namespace mebots::check {
 
-/// Checks names, start values and references of the variables.
+/// Checks the names, start values and value references of the variables.
 void check_fmi1_variables(const modeldesc::ModelDescription& model, Findings findings);
 /// Checks that the library exports the functions of FMI 1.0 with the model's identifier as prefix.
 void check_fmi1_symbols(const modeldesc::ModelDescription& model, const std::filesystem::path& library,

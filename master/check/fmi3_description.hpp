@@ -15,22 +15,22 @@
 #include <string_view>
 #include <vector>
 
-/// Checks of FMUs of FMI 3.0. They examine the text of the FMU's files, so that each finding has a line number.
+/// Declares checks of FMI 3.0 FMUs. They examine the text of the FMU's files, so that each finding has a line number.
 namespace mebots::check {
 
 using modeldesc::words_of;
 
-/// A declared variable. Missing attributes have FMI's default values.
+/// A variable as declared. Missing attributes have FMI's default values.
 struct Fmi3Declared {
   pugi::xml_node node;
   std::string name;
   std::uint32_t reference = 0;
-  std::string type;  ///< name of the element
+  std::string type;  ///< name of the XML element
   std::string causality;
   std::string variability;
   std::string initial;  ///< empty for inputs, clocks and the independent variable
   std::vector<std::string> starts;
-  std::size_t elements = 1;  ///< product of the dimensions at the start
+  std::size_t elements = 1;  ///< product of the dimensions' start values
 
   bool is_float() const { return type.starts_with("Float"); }
 };
@@ -50,7 +50,7 @@ class Fmi3Description {
   std::string line(pugi::xml_node node) const;
   /// Returns a text such as "line 12, cell.voltage".
   std::string place(const Fmi3Declared& variable) const;
-  /// Returns the elements of the kinds that the FMU offers, such as <CoSimulation>.
+  /// Returns the XML elements of the interface types that the FMU offers, such as <CoSimulation>.
   std::vector<pugi::xml_node> interfaces() const;
 
  private:
@@ -62,34 +62,34 @@ class Fmi3Description {
   std::map<std::uint32_t, std::size_t> by_reference_;
 };
 
-/// Checks identifiers, capabilities, log categories and default experiment.
+/// Checks the identifiers, capabilities, log categories and default experiment.
 void check_fmi3_head(const Fmi3Description& description, Findings findings);
-/// Checks that names and value references are unique. Names include aliases.
+/// Checks that names (including aliases) and value references are unique.
 void check_fmi3_names(const Fmi3Description& description, Findings findings);
-/// Checks the combinations of causality, variability, initial and start, and that there is exactly one independent
-/// variable.
+/// Checks that each variable's combination of causality, variability, initial and start is permitted. Checks that there
+/// is exactly one independent variable.
 void check_fmi3_kinds(const Fmi3Description& description, Findings findings);
-/// Checks that units and types are defined, that start values are within limits, and that start values of enumerations
-/// are items.
+/// Checks that units and types are defined, and that start values are within their limits. Checks that start values of
+/// enumerations are items.
 void check_fmi3_types(const Fmi3Description& description, Findings findings);
 /// Checks dimensions, structural parameters and the number of start values.
 void check_fmi3_arrays(const Fmi3Description& description, Findings findings);
-/// Checks intervals of clocks, and references to clocks and previous values.
+/// Checks the intervals of clocks, and that references to clocks and previous values are valid.
 void check_fmi3_clocks(const Fmi3Description& description, Findings findings);
 /// Checks that ModelStructure lists each output and each initial unknown once, and that their dependencies exist.
 void check_fmi3_structure(const Fmi3Description& description, Findings findings);
 
 /// Checks terminalsAndIcons/terminalsAndIcons.xml and its pictures, if they exist.
 void check_fmi3_terminals(const Fmi3Description& description, const std::filesystem::path& folder, Findings findings);
-/// Checks the names of folders in extra/, and the manifests of layered standards.
+/// Checks the names of the folders in extra/, and the manifests of layered standards.
 void check_extra(const std::filesystem::path& folder, Findings findings);
 /// Checks that each folder in binaries/ is a platform and contains the libraries that the description names.
 void check_fmi3_platforms(const Fmi3Description& description, const std::filesystem::path& folder, Findings findings);
-/// Checks that the library exports the functions for all kinds that the FMU offers.
+/// Checks that the library exports the functions of all interface types that the FMU offers.
 void check_fmi3_symbols(const Fmi3Description& description, const std::filesystem::path& library, Findings findings);
 
-/// Returns the path of the library for this machine and for the first kind that the FMU offers. The file may be
-/// missing.
+/// Returns the path of the library for this machine and for the first interface type that the FMU offers. The file may
+/// be missing.
 std::filesystem::path fmi3_library_path(const Fmi3Description& description, const std::filesystem::path& folder);
 
 }  // namespace mebots::check

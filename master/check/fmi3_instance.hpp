@@ -23,7 +23,7 @@ class Fmi3Refused : public Error {
   using Error::Error;
 };
 
-/// The loaded library of the FMU. Must be used only in a child process.
+/// The FMU's shared library after loading. Must be used only in a child process.
 class Fmi3Library {
  public:
   /// Throws Fmi3Refused if the library cannot be loaded.
@@ -36,7 +36,7 @@ class Fmi3Library {
   Function* find(const char* name) const {
     return reinterpret_cast<Function*>(address(name));
   }
-  /// These functions return the step and the start time of a run, according to the description.
+  /// These functions return the step size and the start time of a run [s], as stated in the description.
   double step_s() const { return step_s_; }
   double start_s() const { return start_s_; }
 
@@ -50,18 +50,18 @@ class Fmi3Library {
   double start_s_;
 };
 
-/// A value that was read: its bytes, and the bytes as a text for messages.
+/// A value of a variable, stored as bytes.
 struct Fmi3Value {
   const Fmi3Declared* variable;
   std::string bytes;
 };
 using Fmi3Values = std::vector<Fmi3Value>;
 
-/// An instance of the FMU. The destructor frees the instance. Before each call, the witness receives the name of the
-/// call.
+/// An instance of the FMU. The destructor frees the instance. Before each call to the FMU, reports the call's name to
+/// the witness.
 class Fmi3Instance {
  public:
-  /// Instantiates for co-simulation. Throws Fmi3Refused if this fails.
+  /// Creates an instance for co-simulation. Throws Fmi3Refused if the FMU returns no instance.
   Fmi3Instance(const Fmi3Library& library, const char* name);
   ~Fmi3Instance();
   Fmi3Instance(const Fmi3Instance&) = delete;
@@ -80,16 +80,16 @@ class Fmi3Instance {
   void exit_initialization();
   /// Enters and exits initialization mode.
   void start();
-  /// Runs from step `first` to step `last`.
+  /// Performs the steps with the numbers `first` to `last`.
   void run(int first, int last);
   void step(double time_s, double step_s);
   /// True if the FMU requested the end of the simulation in its last step.
   bool ended() const { return ended_; }
-  /// These functions access a variable whose values are numbers or Booleans. Whole numbers are exact up to 2^53. If the
-  /// variable's type cannot represent a value, they throw Error.
+  /// These functions get and set a variable whose values are numbers or Booleans. Whole numbers are exact up to 2^53.
+  /// Throw Error if the variable's type cannot represent a value.
   void set_numbers(const Fmi3Declared& variable, std::span<const double> values);
   std::vector<double> get_numbers(const Fmi3Declared& variable);
-  /// Returns all outputs except clocked ones.
+  /// Returns the values of all outputs except clocked outputs.
   Fmi3Values outputs();
   std::string serialized();
   void restore(const std::string& bytes);

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-/// Experiments with an FMI 3.0 FMU through its C interface, as in an importing tool.
+/// Declares experiments that call an FMI 3.0 FMU through its C interface, as an importing tool does.
 namespace mebots::check {
 
 struct Fmi3Target {
@@ -21,13 +21,13 @@ struct Fmi3Target {
 
 class Fmi3Library;
 
-/// Returns the part of the reference traces with which a run can be compared. If this FMU has arrays, columns may still
-/// have the names of the scalars of FMI 2.0.
+/// Returns which columns of the reference traces can be compared with a run. If the FMU has arrays, the columns may
+/// have the names of the scalars of its FMI 2.0 version.
 TraceScope fmi3_trace_scope(const Fmi3Target& target);
-/// Compares a run with the reference traces. Output columns that are no numbers of this FMU are ignored.
+/// Compares a run with the reference traces. Ignores output columns that are not numeric variables of this FMU.
 void replay_trace(const Fmi3Library& library);
 
-/// Returns the probes of co-simulation.
+/// Returns the probes for co-simulation.
 std::vector<ChildProbe> fmi3_probes(const Fmi3Target& target);
 
 }  // namespace mebots::check

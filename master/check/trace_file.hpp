@@ -11,54 +11,56 @@
 #include <string>
 #include <vector>
 
-/// Reference traces inside an FMU, and the comparison of a run with them, for any version of FMI.
+/// Declares the reference traces of an FMU, and compares runs with them, for all FMI versions.
 namespace mebots::check {
 
-/// The files of the reference traces: `documentation/reference/<name>_in.csv` and `<name>_out.csv`. Otherwise the
-/// result named in `extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml`, with its `_in.csv` in the same folder.
+/// The files that contain the reference traces: `documentation/reference/<name>_in.csv` and `<name>_out.csv`. If these
+/// do not exist, `extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml` names the output file, and the `_in.csv` is in
+/// the same folder.
 struct TraceFiles {
   std::filesystem::path inputs;  ///< empty if absent
   std::filesystem::path outputs;
-  /// True if the file serves the FMI 2.0 and 3.0 versions of a model. In this case, columns for variables that this FMU
-  /// lacks, or has as text, are ignored.
+  /// True if the files serve both the FMI 2.0 and the FMI 3.0 version of a model. In this case, columns are ignored if
+  /// this FMU has no such variable or if the variable is a text.
   bool of_many_versions = false;
 };
 
-/// Returns the traces of an unpacked FMU, if it has any.
+/// Returns the traces of an unpacked FMU. Returns nullopt if it has none.
 std::optional<TraceFiles> find_traces(const std::filesystem::path& folder);
 
-/// The part of the reference traces with which a run can be compared.
+/// The number of columns of the reference traces that can be compared with a run.
 struct TraceScope {
-  std::string obstacle = {};  ///< reason why nothing can be compared; empty if something can
-  std::size_t columns = 0;    ///< number of output columns; 0 with an obstacle
-  std::size_t compared = 0;   ///< number of output columns that are numbers of this FMU
+  std::string obstacle = {};  ///< why nothing can be compared; empty if at least one column can be compared
+  std::size_t columns = 0;    ///< number of output columns; 0 if there is an obstacle
+  std::size_t compared = 0;   ///< number of output columns that are numeric variables of this FMU
 
   /// Returns the name of the check. If some columns are not compared, the name contains the number of compared columns.
   std::string check_name() const;
 };
 
-/// Reads the names of the columns. If a file cannot be read, there is no obstacle: read_trace() throws the error.
+/// Reads the column names of the traces. An unreadable file is no obstacle, because read_trace() throws an error for
+/// it.
 TraceScope trace_scope(const std::optional<TraceFiles>& files,
                        const std::function<bool(const std::string& name)>& is_number);
 
-/// Numeric columns of a trace. A cell is a number, or the numbers of an array separated by blanks.
+/// The numeric columns of a trace. A cell contains one number, or the elements of an array, separated by blanks.
 struct Trace {
   using Cell = std::vector<double>;
   std::vector<std::string> names;
   std::vector<double> times;
-  std::vector<std::vector<Cell>> rows;  // by time and column
+  std::vector<std::vector<Cell>> rows;  // indexed by time and column
 };
 
-/// Returns the columns for which `is_number` is true. Throws Error if a cell is not a number. Unless `ignores_others`
-/// is true, also throws if there is any other column.
+/// Reads the columns for which `is_number` is true. Throws Error if one of their cells is not a number. If
+/// `ignores_others` is false, also throws if the file has any other column.
 Trace read_trace(const std::filesystem::path& file, bool ignores_others,
                  const std::function<bool(const std::string& name)>& is_number);
 
-/// Reads the inputs of the traces. If there is no file of inputs, returns a trace of one row without columns. Throws
-/// Error if a cell is not a number, or if a column is not a numeric variable of this FMU.
+/// Reads the file of inputs. If there is none, returns a trace that has one row and no columns. Throws Error if a cell
+/// is not a number, or if a column is not a numeric variable of this FMU.
 Trace read_inputs(const TraceFiles& files, const std::function<bool(const std::string& name)>& is_number);
 
-/// The functions of an instance that replay() calls.
+/// The functions of an FMU's instance that replay() calls.
 struct TracedInstance {
   std::function<void()> enter_initialization;
   std::function<void()> exit_initialization;
@@ -69,9 +71,10 @@ struct TracedInstance {
   std::function<bool(const std::string& name)> is_real;
 };
 
-/// Steps from row to row of the output file with the latest inputs, and compares. Reals may differ by 1e-6 of their
-/// value, because compilers round differently; all other values must be equal. Reports the first divergence to the
-/// witness. Returns true if the run reaches the end of the trace.
+/// Steps the instance from row to row of `outputs` and compares its outputs with the row. Sets the latest inputs of
+/// `inputs` before each step. Reals may differ by 1e-6 of their value, because compilers round differently; all other
+/// values must be equal. Reports the first difference to the witness. Returns true if the run reaches the end of the
+/// trace.
 bool replay(Witness& witness, const TraceFiles& files, const Trace& inputs, const Trace& outputs,
             const TracedInstance& instance);
 

@@ -12,8 +12,8 @@
 
 namespace mebots::check {
 
-/// Converts a finite number of a trace to the type of a variable, such as "Int32 x". Throws Error if the type cannot
-/// represent the number. A Float32 gets the nearest number.
+/// Converts a finite number of a trace to the type T. Throws Error if the type cannot represent the number. Converts to
+/// Float32 by rounding to the nearest number. `variable` names the variable in the error, such as "Int32 x".
 template <typename T>
 T converted(double value, std::string_view variable) {
   using Limits = std::numeric_limits<T>;
@@ -21,7 +21,8 @@ T converted(double value, std::string_view variable) {
   if constexpr (std::is_floating_point_v<T>) {
     fits = std::abs(value) <= static_cast<double>(Limits::max());
   } else {
-    const double end = std::ldexp(1.0, Limits::digits);  // the largest number itself may not be a double
+    // A double may be unable to represent the largest number itself.
+    const double end = std::ldexp(1.0, Limits::digits);
     fits = std::trunc(value) == value && value < end && value >= (Limits::is_signed ? -end : 0);
   }
   if (fits) return static_cast<T>(value);

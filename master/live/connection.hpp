@@ -15,21 +15,21 @@ namespace mebots::live {
 
 class Connection;
 
-/// The open connections of a server, whose number is limited. Its functions may be called from any thread.
+/// The open connections of a server. Limits their number. Its functions may be called from any thread.
 class Connections {
  public:
   /// The maximum number of connections that are served at the same time.
   static constexpr std::size_t kMost = 32;
 
-  /// Adds an accepted connection. If there are more than kMost, closes the oldest connection whose request is not
-  /// complete.
+  /// Adds a connection that the server has accepted. If there are more than kMost, closes the oldest connection whose
+  /// request is incomplete.
   void accept();
   /// Must be called when a connection from accept() has ended.
   void finish() { --accepted_; }
-  /// Closes all connections whose request is not complete. Closes each later connection immediately. Answers that are
-  /// being sent may take at most kLastAnswerTime.
+  /// Closes all connections whose request is incomplete, and immediately closes each later connection. Answers that are
+  /// being sent may take kLastAnswerTime at most.
   void close_all();
-  /// Returns the time of close_all(); the largest time if it was not called.
+  /// Returns the time at which close_all() was called. Returns the largest time if it was not called.
   std::chrono::steady_clock::time_point closed_at() const { return closed_at_; }
 
  private:
@@ -43,11 +43,11 @@ class Connections {
   std::atomic<std::chrono::steady_clock::time_point> closed_at_{std::chrono::steady_clock::time_point::max()};
 };
 
-/// A connection of a client. Limits the time (kRequestTime from the first byte) and the size (kRequestBytes) of a
-/// request. Therefore a client that sends only a byte per second is disconnected. The first byte must arrive within
+/// A connection to a client. A request must be complete within kRequestTime after its first byte, and must have at most
+/// kRequestBytes. Therefore a client that sends one byte per second is disconnected. The first byte must arrive within
 /// kIdleTime, because browsers connect before they send requests. The client must receive the answer within
 /// kAnswerTime. If other connections wait, the whole request must arrive within kCrowdedTime. All functions except
-/// shut_down() must be called by one thread.
+/// shut_down() and is_reading() must be called by one thread.
 class Connection final : public httplib::Stream {
  public:
   static constexpr std::chrono::milliseconds kIdleTime{30000};
@@ -67,7 +67,7 @@ class Connection final : public httplib::Stream {
   bool begins_request();
   /// Marks the request as complete on the connection that the calling thread serves.
   static void complete_request();
-  /// Sets a function that report_sent() calls, on the connection that the calling thread serves.
+  /// Sets a function for the connection that the calling thread serves. report_sent() calls this function.
   static void after_sending(std::function<void()> then);
   /// Must be called when the whole answer has been sent.
   void report_sent() const {
@@ -84,7 +84,8 @@ class Connection final : public httplib::Stream {
 
   /// True until the request is complete. May be called from any thread.
   bool is_reading() const { return is_reading_; }
-  /// Ends the connection. A thread that waits for the client returns immediately. May be called from any thread.
+  /// Closes the connection. If a thread is waiting for the client, its call returns immediately. May be called from any
+  /// thread.
   void shut_down();
 
  private:

@@ -10,13 +10,13 @@
 
 namespace mebots::live {
 
-/// The pages that are open and have not received the end of the run. May be used from any thread.
+/// The browser pages that are open and have not yet received the end of the run. May be used from any thread.
 class OpenPages {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Records a request of a page. If the page was removed before, ignores the request, which was sent before the
-  /// removal. If there are too many pages, ignores a new page.
+  /// Records that a page sent a request. Ignores pages that were removed, because such a request was sent before the
+  /// removal. If there are too many pages, ignores new pages.
   void note_request(const std::string& page) {
     constexpr std::size_t kMost = 32;
     const std::lock_guard lock(mutex_);
@@ -29,7 +29,7 @@ class OpenPages {
       std::erase_if(last_requests_, [](const auto& one) { return one.second == kRemoved; });
     if (last_requests_.size() < kMost) last_requests_.emplace(page, Clock::now());
   }
-  /// Removes a page, because the page has closed or has received the end of the run.
+  /// Removes a page that has closed or has received the end of the run.
   void remove(const std::string& page) {
     const std::lock_guard lock(mutex_);
     if (const auto known = last_requests_.find(page); known != last_requests_.end()) known->second = kRemoved;

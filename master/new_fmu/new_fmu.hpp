@@ -11,12 +11,13 @@
 
 namespace mebots::new_fmu {
 
-/// The files of a new FMU's folder: relative path and text.
+/// The files to write into the folder of a new FMU; each entry has a relative path and a text.
 using Files = std::vector<std::pair<std::filesystem::path, std::string>>;
 
-/// Writes a folder that builds from a description.json: model (a first-order lag between the declared variables),
-/// binding, test, README, CMakeLists.txt. If `folder` is empty, it is the FMU's name in the working folder. Returns the
-/// folder. Throws mebots::Error if the description cannot be read, or if the folder exists, so nothing is overwritten.
+/// Creates the sources of an FMU from a description.json and writes them into a folder that builds. The files are a
+/// model (a first-order lag between the declared variables), a binding, a test, README and CMakeLists.txt. If `folder`
+/// is empty, its name is the name of the FMU, in the working folder. Returns the folder. Throws mebots::Error if the
+/// description cannot be read. Also throws if the folder exists, so that nothing is overwritten.
 std::filesystem::path new_fmu(const std::filesystem::path& description, std::filesystem::path folder);
 
 }  // namespace mebots::new_fmu

@@ -5,8 +5,8 @@
 
 namespace mebots {
 
-/// Thrown if an input of the user cannot be used: a call, the command line, the config, an FMU, a start value, or the
-/// results folder. `mebots` exits with code 2.
+/// Thrown if MEbots cannot use an input of the user, such as a call, the command line, the config, an FMU, a start
+/// value or the results folder. The program `mebots` then exits with code 2.
 class InputError : public Error {
  public:
   using Error::Error;

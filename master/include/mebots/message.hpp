@@ -10,11 +10,12 @@ enum class Severity { info, warning, error };
 
 /// A message of an FMU or of the run itself. Its texts are valid only during the call that delivers the message.
 struct Message {
-  std::string_view instance;  ///< empty: a message of the run itself
+  std::string_view instance;  ///< name of the instance; empty if the run itself issued the message
   Severity severity = Severity::info;
-  std::string_view category;  ///< the FMU's log category; for the run "notice"
+  std::string_view category;  ///< log category of the FMU; "notice" if the run issued the message
   std::string_view text;
-  std::int64_t time_ns = 0;  ///< start of the step that logged it, or the communication point between two steps
+  /// Start of the step during which the message was logged, or the communication point between two steps.
+  std::int64_t time_ns = 0;
 };
 
 }  // namespace mebots

@@ -6,10 +6,10 @@
 
 namespace mebots {
 
-/// The values of a recorded variable, one per entry of Mission::times(). Booleans are 0 and 1.
+/// The values of a recorded variable, one for each time in Mission::times(). Booleans are stored as 0 and 1.
 struct Series {
   std::string name;  ///< instance.variable
-  std::string unit;  ///< empty = none
+  std::string unit;  ///< empty if the variable has no unit
   std::vector<double> values;
 };
 

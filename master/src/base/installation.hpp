@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-/// Finds the files that belong to the running program. No path is compiled in, so a build, an installation and a Python
-/// package can be moved.
+/// Finds the files that belong to the running program. No path is compiled in. Therefore a build, an installation and a
+/// Python package can be moved.
 ///
 /// |                             | this code is in                         | data: fmus, configs, templates |
 /// |-----------------------------|-----------------------------------------|--------------------------------|
@@ -22,13 +22,13 @@ namespace mebots::master {
 /// Returns the possible paths of a file or folder of the data, the preferred path first. The paths need not exist.
 std::vector<std::filesystem::path> data_places(std::string_view name);
 
-/// Returns the possible paths of another program of MEbots, the preferred path first. The paths need not exist.
+/// Returns the possible paths of another MEbots program, the preferred path first. The paths need not exist.
 std::vector<std::filesystem::path> program_places(std::string_view name);
 
-/// Converts the paths to texts for an error.
+/// Converts the paths to texts for an error message.
 std::vector<std::string> as_texts(const std::vector<std::filesystem::path>& places);
 
-/// Returns the first of data_places(name) that exists. If there is none, throws Error with the searched paths.
+/// Returns the first existing path in data_places(name). If none exists, throws Error with the searched paths.
 std::filesystem::path own_data(std::string_view name);
 
 }  // namespace mebots::master

@@ -17,12 +17,12 @@ class OwnThread {
   OwnThread& operator=(const OwnThread&) = delete;
 };
 
-/// Marks the calling thread, and all threads that it will create, as threads of mebots. Used before calls of a library
-/// that creates threads. These threads must not call FMUs.
+/// Marks the calling thread, and all threads that it creates later, as threads of mebots. Call this before a library
+/// creates threads. These threads must not call FMUs.
 void mark_own_family();
 
-/// Must be called before a call to an FMU. If the process is a fork, marks its present threads as threads of mebots,
-/// because they belong to the program.
+/// Must be called before each call to an FMU. If the process was forked, marks its current threads as threads of
+/// mebots, because they belong to the program.
 void adopt_threads_of_fork();
 
 /// Returns the kernel's numbers of those threads of this process that are not marked as threads of mebots.

@@ -9,9 +9,9 @@
 
 namespace mebots::master {
 
-/// Returns the SHA-256 as 64 hexadecimal digits.
+/// Returns the SHA-256 of the bytes as 64 hexadecimal digits.
 std::string sha256(std::string_view bytes);
-/// Returns the SHA-256 of a file. Throws InputError if the file cannot be read.
+/// Returns the SHA-256 of a file as 64 hexadecimal digits. Throws InputError if the file cannot be read.
 std::string sha256_of_file(const std::filesystem::path& file);
 
 /// Computes the SHA-256 of the first part of a growing file. Reads each byte only once.

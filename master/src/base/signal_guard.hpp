@@ -24,7 +24,7 @@ class SignalGuard {
   static constexpr int kMost = 256;
   enum class Afterwards {
     nothing,  ///< the flag is the signal's only effect
-    raise,    ///< the earlier handler gets the signal after the last guard's destruction
+    raise,    ///< after the last guard's destruction, the signal is raised again and reaches the earlier handler
   };
 
   /// `flag` must outlive the guard.
@@ -41,7 +41,7 @@ class SignalGuard {
   int slot_ = -1;
 };
 
-/// An interrupt by the user. Ends the run at the last communication point that all instances reached.
+/// Thrown after an interrupt by the user. Ends the run at the last communication point that all instances reached.
 class InterruptedError : public Error {
  public:
   /// `what_else` names further effects of the interrupt, such as a killed process of an instance.
@@ -51,13 +51,14 @@ class InterruptedError : public Error {
 /// A flag that is always false, for runs without interrupts.
 inline const std::atomic<bool> kNeverInterrupted{false};
 
-/// Throws InterruptedError if the flag is set. Called between any two calls to FMUs, so that a step with many calls
-/// ends early.
+/// Throws InterruptedError if the flag is set. Call this between any two calls to FMUs, so that a step with many calls
+/// can be interrupted.
 inline void stop_if_interrupted(const std::atomic<bool>& interrupted) {
   if (interrupted.load(std::memory_order_relaxed)) throw InterruptedError();
 }
 
-/// Builds a line of text without the heap, for signal handlers and forked processes. Truncates a longer text.
+/// Builds a line of text without heap memory, for signal handlers and forked processes. Truncates texts that are too
+/// long.
 class SignalLine {
  public:
   SignalLine& operator<<(std::string_view text) {

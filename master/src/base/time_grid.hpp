@@ -7,10 +7,10 @@
 
 namespace mebots::master {
 
-/// The communication points of a run: t_k = t_0 + k p / q, computed exactly and never as a running sum. t_0 is a whole
-/// number of nanoseconds, and p / q is the step. The internal time of a point is t_k rounded to nanoseconds, ties to
-/// even. The internal time identifies the point, because no two points have the same one. An FMU receives the doubles
-/// nearest to t_k and to the step.
+/// The communication points of a run: t_k = t_0 + k p / q. They are computed exactly and never as a running sum. t_0 is
+/// a whole number of nanoseconds, and p / q is the step. The internal time of a point is t_k rounded to nanoseconds,
+/// ties to even. It identifies the point, because no two points have the same internal time. An FMU receives the
+/// doubles nearest to t_k and to the step.
 class TimeGrid {
  public:
   /// The shortest step that is not a whole number of nanoseconds.
@@ -28,15 +28,16 @@ class TimeGrid {
   /// Returns the number k of the last communication point that is not after this time.
   std::int64_t point_at(std::int64_t time_ns) const;
 
-  /// Returns the double nearest to the point with this internal time. A time between points is converted directly.
+  /// Returns the double nearest to the point that has this internal time [s]. A time between points is converted
+  /// directly.
   double time_s(std::int64_t time_ns) const { return is_whole_ ? to_seconds(time_ns) : exact_s(time_ns); }
-  /// Returns the double nearest to the time between two points, or between two times that are not points. If only one
-  /// of the two times is a point, returns the difference of their doubles.
+  /// Returns the double nearest to the duration between two points, or between two times that are not points [s]. If
+  /// only one of the two times is a point, returns the difference of their doubles.
   double length_s(std::int64_t from_ns, std::int64_t to_ns) const {
     return is_whole_ ? to_seconds(to_ns - from_ns) : exact_length_s(from_ns, to_ns);
   }
-  /// True if at least `duration_ns` lie between two points. If the step is not a whole number of nanoseconds, internal
-  /// time is rounded, so a difference of one nanosecond is tolerated.
+  /// True if at least `duration_ns` have passed from one point to another. Tolerates a difference of one nanosecond if
+  /// the step is not a whole number of nanoseconds, because internal time is then rounded.
   bool has_passed(std::int64_t from_ns, std::int64_t to_ns, std::int64_t duration_ns) const {
     return to_ns - from_ns >= duration_ns - (is_whole_ ? 0 : 1);
   }
@@ -48,7 +49,7 @@ class TimeGrid {
   std::int64_t nearest_point(std::int64_t time_ns) const;
 
   std::int64_t start_ns_ = 0;
-  std::int64_t step_ns_ = 1;  // rounded
+  std::int64_t step_ns_ = 1;  // rounded to nanoseconds
   bool is_whole_ = true;
   // t_k = (start_ + k step_) / denominator_ seconds.
   WideInteger start_ = 0;

@@ -8,10 +8,11 @@
 #include <string>
 #include <vector>
 
-/// Unit tests of a single FMU: inputs and expected outputs in CSV files.
+/// Declares unit tests of a single FMU. Their inputs and expected outputs are in CSV files.
 namespace mebots::master::cases {
 
-/// A Real may differ from its expected value by absolute + relative * |expected|. Other values are compared exactly.
+/// The tolerated difference between a Real and its expected value: absolute + relative * |expected|. Other values must
+/// be equal.
 struct Tolerance {
   double absolute = 1e-9;
   double relative = 1e-6;
@@ -20,30 +21,31 @@ struct Tolerance {
 };
 
 struct VariableTolerance {
-  std::string pattern;  ///< `*` matches any characters, `?` one
+  std::string pattern;  ///< `*` matches any characters, `?` matches one character
   Tolerance tolerance;
 };
 
 struct CaseDescription {
   std::string name;
-  std::vector<std::filesystem::path> inputs;  ///< absolute; columns are named after inputs
-  std::filesystem::path expected;             ///< absolute; columns are named after variables
+  std::vector<std::filesystem::path> inputs;  ///< absolute paths of files whose columns have the names of inputs
+  std::filesystem::path expected;             ///< absolute path of a file whose columns have the names of variables
   std::vector<Setting> parameters;
-  std::optional<WrittenTime> step;           ///< if absent, that of the default experiment
-  std::optional<std::int64_t> stop_time_ns;  ///< if absent, the first communication point at or after the last row
+  std::optional<WrittenTime> step;           ///< default: the step of the default experiment
+  std::optional<std::int64_t> stop_time_ns;  ///< default: the first communication point at or after the last row
   Tolerance tolerance;
-  std::vector<VariableTolerance> tolerances;  ///< the last match for a variable applies
+  std::vector<VariableTolerance> tolerances;  ///< if several patterns match a variable, the last one applies
 
   Tolerance tolerance_of(std::string_view variable) const;
 };
 
 struct CaseFile {
-  std::filesystem::path folder = {};  ///< absolute
-  std::string fmu = {};  ///< a name, or a path relative to the folder, as in a config; empty if the file names none
+  std::filesystem::path folder = {};  ///< absolute path of the folder that contains the file
+  /// name of the FMU, or its path relative to the folder, as in a config; empty if the file names no FMU
+  std::string fmu = {};
   std::vector<CaseDescription> cases = {};
 };
 
-/// Reads a file of cases. Throws InputError with all mistakes and their places.
+/// Reads a file of cases. If the file has mistakes, throws InputError with all mistakes and their places.
 CaseFile read_cases(const std::filesystem::path& file);
 
 }  // namespace mebots::master::cases

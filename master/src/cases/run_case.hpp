@@ -11,13 +11,13 @@
 
 namespace mebots::master::cases {
 
-/// A value that differs from its expected value.
+/// Describes a value that differs from its expected value.
 struct Divergence {
   double time_s = 0;
   std::string variable;
   std::string expected;
   std::string got;
-  std::optional<double> difference;  ///< for numbers
+  std::optional<double> difference;  ///< set only for numbers
   double tolerance = 0;
 
   /// Returns a text such as "at 0.5 s y is 3, expected 2 (difference 1, tolerance 2e-06)".
@@ -29,20 +29,20 @@ enum class Verdict { passed, failed, error };
 struct CaseResult {
   std::string name;
   Verdict verdict = Verdict::passed;
-  std::string error;  ///< why the run ended before it could be compared
+  std::string error;  ///< why the run ended before its results could be compared
   std::optional<Divergence> first;
-  std::vector<std::string> others;  ///< variables that diverge later
-  std::size_t rows = 0;             ///< compared rows
+  std::vector<std::string> others;  ///< names of variables that diverge later than `first`
+  std::size_t rows = 0;             ///< number of compared rows
   std::size_t variables = 0;
   double wall_s = 0;
 
-  /// Returns a line of text: the reason for which the case did not pass, or the number of comparisons.
+  /// Returns one line of text: why the case did not pass, or how many values were compared.
   std::string text() const;
 };
 
 struct CaseOptions {
-  bool isolate = false;               ///< run the FMU in a separate process
-  std::filesystem::path folder = {};  ///< write the results of the case here; empty = nowhere
+  bool isolate = false;               ///< true: the FMU runs in a separate process
+  std::filesystem::path folder = {};  ///< folder for the results of the case; empty: no results are written
 };
 
 /// Runs the FMU alone with the inputs of a case and compares its variables with the expected values at the time of each
@@ -58,7 +58,8 @@ CaseResult run_case(const std::filesystem::path& fmu, const CaseDescription& des
 std::string run_case_as_json(const std::filesystem::path& file, const std::string& name,
                              const std::optional<std::filesystem::path>& fmu, bool isolate);
 
-/// Returns the FMU named in a file of cases. Throws InputError if the file names no FMU or the FMU does not exist.
+/// Returns the path of the FMU that a file of cases names. Throws InputError if the file names no FMU or the FMU does
+/// not exist.
 std::filesystem::path fmu_of(const CaseFile& file);
 
 std::string_view name_of(Verdict verdict);

@@ -12,20 +12,20 @@
 
 namespace mebots::master {
 
-/// Creates those slaves of a resolved system that have ticking clocks, and the groups in which they step.
+/// Creates the slaves whose clocks tick, and the groups in which these slaves step.
 class ClockGroups {
  public:
-  /// All arguments must outlive the slaves. If `*interrupted` becomes true while a call to an isolated instance does
-  /// not return, its process is ended. If `interrupted` is null, calls cannot be interrupted.
+  /// All arguments must outlive the slaves. If `*interrupted` becomes true during a call to an isolated instance, the
+  /// instance's process is killed. If `interrupted` is null, calls cannot be interrupted.
   ClockGroups(const ResolvedSystem& system, MessageSink& messages, const std::atomic<bool>* interrupted);
 
-  /// Instantiates an instance whose clocks tick. Must be called in the order of the config.
+  /// Creates the slave of an instance whose clocks tick. Must be called in the order of the config.
   std::unique_ptr<Slave> make_slave(std::size_t instance);
   /// Connects the members of each group. Must be called after the last make_slave().
   void connect();
 
  private:
-  /// The group of an instance, and its index in the group.
+  /// Contains the group of an instance, and the index of the instance in this group.
   struct Place {
     std::size_t group = 0;
     std::size_t member = 0;
@@ -34,7 +34,7 @@ class ClockGroups {
   const ResolvedSystem& system_;
   MessageSink& messages_;
   const std::atomic<bool>* interrupted_;
-  std::vector<Place> places_;  // by instance
+  std::vector<Place> places_;  // indexed by instance
   std::vector<std::shared_ptr<ClockGroup>> groups_;
 };
 

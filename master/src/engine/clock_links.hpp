@@ -10,14 +10,14 @@
 
 namespace mebots::master {
 
-/// The connections of a group of clocks.
+/// The connections between the members of a group of clocks.
 struct ClockLinks {
   std::vector<ClockLink> clocks;
   std::vector<ClockedLink> values;
 };
 
-/// Returns the links for connections between clocks, and between clocked variables. `member_of` returns an instance's
-/// index in the group.
+/// Returns the links for those connections that connect clocks or clocked variables. `member_of` must return the index
+/// of an instance in the group.
 ClockLinks clock_links(const std::vector<ResolvedConnection>& connections,
                        const std::function<std::size_t(std::size_t instance)>& member_of);
 

@@ -13,19 +13,19 @@
 
 namespace mebots::master {
 
-/// Creates the model exchange slaves of a resolved system, and the groups that advance them.
+/// Creates the slaves of model exchange instances, and the groups that advance these slaves.
 class ContinuousGroups {
  public:
   /// All arguments must outlive the slaves.
   ContinuousGroups(const ResolvedSystem& system, MessageSink& messages, const SlaveOptions& options);
 
-  /// Instantiates a model exchange instance. Must be called in the order of the config.
+  /// Creates the slave of a model exchange instance. Must be called in the order of the config.
   std::unique_ptr<Slave> make_slave(std::size_t instance);
   /// Connects the members of each group. Must be called after the last make_slave().
   void connect();
 
  private:
-  /// The continuous system of an instance, and its index in the system.
+  /// Contains the continuous system of an instance, and the index of the instance in this system.
   struct Place {
     std::size_t system = 0;
     std::size_t member = 0;
@@ -37,10 +37,10 @@ class ContinuousGroups {
   const ResolvedSystem& system_;
   MessageSink& messages_;
   const std::atomic<bool>* interrupted_;
-  std::vector<Place> places_;  // by instance
+  std::vector<Place> places_;  // indexed by instance
   std::vector<std::shared_ptr<ContinuousGroup>> groups_;
-  std::vector<std::vector<Wire>> wires_;          // by system
-  std::vector<std::vector<DiscreteLink>> links_;  // by system
+  std::vector<std::vector<Wire>> wires_;          // indexed by system
+  std::vector<std::vector<DiscreteLink>> links_;  // indexed by system
 };
 
 }  // namespace mebots::master

@@ -18,7 +18,7 @@
 
 namespace mebots::master {
 
-/// The values of one type that are read from a slave, or written to it, in one call.
+/// The values of one type that one call reads from a slave or sets in a slave.
 template <typename T>
 struct Bank {
   std::vector<ValueReference> references;
@@ -26,11 +26,11 @@ struct Bank {
   std::vector<T> values;
   std::unordered_map<const modeldesc::Variable*, std::size_t> slots;
 
-  /// Returns the index of a variable in the bank. Adds the variable if necessary.
+  /// Returns the index of the variable in the bank. Adds the variable if the bank does not contain it.
   std::size_t slot(const modeldesc::Variable& variable);
 };
 
-/// All values that are transferred in one direction between the master and a slave.
+/// The values that the master reads from a slave, or the values that it sets, by type.
 struct Banks {
   Bank<double> reals;
   Bank<std::int64_t> integers;
@@ -39,19 +39,20 @@ struct Banks {
   Bank<std::string> binaries;
 };
 
-/// Identifies the last known value of an output.
+/// Identifies an output whose last known value the ensemble stores.
 struct SignalId {
   std::size_t instance = 0;
   ValueKind kind = ValueKind::real;
   std::size_t slot = 0;
 };
 
-/// The value of a connected Real input within a step of its slave: a polynomial in the time since the step's start. The
-/// pointers are valid as long as the ensemble exists.
+/// The course of a connected Real input within a step of its slave: a polynomial in the time since the start of the
+/// step. The pointers are valid as long as the ensemble exists.
 struct InputCourse {
   const std::int64_t* start_ns = nullptr;
   const double* value = nullptr;
-  std::span<const double> derivatives;  ///< of orders 1 and up; empty if the input is held
+  /// Time derivatives of order 1 and higher; empty if the input is constant within the step.
+  std::span<const double> derivatives;
 };
 
 /// The slaves and the values that are transferred between them. At a communication point, the master reads and writes
@@ -62,62 +63,64 @@ class Ensemble {
   /// Creates the slaves in the order of the config. `system` and `messages` must outlive the ensemble.
   Ensemble(const ResolvedSystem& system, MessageSink& messages, const SlaveOptions& options = {});
 
-  /// Registers a variable to be read at every communication point. Must be called before initialize().
+  /// Adds a variable that is read at every communication point. Must be called before initialize().
   SignalId watch(const ResolvedVariable& variable);
 
   /// Sets start values, enters initialisation mode, propagates initial values along the connections, and reads the
-  /// outputs at t = 0. After an interrupt, throws InterruptedError between two calls. Throws InputError if a slave
-  /// rejects its inputs, NotFiniteError for NaN or infinity in an initial value, Error if a loop of connections does
-  /// not converge.
+  /// outputs at t = 0. After an interrupt, throws InterruptedError before the next call to a slave. Throws InputError
+  /// if a slave rejects its inputs, NotFiniteError if an initial value is NaN or infinite, and Error if the values in a
+  /// loop of connections do not converge.
   void initialize(std::int64_t stop_ns);
   void terminate();
-  /// Frees the instances. No call of an instance may follow. Returns an error text for each instance that failed.
+  /// Frees the instances, which must not be called afterwards. Returns an error text for each instance that could not
+  /// be freed.
   std::vector<std::string> free_instances();
 
   std::size_t size() const { return members_.size(); }
   Slave& slave(std::size_t instance) { return *members_[instance].slave; }
   const std::string& name(std::size_t instance) const { return members_[instance].slave->name(); }
 
-  /// Reads a slave's watched and connected outputs. Throws Error if an output is NaN or infinite. `time_ns` is the time
-  /// of the outputs.
+  /// Reads the watched and connected outputs of a slave. `time_ns` is the time of these outputs. Throws Error if an
+  /// output is NaN or infinite.
   void read_outputs(std::size_t instance, std::int64_t time_ns);
-  /// Sets a slave's connected inputs to the values last read from their sources. `time_ns` is the start of the slave's
-  /// step. If the slave accepts time derivatives of inputs and a source provides them, also sets derivatives. If a
-  /// source is already at a later time, the input follows the line between the source's last two values. Throws
-  /// NotFiniteError if a conversion overflows. Throws Error if an Integer is not an item of the Enumeration to which it
-  /// is connected.
+  /// Sets the connected inputs of a slave to the values that were last read from their sources. `time_ns` is the start
+  /// of the slave's step. If the slave accepts time derivatives of inputs and a source provides them, also sets
+  /// derivatives. If a source is already at a later time, the input follows the line through the source's last two
+  /// values. Throws NotFiniteError if a conversion overflows. Throws Error if an Integer is not an item of the
+  /// Enumeration to which it is connected.
   void write_inputs(std::size_t instance, std::int64_t time_ns);
 
-  /// These functions return the last read value of a signal. The references are valid from initialize() until the
-  /// ensemble is destroyed.
+  /// These functions return the value of a signal that was read last. The references are valid from initialize() until
+  /// the ensemble is destroyed.
   const double& real(SignalId id) const { return members_[id.instance].outputs.reals.values[id.slot]; }
   const std::int64_t& integer(SignalId id) const {
     const auto& outputs = members_[id.instance].outputs;
     return (id.kind == ValueKind::boolean ? outputs.booleans : outputs.integers).values[id.slot];
   }
-  /// Returns the text of a String, or the bytes of a Binary.
+  /// Returns the text of a String or the bytes of a Binary.
   const std::string& string(SignalId id) const {
     const auto& outputs = members_[id.instance].outputs;
     return (id.kind == ValueKind::binary ? outputs.binaries : outputs.strings).values[id.slot];
   }
 
-  /// Returns the time of the last read outputs of a slave.
+  /// Returns the time of the slave's outputs that were read last.
   const std::int64_t& outputs_time_ns(std::size_t instance) const { return members_[instance].outputs_time_ns; }
-  /// Returns the polynomial that a connected Real input followed in the last step.
+  /// Returns the polynomial that the connected Real input followed in the last step.
   InputCourse course_of(const ResolvedVariable& input) const;
 
-  /// Returns all last read outputs. If a step is not completed, bring_back() restores them.
+  /// Returns a copy of all outputs that were read last. If a step is not completed, bring_back() restores this copy.
   std::vector<Banks> outputs() const;
   void bring_back(const std::vector<Banks>& outputs);
 
-  /// Returns an order of steps in which the reader of a buffer precedes its owner.
+  /// Returns an order of steps in which the reader of a buffer steps before the owner of the buffer.
   const std::vector<std::size_t>& step_order() const { return step_order_; }
 
-  /// Visits the outputs that were read last. An instance with a longer step keeps its outputs between its steps.
+  /// Visits the outputs that were read last, because an instance with a longer step keeps its outputs between its
+  /// steps.
   void visit(state::Visitor& v);
 
  private:
-  /// Copies a value from an output's bank to an input's bank. The pointers are valid from initialize() on.
+  /// Copies a value from the bank of an output to the bank of an input. The pointers are valid after initialize().
   template <typename T>
   struct Copy {
     SignalId signal;
@@ -126,8 +129,8 @@ class Ensemble {
     T* to = nullptr;
   };
 
-  /// Converts an output to a Real input. The input is set to factor * value + offset, or this term is added to the
-  /// input.
+  /// Converts an output to a Real input: computes factor * value + offset. Sets the input to the result, or adds the
+  /// result to the input if `add` is true.
   struct Conversion {
     SignalId from;
     std::size_t to;
@@ -136,82 +139,81 @@ class Ensemble {
     bool add;
   };
 
-  /// An Integer, Enumeration or Boolean input whose values are mapped.
+  /// Sets an Integer, Enumeration or Boolean input to the value to which the map assigns the output's value.
   struct Mapping {
     Copy<std::int64_t> copy;
-    ValueKind kind;  // of the input
+    ValueKind kind;  // kind of the input
     const std::vector<ValuePair>* map;
   };
 
-  /// A connection from an OSMP binary to a Binary input.
+  /// Transfers the bytes of an OSMP binary to a Binary input.
   struct BytesOfTriple {
     std::array<SignalId, 3> parts;
     std::size_t slot;
   };
 
-  /// A connection from a Binary to the three Integer inputs of an OSMP binary. `bytes` are valid until the next step.
+  /// Transfers a Binary to the three Integer inputs of an OSMP binary. `bytes` are valid until the next step.
   struct TripleOfBytes {
     SignalId binary;
     std::array<std::size_t, 3> slots;
     std::string bytes = {};
   };
 
-  /// Time derivatives of several variables. The derivatives of one variable are adjacent and have the orders 1, 2 and
-  /// so on.
+  /// Time derivatives of several variables. The derivatives of one variable are adjacent, in the order 1, 2 and so on.
   struct Derivatives {
     std::vector<ValueReference> references;
     std::vector<std::int32_t> orders;
     std::vector<double> values;
-    std::unordered_map<ValueReference, std::size_t> firsts;  // the place of order 1
+    std::unordered_map<ValueReference, std::size_t> firsts;  // index of the derivative of order 1
 
-    /// Returns the index of a variable's first derivative. If the variable has no derivatives yet, adds those up to
-    /// order `most`.
+    /// Returns the index of the variable's first derivative. If the variable has no derivatives yet, adds those of
+    /// orders 1 to `most`.
     std::size_t place(ValueReference reference, std::uint32_t most);
-    /// Returns a variable's derivatives; empty if the variable has none.
+    /// Returns the derivatives of a variable. Returns an empty span if it has none.
     std::span<const double> of(ValueReference reference) const;
   };
 
-  /// A connection over which time derivatives of orders 1 to `orders` are transferred.
+  /// Transfers time derivatives of orders 1 to `orders` from an output to an input.
   struct DerivativeLink {
     const ResolvedConnection* connection;
     SignalId from;
-    std::size_t to;          // slot among the Real inputs
-    std::size_t from_first;  // place among the source's output derivatives
-    std::size_t to_first;    // place among the reader's input derivatives
+    std::size_t to;          // index among the Real inputs
+    std::size_t from_first;  // index among the source's output derivatives
+    std::size_t to_first;    // index among the reader's input derivatives
     std::uint32_t orders;
-    bool nan_reported = false;  // a derivative that is not a number was reported
+    bool nan_reported = false;  // true after a NaN derivative was reported
   };
 
-  /// An Enumeration input that receives an Integer.
+  /// Checks the values of an Enumeration input that is connected to an Integer.
   struct ItemCheck {
     const ResolvedConnection* connection;
-    std::size_t slot;  // among the Integer inputs
+    std::size_t slot;  // index among the Integer inputs
     std::vector<std::int64_t> items;
   };
 
-  /// An input whose type may lack some values of the output's type.
+  /// Checks an input whose type may be unable to represent some values of the output's type.
   struct RangeCheck {
     const ResolvedConnection* connection;
-    std::size_t slot;  // among the Real or the Integer inputs
+    std::size_t slot;  // index among the Real or the Integer inputs
   };
 
   struct Member {
     std::unique_ptr<Slave> slave;
-    // Summaries that show which banks are not empty, and whether all inputs are unchanged copies of Reals. One check of
-    // these members replaces a check of each list. This is faster at every communication point, because the cache
-    // cannot contain the lists of all instances.
+    // These members state which banks are not empty, and whether all inputs are unchanged copies of Reals. Checking
+    // them replaces a check of each list. This is faster at every communication point, because the cache cannot contain
+    // the lists of all instances.
     KindSet output_kinds = 0;
     KindSet input_kinds = 0;
     bool takes_reals_as_they_are = false;
-    bool keeps_earlier = false;        // derivatives are transferred, so the previous values are kept: two known ends
-                                       // define a line
+    // True if derivatives are transferred: the previous values are kept, because two values define a line.
+    bool keeps_earlier = false;
     std::int64_t outputs_time_ns = 0;  // time of `outputs`
     std::int64_t inputs_time_ns = 0;   // start of the step for which `inputs` were set
     Banks outputs;
     Banks inputs;
     std::vector<Copy<double>> real_copies;
     std::vector<Copy<std::int64_t>> integer_copies;
-    std::vector<Copy<std::int64_t>> flag_copies;  // Booleans to Integers, as 0 and 1
+    std::vector<Copy<std::int64_t>> flag_copies;  // copies of Booleans to Integers, as 0 and 1
     std::vector<Copy<std::int64_t>> boolean_copies;
     std::vector<Copy<std::string>> string_copies;
     std::vector<Copy<std::string>> binary_copies;
@@ -222,12 +224,12 @@ class Ensemble {
     std::vector<DerivativeLink> derivatives;
     std::vector<double> earlier_reals;
     std::int64_t earlier_time_ns = 0;
-    Derivatives output_derivatives;  // read with the outputs, so that the order of instances has no effect
+    Derivatives output_derivatives;  // read together with the outputs, so that the order of instances has no effect
     Derivatives input_derivatives;
     std::vector<ItemCheck> item_checks;
     std::vector<RangeCheck> range_checks;
-    std::vector<std::size_t> outer_sizes;  // of the lists of inputs, without inner connections
-    bool reported_texts = false;           // a text that is not UTF-8 was reported
+    std::vector<std::size_t> outer_sizes;  // sizes of the lists of inputs, without inner connections
+    bool reported_texts = false;           // true after a text that is not UTF-8 was reported
   };
 
   void lay_out();
@@ -249,7 +251,7 @@ class Ensemble {
   void hand_inputs(std::size_t instance);
   void check_items(const Member& member, std::int64_t time_ns) const;
   void check_ranges(const Member& member, std::int64_t time_ns) const;
-  /// Limits inputs to their ranges. Before the initial values have converged, an input may have any value.
+  /// Limits inputs to their ranges, because an input may have any value before the initial values have converged.
   static void keep_in_ranges(Member& member);
   void start_on_lines(Member& member, std::int64_t time_ns) const;
   void write_derivatives(Member& member, std::int64_t time_ns);
@@ -272,16 +274,16 @@ class Ensemble {
   std::vector<std::size_t> step_order_;
 };
 
-/// Returns connected inputs such that each loop of connections and direct dependencies at initialisation contains at
-/// least one of them. If these inputs are constant, no loop remains.
+/// Returns connected inputs at which the loops can be cut. Each loop of connections and direct dependencies at
+/// initialisation contains at least one of these inputs. If these inputs are constant, no loop remains.
 std::vector<ResolvedVariable> torn_inputs(const ResolvedSystem& system);
 
-/// Returns a loop of connections and direct dependencies at initialisation, such as "a.y -> b.u -> b.y -> a.u -> a.y";
-/// empty if there is none.
+/// Returns a loop of connections and direct dependencies at initialisation, such as "a.y -> b.u -> b.y -> a.u -> a.y".
+/// Returns an empty text if there is no loop.
 std::string initial_loop(const ResolvedSystem& system);
 
-/// Instantiates the slaves of a system in the order of the config, each in the process, and wrapped in the slave
-/// classes, that the config requires. Throws SlaveError if an instantiation fails.
+/// Creates the slaves of a system in the order of the config. Each slave runs in the process that the config requires,
+/// and is wrapped in the slave classes that its settings require. Throws SlaveError if an instance cannot be created.
 std::vector<std::unique_ptr<Slave>> make_slaves(const ResolvedSystem& system, MessageSink& messages,
                                                 const SlaveOptions& options);
 

@@ -7,8 +7,8 @@
 
 namespace mebots::master {
 
-/// A temporary folder for an unpacked FMU; the destructor deletes it. If a process is killed, its folders remain. The
-/// next process that creates such a folder deletes all folders whose process has ended.
+/// A temporary folder that contains an unpacked FMU; the destructor deletes it. If a process is killed, its folders
+/// remain. The next process that creates an UnpackFolder deletes the remaining folders of ended processes.
 class UnpackFolder {
  public:
   /// Throws Error if there is no folder for temporary files.
@@ -16,11 +16,11 @@ class UnpackFolder {
   UnpackFolder(const UnpackFolder&) = delete;
   UnpackFolder& operator=(const UnpackFolder&) = delete;
 
-  /// Releases the path, so that a later folder of this process can use it. No library from this folder may still be
-  /// loaded. Reusing paths saves memory, because the loader keeps every path that it has searched.
+  /// Makes the path available to later folders of this process. No library in this folder may still be loaded. Reusing
+  /// a path saves memory, because the loader keeps every path that it has searched.
   void release_path();
 
-  /// Returns the folder to unpack into.
+  /// Returns the folder into which the FMU is to be unpacked.
   std::filesystem::path path() const { return folder_.path() / "fmu"; }
 
  private:
@@ -33,11 +33,11 @@ class UnpackFolder {
     int file = -1;
   };
 
-  Lock lock_;  // held until the folder is deleted, so that no other process deletes it at the same time
+  Lock lock_;  // held until the folder is deleted, so that no other process deletes the folder at the same time
   modeldesc::TemporaryFolder folder_;
 };
 
-/// Deletes the folders of those processes of this user that were killed.
+/// Deletes the folders that killed processes of this user have left.
 void remove_abandoned_unpack_folders();
 
 }  // namespace mebots::master

@@ -21,21 +21,22 @@ class Algorithm {
  public:
   virtual ~Algorithm() = default;
 
-  /// Performs one communication step. Afterwards, the ensemble's outputs are those at the end of the step. Returns
-  /// nullopt if the run continues, and an End if a slave ends the simulation. After an interrupt, throws
-  /// InterruptedError. If it returns an End or throws InterruptedError, the outputs are still those at the start of the
-  /// step, which is the last point that all slaves have reached. Passes exceptions of slaves on.
+  /// Performs one communication step. Returns nullopt if the run continues, and an End if a slave ends the simulation.
+  /// Throws InterruptedError after an interrupt, and the exceptions of slaves. After the step, the ensemble's outputs
+  /// are those at the end of the step. If the function returns an End or throws InterruptedError, the outputs are still
+  /// those at the start of the step, which is the last point that all slaves have reached.
   virtual std::optional<End> step(const GridStep& span) = 0;
 };
 
-/// The objects that an algorithm uses. They must outlive the algorithm.
+/// References to the objects that an algorithm uses. The objects must outlive the algorithm.
 struct AlgorithmContext {
   const ResolvedSystem& system;
   SlaveSteps& slaves;
   OrderedMessages& messages;  ///< receives the slaves' messages
 };
 
-/// Creates the algorithm that the system's description names. Throws the same errors as find_algorithm().
+/// Creates the algorithm that the system's description names. Throws Error, as find_algorithm() does, if the name is
+/// unknown.
 std::unique_ptr<Algorithm> make_algorithm(const AlgorithmContext& context);
 
 /// The Jacobi algorithm: every slave whose step starts at t_k receives its inputs from the outputs at t_k. After that,

@@ -13,8 +13,8 @@
 
 namespace mebots::master {
 
-/// Determines by trial whether parallel stepping is faster. Compares the wall times of windows, which are sequences of
-/// kWindow steps. The choice affects speed only, not the bits of the results.
+/// Decides by trial whether slaves step in parallel. Compares the wall times of windows; a window is a sequence of
+/// kWindow steps. The decision affects only speed, not the bits of the results.
 ///
 /// The first windows are serial. If the steps are long enough, a parallel window is tried. Parallel stepping continues
 /// as long as every window is faster than the fastest of the last few serial windows. Older serial windows do not
@@ -27,20 +27,22 @@ class ThreadPolicy {
   /// The minimum duration of a step that is tried in parallel [s]. Waking threads and waiting for them takes at least
   /// this time.
   static constexpr double kLeastStep_s = 20e-6;
-  /// Parallel stepping must reduce the time by at least a twentieth, because smaller differences are noise.
+  /// A parallel window must be at least a twentieth faster than a serial window, because smaller differences are noise.
   static constexpr double kGain = 0.95;
 
-  /// True if the next step must be taken in parallel.
+  /// True if the next step must be performed in parallel.
   bool parallel() const { return parallel_; }
-  /// Must be called after each step.
+  /// Counts a step. Must be called after each step.
   void stepped();
-  /// Must be called with the duration of a window [s], even if the window was abandoned.
+  /// Records the duration of a window [s]. Must be called for each window, even for an abandoned one.
   void window_took(double time_s);
 
  private:
-  static constexpr std::int64_t kFirstWindows = 2;  // serial windows before the first trial and between parallel runs
+  // Number of serial windows before the first trial and between parallel runs.
+  static constexpr std::int64_t kFirstWindows = 2;
   static constexpr std::int64_t kParallelRun = 64;
-  static constexpr std::size_t kRemembered = 8;  // serial runs to compare with; earlier ones are forgotten
+  // Number of serial runs whose times are compared; older times are dropped.
+  static constexpr std::size_t kRemembered = 8;
   static constexpr std::int64_t kFirstPause = 16;
   static constexpr std::int64_t kLongestPause = 4096;
 
@@ -54,17 +56,18 @@ class ThreadPolicy {
   double to_beat_s() const;
 
   bool parallel_ = false;
-  std::int64_t left_ = kFirstWindows;  // windows until the other mode is tried
-  std::int64_t pause_ = kFirstPause;   // serial windows after a failed trial
+  std::int64_t left_ = kFirstWindows;  // number of windows until the other mode is tried
+  std::int64_t pause_ = kFirstPause;   // number of serial windows after a failed trial
   double serial_s_ =
-      std::numeric_limits<double>::infinity();  // the fastest serial window of the present or last serial run
-  std::array<double, kRemembered> earlier_s_ = all_unknown();  // the same for earlier runs, as a ring
+      // Wall time of the fastest serial window in the current or last serial run.
+      std::numeric_limits<double>::infinity();
+  std::array<double, kRemembered> earlier_s_ = all_unknown();  // wall times of earlier serial runs, stored as a ring
   std::size_t turn_ = 0;
   int steps_ = 0;
   std::chrono::steady_clock::time_point window_start_ = std::chrono::steady_clock::now();
 };
 
-/// Threads that share the work of a communication step.
+/// A pool of threads that share the work of a communication step.
 class StepPool {
  public:
   /// `threads` includes the thread of the caller.
@@ -85,8 +88,8 @@ class StepPool {
   const std::function<void(std::size_t)>* work_ = nullptr;
   std::size_t count_ = 0;
   std::atomic<std::size_t> next_{0};
-  std::atomic<std::uint32_t> round_{0};  // changes for new work, and at the end
-  std::atomic<std::uint32_t> busy_{0};   // threads that have not finished this round
+  std::atomic<std::uint32_t> round_{0};  // incremented for new work, and at the end
+  std::atomic<std::uint32_t> busy_{0};   // number of threads that have not finished this round
   std::atomic<bool> over_{false};
 };
 

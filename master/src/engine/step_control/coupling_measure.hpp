@@ -11,23 +11,24 @@
 
 namespace mebots::master {
 
-/// Measures the error of a communication step, divided by its limit. The result is the largest value of all inputs and
+/// Measures the error of a communication step relative to its limit. The result is the largest ratio of all inputs and
 /// bonds that step control measures. The error of an input is the integral of its deviation from the source over the
-/// step. The error of a bond is the created energy. The limit is the tolerance times the maximum length of a step.
+/// step. The error of a bond is the energy that it created. The limit is the tolerance times the maximum length of a
+/// step.
 class CouplingMeasure {
  public:
-  /// All arguments must outlive this object. Must be created before Ensemble::initialize(). Throws the same errors as
+  /// All arguments must outlive this object. Must be called before Ensemble::initialize(). Throws the same errors as
   /// PowerBond.
   CouplingMeasure(const ResolvedSystem& system, Ensemble& ensemble);
 
   struct Error {
     double over_tolerance = 0;
-    int order = 2;                          ///< the power of the step with which it grows
+    int order = 2;                          ///< the error grows with this power of the step
     std::optional<std::size_t> worst = {};  ///< index of the input or bond in ResolvedStepControl::measured
   };
   /// Returns the error of the step that ends at `point`. The ensemble must have reached this point.
   Error error(const Point& point) const;
-  /// Starts the next step at this point.
+  /// Stores the values at this point, at which the next step starts.
   void advance(const Point& point);
 
   void visit(state::Visitor& v);
@@ -35,14 +36,14 @@ class CouplingMeasure {
  private:
   struct Item {
     CouplingTolerance tolerance;
-    double nominal = 1;  // of an input
+    double nominal = 1;  // nominal value of an input
     std::optional<CoupledInput> input;
     std::optional<PowerBond> bond;
-    double largest = 0;  // largest magnitude so far: the source's value or the bond's power
+    double largest = 0;  // largest magnitude so far of the source's value or of the bond's power
 
     void visit(state::Visitor& v);
   };
-  /// The integral of an error over a step, and the magnitude to which the relative tolerance refers.
+  /// Contains the integral of an error over a step, and the magnitude to which the relative tolerance applies.
   struct Measured {
     double error = 0;
     double magnitude = 0;

@@ -15,15 +15,15 @@
 
 namespace mebots::master {
 
-/// Adapts the length of the communication step to the coupling error. An Algorithm performs the steps.
+/// Adapts the length of the communication step to the coupling error. Calls an Algorithm for each step.
 class StepControl {
  public:
   /// All arguments must outlive this object; `overrides` may be null. Must be created before Ensemble::initialize().
   /// Throws the same errors as PowerBond.
   StepControl(const ResolvedSystem& system, SlaveSteps& slaves, const OverrideSchedule* overrides);
 
-  /// Performs one communication step from t_k. If the error of the step exceeds the tolerance, and all slaves can
-  /// restore their states, repeats the step with half the length. Sets `reached` to the end of the step. Returns and
+  /// Performs one communication step from t_k and sets `reached` to the end of the step. If the error of the step
+  /// exceeds the tolerance, and all slaves can restore their states, repeats the step with half the length. Returns and
   /// throws the same as Algorithm::step().
   std::optional<End> step(Algorithm& algorithm, std::int64_t k, std::int64_t& reached);
 
@@ -31,7 +31,7 @@ class StepControl {
   void visit(state::Visitor& v);
 
  private:
-  /// The data that must be restored before a step is repeated. The data of step control itself are not included.
+  /// The data that are restored before a step is repeated. The data of step control itself are not part of them.
   struct SavedPoint {
     std::vector<std::unique_ptr<SlaveState>> slaves;
     std::vector<std::byte> values;

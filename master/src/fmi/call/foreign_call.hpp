@@ -12,24 +12,24 @@
 
 namespace mebots::master {
 
-/// A C++ exception left foreign code through its C interface. The message contains its type and its text.
+/// Thrown if a C++ exception leaves foreign code through its C interface. The message contains the exception's type and
+/// text.
 class ForeignException : public Error {
  public:
   explicit ForeignException(const std::string& text) : Error(ErrorCode::fmu_failed, text) {}
 };
 
-/// Must be called in a catch block. Returns text such as "threw std::runtime_error (it diverged) through its C
-/// interface".
+/// Returns text such as "threw std::runtime_error (it diverged) through its C interface". Must be called in a catch
+/// block.
 std::string escaped_exception_text();
 
-/// Called when foreign code is ending the thread that called this code, which cannot be prevented. Reports the busy
-/// runs as failed and ends the process.
+/// Reports the busy runs as failed and ends the process. Must be called when foreign code is ending the thread that
+/// called this code, because this end cannot be prevented.
 [[noreturn]] void end_with_thread();
 
-/// Calls foreign code and returns the result of `work`. The call can end only by a return. An exception becomes a
-/// ForeignException. If the call returns in a forked copy of the process, the copy is ended. If the foreign code ends
-/// the thread, the process ends. The function is inlined, because passing arguments in memory costs as much as a small
-/// FMU's step.
+/// Calls foreign code and returns the result of `work`. Converts an exception to ForeignException. If the call returns
+/// in a forked copy of the process, ends the copy. If the foreign code ends the thread, ends the process. The function
+/// is inlined, because passing arguments in memory costs as much as the step of a small FMU.
 template <typename Work>
 [[gnu::always_inline]] inline std::invoke_result_t<Work&> call_foreign(Work work) {
   try {
@@ -51,12 +51,12 @@ template <typename Work>
   }
 }
 
-/// The floating-point environment of a thread: rounding, trapped exceptions and flushing of denormals. It consists of
-/// the MXCSR register without the sticky flags, and the x87 control word. Any library can change it for later code on
-/// the thread. On machines other than x86-64 all objects are equal, and nothing is changed.
+/// The floating-point environment of a thread: rounding, trapped exceptions and flushing of denormals. Contains the
+/// MXCSR register without the sticky flags, and the x87 control word. Any library can change them for code that runs on
+/// the thread later. On machines other than x86-64, all objects are equal, and enter() has no effect.
 struct FloatEnvironment {
   std::uint32_t mxcsr = 0x1f80;
-  std::uint16_t x87 = 0x037f;  ///< default of both: IEEE 754 to nearest, no traps
+  std::uint16_t x87 = 0x037f;  ///< the defaults of both registers: IEEE 754, rounding to nearest, no traps
 
 #if defined(__x86_64__)
   static FloatEnvironment now() {

@@ -5,16 +5,15 @@
 #include <optional>
 #include <string>
 
-/// An FMU may fork helpers that exit or call exec(). If a forked copy of the process returns from the FMU's call, it
-/// would execute the rest of the run a second time. Therefore mebots ends such a copy, which first sends a report to
-/// the original process.
+/// Ends forked copies of the process that return from a call to an FMU. An FMU may fork helpers that exit or call
+/// exec(). However, a copy that returns would execute the rest of the run a second time. Therefore mebots ends such a
+/// copy, after the copy has sent a report to the original process.
 namespace mebots::master {
 
-/// While this object exists, it receives a report if an FMU of this process has forked, and the forked copy returns
-/// from the call to the FMU.
+/// Receives reports while it exists: one for each forked copy of this process that returns from the call to its FMU.
 class ForkedCopies {
  public:
-  /// The maximum number of receivers at a time.
+  /// The maximum number of receivers that can exist at the same time.
   static constexpr int kMost = 256;
 
   ForkedCopies();
@@ -22,8 +21,8 @@ class ForkedCopies {
   ForkedCopies(const ForkedCopies&) = delete;
   ForkedCopies& operator=(const ForkedCopies&) = delete;
 
-  /// Returns the report of the first copy that returned; empty if none did. Waits briefly if copies still run. Must be
-  /// called once, after the last call to an FMU that may fork.
+  /// Returns the report of the first copy that returned from a call, or nullopt if no copy returned. Waits briefly if
+  /// copies are still running. Must be called once, after the last call to an FMU that may fork.
   std::optional<std::string> returned();
 
  private:
@@ -35,21 +34,21 @@ class ForkedCopies {
 };
 
 namespace detail {
-/// A flag that the kernel sets to 0 in a forked copy of the process. If the embedding program forked the copy outside
-/// of a call to an FMU, the copy sets the flag again.
+/// Points to a flag that the kernel sets to 0 in a forked copy of the process. If the embedding program creates the
+/// copy outside of calls to FMUs, the copy sets the flag again.
 extern std::atomic<char>* original;
 }  // namespace detail
 
 /// Must be called before the first call to an FMU. May be called from any thread.
 void detect_forked_copies();
 
-/// Returns true in a process that was forked in a call to an FMU.
+/// Returns true if this process was forked during a call to an FMU.
 inline bool is_forked_copy() noexcept {
   return detail::original->load(std::memory_order_relaxed) == 0;
 }
 
-/// Reports that this forked copy returned from a call to an FMU, to the original process and on standard error. Ends
-/// the copy.
+/// Reports to the original process, and on standard error, that this forked copy returned from a call to an FMU. Then
+/// ends the copy.
 [[noreturn]] void end_forked_copy() noexcept;
 
 }  // namespace mebots::master

@@ -11,8 +11,8 @@
 
 namespace mebots::master {
 
-/// Calls code of an FMU's library outside of any instance. `doing` completes the sentence "while the library was ..."
-/// in messages.
+/// Calls code of an FMU's library outside of any instance, and returns the result. Throws InputError if the code throws
+/// an exception. `doing` completes the phrase "while it was ..." in this error.
 template <typename Work>
 auto call_library(const std::filesystem::path& archive, const char* doing, Work work) {
   const auto name = archive.filename().string();

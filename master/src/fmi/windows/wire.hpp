@@ -15,24 +15,26 @@
 #include <utility>
 #include <vector>
 
-/// The messages between mebots-fmu-host and mebots-windows-host.exe, which runs an FMU's library for Windows under
-/// wine. The type of an FMI function determines how its arguments are transferred. Both programs compile this header.
+/// Defines the messages between mebots-fmu-host and mebots-windows-host.exe, which runs the Windows library of an FMU
+/// under wine. The type of an FMI function determines how its arguments are transferred. Both programs compile this
+/// header.
 namespace mebots::master::windows {
 
-/// The function numbers of requests that call no FMI function. Other requests use the numbers of for_each_function().
+/// The function numbers of requests that call no FMI function. For other requests, for_each_function() defines the
+/// numbers.
 inline constexpr std::uint32_t kLoad = 0xffff'0000;
 inline constexpr std::uint32_t kUnload = 0xffff'0001;
 
 enum class Reply : std::uint32_t {
-  result,     ///< ends the request
-  log,        ///< environment, instance, status, category, text
-  not_found,  ///< ends kLoad: error code of Windows
-  exception,  ///< a structured exception: code, address; the process ends
+  result,     ///< contains the result and ends the request
+  log,        ///< a call of the logger: environment, instance, status, category, text
+  not_found,  ///< the answer to kLoad if loading fails: error code of Windows
+  exception,  ///< a structured exception occurred: code and address; the process ends
 };
 
 struct FrameHeader {
-  std::uint32_t kind = 0;  ///< a function or a Reply
-  std::uint32_t size = 0;  ///< bytes after the header
+  std::uint32_t kind = 0;  ///< function number of a request, or a Reply
+  std::uint32_t size = 0;  ///< number of bytes after the header
 };
 
 class Writer {
@@ -53,7 +55,7 @@ class Writer {
     if (bytes != nullptr) put(std::string_view(reinterpret_cast<const char*>(bytes), size));
   }
 
-  /// Returns a frame with all values that were put since the last frame.
+  /// Returns a frame that contains all values since the last clear().
   const std::string& frame(std::uint32_t kind) {
     const FrameHeader header{kind, static_cast<std::uint32_t>(bytes_.size() - sizeof(FrameHeader))};
     std::memcpy(bytes_.data(), &header, sizeof header);
@@ -67,7 +69,7 @@ class Writer {
   std::string bytes_ = std::string(sizeof(FrameHeader), '\0');
 };
 
-/// Throws std::runtime_error if the bytes end too early.
+/// Reads values from the bytes of a message. Throws std::runtime_error if the bytes end too early.
 class Reader {
  public:
   explicit Reader(std::string_view bytes) : bytes_(bytes) {}
@@ -79,7 +81,7 @@ class Reader {
     return value;
   }
   std::string_view get_bytes() { return take(get<std::uint64_t>()); }
-  /// Reads what put_text() or put_binary() wrote.
+  /// Reads a value that put_text() or put_binary() wrote. Returns nullopt if a null pointer was written.
   std::optional<std::string> get_text() {
     if (!get<bool>()) return std::nullopt;
     return std::string(get_bytes());
@@ -96,8 +98,9 @@ class Reader {
   std::string_view bytes_;
 };
 
-/// The transfer of the arguments of a C function of FMI. A pointer is an array whose length is another argument, or a
-/// single value. Arrays of constants are sent to the FMU. Other arrays are sent in both directions.
+/// Determines how the arguments of a C function of FMI are transferred. A pointer is either an array whose length is
+/// another argument, or points to a single value. Arrays of constants are sent only to the FMU. Other arrays are sent
+/// in both directions.
 template <typename... Arguments>
 struct Signature {
   static constexpr std::size_t kCount = sizeof...(Arguments);
@@ -106,9 +109,9 @@ struct Signature {
   template <std::size_t i>
   using Argument = std::tuple_element_t<i, std::tuple<Arguments...>>;
 
-  /// Returns the index of the argument that is the number of elements of pointer `i`. Returns kSingle if the pointer
-  /// points to one value. The number of elements is the next argument, or the nearest suitable argument before the
-  /// pointer. The arguments after an array of sizes are the arrays that have these sizes.
+  /// Returns the index of the argument that contains the number of elements of pointer `i`. Returns kSingle if the
+  /// pointer points to one value. The number of elements is the next argument, or the nearest suitable argument before
+  /// the pointer. An array of sizes is followed by the arrays that have these sizes.
   static consteval int length_of(std::size_t i) {
     constexpr std::array<bool, kCount> kLengths{std::is_same_v<Arguments, std::size_t>...};
     constexpr std::array<bool, kCount> kPointers{std::is_pointer_v<Arguments>...};
@@ -126,7 +129,7 @@ struct Signature {
   }
 
  private:
-  /// In fmi2GetDirectionalDerivative, the last array is as long as the first.
+  /// True for fmi2GetDirectionalDerivative, whose last array has the same length as its first array.
   static consteval bool is_directional_derivative() {
     using Numbers = const unsigned*;
     return std::is_same_v<std::tuple<Arguments...>,
@@ -141,7 +144,7 @@ template <typename T>
 concept Function = std::is_pointer_v<T> && std::is_function_v<std::remove_pointer_t<T>>;
 template <typename T>
 concept Value = (std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_same_v<T, void*>);
-/// A text. A pointer to char with a length is an array of bytes, not a text.
+/// A text that ends with a zero byte. A pointer to char with a length is an array of bytes instead.
 template <typename T, int length>
 concept Text = std::is_same_v<T, const char*> && length < 0;
 template <typename T>
@@ -155,11 +158,12 @@ template <typename T>
 concept ArrayOfBytes = Array<T> && std::is_same_v < Element<T>,
 const std::uint8_t* > ;
 
-/// A received argument.
+/// Stores one received argument.
 struct Slot {
   std::uint64_t count = 0;
   bool is_null = false;
-  std::vector<std::byte> elements;  ///< as C has them: for texts and arrays of bytes, the pointers
+  /// The elements in memory as the C function expects them; for texts and arrays of bytes, pointers.
+  std::vector<std::byte> elements;
   std::vector<std::optional<std::string>> texts;
 
   template <typename T>
@@ -170,8 +174,8 @@ struct Slot {
     const auto* const start = reinterpret_cast<const std::byte*>(bytes.data());
     elements.assign(start, start + bytes.size());
   }
-  /// Stores the texts and an array of pointers to them. The pointer to a missing text is null. An empty text would be
-  /// wrong, because a reader that uses the size of the binary would read beyond it.
+  /// Stores the texts, and an array of pointers to them. The pointer to a missing text is null. An empty text would be
+  /// wrong, because a reader that relies on the size of the binary would read past its end.
   template <typename Pointer>
   void keep_texts(std::vector<std::optional<std::string>> kept) {
     texts = std::move(kept);
