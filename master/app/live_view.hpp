@@ -18,7 +18,7 @@ struct LiveViewOptions {
   std::optional<int> port;           ///< number of the port; 0 selects any free port
   std::optional<std::string> start;  ///< "browser" or "now"; default: "browser" on a terminal
   std::optional<double> pace;        ///< simulated seconds per second
-  /// true if the page stays available after the end; the default on a terminal, unless `no_keep` is set
+  /// True if the page stays available after the end; the default on a terminal, unless `no_keep` is set.
   bool keep = false;
   bool no_keep = false;
 

@@ -14,7 +14,7 @@ struct Options {
   double half_step_tolerance = 1e-3;
   double deadline_s = 30;         ///< longest processor and sleeping time of each experiment
   Level level = Level::standard;  ///< findings of higher levels are counted, not reported
-  /// if it becomes true, the check throws Interrupted; null: the check cannot be cancelled
+  /// If it becomes true, the check throws Interrupted; null: the check cannot be cancelled.
   const std::atomic<bool>* given_up = nullptr;
   bool run = true;  ///< false: examines only the files and executes none of the FMU's code
 };

@@ -40,7 +40,7 @@ struct CaseDescription {
 
 struct CaseFile {
   std::filesystem::path folder = {};  ///< absolute path of the folder that contains the file
-  /// name of the FMU, or its path relative to the folder, as in a config; empty if the file names no FMU
+  /// Name of the FMU, or its path relative to the folder, as in a config; empty if the file names no FMU.
   std::string fmu = {};
   std::vector<CaseDescription> cases = {};
 };

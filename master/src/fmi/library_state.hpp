@@ -125,7 +125,7 @@ struct NewLibrary {
 /// Lists the libraries and symbols that an FMU contains and needs. They are read from its ELF files.
 struct LibraryNeeds {
   std::vector<NewLibrary> libraries;  ///< the FMU's own library is the first
-  /// maps the name by which the loader finds a library to its file
+  /// Maps the name by which the loader finds a library to its file.
   std::map<std::string, std::filesystem::path> brought;
   std::set<std::string> names;             ///< names of all needed libraries, including indirectly needed ones
   std::set<std::filesystem::path> shared;  ///< files that the FMU needs and that the process has already loaded

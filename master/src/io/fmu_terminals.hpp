@@ -8,8 +8,8 @@
 
 namespace mebots::master {
 
-/// Reads the terminals of an FMU without unpacking the rest; empty if it declares none. Throws mebots::Error if the
-/// file is not an FMU.
+/// Returns the terminals that an FMU declares, without unpacking the FMU. The list is empty if the FMU declares none.
+/// Throws mebots::Error if the file is not an FMU.
 std::vector<modeldesc::DeclaredTerminal> read_fmu_terminals(const std::filesystem::path& archive);
 
 }  // namespace mebots::master

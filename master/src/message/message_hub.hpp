@@ -25,9 +25,9 @@ class MessageSink {
   virtual void message(const Message& message) = 0;
 };
 
-/// Passes each message to all listeners, one at a time. May be called from any thread. Messages arrive during calls to
-/// FMUs, and an exception must not pass through the FMU's code. Therefore an exception of a listener is stored until
-/// rethrow().
+/// Passes each message to all listeners, one message at a time. May be called from any thread. Messages arrive during
+/// calls to FMUs, and an exception must not pass through the FMU's code. Therefore an exception of a listener is
+/// stored, and rethrow() throws it later.
 class MessageHub final : public MessageSink {
  public:
   using Listener = std::function<void(const Message&)>;
@@ -47,7 +47,7 @@ class MessageHub final : public MessageSink {
     }
   }
 
-  /// If a listener has thrown an exception since the last call, throws this exception. The stepping thread calls
+  /// Throws the exception that a listener has thrown since the last call, if any. The stepping thread must call
   /// rethrow() between two calls to FMUs.
   void rethrow() {
     if (!failed_.load(std::memory_order_relaxed)) return;
@@ -63,8 +63,8 @@ class MessageHub final : public MessageSink {
   std::atomic<bool> failed_{false};
 };
 
-/// Holds the messages of slaves that step in parallel, and releases them after the step in the order of the instances.
-/// Therefore the log does not depend on the number of threads.
+/// Holds back the messages of slaves that step in parallel. After the step, passes them on in the order of the
+/// instances. Therefore the log does not depend on the number of threads.
 class OrderedMessages final : public MessageSink {
  public:
   /// `target` must outlive this object.
@@ -74,7 +74,7 @@ class OrderedMessages final : public MessageSink {
   void message(const Message& message) override;
 
   void hold() { holds_ = true; }
-  /// Releases all held messages of the first instance, then of the second, and so on.
+  /// Passes on all held messages: first those of the first instance, then those of the second, and so on.
   void release(const std::vector<std::string>& instances);
 
  private:
@@ -88,11 +88,12 @@ class OrderedMessages final : public MessageSink {
 
   MessageSink* target_;
   std::mutex mutex_;
-  bool holds_ = false;  // changes only while no slave steps
+  bool holds_ = false;  // changes only while no slave is stepping
   std::vector<Kept> kept_;
 };
 
-/// Limits the bytes of messages in one call to an FMU, and counts the messages that are dropped. Not thread-safe.
+/// Limits the size of all messages during one call to an FMU, and counts the messages that are dropped. Not
+/// thread-safe.
 class MessageLimit {
  public:
   static constexpr std::size_t kMostBytes = std::size_t{32} << 20;
@@ -110,7 +111,7 @@ class MessageLimit {
     return true;
   }
 
-  /// Resets the counts. Returns a notice if messages were dropped.
+  /// Must be called before each call to an FMU. Resets the counts. Returns a notice if messages were dropped.
   std::optional<std::string> restart() {
     bytes_ = 0;
     const auto dropped = std::exchange(dropped_, 0);

@@ -14,34 +14,35 @@
 
 namespace mebots::master {
 
-/// A checked override of a variable.
+/// An override of a variable whose description was checked.
 struct Override {
   const OverrideDescription* description = nullptr;
   ResolvedVariable variable;
-  std::optional<modeldesc::Value> value;  ///< for `set`
-  std::shared_ptr<const Signal> signal;   ///< for `signal`
+  std::optional<modeldesc::Value> value;  ///< value for the action `set`
+  std::shared_ptr<const Signal> signal;   ///< values for the action `signal`
 };
 
-/// The overrides of a system and the times at which they are active. The first overrides are the columns of the section
-/// `inputs`, which are always active.
+/// Stores the overrides of a system and the times at which they are active. The overrides for the columns of the
+/// section `inputs` come first, and are always active.
 class OverrideSchedule {
  public:
-  /// Throws InputError for unknown variables, for variables that cannot be overridden, and for values of the wrong type
-  /// or unit.
+  /// Checks all overrides. Throws InputError if a variable is unknown or cannot be overridden, or if a value has the
+  /// wrong type or unit.
   explicit OverrideSchedule(const ResolvedSystem& system);
 
   const std::vector<Override>& overrides() const { return overrides_; }
-  /// Returns the number of overrides that come from the section `inputs`.
+  /// Returns the number of overrides that the section `inputs` defines.
   std::size_t inputs() const { return inputs_; }
-  /// Returns the start of the run.
+  /// Returns the time at which the run starts.
   std::int64_t start_ns() const { return start_ns_; }
   const TimeGrid& grid() const { return grid_; }
-  /// Returns the time at which an override begins, if this time is known.
+  /// Returns the time at which an override begins, if this time is already known.
   std::optional<std::int64_t> begin_of(std::size_t override) const;
-  /// Returns the time since which an override has been active; empty if it is not active at this time.
+  /// Returns the time since which the override has been active. Returns nullopt if the override is not active at
+  /// `time_ns`.
   std::optional<std::int64_t> since(std::size_t override, std::int64_t time_ns) const;
 
-  /// Starts an override. Called when the override's condition has been true for its duration.
+  /// Starts an override. Must be called when the condition of the override has been true for its duration.
   void start(std::size_t override, std::int64_t time_ns) { started_ns_[override] = time_ns; }
   void visit(state::Visitor& v) { v("started_ns", started_ns_); }
 
@@ -50,10 +51,10 @@ class OverrideSchedule {
   TimeGrid grid_;
   std::size_t inputs_;
   std::vector<Override> overrides_;
-  std::vector<std::optional<std::int64_t>> started_ns_;  // of overrides with a condition
+  std::vector<std::optional<std::int64_t>> started_ns_;  // start times of overrides that have a condition
 };
 
-/// Returns a readable text such as "offset 3".
+/// Describes the action of an override, such as "offset 3".
 std::string action_text(const OverrideDescription& override);
 
 }  // namespace mebots::master

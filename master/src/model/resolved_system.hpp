@@ -18,12 +18,13 @@
 #include <string_view>
 #include <vector>
 
-/// The system after all names were resolved, and after all checks that are possible before the first step.
+/// Declares the system after all names were resolved, and after all checks that are possible before the first step.
 namespace mebots::master {
 
 class Fmu;
 
-/// A variable of an instance. Points into the description of the instance's FMU, which exists as long as the system.
+/// Identifies a variable of an instance. Points into the description of the instance's FMU, which exists as long as the
+/// system.
 struct ResolvedVariable {
   std::size_t instance = 0;
   const modeldesc::Variable* variable = nullptr;
@@ -32,7 +33,7 @@ struct ResolvedVariable {
   auto operator<=>(const ResolvedVariable&) const = default;
 };
 
-/// The start value of a scalar, to be set before initialisation.
+/// The start value of a scalar. It is set before initialisation.
 struct StartValue {
   const modeldesc::Variable* variable = nullptr;
   modeldesc::Value value;
@@ -47,88 +48,93 @@ struct ValuePair {
   bool operator==(const ValuePair&) const = default;
 };
 
-/// A scalar connection. A connection between OSMP binaries, or from a Binary to an OSMP binary, becomes three scalar
-/// connections; from an OSMP binary to a Binary, it is one. The input is factor * value + offset. Factor and offset
-/// include the conversion of units. Only Reals have factors other than 1 or offsets other than 0.
+/// A scalar connection. The input is factor * value + offset. Factor and offset include the conversion of units. Only
+/// Reals have factors other than 1 or offsets other than 0. A connection that ends at an OSMP binary is resolved into
+/// three scalar connections; a connection from an OSMP binary to a Binary is one.
 struct ResolvedConnection {
   ResolvedVariable from;
   ResolvedVariable to;
-  bool pointer = false;  ///< part of an OSMP binary: valid only in this process, and temporarily
+  /// True for a part of an OSMP binary, which is valid only in this process and only for a limited time.
+  bool pointer = false;
   double factor = 1;
   double offset = 0;
-  bool inner = false;               ///< within a continuous system, which evaluates it; not transferred at
-                                    ///< communication points
-  bool converts = false;            ///< between a Binary and an OSMP binary, whose `base.lo` stands for all
-  bool narrows = false;             ///< each value is checked to be in the range of the input's type
-  bool sum = false;                 ///< a term of a sum: the input gets the sum over all connections that end at it
-  std::vector<ValuePair> map = {};  ///< ordered by `from`; other values pass as they are
+  /// True if the connection is inside a continuous system, which evaluates it; it is not transferred at communication
+  /// points.
+  bool inner = false;
+  /// True if it connects a Binary and an OSMP binary, which is then represented by its `base.lo`.
+  bool converts = false;
+  bool narrows = false;  ///< true if each value is checked to be in the range of the input's type
+  bool sum = false;      ///< true for a term of a sum: the input is the sum of all connections that end at it
+  std::vector<ValuePair> map = {};  ///< sorted by `from`; all other values are passed on unchanged
 
   bool changes_value() const { return factor != 1 || offset != 0; }
-  /// True if the connection transfers a Real at communication points, and its input has no other source.
+  /// True if the connection transfers a Real at communication points and the input has no other source.
   bool moves_real() const;
   /// True if moves_real() is true and both variables are continuous. Only then can the deviation of the input from its
   /// source be measured.
   bool is_continuous() const;
 };
 
-/// Settings of the host process for an FMU that embeds an interpreter.
+/// Settings of the process that runs an FMU which embeds an interpreter.
 struct Interpreter {
-  bool embedded = false;    ///< keep the FMU's library loaded, because interpreters cannot be unloaded safely
-  std::string library;      ///< Python's library, if the FMU uses its symbols but does not name a library for them;
-                            ///< else empty
-  std::string python_path;  ///< added to PYTHONPATH: the packages of the virtual environment
+  bool embedded = false;  ///< true: the FMU's library stays loaded, because interpreters cannot be unloaded safely
+  /// Path of Python's library if the FMU uses its symbols without naming a library for them; otherwise empty.
+  std::string library;
+  std::string python_path;  ///< folder of the virtual environment's packages, which is added to PYTHONPATH
 };
 
 struct ResolvedInstance {
   const InstanceDescription* description = nullptr;
-  std::shared_ptr<Fmu> fmu;                                  ///< for use by fmi/ and higher layers; not used by model/
-  modeldesc::StructuralValues structural;                    ///< structural parameters (FMI 3.0) that the system sets
-  std::shared_ptr<const modeldesc::ModelDescription> model;  ///< the FMU's description, with elements in place of
-                                                             ///< arrays
+  std::shared_ptr<Fmu> fmu;                ///< used by fmi/ and higher layers, but not by model/
+  modeldesc::StructuralValues structural;  ///< the values of structural parameters (FMI 3.0) that the system sets
+  /// Description of the FMU, in which each array is replaced by its elements.
+  std::shared_ptr<const modeldesc::ModelDescription> model;
   FmuKind kind = FmuKind::co_simulation;
-  bool clocks_tick = false;        ///< the master handles its clocks
-  IsolationDescription isolation;  ///< as described, or a separate process if the FMU cannot share one
-  Interpreter interpreter;         ///< for an FMU in a separate process
+  bool clocks_tick = false;        ///< true if the master handles the clocks of the instance
+  IsolationDescription isolation;  ///< as described; a separate process if the FMU cannot share one
+  Interpreter interpreter;         ///< used only if the FMU runs in a separate process
   std::vector<StartValue> starts;
   std::vector<std::string> log_categories;
-  std::optional<double> tolerance;  ///< for fmi2SetupExperiment: that of the config, else the FMU's default
+  /// Tolerance for fmi2SetupExperiment: that of the config, otherwise the FMU's default.
+  std::optional<double> tolerance;
 
-  /// Returns the declaration in modelDescription.xml for the kind of this instance.
+  /// Returns what modelDescription.xml declares for the kind of this instance.
   const modeldesc::Implementation& implementation() const { return *implementation_of(*model, kind); }
   /// Returns the arguments of fmi2SetupExperiment for a run from `start_ns` to `stop_ns`.
   Experiment experiment(std::int64_t start_ns, std::int64_t stop_ns) const;
 };
 
-/// Model exchange instances that one solver integrates.
+/// The model exchange instances that are integrated together by one solver.
 struct ResolvedContinuousSystem {
   std::vector<std::size_t> members;  ///< in the order of the config
   const SolverDescription* solver = nullptr;
-  std::vector<ResolvedConnection> clock_connections = {};  ///< between clocks, and between clocked variables
+  /// Connections between clocks, and between clocked variables.
+  std::vector<ResolvedConnection> clock_connections = {};
 };
 
-/// Co-simulation instances whose clocks are connected, or one instance with clocks. They step together from tick to
-/// tick.
+/// A group of co-simulation instances whose clocks are connected, or a single instance that has clocks. The members
+/// step together from tick to tick.
 struct ResolvedClockGroup {
   std::vector<std::size_t> members;             ///< in the order of the config
-  std::vector<ResolvedConnection> connections;  ///< between clocks, and between clocked variables
+  std::vector<ResolvedConnection> connections;  ///< connections between clocks, and between clocked variables
 };
 
-/// An input or bond whose coupling error determines the length of communication steps.
+/// An input or a bond whose coupling error affects the length of communication steps.
 struct MeasuredCoupling {
   std::string name;
   CouplingTolerance tolerance = {};
-  const BondDescription* bond = nullptr;  ///< if null, the input of a connection
-  std::size_t connection = 0;             ///< place among ResolvedSystem::connections
+  const BondDescription* bond = nullptr;  ///< null if the input of a connection is measured
+  std::size_t connection = 0;             ///< index in ResolvedSystem::connections
 };
 
-/// What step control measures, and whether it repeats steps with a large error.
+/// States what step control measures, and whether it repeats steps whose error is too large.
 struct ResolvedStepControl {
   std::vector<MeasuredCoupling> measured;
   bool rolls_back = false;
 };
 
-/// An unconnected input whose source is a column of a file. The column is stored as an override that is active during
-/// the whole run.
+/// An unconnected input whose values are in a column of a file. The column is stored as an override that is active
+/// during the whole run.
 struct InputSignal {
   OverrideDescription description;
   std::shared_ptr<const Signal> signal;
@@ -137,47 +143,50 @@ struct InputSignal {
 struct ResolvedSystem {
   const SystemDescription* description = nullptr;
   std::vector<ResolvedInstance> instances;       ///< in the order of the config
-  std::vector<ResolvedConnection> connections;   ///< ordered by target, so that their order in the config is nothing
-  std::vector<ResolvedClockGroup> clock_groups;  ///< their connections are not among those above
-  /// Every model exchange instance is in exactly one of these systems. Connections between their clocks are stored in
-  /// the systems, not in `connections`.
+  std::vector<ResolvedConnection> connections;   ///< sorted by target, so that their order in the config has no effect
+  std::vector<ResolvedClockGroup> clock_groups;  ///< `connections` does not contain the connections inside these groups
+  /// The systems of model exchange instances. Every such instance is in exactly one of them. Connections between their
+  /// clocks are stored in these systems, not in `connections`.
   std::vector<ResolvedContinuousSystem> continuous_systems;
-  std::optional<ResolvedStepControl> step_control;  ///< if the description has one
-  std::map<ResolvedVariable, InputSignal> inputs;   ///< by target, so that their order in the config does not matter
-  std::vector<std::shared_ptr<const Signal>> scenario_signals;  ///< one per scenario entry; null for other actions
-  std::vector<std::string> notices;                             ///< notices for the user, such as unconnected inputs
+  std::optional<ResolvedStepControl> step_control;  ///< set if the description contains step control
+  /// Sorted by target, so that their order in the config has no effect.
+  std::map<ResolvedVariable, InputSignal> inputs;
+  /// One for each entry of the scenario; null for other actions than `signal`.
+  std::vector<std::shared_ptr<const Signal>> scenario_signals;
+  std::vector<std::string> notices;  ///< facts that the user should see, such as unconnected inputs
 
-  /// Returns the signal that is the source of an input; null if there is none.
+  /// Returns the signal that is the source of an input. Returns null if there is none.
   const InputSignal* input_signal(const ResolvedVariable& input) const;
-  /// Looks up a variable. If the variable does not exist, throws InputError with the nearest names. `place` is the
+  /// Finds a variable by its name. Throws InputError with similar names if the variable does not exist. `place` is the
   /// place at which the name was written.
   ResolvedVariable find(const VariableName& name, const std::string& place) const;
   std::string text(const ResolvedVariable& variable) const;
 };
 
-/// Resolves and checks a start value. Throws InputError with the place of the assignment and the names of similar
-/// variables.
+/// Resolves and checks a start value. If it is invalid, throws InputError with the place of the assignment and the
+/// names of similar variables.
 StartValue checked_start(const InstanceDescription& instance, const modeldesc::ModelDescription& description,
                          const Assignment& assignment);
 
-/// Returns the reason why a variable cannot be set before initialisation; empty if the variable can be set.
+/// Returns the reason why a variable cannot be set before initialisation. Returns an empty text if it can be set.
 std::string why_not_settable(const modeldesc::Variable& variable);
 
-/// Converts a written value to the variable's type. An enumeration value is written as an item's name or number. Throws
-/// InputError if the type is wrong, an item is unknown, or the value is outside of the variable's `min` and `max`.
+/// Converts a value, as written by the user, to the variable's type. A value of an enumeration can be written as the
+/// name or number of an item. Throws InputError if the type is wrong, an item is unknown, or the value is outside of
+/// the variable's `min` and `max`.
 modeldesc::Value typed_value(const modeldesc::ModelDescription& description, const modeldesc::Variable& variable,
                              const WrittenValue& written, const std::string& place);
 
-/// Returns the shortest text that reads back to the same bits, such as "1.5e+08", "true" or "lipol_350". The bits of a
-/// UInt64 are read as unsigned. A Binary becomes hexadecimal digits, two per byte.
+/// Returns the shortest text that represents the value exactly, such as "1.5e+08", "true" or "lipol_350". The bits of a
+/// UInt64 are interpreted as unsigned. A Binary becomes hexadecimal digits, two for each byte.
 std::string value_text(modeldesc::Type type, const modeldesc::Value& value);
 
-/// Returns the variables recorded in every row, in the order of instances and descriptions. Throws InputError if a
-/// pattern matches no variable.
+/// Returns the variables that are recorded in every row, in the order of instances and descriptions. Throws InputError
+/// if a pattern matches no variable.
 std::vector<ResolvedVariable> recorded_variables(const ResolvedSystem& system);
 
-/// Returns the variables recorded once, at t = 0: parameters of all kinds, and constants. Throws InputError if a
-/// pattern matches no parameter.
+/// Returns the variables that are recorded once, at t = 0: parameters of all kinds, and constants. Throws InputError if
+/// a pattern matches no parameter.
 std::vector<ResolvedVariable> recorded_parameters(const ResolvedSystem& system);
 
 /// True if `text` matches the pattern; `*` matches any number of characters, `?` matches one character.

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-/// Communication points of a run, and the reason for its end. All layers use these types.
+/// Declares the communication points of a run and the reason for its end. All layers use these types.
 namespace mebots::master {
 
 /// The arguments of fmi2SetupExperiment.
@@ -19,20 +19,21 @@ struct Experiment {
 
 /// A communication point that all slaves have reached.
 struct Point {
-  std::int64_t step = 0;  ///< its place on the grid
+  std::int64_t step = 0;  ///< index of the point on the grid
   std::int64_t time_ns = 0;
 };
 
-/// The reason for which a run ended.
+/// Describes why a run ended.
 struct End {
   EndReason reason = EndReason::stop_time;
   std::string text;  ///< a sentence for users
 };
 
-/// An instance that failed without ending the run.
+/// Describes an instance that failed without ending the run.
 struct InstanceLoss {
   std::string name;
-  std::optional<std::int64_t> at_ns = {};  ///< start of the step, or communication point, at which it failed
+  /// Start of the step, or the communication point, at which the instance failed.
+  std::optional<std::int64_t> at_ns = {};
   std::string text;
 };
 

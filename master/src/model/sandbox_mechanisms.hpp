@@ -5,10 +5,10 @@
 
 namespace mebots::master {
 
-/// The mechanisms of a sandbox, by their names in a config.
-inline constexpr const char* kNamespaces = "namespaces";  ///< by bubblewrap, with a private file tree
-inline constexpr const char* kLandlock = "landlock";      ///< files and signals
-inline constexpr const char* kSeccomp = "seccomp";        ///< system calls
+/// The names of the mechanisms of a sandbox, as written in a config.
+inline constexpr const char* kNamespaces = "namespaces";  ///< bubblewrap creates them, with a private file tree
+inline constexpr const char* kLandlock = "landlock";      ///< restricts access to files, and signals
+inline constexpr const char* kSeccomp = "seccomp";        ///< restricts system calls
 inline constexpr std::array kMechanisms = {kNamespaces, kLandlock, kSeccomp};
 
 }  // namespace mebots::master

@@ -17,10 +17,10 @@ enum class SolverMethod : std::uint8_t {
 struct SolverDescription {
   SolverMethod method = SolverMethod::bdf;
   std::optional<double> relative_tolerance = {};
-  std::optional<double> absolute_tolerance = {};  ///< times the nominal value of a state
+  std::optional<double> absolute_tolerance = {};  ///< factor by which the nominal value of a state is multiplied
   std::optional<double> max_step_s = {};
-  std::int64_t max_steps = 100'000;  ///< of the solver, in one communication step
-  bool restarts_at_points = false;   ///< the solver restarts at every communication point
+  std::int64_t max_steps = 100'000;  ///< maximum number of solver steps in one communication step
+  bool restarts_at_points = false;   ///< true: the solver restarts at every communication point
   std::string place = {};
 };
 

@@ -9,16 +9,16 @@
 
 namespace mebots::master {
 
-/// Counters of the solver's work on a continuous system.
+/// Counts the work that the solver does for a continuous system.
 struct SolverCounts {
   std::int64_t steps = 0;
-  std::int64_t rejected_steps = 0;  ///< by the error test, or because Newton's method failed
-  std::int64_t evaluations = 0;     ///< of the right-hand side, those for Jacobians included
+  std::int64_t rejected_steps = 0;  ///< steps that the error test rejected, or in which Newton's method failed
+  std::int64_t evaluations = 0;     ///< evaluations of the right-hand side, including those for Jacobians
   std::int64_t jacobians = 0;
-  std::int64_t restarts = 0;  ///< of the solver, at order 1
+  std::int64_t restarts = 0;  ///< restarts of the solver at order 1
   std::int64_t state_events = 0;
   std::int64_t time_events = 0;
-  std::int64_t step_events = 0;   ///< requested by completedIntegratorStep
+  std::int64_t step_events = 0;   ///< events that completedIntegratorStep requested
   std::int64_t input_events = 0;  ///< changes of discrete inputs at communication points
 
   void visit(state::Visitor& v) {

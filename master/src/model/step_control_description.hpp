@@ -8,28 +8,28 @@
 
 namespace mebots::master {
 
-/// Limits the coupling error of one communication step, which is an integral over the step. The limit is the tolerance
-/// times the maximum length of a step.
+/// Limits the coupling error of one communication step. The error is an integral over the step. Its limit is the
+/// tolerance times the maximum length of a step.
 struct CouplingTolerance {
-  double relative = 1e-3;  ///< of the largest magnitude so far: of the source's value, or of a bond's power
-  double absolute = 1e-6;  ///< of an input times its nominal value; of a bond in the unit of its power
+  double relative = 1e-3;  ///< relative to the largest magnitude so far of the source's value or of the bond's power
+  double absolute = 1e-6;  ///< for an input, a multiple of its nominal value; for a bond, in the unit of its power
 };
 
 /// The tolerance of one input or bond.
 struct NamedTolerance {
-  std::string name;                            ///< of a bond, or "instance.input"
+  std::string name;                            ///< name of a bond, or "instance.input"
   std::optional<CouplingTolerance> tolerance;  ///< if absent, the input or bond is not measured
   std::string place;
 };
 
 enum class Rollback {
-  never,        ///< a step that exceeds the tolerance counts; the next one is shorter
-  if_possible,  ///< it is repeated in halves if all instances can restore their states
+  never,        ///< a step that exceeds the tolerance is accepted; the next step is shorter
+  if_possible,  ///< such a step is repeated with half the length, if all instances can restore their states
   required,
 };
 
-/// Describes how the length of the communication step follows the coupling error. Lengths are in steps of the system.
-/// The defaults of the controller are those of ECCO (Sadjina, Kyllingstad, Skjong, Pedersen 2017).
+/// Describes how the length of the communication step depends on the coupling error. Lengths are in steps of the
+/// system. The controller's defaults are those of ECCO (Sadjina, Kyllingstad, Skjong, Pedersen 2017).
 struct StepControlDescription {
   std::int64_t min_steps = 1;
   std::int64_t max_steps = 1;
@@ -38,7 +38,7 @@ struct StepControlDescription {
   std::vector<NamedTolerance> tolerances;
   Rollback rollback = Rollback::never;
   double safety = 0.8;
-  double min_factor = 0.2;  ///< from step to step
+  double min_factor = 0.2;  ///< smallest ratio of the lengths of two consecutive steps
   double max_factor = 1.5;
   double proportional_gain = 0.2;
   double integral_gain = 0.15;

@@ -12,14 +12,14 @@ namespace mebots::master {
 struct StepStatistics {
   std::int64_t steps = 0;
   std::int64_t rejected = 0;  ///< steps that were repeated
-  std::int64_t above = 0;     ///< steps that count although their error exceeds the tolerance
+  std::int64_t above = 0;     ///< steps that were accepted although their error exceeds the tolerance
   std::int64_t smallest = 0;
   std::int64_t largest = 0;
-  double error_sum = 0;  ///< over the tolerance
+  double error_sum = 0;  ///< sum of the errors, each divided by its limit
   double largest_error = 0;
-  std::vector<std::int64_t> worst;  ///< number of steps in which an input or bond had the largest error
+  std::vector<std::int64_t> worst;  ///< number of steps in which each input or bond had the largest error
 
-  /// Adds a step that was not repeated.
+  /// Counts a step that was not repeated.
   void add(std::int64_t length, double error);
 
   void visit(state::Visitor& v) {

@@ -11,16 +11,16 @@
 
 namespace mebots::master {
 
-/// A condition: a comparison of a variable with a value, or of the number of true sub-conditions with a number.
+/// A condition: compares a variable with a value, or the number of true members with a number.
 class Condition {
  public:
-  /// Throws InputError if the variable is unknown or the value does not fit the variable's type.
+  /// Throws InputError if the variable is unknown or the value does not match the variable's type.
   Condition(const ResolvedSystem& system, Ensemble& ensemble, const ConditionDescription& description);
 
-  /// Returns whether the condition is true. If the condition has `ever`, returns true if it was true in any call of
-  /// note_point().
+  /// Returns whether the condition is true. If the description sets `ever`, returns true if the condition was true in
+  /// any call of note_point().
   bool holds() const { return ever_ ? held_ : holds_now(); }
-  /// Evaluates a condition with `ever` at the present communication point.
+  /// Evaluates the condition at the current communication point, for `ever`.
   void note_point();
   /// Returns a text such as "world.drone.landed = true".
   const std::string& text() const { return text_; }
@@ -34,19 +34,19 @@ class Condition {
 
   const Ensemble* ensemble_;
   Quantifier quantifier_;
-  std::vector<Condition> members_;  // of a quantifier
+  std::vector<Condition> members_;  // conditions to which the quantifier applies
   bool ever_;
   bool held_ = false;
   SignalId signal_;
   Comparison comparison_;
-  double number_ = 0;       // also for Booleans (0 and 1), and limits of whole numbers
-  std::int64_t whole_ = 0;  // for `equals` of whole numbers and enumerations
+  double number_ = 0;       // compared number; also for Booleans (0 and 1) and for `above` and `below` of whole numbers
+  std::int64_t whole_ = 0;  // compared number for `equals` of whole numbers and enumerations
   modeldesc::Type type_ = modeldesc::Type::real;
   std::string string_;
   std::string text_;
 };
 
-/// Ends a run when one of the conditions has held for its duration.
+/// Ends a run as soon as one of its conditions has been true for its duration.
 class StopConditions final : public Observer {
  public:
   StopConditions(const ResolvedSystem& system, Ensemble& ensemble);
@@ -59,7 +59,7 @@ class StopConditions final : public Observer {
   struct Watch {
     Condition condition;
     std::int64_t for_ns;
-    std::optional<std::int64_t> since_ns = {};  // start of the time since which it has held without interruption
+    std::optional<std::int64_t> since_ns = {};  // time since which the condition has been true without interruption
 
     void visit(state::Visitor& v) { v("since_ns", since_ns); }
   };
@@ -68,7 +68,8 @@ class StopConditions final : public Observer {
   std::vector<Watch> watches_;
 };
 
-/// Determines the outcome of a run: the first outcome of the config whose conditions all hold, else "completed".
+/// Determines the outcome of a run: the first outcome in the config whose conditions are all true, otherwise
+/// "completed".
 class Outcomes final : public Observer {
  public:
   Outcomes(const ResolvedSystem& system, Ensemble& ensemble);

@@ -12,12 +12,12 @@
 #include <string>
 #include <vector>
 
-/// Measures the errors that the coupling of a run causes.
+/// Measures the errors that the coupling causes in a run.
 namespace mebots::master {
 
-/// Measures the deviation of one continuous Real input from its source, in the input's unit. The deviation is p - y,
-/// where p is the polynomial that the input follows within a step, and y is the source's value. It is computed at the
-/// start of the reader's step, and at all points that the source reached within this step.
+/// Measures the deviation of one continuous Real input from its source, in the unit of the input. The deviation is p -
+/// y, where p is the polynomial that the input follows within a step, and y is the value of the source. It is computed
+/// at the start of the reader's step, and at all points that the source has reached within this step.
 class InputDeviation {
  public:
   InputDeviation(const ResolvedSystem& system, Ensemble& ensemble, const ResolvedConnection& connection);
@@ -26,7 +26,8 @@ class InputDeviation {
   void visit(state::Visitor& v);
 
   const std::string& input() const { return input_; }
-  /// Returns the root mean square of the deviation divided by the range of the source's value; 0 if the range is 0.
+  /// Returns the root mean square of the deviation, divided by the range of the source's value. Returns 0 if the range
+  /// is 0.
   double relative() const;
   int order() const { return coupled_.order(); }
   nlohmann::ordered_json json() const;
@@ -39,7 +40,7 @@ class InputDeviation {
   std::string unit_;
   CoupledInput coupled_;
 
-  double last_value_ = 0;  // of the source, in the input's unit, at last_time_ns_
+  double last_value_ = 0;  // value of the source at last_time_ns_, in the unit of the input
   std::optional<std::int64_t> last_time_ns_;
   double least_ = 0;
   double most_ = 0;
@@ -49,7 +50,7 @@ class InputDeviation {
   std::int64_t largest_at_ns_ = 0;
 };
 
-/// Measures the energy that the coupling created in one power bond.
+/// Measures the energy that the coupling creates in one power bond.
 class BondEnergy {
  public:
   /// Throws the same errors as PowerBond.
@@ -62,7 +63,7 @@ class BondEnergy {
   const BondDescription& description() const { return bond_.description(); }
   double made() const { return made_; }
   double passed() const { return passed_; }
-  /// Returns the largest energy created or lost at any point, divided by the transferred energy.
+  /// Returns the largest energy that was created or lost up to any point, divided by the exchanged energy.
   double relative() const { return passed_ > 0 ? largest_ / passed_ : 0; }
   int order() const { return bond_.order(); }
   nlohmann::ordered_json json() const;
@@ -74,18 +75,18 @@ class BondEnergy {
   double largest_ = 0;
 };
 
-/// Reports the deviation of each continuous Real connection and the energy of each bond.
+/// Reports the deviation of each continuous Real connection, and the created energy of each bond.
 class Coupling final : public Observer {
  public:
-  /// Throws InputError for an invalid bond.
+  /// Throws InputError if a bond is invalid.
   Coupling(const ResolvedSystem& system, Ensemble& ensemble);
 
   std::optional<std::string> reached(const Point& point) override;
   void visit(state::Visitor& v) override;
   std::string_view state_name() const override { return "coupling"; }
 
-  /// Returns a text for each exceeded limit. The text suggests a communication step with which the limit would be met.
-  /// If step control is active, the text names the key to change.
+  /// Returns a text for each limit that is exceeded. The text suggests a communication step at which the limit would be
+  /// met. If step control is active, the text names the key that should be changed instead.
   std::vector<std::string> warnings() const;
   nlohmann::ordered_json json() const;
 
@@ -99,8 +100,8 @@ class Coupling final : public Observer {
   std::vector<BondEnergy> bonds_;
 };
 
-/// Returns the step (1, 2 or 5 times a power of ten [s]) at which the error is below the limit. The error is
-/// proportional to the step to the power of `order`. `relative` is the error with the step `step_s`.
+/// Returns a step at which the error is below the limit: 1, 2 or 5 times a power of ten [s]. `relative` is the error
+/// with the step `step_s`. The error is assumed to be proportional to the step to the power of `order`.
 double step_for(double relative, double limit, int order, double step_s);
 
 }  // namespace mebots::master

@@ -11,8 +11,8 @@
 
 namespace mebots::master {
 
-/// Observes a run, for example to record it or to evaluate conditions. Reads values through the ensemble passed to its
-/// constructor.
+/// Observes a run, for example to record it or to evaluate conditions. An observer reads values through the ensemble
+/// that its constructor received.
 class Observer {
  public:
   virtual ~Observer() = default;
@@ -26,10 +26,10 @@ class Observer {
   /// Called when the run ends at `point`. Not called if the run fails.
   virtual void ended(const Point& /*point*/) {}
 
-  /// Visits the part of the observer's state that a resumed run needs.
+  /// Visits the part of the observer's state that is saved and that a resumed run needs.
   virtual void visit(state::Visitor& /*v*/) {}
-  /// Returns the name of the observer's state. Empty if the observer has no state. An observer without a state may be
-  /// absent in a resumed run.
+  /// Returns the name under which the observer's state is saved. Returns an empty name if there is no state; such an
+  /// observer may be absent in a resumed run.
   virtual std::string_view state_name() const { return {}; }
 };
 

@@ -15,19 +15,19 @@
 
 namespace mebots::master {
 
-/// Records one row per communication point, or per recording interval. The first row is at t = 0, and the last row is
+/// Records one row at each communication point, or at each recording interval. The first row is at t = 0, the last row
 /// at the end of the run. The simulation only copies numbers; another thread writes the files.
 class Recorder final : public Observer {
  public:
-  /// Chooses the columns. Throws InputError if a pattern matches no variable.
+  /// Selects the columns. Throws InputError if a pattern matches no variable.
   Recorder(const ResolvedSystem& system, Ensemble& ensemble);
 
-  /// Adds a sink for the rows. Must be called before the first point.
+  /// Adds a sink that receives the rows. Must be called before the first point.
   void add(std::unique_ptr<RowSink> sink);
 
   std::optional<std::string> reached(const Point& point) override;
   void ended(const Point& point) override;
-  /// Writes all rows so far to the files. Throws Error if the disk is full or fails.
+  /// Writes all rows so far to the files. Throws Error if they cannot be written, for example because the disk is full.
   void flush() { writer_.drain(block_); }
   void visit(state::Visitor& v) override;
   std::string_view state_name() const override { return "recorder"; }
@@ -36,11 +36,11 @@ class Recorder final : public Observer {
   std::int64_t rows() const { return rows_; }
 
  private:
-  /// The source of a column's values. Exactly one pointer is not null.
+  /// Points to the source of a column's values. Exactly one pointer is not null.
   struct Source {
     const double* real = nullptr;
     const std::int64_t* integer = nullptr;
-    bool binary = false;  // the text contains bytes, which are written as hexadecimal digits
+    bool binary = false;  // true if the text contains bytes, which are written as hexadecimal digits
     const std::string* text = nullptr;
     bool boolean = false;
   };
@@ -53,23 +53,23 @@ class Recorder final : public Observer {
   std::int64_t every_steps_;
   std::vector<RecordColumn> columns_;
   std::vector<SignalId> signals_;
-  bool records_step_ = false;             // as the first column
-  double step_s_ = 0;                     // of the step to this point; 0 at the start
-  std::optional<std::int64_t> point_ns_;  // kept if the step is recorded
-  std::vector<Source> sources_;           // once the run has begun
+  bool records_step_ = false;             // true: the length of the step is the first column
+  double step_s_ = 0;                     // length of the step that ends at this point; 0 at the start
+  std::optional<std::int64_t> point_ns_;  // time of the last point, stored if the step is recorded
+  std::vector<Source> sources_;           // set when the run begins
   RowBlock block_;
-  std::size_t text_bytes_ = 0;  // in the block
+  std::size_t text_bytes_ = 0;  // number of bytes of texts in `block_`
   std::vector<std::unique_ptr<RowSink>> sinks_;
-  BlockWriter writer_;  // after the sinks, which must outlive it
+  BlockWriter writer_;  // declared after the sinks, which must outlive it
   std::int64_t rows_ = 0;
   std::int64_t last_step_ = -1;
 };
 
-/// Reads the recorded parameters from the slaves. Must be called after their initialisation.
+/// Reads the recorded parameters from the slaves. Must be called after the slaves were initialised.
 std::vector<ParameterValue> read_parameters(const ResolvedSystem& system, Ensemble& ensemble);
 
-/// Writes parameters.csv at t = 0: a row per parameter with name, unit and value. The file is separate, because a
-/// column would repeat the value in every row.
+/// Writes parameters.csv at t = 0. Each row contains the name, unit and value of a parameter. The file is separate,
+/// because a column in results.csv would repeat the value in every row.
 class ParameterRecorder final : public Observer {
  public:
   /// Throws InputError if a pattern matches no parameter.
@@ -83,16 +83,16 @@ class ParameterRecorder final : public Observer {
   std::filesystem::path file_;
 };
 
-/// Writes the frames in an OSMP binary as PNG files. The name of a file is the frame's time: `0012.345000.png` is the
-/// frame at 12.345 s.
+/// Writes the frames in an OSMP binary as PNG files. The name of a file is the time of its frame: `0012.345000.png`
+/// contains the frame at 12.345 s.
 class PictureRecorder final : public Observer {
  public:
-  /// Throws InputError if the frame or its id is not a variable of the required kind.
+  /// Throws InputError if the frame or its id is not a variable of the required type.
   PictureRecorder(const ResolvedSystem& system, Ensemble& ensemble, const PictureDescription& pictures,
                   std::filesystem::path folder);
 
-  /// Throws Error if the folder cannot be created, the frame does not consist of whole rows, or the frame cannot be
-  /// written.
+  /// Throws Error if the folder cannot be created, if the frame does not consist of whole rows, or if the frame cannot
+  /// be written.
   std::optional<std::string> reached(const Point& point) override;
   void visit(state::Visitor& v) override;
   std::string_view state_name() const override { return "pictures"; }
@@ -107,15 +107,15 @@ class PictureRecorder final : public Observer {
   PictureDescription pictures_;
   TimeGrid grid_;
   std::filesystem::path folder_;
-  std::vector<SignalId> frame_;  // a Binary or the three parts of an OSMP binary
+  std::vector<SignalId> frame_;  // a Binary, or the three parts of an OSMP binary
   SignalId id_;
   bool has_folder_ = false;
   std::int64_t last_id_ = 0;
   std::optional<std::int64_t> last_ns_;  // time of the last picture
 };
 
-/// Throws InputError if the variables do not exist or are of the wrong kind, or if the FMU declares another width than
-/// the config.
+/// Throws InputError if the variables do not exist or have the wrong type, or if the FMU and the config declare
+/// different widths.
 void check_pictures(const ResolvedSystem& system, const PictureDescription& pictures);
 
 }  // namespace mebots::master

@@ -9,31 +9,31 @@
 
 namespace mebots::master::report {
 
-/// Reads the parts of the page that shows runs. Throws Error if the installation was built without pages
-/// (MEBOTS_PAGES).
+/// Returns the parts of the page that shows runs. Throws Error if MEbots was built without web pages (MEBOTS_PAGES).
 PageParts read_page_parts();
 
-/// Reads the parts of the page that shows the data of `make_data_page`: a study, or a replayed flight. Throws the same
-/// errors as `read_page_parts`.
+/// Returns the parts of the page that make_data_page() fills: the page of a study or of a replayed flight. Throws the
+/// same errors as read_page_parts().
 PageParts read_data_page_parts();
 
-/// Returns an HTML document that shows the first run in full and compares the other runs with the first.
+/// Returns an HTML document that shows the first run in detail, and compares the other runs with it.
 std::string make_page(const PageParts& parts, std::span<const RunFolder> runs);
 
-/// Returns the page of a run in progress. The page requests data only from the server that sent it.
+/// Returns an HTML document that shows a run in progress. The page requests data only from the server that sent it.
 std::string make_live_page(const PageParts& parts, const std::string& name);
 
-/// Returns a page that shows `data`, which is JSON (web/src/report/content.ts). The page needs no network.
+/// Returns an HTML document that shows `data`, which must be JSON (web/src/report/content.ts). The page works without a
+/// network.
 std::string make_data_page(const PageParts& parts, const std::string& title, std::string_view data);
 
-/// Returns the runs as bytes for the page. The bytes consist of the length of the header (32 bits, little-endian), the
-/// header as JSON, and blocks of bytes whose offsets and lengths are in the header. web/src/data/payload.ts reads these
-/// bytes.
+/// Encodes the runs as bytes for the page. The bytes consist of the header's length (32 bits, little-endian), the
+/// header as JSON, and blocks of bytes. The header contains the offsets and lengths of the blocks.
+/// web/src/data/payload.ts reads these bytes.
 ///
-/// A column of n numbers takes 8 n bytes. The 64 bits of each number (IEEE 754) are treated as a whole number. From
-/// each whole number, the previous one is subtracted. The differences are stored in byte planes: first the lowest byte
-/// of each difference, then the second byte of each, and so on. Successive values differ little, so their upper bytes
-/// compress well. A constant column is a single number in the header.
+/// A column of n numbers takes 8 n bytes. The 64 bits of each number (IEEE 754) are treated as a whole number, from
+/// which the previous whole number is subtracted. The differences are stored in byte planes: first the lowest byte of
+/// each difference, then the second byte of each, and so on. Successive values differ little, so that their upper bytes
+/// compress well. A constant column is stored as a single number in the header.
 std::string payload_of(std::span<const RunFolder> runs);
 
 }  // namespace mebots::master::report

@@ -10,7 +10,7 @@
 
 namespace mebots::master::report {
 
-/// A span of simulated time, including both ends.
+/// A span of simulated time that includes both of its ends.
 struct TimeSpan {
   double from_s = 0;
   double to_s = 0;
@@ -18,59 +18,58 @@ struct TimeSpan {
   bool holds(double time_s) const { return from_s <= time_s && time_s <= to_s; }
 };
 
-/// The columns of results.csv.
+/// The content of results.csv, by columns.
 struct ResultTable {
   struct Column {
-    std::string name;  ///< "instance.variable"; the first is "time"
-    std::string unit;  ///< "-" if none
+    std::string name;  ///< "instance.variable"; the first column is "time"
+    std::string unit;  ///< "-" if the column has no unit
     std::vector<double> values;
   };
   std::vector<Column> columns;
-  std::vector<std::string> texts;  ///< names of columns with texts, which are left out
-  std::size_t rows = 0;            ///< in the file
-  std::size_t span = 1;            ///< rows that a Thinner reduces to two
+  std::vector<std::string> texts;  ///< names of columns that contain texts; these columns are left out
+  std::size_t rows = 0;            ///< number of rows in the file
+  std::size_t span = 1;            ///< number of consecutive rows that a Thinner reduces to two
   std::vector<TimeSpan> whole;     ///< spans in which every row is kept
 
-  /// The maximum number of values in a page, so that the page can be sent by mail. Longer tables are thinned out.
+  /// The maximum number of values in a page. With more values, the page would be too large to be sent by mail.
   static constexpr std::size_t kMostValues = 600'000;
-  /// Returns the number of consecutive rows that a Thinner combines in a table of this size. `columns` includes the
-  /// time.
+  /// Returns the number of consecutive rows that a Thinner reduces to two in a table of this size. `columns` includes
+  /// the time.
   static std::size_t span_of(std::size_t rows, std::size_t columns);
 };
 
-/// Reads results.csv. Keeps every row within the spans `whole`. Skips an incomplete last line, which remains if a run
-/// is killed. The columns `texts` are texts even if they look like numbers, such as the Binary 0102. Throws InputError
-/// if the file is not such a table.
+/// Reads results.csv and thins it out. Keeps every row within the spans `whole`. Skips an incomplete last line, which
+/// remains if a run is killed. The columns named in `texts` contain texts even if they look like numbers, such as the
+/// Binary 0102. Throws InputError if the file is not such a table.
 ResultTable read_results(const std::filesystem::path& file, const std::vector<TimeSpan>& whole = {},
                          const std::set<std::string>& texts = {});
 
-/// Reduces a table, but keeps the minima and maxima. Every `span` consecutive rows become two rows, with the times of
-/// the first and the last row. In each column, the two rows contain the minimum and the maximum of the span, in the
-/// order in which they occurred. Therefore monotonic columns, such as energy counters, keep their exact values at both
-/// times.
+/// Reduces a table, but keeps its minima and maxima. Every `span` consecutive rows become two rows, which have the
+/// times of the first and the last row. In each column, the two rows contain the minimum and the maximum of the span,
+/// in the order in which they occurred. Therefore monotonic columns, such as energy counters, keep their exact values
+/// at both times.
 class Thinner {
  public:
-  /// `span` is the number of consecutive rows that become two rows. If `span` is 1, every row is kept. The first column
-  /// is the time.
+  /// If `span` is 1, every row is kept. The first column must be the time.
   Thinner(std::size_t columns, std::size_t span);
 
   void add(std::span<const double> row);
-  /// Completes the present span and adds a row unchanged.
+  /// Completes the current span, then adds a row that is kept unchanged.
   void keep(std::span<const double> row);
-  /// Completes the last span, which may have fewer rows.
+  /// Completes the last span, which may contain fewer rows. Must be called after the last row.
   void finish();
 
-  /// Returns the values of the reduced table, column by column.
+  /// Returns the values of the reduced table, indexed by column.
   std::vector<std::vector<double>>& values() { return values_; }
 
  private:
   struct Extreme {
     double value = 0;
-    std::size_t row = 0;  // in the span
+    std::size_t row = 0;  // index in the span
   };
 
   std::size_t span_;
-  std::size_t rows_ = 0;  // in the open span
+  std::size_t rows_ = 0;  // number of rows in the current span
   std::vector<Extreme> least_;
   std::vector<Extreme> greatest_;
   std::vector<std::vector<double>> values_;

@@ -11,23 +11,24 @@
 
 namespace mebots::master {
 
-/// Compares the rows of a file with the times at which a run needs its signals.
+/// Compares the times of a file's rows with the times at which a run needs its signals.
 class SignalCoverage {
  public:
   SignalCoverage(ResolvedSystem& system, std::string file) : system_(system), file_(std::move(file)) {}
 
-  /// Throws InputError if the run needs values at times outside of the file, and `description` does not permit holding
-  /// the first or last value.
+  /// Checks one signal. Throws InputError if the run needs values at times outside of the file's rows, unless
+  /// `description` permits that the first or last value applies there.
   void check(const OverrideDescription& description, const ResolvedVariable& variable, const Signal& signal);
-  /// Adds the results of check() to the system's notices.
+  /// Appends the results of all calls to check() to the notices of the system.
   void add_notices();
 
  private:
   struct Changes {
-    std::size_t late = 0;  // jumps, and changes of held values, that take effect only at the next point
+    // Jumps, and changes of values that are not interpolated, that take effect only at the next point.
+    std::size_t late = 0;
     std::size_t skipped = 0;
     std::size_t rows = 0;
-    std::int64_t first_ns = 0;  // time of the first late one
+    std::int64_t first_ns = 0;  // time of the first change that takes effect late
   };
 
   void check_rows(const ResolvedVariable& variable, const Signal& signal);
@@ -38,28 +39,29 @@ class SignalCoverage {
   bool ends_early_ = false;
   std::int64_t first_ns_ = 0;
   std::int64_t last_ns_ = 0;
-  std::map<std::size_t, Changes> changes_;  // by instance
+  std::map<std::size_t, Changes> changes_;  // indexed by instance
 };
 
-/// Resolves both ends of every connection of `system.description`, checks that they fit, and fills `system.connections`
-/// in the order of the target instances. Throws InputError, and InterruptedError.
+/// Resolves both ends of every connection in `system.description`, and checks that the ends match. Stores the
+/// connections in `system.connections`, sorted by target instance. Throws InputError if a connection is invalid. Throws
+/// InterruptedError after an interrupt.
 void resolve_connections(ResolvedSystem& system, const std::atomic<bool>& interrupted);
 
-/// Reads the signal files of a system's `inputs` and scenario. Each file is read once. Fills `inputs` and
-/// `scenario_signals`. Notices list converted units, times at which values are held outside of a file's rows, and
-/// changes between communication points. Throws InputError for files, columns, units and values that do not fit, and
+/// Reads the signal files of the system's `inputs` and scenario, each file only once. Stores their signals in `inputs`
+/// and `scenario_signals`. Adds notices about converted units, times at which the first or last value applies, and
+/// changes between communication points. Throws InputError for files, columns, units and values that do not match, and
 /// for inputs that have another source. Must be called after resolve_connections().
 void resolve_signals(ResolvedSystem& system);
 
-/// Groups the model exchange instances into `system.continuous_systems`, and marks the connections within each such
-/// system. Throws InputError for settings that such instances, or members of one system, cannot have. Must be called
-/// after resolve_connections() and resolve_signals().
+/// Groups the model exchange instances into `system.continuous_systems`, and marks the connections inside each of these
+/// systems. Throws InputError for settings that such instances, or the members of one system, cannot have. Must be
+/// called after resolve_connections() and resolve_signals().
 void resolve_continuous_systems(ResolvedSystem& system);
 
-/// Loads the FMUs that share this process. If an FMU cannot share this process, its instances get separate processes,
-/// and `system.notices` contains the reason. Throws InputError if the config demands `"process": "shared"` for such an
-/// instance, or if a library cannot be loaded. Checks `interrupted` before it loads a group of FMUs, and throws
-/// InterruptedError if this flag is set.
+/// Loads the FMUs that share this process. If an FMU cannot share it, its instances run in separate processes, and
+/// `system.notices` contains the reason. Throws InputError if the config demands `"process": "shared"` for such an
+/// instance, or if a library cannot be loaded. Throws InterruptedError if `interrupted` is set before a group of FMUs
+/// is loaded.
 void choose_processes(ResolvedSystem& system, const std::atomic<bool>& interrupted);
 
 }  // namespace mebots::master

@@ -21,15 +21,15 @@ namespace mebots::master {
 
 inline constexpr const char* kCheckpointFile = "checkpoint.bin";
 
-/// The state of a run at a communication point, complete enough to resume it in another process.
+/// Contains the state of a run at a communication point. The run can be resumed from it in another process.
 struct Checkpoint {
-  std::filesystem::path config;  ///< config, FMU or SSP
+  std::filesystem::path config;  ///< path of the config, FMU or SSP
   RunOptions options;
-  std::string inputs;  ///< the lines of InputHash
+  std::string inputs;  ///< the member `lines` of InputHash
   std::int64_t time_ns = 0;
   std::uint64_t results_bytes = 0;  ///< length of results.csv at this point
-  std::uint64_t log_bytes = 0;      ///< length of log.txt
-  std::string results_hash;         ///< hash of these bytes
+  std::uint64_t log_bytes = 0;      ///< length of log.txt at this point
+  std::string results_hash;         ///< hash of the first results_bytes bytes
   std::string log_hash;
   std::vector<std::byte> simulation;
 
@@ -46,30 +46,31 @@ struct Checkpoint {
   }
 };
 
-/// Makes every path absolute, because a checkpoint must be valid from any working folder.
+/// Makes every path in the options absolute, because a checkpoint must be usable from any working folder.
 RunOptions with_absolute_paths(RunOptions options);
 
-/// Replaces the checkpoint file atomically. Throws Error.
+/// Writes the checkpoint file of a results folder. Replaces an earlier checkpoint atomically. Throws Error if this
+/// fails.
 void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& checkpoint);
 
-/// Reads the checkpoint in a folder. Throws InputError if there is no checkpoint, or if the checkpoint is damaged or
-/// has another version.
+/// Reads the checkpoint in a results folder. Throws InputError if there is none, or if it is damaged or has another
+/// version.
 Checkpoint read_checkpoint(const std::filesystem::path& folder);
 
-/// Throws InputError with a list of the instances whose FMUs cannot serialize their state.
+/// Throws InputError if an instance's FMU cannot serialize its state. The error lists all such instances.
 void check_can_checkpoint(const ResolvedSystem& system);
 
-/// If the inputs have changed since a file was written, throws InputError that lists the changes. `what` names the file
-/// in the message, for example "the checkpoint".
+/// Throws InputError that lists the changes if the inputs have changed since a file was written. `what` names this file
+/// in the error, for example "the checkpoint".
 void check_inputs(const std::string& inputs_then, const std::string& inputs_now, std::string_view what);
 
-/// Writes a checkpoint at t = 0 and then at the first communication point after each interval of simulated time, but
-/// not at the end of the run, because a run that resumes from the end would step beyond it. Must be the last observer,
-/// so that all other observers have already written their data of this point.
+/// Writes a checkpoint at t = 0, and then at the first communication point after each interval of simulated time.
+/// Writes none at the end of the run, because a run that resumes there would step beyond the end. Must be the last
+/// observer, so that all other observers have already written their data of the point.
 class Checkpointer final : public Observer {
  public:
-  /// `blank` contains all members of a checkpoint that do not change during the run. All other arguments must outlive
-  /// the checkpointer.
+  /// `blank` must contain all members of the checkpoint that do not change during the run. All other arguments must
+  /// outlive this object.
   Checkpointer(Simulation& simulation, std::filesystem::path folder, Checkpoint blank, OutputFile& results,
                OutputFile& log);
 
@@ -88,13 +89,13 @@ class Checkpointer final : public Observer {
   std::int64_t next_ns_ = std::numeric_limits<std::int64_t>::min();
 };
 
-/// The state, at a communication point, of a run that writes no files. Other runs with the same inputs can start from
-/// this state. A Checkpoint, by contrast, belongs to one run, whose files contain the earlier results.
+/// Contains the state, at a communication point, of a run that writes no files. Other runs with the same inputs can
+/// start from it. In contrast, a Checkpoint belongs to one run, whose files contain the earlier results.
 struct SavedRun {
-  std::string inputs;  ///< the lines of InputHash
+  std::string inputs;  ///< the member `lines` of InputHash
   std::int64_t time_ns = 0;
   std::vector<std::byte> simulation;
-  std::vector<std::byte> rows;  ///< of the MemorySink, if it exists
+  std::vector<std::byte> rows;  ///< rows of the MemorySink, if there is one
 
   void visit(state::Visitor& v) {
     v("inputs", inputs);
@@ -105,7 +106,7 @@ struct SavedRun {
 };
 
 std::vector<std::byte> to_bytes(const SavedRun& run);
-/// Reads the bytes that to_bytes() returned. Throws InputError if the bytes have another version.
+/// Converts the bytes that to_bytes() returned to a SavedRun. Throws InputError if the bytes have another version.
 SavedRun saved_run(std::span<const std::byte> bytes);
 
 }  // namespace mebots::master

@@ -10,25 +10,25 @@
 #include <string_view>
 #include <vector>
 
-/// Finds effects of a run on the next run in the same process. LibraryState defines these effects.
+/// Finds effects that a run has on the next run in the same process. LibraryState describes these effects.
 namespace mebots::master {
 
-/// Returns the FMUs that are not clean (see LibraryState). All instances must have been freed.
+/// Returns the FMUs that are not clean, with the reasons (see LibraryState). All instances must have been freed.
 std::vector<Leftover> leftovers_of(const ResolvedSystem& system);
 
-/// Returns the name of the first FMU that computes with data outside of its instances' states, and the reason. Empty if
-/// there is none.
+/// Returns the name of the first FMU that computes with data outside of its instances' states, and the reason. Returns
+/// nullopt if there is no such FMU.
 std::optional<std::string> fmu_without_whole_state(const ResolvedSystem& system);
-/// Throws InputError if an FMU computes with data outside of its instances' states. `what` names the call that needs a
-/// complete state.
+/// Throws InputError if an FMU computes with data outside of its instances' states. `what` names the call that requires
+/// a complete state.
 void require_whole_states(const ResolvedSystem& system, std::string_view what);
 
-/// Guards process-wide data of the C library, such as the state of rand(), during a run. If the FMUs of the run import
-/// functions that use such data, the run starts with the data of a new process, or is rejected.
+/// Protects process-wide data of the C library, such as the state of rand(), during a run. If FMUs of the run import
+/// functions that change such data, the run starts with the data of a new process, or is rejected.
 class ProcessUse {
  public:
-  /// Throws InputError with the FMU and the function in two cases. In the first case, an earlier run may have changed
-  /// data that mebots cannot reset. In the second case, another run is using these data.
+  /// Resets the data that the FMUs of the run may change. Throws InputError that names the FMU and the function if an
+  /// earlier run may have changed data that mebots cannot reset, or if another run is using the same data.
   explicit ProcessUse(const ResolvedSystem& system);
   ~ProcessUse();
   ProcessUse(const ProcessUse&) = delete;

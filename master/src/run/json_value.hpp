@@ -15,18 +15,18 @@
 
 namespace mebots::master {
 
-/// Returns the double nearest to the shortest text of a Float32, so that JSON has the same digits as results.csv.
+/// Returns the double nearest to the shortest text of a Float32. Therefore JSON shows the same digits as results.csv.
 inline double shortest_float32(double value) {
   const auto single = static_cast<float>(value);
   std::array<char, 32> text{};
   const auto written = std::to_chars(text.data(), text.data() + text.size(), single);
-  double shortest = value;  // of an infinity or NaN, which has no number as its text
+  double shortest = value;  // Stays unchanged for an infinity or NaN, whose text is not a number.
   if (std::isfinite(single)) std::from_chars(text.data(), written.ptr, shortest);
   return shortest;
 }
 
-/// Returns a variable's value as JSON; null if the value is empty. A Binary is written as hexadecimal digits, two per
-/// byte.
+/// Returns the value of a variable as JSON. Returns null if there is no value. A Binary becomes hexadecimal digits, two
+/// for each byte.
 inline nlohmann::ordered_json json_of(modeldesc::Type type, const modeldesc::Value& value) {
   if (type == modeldesc::Type::uint64 && std::holds_alternative<std::int64_t>(value))
     return static_cast<std::uint64_t>(std::get<std::int64_t>(value));
@@ -45,8 +45,8 @@ inline nlohmann::ordered_json json_of(modeldesc::Type type, const modeldesc::Val
       value);
 }
 
-/// Adds a member to an object, or to null. The key must be new. It is not compared with the object's members, because
-/// this would be slow in an ordered object.
+/// Adds a member to an object, or creates an object if `object` is null. The object must not contain the key yet. This
+/// is not checked, because searching an ordered object would be slow.
 inline nlohmann::ordered_json& add_member(nlohmann::ordered_json& object, const std::string& key) {
   if (object.is_null()) object = nlohmann::ordered_json::object();
   auto& members = object.get_ref<nlohmann::ordered_json::object_t&>();

@@ -18,22 +18,23 @@
 
 namespace mebots::master {
 
-/// The values at the last communication point that the config requests under `summary`.
+/// Stores the values that the config requests under `summary`. They are those at the last communication point.
 class SummaryValues final : public Observer {
  public:
-  /// Looks up the variables. Throws InputError for an unknown variable, or for a label that summary.json itself uses.
+  /// Looks up the variables. Throws InputError if a variable is unknown, or if summary.json uses a label for itself.
   SummaryValues(const ResolvedSystem& system, Ensemble& ensemble);
 
   std::optional<std::string> reached(const Point& point) override;
 
-  /// Returns labels with values (numbers, Booleans, texts, item names of enumerations); empty before t = 0. Leaves out
-  /// entries whose conditions were false. A group contains its members' values under `each`, and their statistics:
+  /// Returns the labels and their values (numbers, Booleans, texts, names of enumeration items). Returns an empty
+  /// object before t = 0. Leaves out entries whose conditions were false. A group contains the values of its members
+  /// under `each`, and their statistics:
   ///
-  /// - numbers: `least`, `mean`, `most`, and the names of the extremes under `least_of` and `most_of`;
-  /// - Booleans: `count` of those that are true, and `of`, the number of all;
-  /// - texts and items: `counts` of each.
+  /// - numbers: `least`, `mean` and `most`; `least_of` and `most_of` name the members with the extreme values;
+  /// - Booleans: `count` is the number of true values, and `of` the number of all values;
+  /// - texts and items: `counts` contains the number of occurrences of each value.
   nlohmann::ordered_json values() const;
-  /// Returns the same labels with units; leaves out values without a unit.
+  /// Returns the same labels with the units of their values. Leaves out values that have no unit.
   nlohmann::ordered_json units() const;
 
  private:
@@ -44,12 +45,12 @@ class SummaryValues final : public Observer {
     SignalId signal;
     std::vector<Condition> when;
     bool shown = true;
-    double number = 0;       // of a Real
-    std::int64_t whole = 0;  // of an Integer or Boolean
+    double number = 0;       // value of a Real
+    std::int64_t whole = 0;  // value of an Integer or Boolean
     std::string text;
   };
 
-  /// A group of the summary. Its members are the entries [first, first + count); its label is `path`.
+  /// A group of the summary. Its members are the entries [first, first + count). Its label is `path`.
   struct Group {
     std::vector<std::string> path;
     std::size_t first;
@@ -59,30 +60,29 @@ class SummaryValues final : public Observer {
   void add_entry(const ResolvedSystem& system, Ensemble& ensemble, const SummaryEntry& entry);
   void add_group(const ResolvedSystem& system, Ensemble& ensemble, const SummaryEntry& entry);
   nlohmann::ordered_json value_of(const Entry& entry) const;
-  /// Returns the statistics of a group by their labels.
+  /// Returns the statistics of a group, indexed by their labels.
   nlohmann::ordered_json statistics_of(const Group& group) const;
 
   const Ensemble* ensemble_;
   std::vector<Entry> entries_;
-  std::vector<Group> groups_;  // by `first`
+  std::vector<Group> groups_;  // sorted by `first`
   bool any_point_ = false;
 };
 
-/// Wall time of a run's phases [s].
+/// Wall times of the phases of a run [s].
 struct WallTimes {
-  double open_s = 0;  ///< read the config, unpack and load the FMUs, check
+  double open_s = 0;  ///< reading the config, unpacking and loading the FMUs, and checks
   double initialise_s = 0;
   double stepping_s = 0;
 
-  /// Returns the time of the phases in which instances are called.
+  /// Returns the wall time of the phases in which instances are called.
   double simulating_s() const { return initialise_s + stepping_s; }
 };
 
-/// The result of a run.
+/// Contains the result of a run.
 struct RunReport {
-  std::string outcome;                  ///< one of the config's outcomes, or "completed", "interrupted", "closed",
-                                        ///< "failed"
-  std::optional<EndReason> end_reason;  ///< empty before the end
+  std::string outcome;  ///< one of the outcomes in the config, or "completed", "interrupted", "closed" or "failed"
+  std::optional<EndReason> end_reason;  ///< nullopt before the end
   std::string end_text;
   std::string error;  ///< empty unless the run failed
   ErrorCode error_code = ErrorCode::unspecified;
@@ -90,18 +90,18 @@ struct RunReport {
   std::int64_t steps = 0;
   std::int64_t rows = 0;
   WallTimes wall;
-  std::vector<std::string> overrides;  ///< changes to the config; the same text for every interface
+  std::vector<std::string> overrides;  ///< changes to the config, written in the same way by every interface
   std::vector<std::string> notices;
-  std::vector<std::string> writes;  ///< variables that a program set during the run, the first of them
-  std::int64_t further_writes = 0;  ///< those that `writes` does not list
-  std::vector<std::string> faults;  ///< of FMUs after the end, when they are terminated and freed
+  std::vector<std::string> writes;  ///< the first few variables that a program set during the run
+  std::int64_t further_writes = 0;  ///< number of such variables that `writes` does not list
+  std::vector<std::string> faults;  ///< errors of FMUs after the end, when they are terminated and freed
 
-  /// Returns the simulated time divided by the wall time of stepping; 0 if there were no steps.
+  /// Returns the simulated time divided by the wall time of stepping. Returns 0 if there were no steps.
   double real_time_factor() const;
 };
 
-/// Returns the content of summary.json. All values except `real_time_factor` and `wall_clock` are equal for equal
-/// inputs.
+/// Returns the content of summary.json. For equal inputs, all values except `real_time_factor` and `wall_clock` are
+/// equal.
 nlohmann::ordered_json summary_json(const ResolvedSystem& system, const InputHash& hash, const RunReport& report,
                                     const SummaryValues& values);
 

@@ -7,8 +7,8 @@
 
 namespace mebots::master {
 
-/// Returns the units of the variables of a config's FMUs by "instance.variable". Leaves out variables without a unit.
-/// Throws InputError if the config or an FMU cannot be read.
+/// Maps the variables of a config's FMUs, as "instance.variable", to their units. Leaves out variables that have no
+/// unit. Throws InputError if the config or an FMU cannot be read.
 std::map<std::string, std::string> variable_units(const std::filesystem::path& config);
 
 }  // namespace mebots::master

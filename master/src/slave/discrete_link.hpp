@@ -12,12 +12,12 @@
 
 namespace mebots::master {
 
-/// A variable's value: double for reals; std::int64_t for whole numbers, enumerations and Booleans; std::string for
-/// Strings and Binaries.
+/// The value of a variable. A Real is stored as double; a whole number, an enumeration or a Boolean as std::int64_t; a
+/// String or a Binary as std::string.
 using LinkValue = std::variant<double, std::int64_t, std::string>;
 
-/// A connection within a group that transfers values in event mode only. Numbers become factor * value + offset; whole
-/// numbers and Booleans are first replaced by their entry in `map`.
+/// A connection within a group that transfers values only in event mode. A number is converted to factor * value +
+/// offset. A whole number or a Boolean is first replaced according to `map`.
 struct DiscreteLink {
   std::size_t from = 0;  ///< index of the member in the group
   std::size_t to = 0;
@@ -27,13 +27,13 @@ struct DiscreteLink {
   ValueReference to_reference = 0;
   double factor = 1;
   double offset = 0;
-  std::vector<std::pair<std::int64_t, std::int64_t>> map = {};  ///< ascending
+  std::vector<std::pair<std::int64_t, std::int64_t>> map = {};  ///< sorted in ascending order
 
-  /// Returns the value for the input. `source` is the instance of the output.
+  /// Reads the output of `source` and returns the converted value for the input.
   LinkValue read(Slave& source) const;
 };
 
-/// Calls the access function of `slave` for this kind of variable.
+/// These functions call the access function of `slave` for this kind of variable.
 LinkValue get_value(Slave& slave, ValueKind kind, ValueReference reference);
 void set_value(Slave& slave, ValueKind kind, ValueReference reference, const LinkValue& value);
 

@@ -6,8 +6,8 @@
 
 namespace mebots::master {
 
-/// Returns a Taylor polynomial `since_s` seconds after its centre, where it has `value` and `derivatives` of orders 1
-/// and up.
+/// Evaluates a Taylor polynomial `since_s` seconds after its centre. At the centre, it has the value `value` and the
+/// derivatives `derivatives`, which are those of order 1 and higher.
 inline double extrapolated(double value, std::span<const double> derivatives, double since_s) {
   double sum = 0;
   for (auto order = derivatives.size(); order > 0; --order) {

@@ -11,9 +11,9 @@
 
 namespace mebots::master {
 
-/// Applies a scenario's overrides to variables of the wrapped slave. An override of an input changes the value that
-/// this slave gets. An override of an output changes the value that all other slaves read. Overrides act at the slave's
-/// own communication points.
+/// Applies the overrides of a scenario to variables of the wrapped slave. An override of an input changes the value
+/// that this slave receives. An override of an output changes the value that all other slaves read. Overrides take
+/// effect at the slave's own communication points.
 class OverriddenSlave final : public AccessSlave {
  public:
   /// `schedule` must outlive the slave. `step_ns` is the length of the slave's steps.
@@ -23,7 +23,7 @@ class OverriddenSlave final : public AccessSlave {
   void enter_initialization() override;
   void exit_initialization() override;
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
-  /// Returns the derivatives after the override: 0 for a constant, the slope of a ramp.
+  /// Returns the derivatives of the overridden outputs: 0 for a constant, and the slope for a ramp.
   void get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
                               std::span<double> values) override;
   void set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
@@ -34,7 +34,7 @@ class OverriddenSlave final : public AccessSlave {
   std::vector<std::byte> serialize(const SlaveState& state) override;
   std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) override;
 
-  /// Visits the state of the overrides. The state of the wrapped slave is stored separately.
+  /// Visits the state of the overrides. The state of the wrapped slave is not part of it.
   void visit(state::Visitor& v);
 
  private:
@@ -43,12 +43,12 @@ class OverriddenSlave final : public AccessSlave {
 
   using Value = std::variant<double, std::int64_t, std::string>;
 
-  /// An override, with the original value at the point where it started.
+  /// An override, and the original value of its variable when it started.
   struct Layer {
     std::size_t override = 0;
     std::uint64_t noise_key = 0;
-    std::size_t row = 0;  // row of a signal, a hint for the search of the next value; not part of the state
-    std::optional<std::int64_t> found_at_ns;  // empty: not active
+    std::size_t row = 0;                      // row of a signal at which the next search starts; not part of the state
+    std::optional<std::int64_t> found_at_ns;  // nullopt if the override is not active
     Value found;
 
     void visit(state::Visitor& v) {
@@ -56,18 +56,19 @@ class OverriddenSlave final : public AccessSlave {
       v("found", found);
     }
   };
-  /// A variable with all its overrides in the order of their declaration.
+  /// A variable and its overrides, in the order in which they were declared.
   struct Target {
     ValueReference reference = 0;
     ValueKind kind = ValueKind::real;
     bool input = false;
     std::vector<Layer> layers;
-    Value base;              // the value of the input without overrides
-    bool fresh = false;      // was set since the last step
-    bool sloped = false;     // a signal provides its derivative; not part of the state
-    bool connected = false;  // its source provides derivatives, and the signal's is set together with them; not part of
-                             // the state
-    bool acted = false;      // the slave's value differs from the base
+    Value base;           // value of the input without overrides
+    bool fresh = false;   // true if a value was set since the last step
+    bool sloped = false;  // true if a signal provides the derivative; not part of the state
+    // True if the source provides derivatives, so that those of the signal are set together with them; not part of the
+    // state.
+    bool connected = false;
+    bool acted = false;  // true if the slave's value differs from `base`
 
     void visit(state::Visitor& v) {
       v("base", base);
@@ -77,7 +78,7 @@ class OverriddenSlave final : public AccessSlave {
     }
   };
 
-  /// Values of unconnected inputs, set by one call per type.
+  /// Values of unconnected inputs. One call for each type sets them.
   template <typename T>
   struct Batch {
     std::vector<ValueReference> references;
@@ -99,7 +100,7 @@ class OverriddenSlave final : public AccessSlave {
   void change_outputs(ValueKind kind, std::span<const ValueReference> references, std::span<T> values);
   template <typename T>
   bool change_inputs(ValueKind kind, std::span<const ValueReference> references, std::vector<T>& values);
-  /// Returns the input or output with this value reference; null if the scenario does not change it.
+  /// Returns the input or output that has this value reference. Returns null if the scenario does not change it.
   Target* find(bool input, ValueKind kind, ValueReference reference);
   double changed_derivative(bool input, ValueReference reference, std::int32_t order, double value);
   double changed_derivative(Target& target, std::int32_t order, double value);
@@ -109,7 +110,7 @@ class OverriddenSlave final : public AccessSlave {
 
   const OverrideSchedule* schedule_;
   std::vector<Target> targets_;
-  std::unordered_map<std::uint64_t, std::size_t> places_;  // maps kind and value reference of a target to its index
+  std::unordered_map<std::uint64_t, std::size_t> places_;  // maps the kind and value reference of a target to its index
   std::int64_t time_ns_;
   std::int64_t step_ns_;
   bool initialising_ = true;

@@ -12,19 +12,19 @@ namespace mebots::master {
 
 struct ResolvedSystem;
 
-/// Watches the process while several FMUs are called: reports process-wide changes and reverts them. A report names an
-/// FMU only if no other FMU runs in this process. InstanceCalls reports changes earlier, after each call that it
-/// watches.
+/// Detects process-wide changes while several FMUs are called. Reports the changes and reverts them. A report names an
+/// FMU only if no other FMU runs in this process. InstanceCalls reports changes earlier, directly after each call that
+/// it checks.
 class ProcessWatch {
  public:
-  /// Watches process-wide state that the FMUs of this process can change, judged by the functions that their libraries
-  /// import. `system` and `messages` must outlive the watch.
+  /// Stores the process-wide state that the FMUs in this process can change, according to the functions that their
+  /// libraries import. `system` and `messages` must outlive this object.
   ProcessWatch(const ResolvedSystem& system, MessageSink& messages);
 
-  /// Compares the process with its previous state, and reports changes. The message continues with `during` after
-  /// "changed the whole process".
+  /// Compares the process with its previous state, and reports and reverts changes. In the message, `during` follows
+  /// after "changed the whole process".
   void look(const std::string& during, std::int64_t time_ns);
-  /// True if the calling thread's signal mask changed. Costs one system call.
+  /// True if the signal mask of the calling thread has changed. Costs one system call.
   bool is_mask_changed() const { return before_ && before_->is_mask_changed(); }
 
  private:

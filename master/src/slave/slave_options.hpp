@@ -13,13 +13,14 @@
 
 namespace mebots::master {
 
-/// Wrappers and observers between an ensemble and its slaves. All pointed-to objects must outlive the ensemble.
+/// Selects wrappers and observers of slaves. All objects to which the members point must outlive the ensemble.
 struct SlaveOptions {
-  Statistics* statistics = nullptr;                  ///< counts calls; null = not counted
-  std::vector<SolverStatistics>* solvers = nullptr;  ///< of the continuous systems; null = not collected
-  std::vector<InstanceLoss>* losses = nullptr;       ///< by instance; null = every failure ends the run
-  const OverrideSchedule* overrides = nullptr;       ///< changes variables between slaves; null = no changes
-  const std::atomic<bool>* interrupted = nullptr;    ///< true requests the end of the run; null = never
+  Statistics* statistics = nullptr;  ///< counts and times calls; null: calls are not counted
+  /// Receives the statistics of continuous systems; null: not collected.
+  std::vector<SolverStatistics>* solvers = nullptr;
+  std::vector<InstanceLoss>* losses = nullptr;     ///< indexed by instance; null: every failure ends the run
+  const OverrideSchedule* overrides = nullptr;     ///< overrides of variables; null: none
+  const std::atomic<bool>* interrupted = nullptr;  ///< if it becomes true, the run ends; null: never
 };
 
 }  // namespace mebots::master

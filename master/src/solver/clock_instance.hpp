@@ -8,21 +8,23 @@
 
 namespace mebots::master {
 
-/// The clocks of an FMI 3.0 instance (co-simulation or model exchange). The caller determines when they tick. All calls
-/// throw Error if the instance fails.
+/// The interface to the clocks of an FMI 3.0 instance (co-simulation or model exchange). The caller determines when
+/// input clocks tick. All calls throw Error if the instance fails.
 class ClockInstance {
  public:
   virtual ~ClockInstance() = default;
 
   virtual const std::string& name() const = 0;
 
-  /// In event mode, returns true if an output clock ticks at this instant.
+  /// Returns true if an output clock ticks at this instant. The instance must be in event mode.
   virtual bool ticks(ValueReference clock) = 0;
-  /// In event mode, activates an input clock.
+  /// Makes an input clock tick at this instant. The instance must be in event mode.
   virtual void tick(ValueReference clock) = 0;
-  /// Returns the interval until the clock's next tick. Empty if the interval has not changed or is not known yet.
+  /// Returns the interval until the next tick of a clock [s]. Returns nullopt if the interval has not changed or is not
+  /// known yet.
   virtual std::optional<double> new_interval(ValueReference clock) = 0;
-  /// In initialisation mode, returns the time of a periodic clock's first tick after the start.
+  /// Returns the time from the start to the first tick of a periodic clock [s]. The instance must be in initialization
+  /// mode.
   virtual double shift(ValueReference clock) = 0;
 };
 

@@ -11,27 +11,27 @@
 
 namespace mebots::master {
 
-/// The result of an evaluation.
+/// States whether an evaluation of the model succeeded.
 enum class Evaluation {
   ok,
-  recoverable,  ///< failed at this time and these states: a smaller step of the solver may help
+  recoverable,  ///< failed at this time and these states; may succeed if the solver takes a smaller step
 };
 
-/// The result of one update of the discrete states.
+/// Describes the result of one update of the discrete states.
 struct DiscreteUpdate {
   bool needs_another = false;
   bool terminate = false;
   std::optional<double> next_event_s = {};
 };
 
-/// The result of a completed step of the solver.
+/// Describes what an instance requires after a completed step of the solver.
 struct CompletedStep {
   bool enter_event_mode = false;
   bool terminate = false;
 };
 
-/// An instance that provides derivatives for an external solver: a model exchange instance of any version of FMI. After
-/// initialisation, the instance is in event mode. All calls throw Error if the instance fails.
+/// An instance that provides derivatives to an external solver: a model exchange instance of any FMI version. After
+/// initialization, the instance is in event mode. All calls throw Error if the instance fails.
 class ContinuousInstance {
  public:
   virtual ~ContinuousInstance() = default;
@@ -39,7 +39,7 @@ class ContinuousInstance {
   virtual const std::string& name() const = 0;
   virtual std::size_t state_count() const = 0;
   virtual std::size_t indicator_count() const = 0;
-  /// Returns the name of a state, for messages.
+  /// Returns the name of a state. Messages contain this name.
   virtual std::string state_name(std::size_t state) const = 0;
 
   virtual void set_time(double time_s) = 0;
@@ -58,14 +58,14 @@ class ContinuousInstance {
   virtual bool needs_completed_step() const { return true; }
   virtual CompletedStep completed_step() = 0;
 
-  /// Returns the clocks of an FMI 3.0 instance; null for other versions.
+  /// Returns the clocks of an FMI 3.0 instance. Returns null for other FMI versions.
   virtual ClockInstance* clocks() { return nullptr; }
 
   virtual bool has_directional_derivatives() const { return false; }
   virtual std::span<const ValueReference> state_references() const { return {}; }
   virtual std::span<const ValueReference> derivative_references() const { return {}; }
-  /// Computes the change of `unknowns` if `knowns` change by `seed`. Must be called only if
-  /// has_directional_derivatives() is true.
+  /// Computes how `unknowns` change if `knowns` change by `seed`. Must be called only if has_directional_derivatives()
+  /// is true.
   virtual void directional_derivatives(std::span<const ValueReference> /*unknowns*/,
                                        std::span<const ValueReference> /*knowns*/, std::span<const double> /*seed*/,
                                        std::span<double> /*change*/) {}

@@ -23,8 +23,8 @@
 
 namespace mebots::master {
 
-/// The connections of a continuous system that transfer values in event mode only: discrete Reals, Integers, Booleans,
-/// texts.
+/// The connections of a continuous system that transfer values only in event mode. They connect discrete Reals,
+/// Integers, Booleans and texts.
 class DiscreteLinks {
  public:
   virtual ~DiscreteLinks() = default;
@@ -32,68 +32,69 @@ class DiscreteLinks {
   virtual bool transfer() = 0;
 };
 
-/// Continuous inputs whose values come from outside of the system and change within a communication step.
+/// The continuous inputs whose values come from outside of the system and change within a communication step.
 class OuterInputs {
  public:
   virtual ~OuterInputs() = default;
-  /// Sets the inputs whose values depend on time.
+  /// Sets these inputs to their values at this time.
   virtual Evaluation set_at(double time_s) = 0;
 };
 
-/// The result of an advance.
+/// Describes the result of ContinuousSystem::advance().
 struct Advanced {
   double time_s = 0;
-  std::optional<std::string> terminated_by = {};  ///< the member that requested the end, if any
+  /// Name of the member that requested the end of the simulation; nullopt if there is none.
+  std::optional<std::string> terminated_by = {};
 };
 
-/// Connected instances that one solver integrates. Between restarts, the solver keeps its order and step size across
-/// communication points. If a step of the solver ends after a communication point, the solution is interpolated at
-/// this point. When the system reaches the end of this step, the step is completed. Members must be in event mode
-/// before initialize().
+/// Connected instances that one solver integrates. The solver keeps its order and step size across communication
+/// points, except at restarts. If a solver step extends beyond a communication point, the solution is interpolated at
+/// this point. The step is completed when the system reaches the end of the step. Members must be in event mode before
+/// initialize().
 class ContinuousSystem final : private Equations {
  public:
   struct Parts {
     std::vector<ContinuousInstance*> members;
     std::vector<Wire> wires;
-    DiscreteLinks* discrete = nullptr;    ///< null if there are none
+    DiscreteLinks* discrete = nullptr;    ///< null if there are no such connections
     OuterInputs* inputs = nullptr;        ///< null if no input depends on time
     SystemClocks* clocks = nullptr;       ///< null if no member has clocks
     TimeGrid grid = {};                   ///< the communication points
-    double relative_tolerance = 1e-6;     ///< if the description has none
-    std::optional<double> latest_s = {};  ///< the system is never evaluated after this time
+    double relative_tolerance = 1e-6;     ///< used if the solver description contains none
+    std::optional<double> latest_s = {};  ///< latest time at which the system may be evaluated
     const std::atomic<bool>* interrupted = &kNeverInterrupted;
   };
 
-  /// All pointed-to objects must outlive the system.
+  /// All objects to which `parts` points must outlive the system.
   ContinuousSystem(Parts parts, const SolverDescription& description);
 
-  /// Iterates the events at the start and enters continuous-time mode. If a member requested the end of the simulation,
-  /// returns the member's name.
+  /// Iterates the events at the start, and enters continuous-time mode. Returns the name of the member that requested
+  /// the end of the simulation. Returns nullopt if no member did.
   std::optional<std::string> initialize(double time_s);
-  /// Integrates to `end_s` and handles all events up to this time. Afterwards all members are at `end_s`. If a member
-  /// requested the end of the simulation, they are at the time of this request. Throws Error if an instance fails,
-  /// values are not finite, the solver or an event iteration does not converge, or there are too many steps or events.
-  /// After an interrupt, throws InterruptedError.
+  /// Integrates to `end_s` and handles all events up to this time. Afterwards, all members are at `end_s`, or at the
+  /// time at which a member requested the end of the simulation. Throws Error if an instance fails, if values are not
+  /// finite, if the solver or an event iteration does not converge, or if there are too many steps or events. Throws
+  /// InterruptedError after an interrupt.
   Advanced advance(double end_s);
   double time_s() const { return time_s_; }
-  /// Returns the communication point at which the present or last advance() started.
+  /// Returns the communication point at which the current or last call of advance() started [s].
   double point_s() const { return point_s_; }
 
-  /// Must be called if a continuous input from outside has changed. The solver restarts at the present time.
+  /// Must be called if a continuous input from outside has changed. Makes the solver restart at the current time.
   void input_changed() { restart_is_due_ = true; }
-  /// Puts all members into event mode at the present time, so that discrete inputs can be set. The next advance()
+  /// Makes all members enter event mode at the current time, so that discrete inputs can be set. The next advance()
   /// starts with an event.
   void enter_event_mode();
   bool in_event_mode() const { return in_event_mode_; }
 
   const SolverStatistics& statistics() const { return statistics_; }
 
-  /// Visits the state of the solver. When a state is restored, the members' own states must be restored first.
+  /// Visits the state of the solver. Before a restore, the states of the members must have been restored.
   void visit(state::Visitor& v);
-  /// After a restore, repeats the solver's steps since its last start, so that the following steps have the same bits.
-  /// If this function is not called, the next advance() repeats these steps. `keep` saves the members' states and
-  /// returns a function that restores them. Returns false if the repetition ends in different states, because a member
-  /// depends on more than time, states and inputs. In this case, the solver restarts at the present time.
+  /// Repeats, after a restore, the steps of the solver since its last start, so that the following steps have the same
+  /// bits. If this function is not called, the next advance() repeats them. `keep` must save the states of the members,
+  /// and must return a function that restores them. Returns false if the repetition ends in different states, because a
+  /// member depends on more than time, states and inputs. In this case, the solver restarts at the current time.
   bool repeat_steps(const std::function<std::function<void()>()>& keep);
   bool must_repeat() const { return must_repeat_; }
 
@@ -102,7 +103,7 @@ class ContinuousSystem final : private Equations {
   struct Anchor {
     double time_s = 0;
     double scale_s = 0;
-    std::int64_t steps = 0;  ///< since then
+    std::int64_t steps = 0;  ///< number of steps since the start
     std::vector<double> states;
     std::vector<double> inputs;
 
@@ -159,34 +160,34 @@ class ContinuousSystem final : private Equations {
   Parts parts_;
   SolverDescription description_;
   Wiring wiring_;
-  std::vector<std::size_t> first_states_;      // by member
-  std::vector<std::size_t> first_indicators_;  // by member
+  std::vector<std::size_t> first_states_;      // indexed by member
+  std::vector<std::size_t> first_indicators_;  // indexed by member
   bool has_jacobian_ = false;
   SolverStatistics statistics_;
 
-  double time_s_ = 0;           // of the members' present point or event
-  std::vector<double> states_;  // at that time
+  double time_s_ = 0;           // time of the members' current point or event
+  std::vector<double> states_;  // states at time_s_
   double point_s_ = 0;
-  double step_end_s_ = 0;       // of the solver's last step
-  bool step_is_open_ = false;   // the last step extends beyond time_s_ and is not completed
-  bool ended_at_root_ = false;  // of the last step
+  double step_end_s_ = 0;       // end of the solver's last step
+  bool step_is_open_ = false;   // true if the last step extends beyond time_s_ and is not completed
+  bool ended_at_root_ = false;  // true if the last step ended at a root
   bool restart_is_due_ = false;
   bool in_event_mode_ = true;
   double next_event_s_ = kNoEvent;
   std::vector<double> indicators_;
-  std::vector<std::uint8_t> above_;  // by indicator: above zero after the last event
-  std::vector<double> tolerances_;   // absolute
+  std::vector<std::uint8_t> above_;  // indexed by indicator; true if it was above zero after the last event
+  std::vector<double> tolerances_;   // absolute tolerances
   std::vector<double> recent_events_s_;
   Anchor anchor_;
 
   bool must_repeat_ = false;
-  std::int64_t steps_before_ = 0;  // at the start of this advance()
-  double scale_s_ = 1;             // length of this advance()
+  std::int64_t steps_before_ = 0;  // number of steps at the start of this advance()
+  double scale_s_ = 1;             // duration of this advance()
   std::string failure_;
   std::string terminated_by_;
   std::vector<std::size_t> causes_;  // members that caused the last event
   std::size_t next_event_member_ = 0;
-  Integrator::Counts counted_;  // of the integrator since its last start, already added to statistics_
+  Integrator::Counts counted_;  // operations of the integrator since its last start that statistics_ already contains
   std::unique_ptr<Integrator> integrator_;
 };
 

@@ -11,7 +11,7 @@
 
 namespace mebots::master {
 
-/// A Real of one member of a continuous system.
+/// Identifies a Real variable of one member of a continuous system.
 struct MemberVariable {
   std::size_t member = 0;
   ValueReference reference = 0;
@@ -20,51 +20,53 @@ struct MemberVariable {
 };
 
 /// A connection from a Real output of one member to a continuous Real input of another member. The input is factor *
-/// value + offset. An input with several wires is the sum of these terms.
+/// value + offset. If several wires end at an input, it is the sum of these terms.
 struct Wire {
   MemberVariable from;
   MemberVariable to;
   double factor = 1;
   double offset = 0;
-  /// The inputs on which the output depends directly; empty if it may depend on all inputs.
+  /// Value references of the inputs on which the output directly depends. If nullopt, it may depend on all inputs.
   std::optional<std::vector<ValueReference>> dependencies = {};
-  std::string from_name = {};  ///< "instance.variable", for messages
+  std::string from_name = {};  ///< name for messages, "instance.variable"
   std::string to_name = {};
 };
 
-/// The connections between the members of a continuous system (wires). They are ordered so that every output is read
-/// after the inputs on which it depends were set. Outputs are read in stages: one call reads all outputs of one member
-/// in a stage. Wires in a loop, and wires that depend on a loop, are evaluated together until no value changes.
+/// Evaluates the connections between the members of a continuous system (wires). They are ordered so that every output
+/// is read after the inputs on which it depends were set. Outputs are read in stages: in a stage, one call reads all
+/// outputs of one member. Wires in a loop, and wires that depend on a loop, are evaluated together until no value
+/// changes.
 class Wiring {
  public:
   /// `members` must outlive the wiring.
   Wiring(std::vector<ContinuousInstance*> members, const std::vector<Wire>& wires);
 
-  /// Transfers the values of all wires. Throws Error (algebraic_loop) with the path of a loop that does not converge.
+  /// Transfers the values of all wires. If a loop does not converge, throws Error (algebraic_loop) that contains the
+  /// path of the loop.
   Evaluation evaluate();
   bool has_loop() const { return !loop_.reads.empty(); }
   bool empty() const { return stages_.empty() && !has_loop(); }
 
-  /// Returns the values of the inputs. set_loop_start() takes values in the same order.
+  /// Returns the values of the inputs. set_loop_start() requires values in the same order.
   std::span<const double> inputs() const { return inputs_; }
-  /// Sets the values from which the iteration of loops starts in each evaluation. Because of these fixed start values,
-  /// results do not depend on earlier evaluations.
+  /// Sets the values at which the iteration of loops starts in each evaluation. As these values are fixed, results do
+  /// not depend on earlier evaluations.
   void set_loop_start(std::span<const double> inputs) { loop_start_.assign(inputs.begin(), inputs.end()); }
 
-  /// Computes the change of all derivatives if one state of a member changes by 1. The derivatives of member `i` start
-  /// at the index first_states[i]. Must be called only if there is no loop and all members have directional
+  /// Computes how all derivatives change if one state of a member changes by 1. The derivatives of member `i` start at
+  /// the index first_states[i]. Must be called only if there is no loop and all members provide directional
   /// derivatives.
   void propagate(std::size_t member, std::size_t state, std::span<const std::size_t> first_states,
                  std::span<double> derivatives);
 
  private:
-  /// Outputs of a member that are read together. Their values are adjacent.
+  /// The outputs of a member that one call reads. Their values are adjacent.
   struct Read {
     std::size_t member = 0;
     std::vector<ValueReference> references = {};
     std::size_t first = 0;
   };
-  /// Inputs of a member that are set together. Their values are adjacent.
+  /// The inputs of a member that one call sets. Their values are adjacent.
   struct Write {
     std::size_t member = 0;
     std::vector<ValueReference> references = {};
@@ -74,7 +76,7 @@ class Wiring {
     std::vector<Read> reads = {};
     std::vector<Write> writes = {};
   };
-  /// A term of the sum that an input receives: factor * output + offset.
+  /// A term of the sum that determines an input: factor * output + offset.
   struct Term {
     std::size_t output;
     double factor;
@@ -100,7 +102,7 @@ class Wiring {
   std::string loop_path_;
   std::vector<double> outputs_;
   std::vector<double> inputs_;
-  std::vector<std::vector<Term>> terms_;  // by input
+  std::vector<std::vector<Term>> terms_;  // indexed by input
   std::vector<double> loop_start_;
 };
 

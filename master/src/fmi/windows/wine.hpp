@@ -11,7 +11,7 @@ struct Wine {
   std::filesystem::path program;    ///< wine's loader for 64-bit programs
   std::filesystem::path libraries;  ///< folder that contains wine's DLLs
   std::filesystem::path host;       ///< mebots-windows-host.exe
-  /// instruction for the user if a part is missing, such as "Install wine (...)"; otherwise empty
+  /// Instruction for the user if a part is missing, such as "Install wine (...)"; otherwise empty.
   std::string missing;
 
   explicit operator bool() const { return missing.empty(); }

@@ -106,7 +106,7 @@ inline constexpr const char* kInstances = "instances";
 /// Contains the input and the results of expand_repeats().
 struct Repeats {
   std::filesystem::path folder;  ///< folder of the config
-  /// maps JSON pointers in the expanded config to their places, for data::JsonDocument
+  /// Maps JSON pointers in the expanded config to their places, for data::JsonDocument.
   std::map<std::string, std::string> places;
   std::string source;  ///< the texts of all tables that were read
 };

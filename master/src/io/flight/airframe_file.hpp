@@ -28,7 +28,7 @@ std::span<const LogSignal> log_signals();
 /// for all other units.
 double log_unit_factor(std::string_view from, std::string_view to);
 
-/// Reads a mapping from columns of a log to signals. Returns the content of the mapping. Throws data::Mistakes with all
+/// Reads a file that maps columns of a log to signals. Returns the content of the file. Throws data::Mistakes with all
 /// mistakes of the file.
 nlohmann::ordered_json read_log_mapping(const std::filesystem::path& file);
 

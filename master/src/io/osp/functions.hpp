@@ -9,7 +9,7 @@
 
 namespace mebots::master::osp {
 
-/// A variable of a simulator.
+/// Names a variable of a simulator.
 struct OspVariable {
   std::string simulator;
   std::string variable;
@@ -17,49 +17,52 @@ struct OspVariable {
   std::string text() const { return simulator + "." + variable; }
 };
 
-/// The effect of a function's input on one variable. The variable's value is the sum of `factor * from + offset` over
-/// all links to this variable.
+/// States how an input of a function affects one variable. The value of the variable `to` is the sum of `factor * from
+/// + offset` over all links to it.
 struct FunctionLink {
   OspVariable from;
   OspVariable to;
   double factor = 1;
   double offset = 0;
-  pugi::xml_node node;  ///< the XML connection that ends at `to`
+  pugi::xml_node node;  ///< the XML element of the connection that ends at `to`
 };
 
-/// The other end of a function's connection: a variable or a group of variables.
+/// States whether a connection connects a function with single variables or with groups of variables.
 enum class Ends { variable, group };
 
-/// The <Functions> of an OspSystemStructure.xml: LinearTransformation, Sum and VectorSum. In libcosim, a function reads
-/// its inputs and provides its outputs at the same communication point. Therefore each function is converted into
-/// factors, offsets and sums of connections. Throws InputError with file, line and element.
+/// Converts the <Functions> of an OspSystemStructure.xml: LinearTransformation, Sum and VectorSum. In libcosim, a
+/// function reads its inputs and provides its outputs at the same communication point. Therefore each function can be
+/// replaced by factors, offsets and sums of connections. Throws InputError with file, line and element if there is a
+/// mistake.
 class Functions {
  public:
   explicit Functions(const ssp::XmlFile& file) : file_(&file) {}
 
-  /// `functions` is null if the file has none.
+  /// Reads the functions. `functions` is null if the file has none.
   void read(pugi::xml_node functions);
-  /// Connects variables with a <Signal> or <SignalGroup>.
+  /// Adds a connection between variables of simulators and a <Signal> or <SignalGroup> of a function.
   void connect(pugi::xml_node signal, const std::vector<OspVariable>& variables, Ends ends);
-  /// Returns the effect of all functions. Must be called after the last connect(). Each input of a function must be
-  /// connected.
+  /// Returns links that replace all functions. Must be called after the last connect(). Every input of a function must
+  /// be connected.
   std::vector<FunctionLink> links() const;
 
  private:
-  /// A function of the file. In a VectorSum, `in[i]` and `out` are vectors. In LinearTransformation and Sum, they have
-  /// one element.
+  /// A function that the file defines. In a VectorSum, each `in[i]` and `out` are vectors. In LinearTransformation and
+  /// Sum, they have one element.
   struct Function {
     pugi::xml_node node;
-    bool indexed = false;    // its inputs are in[0], in[1] ..., not `in`
-    bool is_vector = false;  // its signals have elements in[0][2] and out[2], and can be connected as groups
+    bool indexed = false;  // true if the inputs are named in[0], in[1] ... instead of `in`
+    // True if signals have elements, such as in[0][2] and out[2], and can be connected as groups.
+    bool is_vector = false;
     double factor = 1;
     double offset = 0;
-    std::vector<std::vector<OspVariable>> inputs;  // by input and element; an empty simulator means not connected
+    // Indexed by input and element; an empty simulator means that the element is not connected.
+    std::vector<std::vector<OspVariable>> inputs;
     struct Target {
       OspVariable variable;
       pugi::xml_node node;
     };
-    std::vector<std::vector<Target>> outputs;  // by element
+    std::vector<std::vector<Target>> outputs;  // indexed by element
   };
 
   struct Signal {

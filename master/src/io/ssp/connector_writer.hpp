@@ -12,44 +12,45 @@
 
 namespace mebots::master::ssp {
 
-/// An end of a connection as SSP names it.
+/// One end of a connection, named as in SSP.
 struct WrittenEnd {
   std::size_t instance = 0;
   std::string connector;  ///< name of a variable, an array or an OSMP binary
-  std::string indices;    ///< of the element of an array, from 1, separated by spaces; empty for the whole connector
+  /// Indices of an array's element, starting at 1 and separated by spaces; empty for the whole connector.
+  std::string indices;
 };
 
-/// Translates names in connections of a config to connectors of SSP, and writes the connectors.
+/// Translates names in connections of a config to SSP connectors, and writes these connectors.
 class ConnectorWriter {
  public:
   /// `system` must outlive this object.
   explicit ConnectorWriter(const ResolvedSystem& system);
 
-  /// Returns the ends for a connection of the config: one pair, or three for OSMP binaries at both ends. Notes the
-  /// connectors for write().
+  /// Returns the pairs of ends for a connection of the config: three pairs if both ends are OSMP binaries, otherwise
+  /// one pair. Stores the connectors for write().
   std::vector<std::pair<WrittenEnd, WrittenEnd>> ends(const ConnectionDescription& connection);
-  /// Appends <Connectors> with the connectors of an instance, in the order of their names.
+  /// Appends the element <Connectors>, which contains the connectors of an instance, sorted by name.
   void write(pugi::xml_node component, std::size_t instance, DefinitionsWriter& definitions) const;
 
  private:
-  /// The variable of a connector: a scalar, an element of the array, or the first Integer of an OSMP binary.
+  /// Stores the variable of a connector: a scalar, one element of an array, or the first Integer of an OSMP binary.
   struct Connector {
     const modeldesc::Variable* variable = nullptr;
-    std::string sizes;  // of an array, separated by spaces
+    std::string sizes;  // sizes of an array, separated by spaces
     bool is_binary = false;
   };
   using Connectors = std::map<std::string, Connector>;
 
-  /// True if the name is that of an OSMP binary, which has no variable.
+  /// True if an OSMP binary has this name. Such a binary has no variable of its own.
   bool is_osmp(const VariableName& name) const;
   WrittenEnd end_of(const VariableName& name);
 
   const ResolvedSystem* system_;
-  std::vector<Connectors> arrays_;      // by instance
-  std::vector<Connectors> connectors_;  // by instance
+  std::vector<Connectors> arrays_;      // indexed by instance
+  std::vector<Connectors> connectors_;  // indexed by instance
 };
 
-/// Returns the indices in the name of an array's element: "2 3" for `m[2,3]`.
+/// Returns the indices in the name of an array's element, such as "2 3" for `m[2,3]`.
 std::string indices_of(const modeldesc::Variable& element);
 
 /// Appends a <Dimension> for each size.

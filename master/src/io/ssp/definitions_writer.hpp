@@ -14,12 +14,13 @@ namespace mebots::master::ssp {
 /// Collects the <Units> and <Enumerations> that the variables of one written file use.
 class DefinitionsWriter {
  public:
-  /// Returns the unit name to write for a variable. Empty if the variable's FMU does not define the unit, or if another
-  /// FMU defines the same name differently. `model` must outlive this object.
+  /// Returns the unit name that is to be written for a variable. Returns an empty text if the variable's FMU does not
+  /// define the unit, or if another FMU defines a unit of the same name differently. `model` must outlive this object.
   std::string unit_of(const modeldesc::ModelDescription& model, const modeldesc::Variable& variable);
   void add_enumeration(const modeldesc::ModelDescription& model, const modeldesc::Variable& variable);
 
-  /// Appends the sections that are not empty. `prefix` is the XML prefix of their names, as in "ssd:Units".
+  /// Appends the sections <Units> and <Enumerations>, unless they are empty. `prefix` is the XML prefix of their names,
+  /// as in "ssd:Units".
   void write(pugi::xml_node root, const std::string& prefix) const;
 
  private:
@@ -27,11 +28,12 @@ class DefinitionsWriter {
   std::map<std::string, const modeldesc::Unit*> units_;
 };
 
-/// Returns the SSP version of the files for this system: 2.0 if an FMU is of FMI 3.0, whose types 1.0 lacks; else 1.0.
+/// Returns the SSP version in which this system is written. It is 2.0 if one of its FMUs is of FMI 3.0, because SSP 1.0
+/// lacks the types of FMI 3.0. Otherwise, it is 1.0.
 const char* written_version(const ResolvedSystem& system);
 
-/// Fills an SSV file with the values of an instance and the units of its FMU. An array is written as a whole: elements
-/// without a value in the system get their start value. Throws InputError if the FMU declares none.
+/// Writes the values of an instance, and the units of its FMU, into an SSV document. An array is written as a whole:
+/// elements without a value in the system have their start value. Throws InputError if the FMU declares no start value.
 void write_parameter_set(const ResolvedInstance& instance, const char* version, pugi::xml_document& document);
 
 }  // namespace mebots::master::ssp

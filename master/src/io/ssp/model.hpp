@@ -14,13 +14,13 @@
 #include <variant>
 #include <vector>
 
-/// The content of an SSP as plain data: its SSD with the SSV and SSM files to which it refers. Reads no FMU. Section
-/// numbers are those of SSP 2.0, https://ssp-standard.org.
+/// Declares the content of an SSP as plain data: the SSD, and the SSV and SSM files to which it refers. FMUs are not
+/// read. Section numbers refer to SSP 2.0, https://ssp-standard.org.
 namespace mebots::master::ssp {
 
 using Json = nlohmann::ordered_json;
 
-/// The <Units> and <Enumerations> of one file, by name. These definitions are valid in their file only (4.4.1).
+/// The <Units> and <Enumerations> of one file. They are valid only in this file (4.4.1).
 struct Definitions {
   std::map<std::string, modeldesc::Unit, std::less<>> units;
   std::map<std::string, std::vector<modeldesc::EnumerationItem>, std::less<>> enumerations;
@@ -32,19 +32,19 @@ struct Linear {
   double offset = 0;
 };
 
-/// An SSP BooleanMappingTransformation, IntegerMappingTransformation or EnumerationMappingTransformation. A value
-/// without an entry does not change (4.5.2.2).
+/// An SSP BooleanMappingTransformation, IntegerMappingTransformation or EnumerationMappingTransformation. A value that
+/// has no entry does not change (4.5.2.2).
 struct ValueMap {
   enum class Kind { boolean, integer, enumeration };
 
   Kind kind = Kind::integer;
-  std::vector<std::pair<std::string, std::string>> entries;  ///< source and target, as written
+  std::vector<std::pair<std::string, std::string>> entries;  ///< pairs of source and target, as written in the file
 };
 
-/// A change of the value by a connection or a parameter mapping; empty for no change.
+/// Describes how a connection or a parameter mapping changes a value. `what` is empty if the value does not change.
 struct Transformation {
   std::variant<std::monostate, Linear, ValueMap> what;
-  bool convert_units = true;  ///< false: suppressUnitConversion
+  bool convert_units = true;  ///< false if the element has the attribute suppressUnitConversion
   std::string place;
 };
 
@@ -63,16 +63,16 @@ enum class ConnectorKind {
 struct Connector {
   std::string name;
   ConnectorKind kind = ConnectorKind::unspecified;
-  std::optional<modeldesc::Unit> unit;  ///< without a base if the file does not define it
+  std::optional<modeldesc::Unit> unit;  ///< has no base if the file does not define the unit
   std::vector<modeldesc::EnumerationItem> items;
   std::string place;
 };
 
-/// An end of a connection. `element` is empty for a connector of the enclosing system.
+/// One end of a connection. `element` is empty if the connector belongs to the enclosing system.
 struct ConnectionEnd {
   std::string element;
-  std::string connector;     ///< for an element of an array, with its indices: `y[2]`
-  bool has_indices = false;  ///< startIndices or endIndices
+  std::string connector;     ///< name of the connector; for an element of an array with the indices, as in `y[2]`
+  bool has_indices = false;  ///< true if the connection has startIndices or endIndices
 };
 
 /// A connection between two ends. The order of the ends does not define the direction (5.4.2).
@@ -84,14 +84,14 @@ struct Connection {
   std::string place;
 };
 
-/// A value from a parameter binding. Its name includes the prefix and is already changed by the parameter mapping.
+/// A value from a parameter binding. Its name includes the prefix, and the parameter mapping has already been applied.
 struct Parameter {
-  std::string name;  ///< relative to the element that has the binding
+  std::string name;  ///< name relative to the element that has the binding
   Json value;
-  std::string problem;  ///< why the value cannot be used; empty if it can
+  std::string problem;  ///< why the value cannot be used; empty if it can be used
   std::optional<modeldesc::Unit> unit;
   Transformation transformation;
-  std::string file;  ///< the file with the value, as named in messages
+  std::string file;  ///< name of the file that contains the value, for messages
   std::string place;
 };
 
@@ -103,27 +103,28 @@ struct Element {
   std::string name;
   std::string description;
   std::vector<Connector> connectors;
-  std::vector<Parameter> parameters;  ///< of all bindings in order; later ones take precedence
+  std::vector<Parameter> parameters;  ///< values of all bindings, in their order; later values take precedence
   std::string place;
   // Members that only a component has.
   std::filesystem::path fmu;
-  bool in_own_process = false;  ///< it was meant to run through a proxy
-  std::string fmu_kind;         ///< in the notation of a config; empty = any
+  bool in_own_process = false;  ///< true if the FMU was intended to run through a proxy
+  std::string fmu_kind;         ///< kind of simulation in the notation of a config; empty if any kind is permitted
   // Members that only a system has.
   std::vector<Element> elements;
   std::vector<Connection> connections;
 };
 
-/// The change of a value along a chain of connections: either factor * value + offset, or a map of values.
+/// Describes how a chain of connections changes a value: by factor * value + offset, or by a map of values.
 class Course {
  public:
-  /// `unit` is the unit of the value before the conversion, or empty. If `difference` is true, the value is a
-  /// difference of two values (relativeQuantity), so that a unit's offset does not apply.
+  /// `unit` is the unit of the value at the start of the chain, if known. If `difference` is true, the value is a
+  /// difference of two values (relativeQuantity). In this case, offsets of units are not applied.
   explicit Course(std::optional<modeldesc::Unit> unit, bool difference = false)
       : unit_(std::move(unit)), difference_(difference) {}
 
-  /// Appends a connection to a connector. If `unit` is not empty, first converts the value to this unit. Then
-  /// transforms the value (SSP 2.0, 4.5.2.1). Throws InputError with the transformation's place.
+  /// Appends a connection that ends at a connector with the unit `unit`. If `unit` is not empty, the value is first
+  /// converted to it. After that, the transformation is applied (SSP 2.0, 4.5.2.1). Throws InputError with the place of
+  /// the transformation if the conversion is not possible.
   void pass(const Transformation& transformation, const std::optional<modeldesc::Unit>& unit);
 
   double factor() const { return factor_; }
@@ -131,10 +132,10 @@ class Course {
   const std::optional<ValueMap>& map() const { return map_; }
   const std::optional<modeldesc::Unit>& unit() const { return unit_; }
   bool converts_units() const { return converts_units_; }
-  /// True if a conversion of units has an offset, as from Celsius to kelvin.
+  /// True if the chain contains a conversion of units that has an offset, as from Celsius to kelvin.
   bool shifts_units() const { return shifts_units_; }
-  /// Returns the changed value. Throws InputError with a message that begins with `name` if this change is not
-  /// possible.
+  /// Applies the changes to a value and returns the result. If this is not possible, throws InputError whose message
+  /// begins with `name`.
   Json apply(const Json& value, const std::string& name) const;
 
  private:

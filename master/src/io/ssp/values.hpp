@@ -11,7 +11,7 @@
 
 namespace mebots::master::ssp {
 
-/// The start value of an endpoint, in the endpoint's unit.
+/// The start value of an endpoint, in the endpoint's unit, and the place that defines it.
 struct StartingValue {
   Json value;
   std::optional<modeldesc::Unit> unit;
@@ -19,7 +19,8 @@ struct StartingValue {
   std::string place;
 };
 
-/// Collects notices about values. Notices with the same file and text are combined, with a list of the variables.
+/// Collects notices about values. Combines notices that have the same file and text into one, which lists the
+/// variables.
 class ValueNotices {
  public:
   void add(const std::string& file, const std::string& text, const std::string& name);
@@ -33,28 +34,28 @@ class ValueNotices {
   std::map<FileAndText, std::vector<std::string>> names_;
 };
 
-/// Returns the values of all parameter bindings. Outer bindings override inner bindings, and later bindings override
-/// earlier ones (SSP 2.0, 5.3.3). Leaves out names without an endpoint, and variables that cannot be set. Throws
-/// InputError if a value's unit does not fit or the value cannot be transformed.
+/// Returns the values of all parameter bindings. Outer bindings override inner ones, and later bindings override
+/// earlier ones (SSP 2.0, 5.3.3). Leaves out names that have no endpoint, and variables that cannot be set. Throws
+/// InputError if the unit of a value does not match, or if the value cannot be transformed.
 std::map<Endpoint, StartingValue> starting_values(const Network& network, ValueNotices& notices);
 
-/// Converts a value to the type of the variable: whole numbers of type Real become Integers.
+/// Converts a value to the type of the variable: a Real that is a whole number becomes an Integer.
 Json fitting(Json value, const Port& port);
 
-/// Returns the number as a whole number; empty if it is not whole, or so large that doubles do not hold all whole
-/// numbers.
+/// Converts the number to an integer. Returns nullopt if the number is not whole, or so large that a double cannot
+/// represent all whole numbers of its magnitude.
 std::optional<std::int64_t> exact_whole(double number);
 
-/// The files and definitions to which an element's bindings may refer.
+/// The files and definitions to which the bindings of an element may refer.
 struct BindingContext {
   const Source& source;
   const XmlFile& ssd;
-  const Definitions& definitions;  ///< of the SSD
-  std::filesystem::path fmu;       ///< of a component: paths with sourceBase="component" are relative to it
+  const Definitions& definitions;  ///< definitions of the SSD
+  std::filesystem::path fmu;       ///< path of a component's FMU; paths with sourceBase="component" are relative to it
 };
 
-/// Reads all values in an element's <ParameterBindings> (SSP 2.0, 5.3.3), in the order of the file. The SSV and SSM may
-/// be inline or separate files.
+/// Reads all values in the <ParameterBindings> of an element (SSP 2.0, 5.3.3), in the order of the file. An SSV or SSM
+/// may be inline or a separate file.
 std::vector<Parameter> read_parameter_bindings(const BindingContext& context, pugi::xml_node element);
 
 }  // namespace mebots::master::ssp

@@ -14,10 +14,11 @@
 
 namespace mebots::master::ssp {
 
-/// An XML file of an SSP. Elements are found by their local name, whatever their namespace prefix.
+/// An XML file of an SSP. Elements are searched by their local name, regardless of their namespace prefix.
 class XmlFile {
  public:
-  /// `name` is the file's name in messages. Throws InputError with the line if the text is not well-formed.
+  /// Parses the file. `name` is its name in messages. Throws InputError with the line if the text is not well-formed
+  /// XML.
   XmlFile(std::string_view bytes, std::string name);
   XmlFile(const XmlFile&) = delete;
   XmlFile& operator=(const XmlFile&) = delete;
@@ -40,23 +41,23 @@ class XmlFile {
 
 /// Returns the element's name without its namespace prefix.
 std::string_view local_name(pugi::xml_node node);
-/// Returns the first child with this local name; a null node if there is none.
+/// Returns the first child with this local name. Returns a null node if there is none.
 pugi::xml_node child(pugi::xml_node node, std::string_view name);
 std::vector<pugi::xml_node> children(pugi::xml_node node, std::string_view name);
 
-/// Returns the text as a number; empty if the text is not a finite number.
+/// Parses the text as a number. Returns nullopt if it is not a finite number.
 std::optional<double> parse_number(std::string_view text);
-/// Returns the text as a Boolean of XML Schema: true, false, 1 or 0; empty if the text is none of these.
+/// Parses the text as a Boolean of XML Schema: true, false, 1 or 0. Returns nullopt if the text is none of these.
 std::optional<bool> parse_flag(std::string_view text);
-/// Returns the parts of the text between white space.
+/// Splits the text at white space.
 std::vector<std::string> words_of(const std::string& text);
 
 }  // namespace mebots::master::ssp
 
-/// Elements that SSD, SSV and SSM files have in common (SSP 2.0, chapter 4).
+/// Reads the elements that SSD, SSV and SSM files have in common (SSP 2.0, chapter 4).
 namespace mebots::master::ssp {
 
-/// The location of a file in an SSP.
+/// The files of an SSP, and the folder to which its relative URIs refer.
 struct Source {
   const Files& files;
   std::string archive;         ///< name of the SSP
@@ -64,29 +65,29 @@ struct Source {
   std::vector<std::string>& notices;
 };
 
-/// Returns the path of a URI's file in `source.files`. Throws InputError if the URI does not name a file, leads out of
-/// an SSP whose files are not open, or names a missing file.
+/// Returns the path in `source.files` of the file to which a URI refers. Throws InputError if the URI does not refer to
+/// a file, if the file does not exist, or if it is outside of an SSP whose files are not open.
 std::filesystem::path resolve_uri(const Source& source, const XmlFile& file, pugi::xml_node node,
                                   const std::string& uri);
 
-/// Reads <Units> and <Enumerations> of a file's root element, or of an inline ParameterSet.
+/// Reads <Units> and <Enumerations> of the root element of a file, or of an inline ParameterSet.
 Definitions read_definitions(const XmlFile& file, pugi::xml_node root);
 
-/// Returns the unit that the attribute `unit` of a type element names. If the file does not define this unit, it has
-/// only a name. Empty if there is no attribute.
+/// Returns the unit that the attribute `unit` of a type element names. If the file does not define the unit, the result
+/// contains only the name. Returns nullopt if the element has no such attribute.
 std::optional<modeldesc::Unit> read_unit(pugi::xml_node type, const Definitions& definitions);
 
 /// Reads the transformation and suppressUnitConversion of a <Connection> or <MappingEntry>.
 Transformation read_transformation(const XmlFile& file, pugi::xml_node node);
 
-/// An SSD (SSP 2.0, chapter 5) with all files to which its system refers.
+/// An SSD (SSP 2.0, chapter 5), and the content of all files to which its system refers.
 struct Document {
-  std::shared_ptr<const XmlFile> file;  ///< for sections that are read from it later
+  std::shared_ptr<const XmlFile> file;  ///< the SSD, of which other sections are read later
   Element system;
 };
 
 /// Reads an SSD. If the source of a component is another SSD, replaces the component by the system of that SSD. Throws
-/// InputError with file, line and element.
+/// InputError with file, line and element if there is a mistake.
 Document read_document(const Source& source, const std::filesystem::path& ssd);
 
 }  // namespace mebots::master::ssp

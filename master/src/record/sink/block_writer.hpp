@@ -11,8 +11,8 @@
 
 namespace mebots::master {
 
-/// Passes blocks of rows to sinks on a separate thread, one block at a time and in order, so that the simulation does
-/// not wait for formatting. The thread starts with the first full block, so a short run does not start a thread.
+/// Passes blocks of rows to sinks on a separate thread, so that the simulation does not wait for formatting. Passes one
+/// block at a time, in order. The thread starts at the first full block, so that a short run starts no thread.
 class BlockWriter {
  public:
   BlockWriter() = default;
@@ -20,12 +20,13 @@ class BlockWriter {
   BlockWriter(const BlockWriter&) = delete;
   BlockWriter& operator=(const BlockWriter&) = delete;
 
-  /// `sink` must outlive the writer.
+  /// Adds a sink, which must outlive the writer.
   void add(RowSink& sink) { sinks_.push_back(&sink); }
 
-  /// Moves the rows out of `block`, after the previous block has been written. Rethrows exceptions of sinks.
+  /// Waits until the previous block has been written, then moves the rows out of `block`. Rethrows exceptions of sinks.
   void submit(RowBlock& block);
-  /// Writes the rows of `block` on the calling thread after all submitted blocks. Afterwards all rows are in the files.
+  /// Waits until all submitted blocks have been written, then writes the rows of `block` on the calling thread.
+  /// Afterwards, all rows are in the files.
   void drain(RowBlock& block);
 
  private:

@@ -13,11 +13,11 @@
 
 namespace mebots::master {
 
-/// Writes rows as CSV: numbers in their shortest form that reads back to the same bits, Booleans as 0 and 1,
-/// enumerations as their numbers, texts quoted if necessary.
+/// Writes rows as CSV. Numbers have the shortest form that represents the same bits. Booleans are written as 0 and 1,
+/// enumerations as their numbers. Texts are quoted if necessary.
 class CsvSink final : public RowSink {
  public:
-  /// Writes the header unless the file already contains rows. `file` must outlive the sink.
+  /// Writes the header, unless the file already contains rows. `file` must outlive the sink.
   CsvSink(const std::vector<RecordColumn>& columns, OutputFile& file);
 
   void write(const RowBlock& block) override;
@@ -26,12 +26,12 @@ class CsvSink final : public RowSink {
   std::string_view state_name() const override { return "csv"; }
 
  private:
-  /// The longest double in its shortest form has 24 characters.
+  /// Number of characters of the longest double in its shortest form.
   static constexpr std::size_t kLongestNumber = 24;
 
   struct Column {
     modeldesc::Type type;
-    // Most variables rarely change, so the text of the last value is cached.
+    // The text of the last value is cached, because most variables rarely change.
     std::uint64_t last = 0;
     std::uint8_t last_size = 0;
     std::array<char, kLongestNumber> last_text{};
@@ -41,17 +41,17 @@ class CsvSink final : public RowSink {
 
   OutputFile* file_;
   std::vector<Column> columns_;
-  std::vector<char> line_;  // buffer for one row's numbers
+  std::vector<char> line_;  // buffer for the numbers of one row
 };
 
-/// Returns "name [unit]", quoted if it contains a comma or a quotation mark.
+/// Returns "name [unit]". Adds quotes if it contains a comma or a quotation mark.
 std::string csv_header(std::string_view name, std::string_view unit);
 
-/// Returns a text as one cell, quoted if it contains a comma, a quotation mark or a line break.
+/// Returns a text as one cell. Adds quotes if it contains a comma, a quotation mark or a line break.
 std::string csv_text(std::string_view text);
 
-/// Reads the first `bytes` bytes of a results.csv with these columns, and writes the rows into another sink. All values
-/// keep their bits. Throws Error if the file was not written by a CsvSink.
+/// Reads the first `bytes` bytes of a results.csv that has these columns, and writes their rows into another sink. All
+/// values keep their bits. Throws Error if no CsvSink wrote the file.
 void copy_csv_rows(const std::filesystem::path& file, std::uint64_t bytes, const std::vector<RecordColumn>& columns,
                    RowSink& sink);
 

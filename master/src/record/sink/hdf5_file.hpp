@@ -8,13 +8,13 @@
 #include <string>
 #include <utility>
 
-/// Types and functions that all writers of HDF5 files use.
+/// Defines types and functions for all writers of HDF5 files.
 namespace mebots::master::hdf5 {
 
-/// Debian's HDF5 is not thread-safe: hold this mutex during every call.
+/// Returns the mutex that must be held during every call to HDF5, because Debian's HDF5 is not thread-safe.
 std::mutex& library();
 
-/// An HDF5 identifier that is closed by its destructor.
+/// Owns an HDF5 identifier. The destructor closes it.
 class Handle {
  public:
   Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
@@ -32,45 +32,45 @@ class Handle {
   herr_t (*close_)(hid_t);
 };
 
-/// Returns the type for UTF-8 text of variable length.
+/// Returns the HDF5 type for UTF-8 texts of variable length.
 Handle text_type();
 bool put_attribute(hid_t object, const char* name, const std::string& text);
-/// Replaces the characters that HDF5 treats as separators.
+/// Replaces each `/` in the name, because HDF5 treats it as a separator.
 std::string without_slashes(std::string name);
 
-/// Writes an HDF5 file and reports a full or failing disk without a crash.
+/// Writes an HDF5 file. If the disk is full or fails, reports an error instead of crashing.
 ///
-/// HDF5 crashes when it closes a file after a failed write. Therefore this class uses a driver that never reports a
-/// failure: the driver stores the first error and keeps everything that HDF5 writes afterwards in memory. check() and
-/// close() report the error.
+/// HDF5 crashes when it closes a file after a failed write. Therefore this class uses a driver that reports no failure
+/// to HDF5: the driver stores the first error, and keeps everything that HDF5 writes afterwards in memory. check() and
+/// close() throw the stored error.
 ///
-/// The caller must hold library() during each call, also of the constructor and the destructor.
+/// The caller must hold library() during each call, including the constructor and the destructor.
 class File {
  public:
-  /// Creates or truncates the file. Throws InputError if it cannot be opened; if a write of its first bytes fails,
-  /// check() reports this.
+  /// Creates the file or removes its content. Throws InputError if the file cannot be opened. If writing its first
+  /// bytes fails, check() throws the error.
   explicit File(std::filesystem::path path);
-  /// Closes the file and ignores errors. To get errors, call close() first.
+  /// Closes the file and ignores errors. Call close() first if errors are needed.
   ~File();
   File(const File&) = delete;
   File& operator=(const File&) = delete;
 
   hid_t id() const { return id_; }
   const std::filesystem::path& path() const { return path_; }
-  /// Sets the file's new path after it was renamed.
+  /// Sets the path after the file was renamed.
   void renamed(std::filesystem::path path) { path_ = std::move(path); }
   /// Throws Error if a write has failed since the file was created.
   void check() const;
-  /// Throws Error with the system's reason. If no write failed, HDF5 itself rejected the call, and the error has no
-  /// reason.
+  /// Throws Error with the system's reason for the failed write. If no write failed, HDF5 itself has rejected the call,
+  /// and the error contains no reason.
   [[noreturn]] void fail() const;
-  /// Writes all buffered data and closes the file. The file's data sets must be closed before. If a write failed, the
-  /// file is unreadable. In this case, deletes the file and throws Error.
+  /// Writes all buffered data and closes the file. The data sets of the file must have been closed before. If a write
+  /// failed, the file is unreadable; in this case, deletes it and throws Error.
   void close();
 
  private:
   std::filesystem::path path_;
-  int error_number_ = 0;  // errno of the first failed write; the driver sets it
+  int error_number_ = 0;  // errno of the first failed write; set by the driver
   hid_t id_ = H5I_INVALID_HID;
 };
 

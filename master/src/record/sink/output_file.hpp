@@ -10,37 +10,38 @@
 
 namespace mebots::master {
 
-/// Returns an error about a failed write to `path` with this errno. The text of the error states the remedy.
+/// Returns an error for a failed write to `path`. Its text contains the reason that `error_number` (an errno) states,
+/// and the remedy.
 Error write_error(const std::filesystem::path& path, int error_number);
 
-/// Renames a file on the same disk and replaces a file that has the new name. Throws InputError.
+/// Renames a file on the same disk. Replaces an existing file that has the new name. Throws InputError if this fails.
 void rename_file(const std::filesystem::path& from, const std::filesystem::path& to);
 
-/// Selects whether the replaced file must survive a power failure.
+/// States whether the file must survive a power failure.
 enum class Durable : bool { no, yes };
 
-/// Writes the file PATH.new and renames it to PATH. If this fails, the file PATH is unchanged. Throws Error.
+/// Writes the file PATH.new and renames it to PATH. If this fails, throws Error and leaves the file PATH unchanged.
 void write_whole(const std::filesystem::path& path, std::string_view content, Durable durable = Durable::no);
 
-/// A file that is written in large pieces and that reports failed writes.
+/// A file that is written in large pieces. Failed writes are reported as Error.
 class OutputFile {
  public:
   enum class Mode {
-    anew,    ///< creates or empties the file; follows a symbolic link, such as /dev/stdout
-    fresh,   ///< creates the file; a file or link of this name is removed first, and never followed
+    anew,    ///< creates the file or removes its content; follows a symbolic link, such as /dev/stdout
+    fresh,   ///< creates the file after removing a file or link of this name; never follows a link
     append,  ///< opens an existing file and appends to it
   };
 
   /// Throws InputError if the file cannot be opened.
   explicit OutputFile(std::filesystem::path path, Mode mode = Mode::anew);
-  /// Writes the buffered bytes and ignores errors. To get errors, call close() first.
+  /// Writes the buffered bytes and ignores errors. Call close() first if errors are needed.
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  /// Returns the buffer of bytes to write. Append to it, then call written().
+  /// Returns the buffer to which bytes can be appended. Call written() afterwards.
   std::string& buffer() { return buffer_; }
-  /// Writes the buffer if it is large. Throws Error if the disk is full or fails.
+  /// Writes the buffer to the file if it is large. Throws Error if this fails, for example because the disk is full.
   void written() {
     if (buffer_.size() >= kLargeBytes) flush();
   }
@@ -48,20 +49,21 @@ class OutputFile {
     buffer_ += bytes;
     written();
   }
-  /// Writes the buffer. Throws Error if the write fails. Drops the bytes that could not be written, so that the error
-  /// is reported once.
+  /// Writes the buffer to the file. Throws Error if this fails. Drops the bytes that could not be written, so that the
+  /// error is thrown only once.
   void flush();
   void close();
-  /// Writes the buffer, and waits until all bytes are on the disk.
+  /// Writes the buffer to the file, and waits until all bytes are on the disk.
   void sync();
 
-  /// Returns the number of bytes of the file, including the buffer.
+  /// Returns the size of the file in bytes, including the buffer.
   std::uint64_t size() const { return written_bytes_ + buffer_.size(); }
-  /// Sets the length of the file, and drops all bytes after `size`. Throws Error.
+  /// Shortens the file to `size` bytes. Throws Error if this fails.
   void truncate(std::uint64_t size);
 
   const std::filesystem::path& path() const { return path_; }
-  /// Renames the file on the same disk and replaces a file that has the new name. Throws InputError.
+  /// Renames the file on the same disk. Replaces an existing file that has the new name. Throws InputError if this
+  /// fails.
   void rename(std::filesystem::path path);
 
  private:

@@ -9,19 +9,19 @@
 #include <string_view>
 #include <vector>
 
-/// Data that the simulation passes to the files of results.
+/// Declares the data that the simulation passes to the writers of result files.
 namespace mebots::master {
 
-/// A recorded variable.
+/// Describes a recorded variable.
 struct RecordColumn {
   std::string name;  ///< "instance.variable"
-  std::string unit;  ///< empty = none
+  std::string unit;  ///< empty if the variable has no unit
   modeldesc::Type type = modeldesc::Type::real;
 
   ValueKind kind() const { return kind_of(type); }
 };
 
-/// A parameter and its value as text, in the notation of results.csv.
+/// A parameter and its value. The value is a text in the notation of results.csv.
 struct ParameterValue {
   std::string name;
   std::string unit;
@@ -29,11 +29,12 @@ struct ParameterValue {
   modeldesc::Type type = modeldesc::Type::string;
 };
 
-/// The number of cells per block: 128 KiB, which fit into the cache of a core.
+/// The number of cells in a block. A block has 128 KiB and fits into the cache of a core.
 inline constexpr std::size_t kBlockCells = 1 << 14;
 
-/// Rows as raw numbers, so that the simulation does not wait for formatting. A row consists of its time [s] and one
-/// cell per column. A cell contains the bits of a double, a whole number, or the index of a text in `texts`.
+/// A block of rows, stored as raw numbers, so that the simulation does not wait for formatting. A row consists of its
+/// time [s] and one cell for each column. A cell contains the bits of a double, a whole number, or the index of a text
+/// in `texts`.
 struct RowBlock {
   std::size_t cells_per_row = 1;
   std::vector<std::uint64_t> cells;
@@ -51,17 +52,19 @@ class RowSink {
  public:
   virtual ~RowSink() = default;
 
-  /// write() may be called by another thread than the other functions, but never at the same time as one of them.
-  /// Throws Error if the disk is full or fails.
+  /// Writes the rows of a block. May be called by another thread than the other functions, but never at the same time
+  /// as one of them. Throws Error if writing fails, for example because the disk is full.
   virtual void write(const RowBlock& block) = 0;
-  /// Writes all rows received so far to the file.
+  /// Writes all rows that were received so far to the file.
   virtual void flush() = 0;
 
-  /// Visits the state that the sink needs to continue from a saved state. Restoring it sets the sink back.
+  /// Visits the state that the sink needs to continue from a saved state.
   virtual void visit(state::Visitor& /*v*/) {}
-  /// Returns the name of its state. Empty if it has none; such a sink may be absent in a resumed run.
+  /// Returns the name under which the sink's state is saved. Returns an empty name if there is no state; such a sink
+  /// may be absent in a resumed run.
   virtual std::string_view state_name() const { return {}; }
-  /// Called after a state is restored: the sink keeps the first `rows` rows. Throws Error if it has fewer.
+  /// Must be called after a state was restored. Keeps the first `rows` rows and drops all others. Throws Error if the
+  /// sink has fewer rows.
   virtual void keep_rows(std::int64_t /*rows*/) {}
 };
 

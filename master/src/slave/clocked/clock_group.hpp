@@ -16,36 +16,38 @@
 
 namespace mebots::master {
 
-/// The co-simulation slaves whose clocks are connected, or a single slave with clocks. Steps the slaves from tick to
-/// tick and handles their events (FMI 3.0.2, sections 2.2.8 and 4.2.1). When the first member steps, the whole group
-/// advances.
+/// Steps the co-simulation slaves whose clocks are connected, or a single slave that has clocks. Steps from tick to
+/// tick, and handles the events of the slaves (FMI 3.0.2, sections 2.2.8 and 4.2.1). When the first member steps, the
+/// whole group advances.
 ///
-/// Members step one after the other. If a member returns early to handle an event, later members step only to the time
+/// Members step one after the other. If a member returns early because of an event, later members step only to the time
 /// of this event. Members that have already stepped further handle the event at their own, later time. If a member
-/// cannot step to any time (canHandleVariableCommunicationStepSize = false), clocks tick at communication points only.
+/// cannot vary the length of its step (canHandleVariableCommunicationStepSize = false), clocks tick only at
+/// communication points.
 class ClockGroup final : private EventModes {
  public:
   /// Both arguments must outlive the group.
   ClockGroup(const TimeGrid& grid, MessageSink& messages) : grid_(grid), messages_(&messages) {}
 
-  /// Adds an instance with both of its interfaces, which must outlive the group's last call. Returns its index among
-  /// the members.
+  /// Adds an instance, given by its two interfaces. Both must exist until the last call of the group. Returns the index
+  /// of the instance among the members.
   std::size_t add(HoldingSlave& slave, EventInstance& instance);
-  /// Must be called before the first member leaves initialisation mode.
+  /// Connects the clocks and clocked variables. Must be called before the first member exits initialization mode.
   void connect(std::vector<ClockLink> clocks, std::vector<ClockedLink> values) {
     network_.connect(std::move(clocks), std::move(values));
   }
 
   void setup_experiment(const Experiment& experiment) { start_ns_ = experiment.start_ns; }
-  /// Queries the first ticks of a member's clocks. The member must be in initialisation mode.
+  /// Queries the first ticks of the clocks of a member, which must be in initialization mode.
   void start_clocks(std::size_t member);
-  /// Handles the events at the start, after the last member has left initialisation mode.
+  /// Must be called each time a member has exited initialization mode. After the last member, handles the events at the
+  /// start.
   void exit_initialization();
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns);
-  /// Returns the next tick of any clock [s]; TimedClock::kNever if none is scheduled.
+  /// Returns the time of the next tick of any clock [s]. Returns TimedClock::kNever if no tick is scheduled.
   double next_tick_s() const { return network_.next_tick().time_s; }
 
-  /// Returns the times of members and clocks as bytes. They are stored in the state of the first member.
+  /// Returns the times of members and clocks as bytes. The first member stores them in its state.
   std::vector<std::byte> save() const;
   void restore(std::span<const std::byte> bytes);
   void visit(state::Visitor& v);
@@ -76,10 +78,10 @@ class ClockGroup final : private EventModes {
   ClockNetwork network_{*this};
   std::int64_t start_ns_ = 0;
   std::size_t initialised_ = 0;
-  bool ended_ = false;        // a member ended the simulation at its start
-  StepResult result_;         // of the step, the same for all members
+  bool ended_ = false;        // true if a member ended the simulation at its start
+  StepResult result_;         // result of the current step, the same for all members
   std::size_t given_to_ = 0;  // number of members that received the result; 0: the next call advances the group
-  bool steps_vary_ = true;    // all members can step to any time
+  bool steps_vary_ = true;    // true if all members can step to any time
   bool noticed_ = false;
 };
 

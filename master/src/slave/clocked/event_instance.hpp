@@ -9,22 +9,22 @@
 
 namespace mebots::master {
 
-/// The result of one call of a step function.
+/// The result of a call to a step function.
 struct StepEnd {
-  bool event = false;      ///< the instance requires event mode
-  bool terminate = false;  ///< the instance ends the simulation
-  double time_s = 0;       ///< after an early return, less than the requested end
+  bool event = false;      ///< true if the instance requires event mode
+  bool terminate = false;  ///< true if the instance ends the simulation
+  double time_s = 0;       ///< time that the instance has reached; after an early return, less than the requested end
 };
 
-/// A co-simulation instance (FMI 3.0) whose caller handles events and clocks. After initialisation, the instance is in
-/// event mode. All calls throw Error if the instance fails.
+/// A co-simulation instance of FMI 3.0 whose events and clocks the caller handles. After initialization, the instance
+/// is in event mode. All calls throw Error if the instance fails.
 class EventInstance {
  public:
   virtual ~EventInstance() = default;
 
   virtual const std::string& name() const = 0;
 
-  /// In step mode, takes a step. Returns empty if the instance discards the step.
+  /// Performs a step. The instance must be in step mode. Returns nullopt if the instance discards the step.
   virtual std::optional<StepEnd> step_until(double start_s, double end_s) = 0;
   virtual void enter_event_mode() = 0;
   virtual void enter_step_mode() = 0;

@@ -14,8 +14,8 @@
 
 namespace mebots::master {
 
-/// A slave for an instance with clocks. Between ticks of its clock, a clocked output has its value of the last tick,
-/// and a value set for a clocked input waits for the next tick.
+/// A slave for an instance that has clocks. Stores the values of clocked variables between ticks: an output keeps its
+/// value of the last tick, and a value that was set for an input is passed to the FMU at the next tick.
 class HoldingSlave final : public ForwardingSlave {
  public:
   explicit HoldingSlave(std::unique_ptr<Slave> inner);
@@ -36,20 +36,20 @@ class HoldingSlave final : public ForwardingSlave {
   std::vector<std::byte> serialize(const SlaveState& state) override;
   std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) override;
 
-  /// Returns the wrapped instance, whose clocked variables may be read and set only while their clocks tick.
+  /// Returns the wrapped slave. Its clocked variables may be read and set only while their clocks tick.
   Slave& alone() { return inner(); }
-  /// At a tick of the clock, sets the waiting inputs in the FMU.
+  /// Sets the waiting inputs of a clock in the FMU. Must be called when the clock ticks.
   void give_inputs(ValueReference clock);
-  /// At a tick of the clock, stores the values of the clock's outputs.
+  /// Stores the values of a clock's outputs. Must be called when the clock ticks.
   void store_outputs(ValueReference clock);
 
   void visit(state::Visitor& v);
 
  private:
-  /// The value of a clocked variable between ticks.
+  /// Stores the value of a clocked variable between ticks.
   struct Held {
     const modeldesc::Variable* variable = nullptr;
-    bool waits = false;  // the value is to be set at the next tick
+    bool waits = false;  // true if the value must be set at the next tick
     LinkValue value;
 
     void visit(state::Visitor& v);

@@ -18,48 +18,49 @@
 
 namespace mebots::master {
 
-/// The slaves of one continuous system. When the first slave steps, the group advances the whole system. A step of any
-/// other slave only returns the same result.
+/// Steps the slaves of one continuous system. When the first slave steps, the whole system advances. When any other
+/// slave steps, the same result is returned.
 class ContinuousGroup final : private DiscreteLinks, private OuterInputs, private EventModes {
  public:
   struct Setup {
     SolverDescription solver;
-    double relative_tolerance = 1e-6;  ///< if the solver defines none
+    double relative_tolerance = 1e-6;  ///< used if the solver description contains none
     TimeGrid grid;
     MessageSink* messages = nullptr;
     const std::atomic<bool>* interrupted = &kNeverInterrupted;
-    SolverStatistics* statistics = nullptr;  ///< null: not collected
+    SolverStatistics* statistics = nullptr;  ///< null: no statistics are collected
   };
 
-  /// All pointed-to objects must outlive the group.
+  /// All objects to which `setup` points must outlive the group.
   explicit ContinuousGroup(Setup setup) : setup_(std::move(setup)) {}
 
-  /// Adds a slave, which must outlive the group's last call. Returns its index among the members.
+  /// Adds a slave, which must exist until the last call of the group. Returns the index of the slave among the members.
   std::size_t add(ContinuousSlave& slave);
-  /// Must be called before the first member leaves initialisation mode.
+  /// Connects the members. Must be called before the first member exits initialization mode.
   void connect(std::vector<Wire> wires, std::vector<DiscreteLink> links);
-  /// The clocks of the members. A member with clocks must be added in a HoldingSlave.
+  /// Returns the clocks of the members. If a member has clocks, the added slave must wrap a HoldingSlave.
   ClockNetwork& clocks() { return clocks_; }
 
   void setup_experiment(const Experiment& experiment);
-  /// Queries the first ticks of a member's clocks. The member must be in initialisation mode.
+  /// Queries the first ticks of the clocks of a member, which must be in initialization mode.
   void start_clocks(std::size_t member) { clocks_.start(member, setup_.grid.time_s(experiment_.start_ns)); }
-  /// Iterates the events at the start, after the last member has left initialisation mode.
+  /// Must be called each time a member has exited initialization mode. After the last member, iterates the events at
+  /// the start.
   void exit_initialization();
   bool is_integrating() const { return system_ != nullptr; }
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns);
 
-  /// Must be called if a member's inputs change at the present communication point.
+  /// These functions must be called if the inputs of a member change at the current communication point.
   void enter_event_mode() { system_->enter_event_mode(); }
   void input_changed() { system_->input_changed(); }
 
-  /// Returns the solver's state as bytes. They are stored in the state of the first member.
+  /// Returns the state of the solver as bytes. The first member stores them in its state.
   std::vector<std::byte> save() const;
   void restore(std::span<const std::byte> bytes);
   void visit(state::Visitor& v);
 
  private:
-  // All members enter event mode together, before a clock ticks.
+  // All members enter event mode together before a clock ticks. Therefore these functions have nothing to do.
   bool is_in_event(std::size_t /*member*/) const override { return true; }
   void enter_event(std::size_t /*member*/, double /*time_s*/) override {}
   void note_late_tick(std::size_t /*member*/, double /*tick_s*/) override {}
@@ -80,7 +81,7 @@ class ContinuousGroup final : private DiscreteLinks, private OuterInputs, privat
   std::size_t initialised_ = 0;
   std::optional<std::string> terminated_by_;
   std::unique_ptr<ContinuousSystem> system_;
-  StepResult result_;         // of the step, the same for all members
+  StepResult result_;         // result of the current step, the same for all members
   std::size_t given_to_ = 0;  // number of members that received the result; 0: the next call advances the system
 };
 

@@ -18,11 +18,11 @@ namespace mebots::master {
 class ContinuousGroup;
 
 /// A slave for a model exchange instance. Each of its steps advances the whole continuous system. Setting an input to
-/// the same value does not disturb the solver.
+/// the value that it already has does not affect the solver.
 class ContinuousSlave final : public ForwardingSlave {
  public:
-  /// `instance` is the second interface of the object `inner`. If `inner` is a HoldingSlave, `instance` belongs to the
-  /// slave that it wraps.
+  /// `instance` must be the second interface of the object `inner`. If `inner` is a HoldingSlave, `instance` must be
+  /// that of the slave which it wraps.
   ContinuousSlave(std::unique_ptr<Slave> inner, ContinuousInstance& instance, std::shared_ptr<ContinuousGroup> group);
 
   void setup_experiment(const Experiment& experiment) override;
@@ -48,23 +48,24 @@ class ContinuousSlave final : public ForwardingSlave {
   ContinuousInstance& instance() { return *instance_; }
   /// Returns the index of the slave among the members of its group.
   std::size_t index() const { return member_; }
-  /// Returns the wrapped slave, whose calls do not affect the group.
+  /// Returns the wrapped slave. Calls to it do not affect the group.
   Slave& alone() { return inner(); }
-  /// Sets the inputs that have time derivatives, `since_s` seconds after the last communication point.
+  /// Sets the inputs that have time derivatives to their values `since_s` seconds after the last communication point.
   Evaluation set_courses(double since_s);
   bool has_courses() const { return !courses_.empty(); }
 
-  /// Sets the value of a connection within the group, in event mode. Returns true if the input changes.
+  /// Sets an input to a value from a connection within the group. The instance must be in event mode. Returns true if
+  /// the value differs from the previous one.
   bool set_in_event(ValueKind kind, ValueReference reference, const LinkValue& value);
 
   void visit(state::Visitor& v);
 
  private:
-  /// A continuous input with time derivatives.
+  /// A continuous input that has time derivatives.
   struct Course {
     ValueReference reference = 0;
     double value = 0;
-    std::vector<double> derivatives;  // of orders 1 and up
+    std::vector<double> derivatives;  // derivatives of order 1 and higher
 
     void visit(state::Visitor& v);
   };
@@ -78,11 +79,11 @@ class ContinuousSlave final : public ForwardingSlave {
   std::shared_ptr<ContinuousGroup> group_;
   std::size_t member_;
   std::set<ValueReference> continuous_inputs_;
-  std::set<ValueReference> clocked_;  // variables that wait for a tick of their clocks
+  std::set<ValueReference> clocked_;  // variables that take effect at the next tick of their clocks
   KnownValues<double> reals_;
   KnownValues<WholeNumber> integers_;
   KnownValues<WholeNumber> booleans_;
-  KnownValues<std::string> strings_;  // and Binaries
+  KnownValues<std::string> strings_;  // also contains Binaries
   std::vector<Course> courses_;
 };
 

@@ -9,17 +9,19 @@
 
 namespace mebots::master {
 
-/// The continuous states of a model, in the order of its derivatives in ModelStructure.
+/// The continuous states of a model, in the order in which ModelStructure lists their derivatives.
 struct ContinuousStates {
   std::vector<std::string> names;
   std::vector<ValueReference> references;
   std::vector<ValueReference> derivatives;  ///< value references of the derivatives
 };
 
-/// Throws SlaveError if the variable of a derivative names no state. `instance` is for the message.
+/// Returns the continuous states of a model. Throws SlaveError if a derivative does not refer to a state. `instance`
+/// names the instance in the error.
 ContinuousStates continuous_states_of(const modeldesc::ModelDescription& model, std::string_view instance);
 
-/// Throws SlaveError, because a model exchange instance takes no steps.
+/// Throws SlaveError. Called if a step of a model exchange instance is requested, because such an instance performs
+/// none.
 [[noreturn]] void fail_to_step(std::string_view instance);
 
 }  // namespace mebots::master

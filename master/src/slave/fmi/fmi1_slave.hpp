@@ -16,10 +16,11 @@
 
 namespace mebots::master {
 
-/// A co-simulation instance of FMI 1.0 in this process. FMI 1.0 has one call for the whole initialisation,
-/// fmiInitializeSlave. Outputs can be read only after this call. If an input changes between enter_initialization() and
-/// exit_initialization(), this class creates the instance again with all values set so far, and initialises it before
-/// the next value is read. Thus inputs from connections take part in the initialisation, as in FMI 2.0.
+/// A co-simulation instance of FMI 1.0 in this process. FMI 1.0 performs the whole initialization in one call,
+/// fmiInitializeSlave, and outputs can be read only afterwards. If an input changes between enter_initialization() and
+/// exit_initialization(), this class creates the instance again with all values that were set so far, and initializes
+/// it before the next value is read. Therefore inputs from connections take effect during initialization, as in FMI
+/// 2.0.
 class Fmi1Slave final : public Slave {
  public:
   /// Creates the instance. The arguments are those of InstanceCalls.
@@ -58,7 +59,7 @@ class Fmi1Slave final : public Slave {
   void set_booleans(std::span<const ValueReference> references, std::span<const std::int64_t> values) override;
   void set_strings(std::span<const ValueReference> references, std::span<const std::string> values) override;
 
-  // FMI 1.0 has no saved states: these functions throw Error.
+  // These functions throw Error, because FMI 1.0 cannot save states.
   std::unique_ptr<SlaveState> save_state() override;
   void restore_state(const SlaveState& state) override;
   std::vector<std::byte> serialize(const SlaveState& state) override;
@@ -66,8 +67,8 @@ class Fmi1Slave final : public Slave {
 
  private:
   enum class Phase { instantiated, initializing, running };
-  /// All values set before the first step, by the FMU's own value references. For negated aliases, they have the FMU's
-  /// sign.
+  /// All values that were set before the first step, indexed by the FMU's value references. The values of negated
+  /// aliases have the FMU's sign.
   struct StartValues {
     std::map<ValueReference, double> reals;
     std::map<ValueReference, fmiInteger> integers;
@@ -79,7 +80,8 @@ class Fmi1Slave final : public Slave {
   void initialize();
   void initialize_anew();
   void set_start_values();
-  /// Returns true if the values are stored for the initialisation and must not be passed to the FMU now.
+  /// Stores the values if the instance is not running yet. Returns true if the values must not be passed to the FMU
+  /// now.
   template <typename Value, typename Get>
   bool keep(std::map<ValueReference, Value>& kept, std::span<const ValueReference> references,
             std::span<const Value> values, Get get);
@@ -91,17 +93,17 @@ class Fmi1Slave final : public Slave {
   Experiment experiment_;
   Phase phase_ = Phase::instantiated;
   StartValues start_;
-  bool is_stale_ = false;  // start_ has values with which the FMU was not initialised
+  bool is_stale_ = false;  // true if start_ contains values with which the FMU was not initialized
   NegatedValues negated_;
 
-  // Buffers of the current call.
+  // These members are buffers of the current call.
   std::vector<const char*> texts_;
   std::vector<fmiInteger> numbers_;
   std::vector<fmiBoolean> flags_;
   std::vector<double> reals_;
 
   PendingStep pending_;
-  InstanceCalls calls_;  // after all members that callbacks use
+  InstanceCalls calls_;  // declared after all members that callbacks use
   StepCalls<Fmi1StepTypes> steps_;
 };
 

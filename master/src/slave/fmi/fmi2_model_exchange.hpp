@@ -10,7 +10,7 @@
 
 namespace mebots::master {
 
-/// A model exchange instance of FMI 2.0 in this process. The solver of its group advances it.
+/// A model exchange instance of FMI 2.0 in this process. The solver of its group advances it in time.
 class Fmi2ModelExchange final : public Fmi2Slave, public ContinuousInstance {
  public:
   /// Creates the instance. The arguments are those of InstanceCalls.

@@ -16,7 +16,7 @@
 
 namespace mebots::master {
 
-/// An FMI 2.0 instance in this process: co-simulation, or the base of Fmi2ModelExchange.
+/// An instance of FMI 2.0 in this process. Used for co-simulation, and as the base of Fmi2ModelExchange.
 class Fmi2Slave : public Slave {
  public:
   /// Creates the instance. The arguments are those of InstanceCalls.
@@ -76,11 +76,11 @@ class Fmi2Slave : public Slave {
 
   const Fmi2Functions* functions_;
   std::vector<const char*> texts_;
-  std::vector<std::int32_t> numbers_;  // of the current call
+  std::vector<std::int32_t> numbers_;  // buffer of the current call
 
   PendingStep pending_;
 
-  InstanceCalls calls_;  // after all members that callbacks use
+  InstanceCalls calls_;  // declared after all members that callbacks use
   StepCalls<Fmi2StepTypes> steps_;
   FmuStates<Fmi2Functions> states_;
 };

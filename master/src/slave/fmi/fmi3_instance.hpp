@@ -16,7 +16,7 @@
 
 namespace mebots::master {
 
-/// An FMI 3.0 instance in this process, except for the advance of time, which depends on the kind of FMU.
+/// An instance of FMI 3.0 in this process. Derived classes advance the time, because this depends on the kind of FMU.
 class Fmi3Instance : public Slave, public ClockInstance {
  public:
   ~Fmi3Instance() override;
@@ -76,8 +76,8 @@ class Fmi3Instance : public Slave, public ClockInstance {
   }
 
  protected:
-  /// Creates the instance, and sets structural parameters in configuration mode. `model` is fmu->model(structural). The
-  /// other arguments are those of InstanceCalls.
+  /// Creates the instance, and sets structural parameters in configuration mode. `model` must be
+  /// fmu->model(structural). The other arguments are those of InstanceCalls.
   Fmi3Instance(FmuKind kind, std::string name, std::shared_ptr<Fmu> fmu,
                std::shared_ptr<const modeldesc::ModelDescription> model, const modeldesc::StructuralValues& structural,
                std::vector<std::string> log_categories, MessageSink& messages, const TimeGrid& grid);
@@ -86,7 +86,7 @@ class Fmi3Instance : public Slave, public ClockInstance {
   DiscreteUpdate update_event();
 
   const Fmi3Functions& functions() const { return *functions_; }
-  /// False for an FMU under wine, whose library is in another process and cannot call the master within a step.
+  /// False if the FMU runs under wine: its library is in another process and cannot call the master within a step.
   bool can_call_back() const { return !calls_.fmu().runs_under_wine(); }
   InstanceCalls& calls() { return calls_; }
   const InstanceCalls& calls() const { return calls_; }

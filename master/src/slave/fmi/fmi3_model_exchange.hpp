@@ -10,7 +10,7 @@
 
 namespace mebots::master {
 
-/// A model exchange instance of FMI 3.0 in this process. The solver of its group advances it.
+/// A model exchange instance of FMI 3.0 in this process. The solver of its group advances it in time.
 class Fmi3ModelExchange final : public Fmi3Instance, public ContinuousInstance {
  public:
   /// The arguments are those of Fmi3Instance.
@@ -20,7 +20,8 @@ class Fmi3ModelExchange final : public Fmi3Instance, public ContinuousInstance {
                     MessageSink& messages, const TimeGrid& grid = {});
 
   const std::string& name() const override { return Fmi3Instance::name(); }
-  /// Checks that the library and the description have the same numbers of states and event indicators.
+  /// Exits initialization mode. Checks that the library and the description have the same numbers of states and event
+  /// indicators.
   void exit_initialization() override;
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
 

@@ -13,16 +13,18 @@
 
 namespace mebots::master {
 
-/// Selects who handles the events of an instance.
+/// Selects the code that handles the events of an instance.
 enum class EventHandler : std::uint8_t {
-  slave,  ///< exit_initialization() and step(); after an early return, step() continues to the end of the step
-  group,  ///< the caller, with the functions of EventInstance instead of step()
+  /// exit_initialization() and step() handle events; after an early return, step() continues to the end of the step.
+  slave,
+  group,  ///< the caller handles events, and calls the functions of EventInstance instead of step()
 };
 
-/// A co-simulation instance of FMI 3.0 in this process. If the FMU has an event mode, it is used.
+/// A co-simulation instance of FMI 3.0 in this process. Uses the event mode if the FMU has one.
 class Fmi3Slave final : public Fmi3Instance, public EventInstance {
  public:
-  /// Events are handled by `handler`. The other arguments are those of Fmi3Instance.
+  /// Creates the instance. `handler` determines the code that handles its events. The other arguments are those of
+  /// Fmi3Instance.
   Fmi3Slave(std::string name, std::shared_ptr<Fmu> fmu, std::shared_ptr<const modeldesc::ModelDescription> model,
             const modeldesc::StructuralValues& structural, std::vector<std::string> log_categories,
             MessageSink& messages, const TimeGrid& grid = {}, EventHandler handler = EventHandler::slave);
@@ -31,8 +33,8 @@ class Fmi3Slave final : public Fmi3Instance, public EventInstance {
   void exit_initialization() override;
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
 
-  /// True if the FMU requests inputs within a step (intermediate update). In this case the derivatives become values of
-  /// inputs within the step, because FMI 3.0 has no function that sets derivatives.
+  /// True if the FMU requests inputs within a step (intermediate update). In this case, derivatives are used to compute
+  /// values of inputs within the step, because FMI 3.0 has no function that sets derivatives.
   bool takes_input_derivatives() const override { return !intermediate_inputs_.empty(); }
   void set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
                              std::span<const double> values) override;
@@ -58,7 +60,7 @@ class Fmi3Slave final : public Fmi3Instance, public EventInstance {
 
   EventHandler handler_;
   IntermediateInputs intermediate_inputs_;
-  int intermediate_status_ = InstanceCalls::kOk;  // the worst of the calls within a step
+  int intermediate_status_ = InstanceCalls::kOk;  // the worst status of all calls within the current step
 };
 
 }  // namespace mebots::master

@@ -14,29 +14,30 @@
 
 namespace mebots::master {
 
-/// Reads and sets the variables of an FMI 3.0 instance. The master has one value reference per scalar and per array
-/// element. FMI 3.0 has a function per type that takes whole arrays. The calls for a list of references are cached,
-/// because the same lists recur at every communication point.
+/// Gets and sets the variables of an FMI 3.0 instance. The master has one value reference for each scalar and each
+/// element of an array. FMI 3.0 has one function for each type, which gets or sets whole arrays. The FMU calls for a
+/// list of references are cached, because the same lists occur at every communication point.
 class Fmi3Values {
  public:
-  /// `model` has elements in place of arrays (see modeldesc::with_elements()). All arguments must outlive this object.
+  /// `model` must have elements in place of arrays (see modeldesc::with_elements()). All arguments must outlive this
+  /// object.
   Fmi3Values(InstanceCalls& calls, const Fmi3Functions& functions, const modeldesc::ModelDescription& model);
 
   void get(std::span<const ValueReference> references, std::span<double> values);
-  /// Accesses whole numbers and enumerations, or Booleans as 0 and 1, depending on `kind`.
+  /// Gets whole numbers and enumerations, or Booleans as 0 and 1, depending on `kind`.
   void get(ValueKind kind, std::span<const ValueReference> references, std::span<std::int64_t> values);
-  /// Accesses Strings or Binaries, depending on `kind`.
+  /// Gets Strings or Binaries, depending on `kind`.
   void get(ValueKind kind, std::span<const ValueReference> references, std::span<std::string> values);
 
   void set(std::span<const ValueReference> references, std::span<const double> values);
-  /// Work as get() and set(), but return false if the FMU discards the call.
+  /// These functions work like get() and set(), but return false if the FMU discards the call.
   bool try_get(std::span<const ValueReference> references, std::span<double> values);
   bool try_set(std::span<const ValueReference> references, std::span<const double> values);
   void set(ValueKind kind, std::span<const ValueReference> references, std::span<const std::int64_t> values);
   void set(ValueKind kind, std::span<const ValueReference> references, std::span<const std::string> values);
 
-  /// Variables of the FMU with all their elements. For each requested variable of the master, `places` has its index
-  /// among the values of the FMU variables.
+  /// Whole variables of the FMU that contain certain variables of the master. `places` contains, for each variable of
+  /// the master, the index of its value among all values of the FMU variables.
   struct Whole {
     std::vector<std::uint32_t> references = {};
     std::size_t value_count = 0;
@@ -49,21 +50,21 @@ class Fmi3Values {
   struct Place {
     modeldesc::Type type = modeldesc::Type::real;
     std::uint32_t reference = 0;
-    std::size_t index = 0;  // of the element
-    std::size_t count = 1;  // of the array
+    std::size_t index = 0;  // index of the element in the array
+    std::size_t count = 1;  // number of elements of the array
     const modeldesc::Variable* variable = nullptr;
   };
-  /// The index of a value in an FMU call, and its index in the caller's list.
+  /// The index of a value in an FMU call, and its index in the list of the caller.
   struct Move {
     std::size_t value;
     std::size_t slot;
   };
-  /// A call of an FMU function.
+  /// A call of a function of the FMU.
   struct Call {
     modeldesc::Type type;
     std::vector<std::uint32_t> references;
-    std::vector<const modeldesc::Variable*> variables;  // one per value, null for elements that the caller did not
-                                                        // request
+    // One for each value; null for elements that the caller did not request.
+    std::vector<const modeldesc::Variable*> variables;
     std::size_t value_count = 0;
     std::vector<Move> moves;
   };
@@ -72,8 +73,8 @@ class Fmi3Values {
     std::vector<Call> calls;
   };
 
-  /// The result of consecutive calls. They stop at the first status other than OK and Warning. Contains this status and
-  /// the function that returned it.
+  /// The result of consecutive calls, which stop at the first status other than OK and Warning. Contains this status,
+  /// and the name of the function that returned it.
   struct CallResult {
     int status = InstanceCalls::kOk;
     const char* function = "";
@@ -99,9 +100,9 @@ class Fmi3Values {
   InstanceCalls* calls_;
   const Fmi3Functions* functions_;
   std::unordered_map<ValueReference, Place> places_;
-  std::array<std::vector<Plan>, 6> plans_;  // by kind
-  std::vector<std::byte> buffer_;           // numbers of the current call, then guard bytes
-  std::size_t guard_ = 0;                   // where the guard bytes begin
+  std::array<std::vector<Plan>, 6> plans_;  // indexed by kind
+  std::vector<std::byte> buffer_;           // the numbers of the current call, followed by guard bytes
+  std::size_t guard_ = 0;                   // index of the first guard byte
 };
 
 }  // namespace mebots::master

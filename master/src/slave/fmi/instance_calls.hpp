@@ -23,16 +23,16 @@
 
 namespace mebots::master {
 
-/// Calls an instance of an FMU, of any version of FMI. This class finds the instance of a callback, converts C++
-/// exceptions to SlaveErrors, and adds names and times to messages. It keeps the floating-point environments of master
-/// and FMU apart. It reverts and reports changes that the FMU makes to process-wide state. Not for use by two threads
-/// at once.
+/// Calls an instance of an FMU, for all versions of FMI. Finds the instance to which a callback belongs, converts C++
+/// exceptions to SlaveErrors, and adds names and times to messages. Keeps the floating-point environments of the master
+/// and the FMU separate. Reports and reverts changes that the FMU makes to process-wide state. Must not be used by two
+/// threads at the same time.
 class InstanceCalls final : public CallbackListener {
  public:
-  /// Returns the standard's name of a status.
+  /// A function that returns the standard's name of a status.
   using StatusName = std::string_view (*)(int status);
 
-  /// The status values that all versions of FMI share.
+  /// The status values, which are the same in all versions of FMI.
   static constexpr int kOk = 0;
   static constexpr int kWarning = 1;
   static constexpr int kDiscard = 2;
@@ -40,9 +40,9 @@ class InstanceCalls final : public CallbackListener {
   static constexpr int kFatal = 4;
   static constexpr int kPending = 5;
 
-  /// Ordinary messages (status OK) of `log_categories` go to `messages`; "*" means all categories. Warnings and errors
-  /// always go to `messages`. `messages` must outlive this object. Points of `grid` are passed to the FMU as the
-  /// nearest doubles.
+  /// `messages` receives all warnings and errors, and those ordinary messages (status OK) whose category is in
+  /// `log_categories`; "*" means all categories. `messages` must outlive this object. Points of `grid` are passed to
+  /// the FMU as the nearest doubles.
   InstanceCalls(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::string> log_categories,
                 MessageSink& messages, const TimeGrid& grid, StatusName status_name);
   ~InstanceCalls() override;
@@ -54,75 +54,78 @@ class InstanceCalls final : public CallbackListener {
   const modeldesc::ModelDescription& description() const { return fmu_->description(); }
   const TimeGrid& grid() const { return grid_; }
   MessageSink& messages() const { return *sink_; }
-  /// Returns the environment for the FMU's callbacks.
+  /// Returns the object that provides the FMU's callbacks.
   CallbackTarget& target() { return target_; }
   bool usable() const { return !unusable_; }
-  /// Prevents all further calls to the instance, even the call that frees it.
+  /// Prevents all further calls to the instance, including the call that frees it.
   void abandon() { unusable_ = true; }
   /// Returns the standard's name of a status.
   std::string_view name_of_status(int status) const { return status_name_(status); }
 
-  /// Returns the simulation time that messages and errors contain [ns].
+  /// Returns the simulated time that messages and errors contain [ns].
   std::int64_t time_ns() const { return time_ns_; }
   void set_time_ns(std::int64_t time_ns) { time_ns_ = time_ns; }
 
-  /// Reports the process-wide changes that loading the FMU's library caused. Then calls `make`, which creates the
-  /// instance and returns null on failure. Throws SlaveError.
+  /// Creates the instance by calling `make`, which must return null on failure. Before that, reports the process-wide
+  /// changes that loading the FMU's library caused. Throws SlaveError if no instance is created.
   void instantiate(const char* function, const std::function<void*()>& make);
-  /// Replaces an instance that the caller has freed.
+  /// Creates a new instance by calling `make`, after the caller has freed the previous one.
   void instantiate_again(const char* function, const std::function<void*()>& make);
-  /// Calls `free` to free the instance. A second call has no effect. If the FMU failed, returns the error, which is
-  /// also logged.
+  /// Frees the instance by calling `free`. A second call has no effect. If the FMU fails, logs the error and returns
+  /// it.
   std::optional<std::string> free_instance(const char* function, const std::function<void()>& free);
-  /// Sets the handler of fmi2StepFinished, which a thread of the FMU may call. Must be called before instantiate().
+  /// Sets the handler of fmi2StepFinished. A thread of the FMU may call the handler. Must be called before
+  /// instantiate().
   void on_step_finished(std::function<void(int)> handler) { step_finished_ = std::move(handler); }
-  /// Sets the handler of intermediate updates of FMI 3.0. It must not throw, and may use call_inside().
+  /// Sets the handler of intermediate updates of FMI 3.0. The handler must not throw, and may use call_inside().
   void on_intermediate_update(std::function<void(double)> handler) { intermediate_update_ = std::move(handler); }
-  /// Returns the categories to enable by SetDebugLogging; empty if the FMU must log everything.
+  /// Returns the categories that SetDebugLogging must enable. Returns an empty list if the FMU must log everything.
   std::vector<const char*> chosen_categories() const;
 
-  /// Calls a function of the FMU with the instance as its first argument and returns the result. Throws SlaveError if
+  /// Calls a function of the FMU, with the instance as its first argument, and returns the result. Throws SlaveError if
   /// the function throws a C++ exception.
   template <typename Function, typename... Arguments>
   [[gnu::always_inline]] auto call(const char* name, Function* function, Arguments... arguments) {
     return in_scope(name, [&] { return function(instance_, arguments...); });
   }
-  /// Calls a function of the FMU from one of its callbacks, inside call(). Does not catch exceptions of the FMU.
+  /// Calls a function of the FMU from one of its callbacks, during call(). Does not catch exceptions of the FMU.
   template <typename Function, typename... Arguments>
   int call_inside(Function* function, Arguments... arguments) {
     return function(instance_, arguments...);
   }
-  /// Like call(), but throws SlaveError unless the status is OK or Warning.
+  /// Calls a function as call() does. Throws SlaveError unless the returned status is OK or Warning.
   template <typename Function, typename... Arguments>
   [[gnu::always_inline]] void require(const char* name, Function* function, Arguments... arguments) {
     check(call(name, function, arguments...), name);
   }
-  /// Throws SlaveError if the function is null, because the FMU's library lacks it.
+  /// Throws SlaveError if the function is null, which means that the FMU's library lacks it.
   template <typename Function>
   void require_function(const char* name, Function* function) {
     if (function == nullptr) fail(name, "is missing in the FMU's library");
   }
-  /// Runs `work`, which makes calls. Reports and reverts changes that these calls made to the process.
+  /// Runs `work`, which calls the FMU. Reports and reverts changes that these calls make to the process.
   template <typename Work>
   void watched(const char* where, Work work);
-  /// Like watched(), for the steps number 1, 2, 4, 8 ... of an instance: watching every step would take too long.
+  /// Runs `work` as watched() does for the steps number 1, 2, 4, 8 ... of an instance, and without checks for all
+  /// others, because checking every step would take too long.
   template <typename Work>
   [[gnu::always_inline]] int watched_step(const char* where, Work work);
 
-  /// Copies the texts that `function` returned for these String variables; null becomes an empty text. Throws
-  /// SlaveError if an address is not readable.
+  /// Copies the texts to which `function` has returned pointers for these String variables. A null pointer becomes an
+  /// empty text. Throws SlaveError if an address is not readable.
   void copy_texts(const char* function, std::span<const std::uint32_t> references,
                   std::span<const char* const> addresses, std::span<std::string> values);
 
   /// Throws SlaveError unless the status is OK or Warning.
   void check(int status, const char* function);
-  /// Throws SlaveError with instance, time, function, `what` and the FMU's log.
+  /// Throws SlaveError that contains instance, time, function, `what` and the FMU's log.
   [[noreturn]] void fail(const char* function, std::string_view what);
-  /// Delivers the held messages.
+  /// Passes the held messages to the sink.
   void deliver_held();
-  /// Logs a warning by the master.
+  /// Logs a warning of the master about this instance.
   void warn(const std::string& text) { sink_->message({name_, Severity::warning, "notice", text, time_ns_}); }
-  /// For destructors: runs `work` and drops its exceptions, such as an exception of the program that receives messages.
+  /// Runs `work` and drops its exceptions, such as an exception of the program that receives messages. Used by
+  /// destructors.
   template <typename Work>
   static void without_exceptions(Work work) noexcept {
     try {
@@ -130,7 +133,7 @@ class InstanceCalls final : public CallbackListener {
     } catch (...) {  // NOLINT(bugprone-empty-catch): see above
     }
   }
-  /// Returns "The FMU logged: ..." with the last warnings and errors of the FMU.
+  /// Returns "The FMU logged: ..." followed by the last warnings and errors of the FMU.
   std::string last_messages() const;
 
   void logged(LoggerCall call) override;
@@ -163,26 +166,27 @@ class InstanceCalls final : public CallbackListener {
   StatusName status_name_;
   void* instance_ = nullptr;
   std::int64_t time_ns_ = 0;
-  bool unusable_ = false;    // no call is allowed, not even to free it: after a fatal status, or a step that continues
-  bool is_watched_ = false;  // changes of the process by its calls are reported and reverted
-  bool freed_ = false;       // free_instance() was called
-  bool is_gone_ = false;     // no instance exists: the FMU has freed it
-  std::int64_t steps_ = 0;   // number of steps so far
-  std::int64_t watched_step_ = 0;  // the next watched step; 0: none
+  // True if no call is permitted, not even to free the instance: after a fatal status, or if a step does not end.
+  bool unusable_ = false;
+  bool is_watched_ = false;        // true if changes of the process by calls are reported and reverted
+  bool freed_ = false;             // true after free_instance()
+  bool is_gone_ = false;           // true if the FMU has freed the instance, so that none exists
+  std::int64_t steps_ = 0;         // number of steps so far
+  std::int64_t watched_step_ = 0;  // number of the next step that is checked; 0: none
   std::function<void(int)> step_finished_ = [](int) {};
   std::function<void(double)> intermediate_update_ = [](double) {};
 
-  // FMUs may log from their own threads. Errors are held until the call returns: if the call fails, its exception
-  // contains these errors. Messages of the FMU's threads are held too; the stepping thread delivers them.
+  // FMUs may log from their own threads. Errors are held until the call returns, because the exception of a failed call
+  // contains them. Messages from the FMU's threads are held too; the stepping thread delivers them.
   mutable std::mutex log_mutex_;
   std::vector<Held> held_;
-  MessageLimit limit_;                 // since the start of the call, or since the last one
-  std::atomic<bool> any_held_{false};  // held or dropped by the limit
+  MessageLimit limit_;                 // counts since the start of the current call, or since the last call
+  std::atomic<bool> any_held_{false};  // true if messages were held, or dropped by the limit
   std::deque<std::string> last_messages_;
 
-  FloatEnvironment ours_ = FloatEnvironment::now();  // of the master's caller
-  FloatEnvironment floats_;                          // of the instance
-  CallbackTarget target_;                            // last: threads of the FMU may log until it is gone
+  FloatEnvironment ours_ = FloatEnvironment::now();  // environment of the master's caller
+  FloatEnvironment floats_;                          // environment of the instance
+  CallbackTarget target_;  // declared last, because threads of the FMU may log until it is destroyed
 };
 
 template <typename Work>
@@ -203,7 +207,7 @@ template <typename Work>
   }
 }
 
-/// Stores the FMU's floating-point environment for its next call, and restores the master's.
+/// Stores the FMU's floating-point environment for its next call, and restores that of the master.
 inline void InstanceCalls::leave(const char* name) {
   const auto found = FloatEnvironment::now();
   if (found != floats_) [[unlikely]] {

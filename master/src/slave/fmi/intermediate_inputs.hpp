@@ -12,28 +12,30 @@
 
 namespace mebots::master {
 
-/// The inputs that an FMU of FMI 3.0 for co-simulation accepts within a step: continuous Float64 with
-/// intermediateUpdate. Within a step, the value of an input is a polynomial in time. Its coefficients come from the
-/// derivatives of the output that is connected to the input. An array is set only if all of its elements are set at the
-/// step's start.
+/// The inputs that a co-simulation FMU of FMI 3.0 accepts within a step: continuous Float64 with the attribute
+/// intermediateUpdate. Within a step, the value of such an input is a polynomial in time, whose coefficients are
+/// computed from the derivatives of the connected output. An array is set only if all of its elements are set at the
+/// start of the step.
 class IntermediateInputs {
  public:
-  /// Contains no inputs.
+  /// Creates an object without inputs.
   IntermediateInputs() = default;
-  /// `model` has elements in place of arrays. Contains no inputs if the FMU does not call the master within steps.
+  /// `model` must have elements in place of arrays. If the FMU does not call the master within steps, there are no
+  /// inputs.
   explicit IntermediateInputs(const modeldesc::ModelDescription& model);
 
-  /// Returns the value references for FMU calls. An array has one reference.
+  /// Returns the value references for calls to the FMU. An array has one reference.
   std::vector<std::uint32_t> references() const;
   bool empty() const { return wholes_.empty(); }
-  /// Stores the values at the start of the next step. Other variables are ignored.
+  /// Stores the values at the start of the next step. Ignores other variables.
   void set(std::span<const ValueReference> references, std::span<const double> values);
-  /// Stores derivatives at the start of the next step, after the values.
+  /// Stores the derivatives at the start of the next step. Must be called after set().
   void set_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
                        std::span<const double> values);
-  /// Starts a step. If no value was set since the last step, the polynomials continue.
+  /// Starts a step. If no value was set since the last step, its polynomials continue.
   void start_step(double start_s);
-  /// Returns the FMU's value references of the inputs with derivatives, and the values at `time_s`.
+  /// Returns the FMU's value references of the inputs that have derivatives, and the values of these inputs at
+  /// `time_s`.
   std::pair<std::vector<std::uint32_t>, std::vector<double>> values_at(double time_s) const;
 
  private:
@@ -49,10 +51,10 @@ class IntermediateInputs {
   void begin_point();
 
   std::vector<Whole> wholes_;
-  std::set<ValueReference> elements_;  // of all wholes
+  std::set<ValueReference> elements_;  // elements of all entries in `wholes_`
   std::map<ValueReference, Course> courses_;
   double start_s_ = 0;
-  bool has_stepped_ = true;  // since the last value was set
+  bool has_stepped_ = true;  // true if a step was performed since the last value was set
 };
 
 }  // namespace mebots::master

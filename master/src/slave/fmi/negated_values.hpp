@@ -11,16 +11,16 @@
 
 namespace mebots::master {
 
-/// Translates negated aliases of an FMI 1.0 FMU to the FMU's references, and changes the signs of their values. Most
-/// FMUs have no negated aliases.
+/// Replaces negated aliases of an FMI 1.0 FMU by the variables to which they refer, and changes the signs of their
+/// values. Most FMUs have no negated aliases.
 class NegatedValues {
  public:
   explicit NegatedValues(const modeldesc::ModelDescription& description);
 
-  /// Returns the FMU's references. If no alias is negated, returns `references` itself. The result is valid until the
-  /// next call.
+  /// Returns the value references that the FMU uses for these variables. Returns `references` itself if no alias is
+  /// negated. The result is valid until the next call.
   std::span<const ValueReference> in_fmu(std::span<const ValueReference> references);
-  /// Calls negate(i) for each i whose reference is a negated alias.
+  /// Calls negate(i) for each index i at which `references` contains a negated alias.
   template <typename Negate>
   void for_each_negated(std::span<const ValueReference> references, Negate negate) const {
     if (bases_.empty()) return;
@@ -29,7 +29,7 @@ class NegatedValues {
   }
 
  private:
-  std::unordered_map<ValueReference, ValueReference> bases_;  // maps an alias to the reference in the FMU
+  std::unordered_map<ValueReference, ValueReference> bases_;  // maps a negated alias to the value reference in the FMU
   std::vector<ValueReference> references_;
 };
 

@@ -44,17 +44,18 @@ struct Fmi2StepTypes {
 template <typename Types>
 class StepCalls {
  public:
-  /// `has_callback` is true if the FMU gets the callback stepFinished. All pointed-to objects must outlive this object.
+  /// `has_callback` must be true if the FMU receives the callback stepFinished. All objects to which the arguments
+  /// refer must outlive this object.
   StepCalls(InstanceCalls& calls, PendingStep& pending, const typename Types::Functions& functions, bool has_callback)
       : calls_(&calls), pending_(&pending), functions_(&functions), has_callback_(has_callback) {}
 
-  /// Steps as Slave::step() specifies. `last_argument` is the last argument of DoStep.
+  /// Performs a step as specified for Slave::step(). `last_argument` is the last argument of DoStep.
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns, typename Types::Boolean last_argument);
-  /// Finishes a step in progress as Slave::finish_step() specifies. If the FMU cannot cancel the step, waits at most a
-  /// second for its end. If the step does not end, abandons the instance and throws InterruptedError.
+  /// Finishes a pending step as specified for Slave::finish_step(). If the FMU cannot cancel the step, waits at most
+  /// one second for its end. If the step does not end, abandons the instance and throws InterruptedError.
   StepResult finish(const std::atomic<bool>& cancel);
-  /// Ends a step in progress, so that the instance can be freed. If the step cannot be ended, abandons the instance. If
-  /// the FMU fails, abandons the instance and throws SlaveError.
+  /// Ends a pending step, so that the instance can be freed. If the step cannot be ended, abandons the instance. If the
+  /// FMU fails, abandons the instance and throws SlaveError.
   void end();
   bool is_under_way() const { return is_under_way_; }
 
@@ -73,7 +74,7 @@ class StepCalls {
   bool is_under_way_ = false;
   bool is_denial_reported_ = false;
   std::int64_t end_ns_ = 0;
-  std::uint64_t dropped_ends_ = 0;  // when the step began
+  std::uint64_t dropped_ends_ = 0;  // number of dropped callbacks when the step began
 };
 
 extern template class StepCalls<Fmi1StepTypes>;

@@ -9,15 +9,15 @@
 
 namespace mebots::master::isolation {
 
-/// Executes a call of an instance that a solver of the master integrates, and writes the answer. Returns false if the
+/// Executes a call to an instance that a solver of the master integrates, and writes the answer. Returns false if the
 /// call does not belong to this interface.
 bool dispatch(ContinuousInstance& instance, Call call, SharedReader& commands, SharedWriter& answers);
 
-/// Executes a call of an instance whose events the master handles, and writes the answer. Returns false if the call
+/// Executes a call to an instance whose events the master handles, and writes the answer. Returns false if the call
 /// does not belong to this interface.
 bool dispatch(EventInstance& instance, Call call, SharedReader& commands, SharedWriter& answers);
 
-/// Executes a call about the clocks of an instance, and writes the answer. Returns false if the call does not belong to
+/// Executes a call to the clocks of an instance, and writes the answer. Returns false if the call does not belong to
 /// this interface.
 bool dispatch(ClockInstance& instance, Call call, SharedReader& commands, SharedWriter& answers);
 

@@ -14,7 +14,7 @@
 
 namespace mebots::master::isolation {
 
-/// An instance in a separate process, with the calls for its clocks.
+/// An instance in a separate process that has clocks.
 class IsolatedClocks : public IsolatedSlave, public ClockInstance {
  public:
   using IsolatedSlave::IsolatedSlave;
@@ -26,7 +26,7 @@ class IsolatedClocks : public IsolatedSlave, public ClockInstance {
   double shift(ValueReference clock) override;
 };
 
-/// A model exchange instance in a separate process. Each evaluation takes one exchange with this process.
+/// A model exchange instance in a separate process. Each evaluation requires one exchange of messages with the process.
 class IsolatedModelExchange final : public IsolatedClocks, public ContinuousInstance {
  public:
   /// The arguments are those of IsolatedSlave.
@@ -70,7 +70,7 @@ class IsolatedModelExchange final : public IsolatedClocks, public ContinuousInst
   ContinuousStates continuous_;
 };
 
-/// A co-simulation instance with clocks, in a separate process.
+/// A co-simulation instance in a separate process that has clocks.
 class IsolatedEventSlave final : public IsolatedClocks, public EventInstance {
  public:
   using IsolatedClocks::IsolatedClocks;

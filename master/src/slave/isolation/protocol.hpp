@@ -8,9 +8,9 @@
 #include <cstdint>
 #include <string_view>
 
-/// The protocol between master and host process. The master writes a batch of calls into a shared buffer; the host
-/// executes them in order and writes the answers into another buffer. A batch contains all calls of a communication
-/// step. Two counters define whether the master or the host may access the buffers.
+/// Defines the protocol between the master and a host process. The master writes a batch of calls into a shared buffer.
+/// The host executes them in order and writes the answers into another buffer. A batch contains all calls of a
+/// communication step. Two counters determine whether the master or the host may access the buffers.
 namespace mebots::master::isolation {
 
 enum class Call : std::uint32_t {
@@ -40,9 +40,9 @@ enum class Call : std::uint32_t {
   serialize,
   deserialize,
   close,
-  unload,  // part of close: unload the library
+  unload,  // part of close; unloads the library
 
-  // of a ContinuousInstance
+  // The following calls are those of a ContinuousInstance.
   set_time,
   get_states,
   set_states,
@@ -51,37 +51,36 @@ enum class Call : std::uint32_t {
   get_nominals,
   get_outputs,
   set_inputs,
-  enter_event_mode,  // also of an EventInstance
+  enter_event_mode,  // also a call of an EventInstance
   update_discrete_states,
   enter_continuous_time_mode,
   completed_step,
   directional_derivatives,
 
-  // of an EventInstance
+  // The following calls are those of an EventInstance.
   step_until,
   enter_step_mode,
 
-  // of a ClockInstance
+  // The following calls are those of a ClockInstance.
   ticks,
   tick,
   new_interval,
   shift,
 };
 
-/// Returns the name of the call in a version of FMI: "1.0", "2.0" or "3.0".
+/// Returns the name of the function that implements the call in a version of FMI: "1.0", "2.0" or "3.0".
 const char* name_of(Call call, std::string_view fmi_version);
 
-/// The outcome of a call; an answer starts with it.
+/// The outcome of a call. Every answer starts with it.
 enum class Answer : std::uint8_t { done, slave_error, input_error, error };
 
-/// A counter that one process increments and the other waits for.
+/// A counter in shared memory. One process increments it, and the other process waits for the change.
 class Turn {
  public:
   std::uint32_t value() const { return value_.load(std::memory_order_acquire); }
-  /// Increments the counter and wakes waiting processes.
+  /// Increments the counter and wakes processes that wait.
   void pass();
-  /// Waits until the value differs from `seen`: spins briefly, then sleeps, at most `timeout_ns`. Returns false at the
-  /// timeout.
+  /// Waits until the value differs from `seen`: spins briefly, then sleeps. Returns false after `timeout_ns`.
   bool wait(std::uint32_t seen, std::int64_t timeout_ns);
 
  private:
@@ -89,30 +88,30 @@ class Turn {
   std::atomic<std::uint32_t> sleeping_{0};
 };
 
-/// The start of the control buffer. It is in shared memory, so it contains no pointers.
+/// The start of the control buffer. Contains no pointers, because it is in shared memory.
 struct Control {
-  Turn asked;     // incremented by the master: a batch is ready
-  Turn answered;  // incremented by the host: the batch is done
+  Turn asked;     // the master increments it when a batch is ready
+  Turn answered;  // the host increments it when the batch is done
   std::atomic<std::uint64_t> command_bytes{0};
   std::atomic<std::uint64_t> answer_bytes{0};
-  std::atomic<std::uint64_t> log_bytes{0};  // complete messages so far, also of a batch that never ends
-  std::atomic<Call> call{Call::none};       // the current or last call of the host
-  std::atomic<std::uint32_t> calls{0};      // counts calls, so that each has its own deadline
+  std::atomic<std::uint64_t> log_bytes{0};  // size of all complete messages so far, even if the batch does not end
+  std::atomic<Call> call{Call::none};       // the current or last call that the host executes
+  std::atomic<std::uint32_t> calls{0};      // number of calls, so that each call has its own deadline
 
-  // Written by the host when a signal is about to end the process.
+  // The host writes these members when a signal is about to end the process.
   std::atomic<std::uint32_t> fault_seen{0};
   std::atomic<std::uint64_t> fault_address{0};
   std::atomic<std::uint32_t> fault_on_stack{0};
 
-  std::atomic<bool> cancel{false};  // set by the master: cancel the pending step
+  std::atomic<bool> cancel{false};  // the master sets it to cancel the pending step
 };
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
 
-/// The maximum size of the host's messages about one batch. The host may write anything to shared memory. A larger size
-/// therefore shows the master that the host is faulty or hostile.
+/// The maximum size of the host's messages about one batch. The host may write any values to shared memory. Therefore a
+/// larger size means that the host is faulty or hostile.
 inline constexpr std::size_t kMostLogBytes = std::size_t{64} << 20;
 
-/// Descriptors of a host process: control, commands, answers, log.
+/// The descriptors of a host process: control, commands, answers and log.
 inline constexpr std::array<int, 4> kHostDescriptors = {3, 4, 5, 6};
 
 }  // namespace mebots::master::isolation

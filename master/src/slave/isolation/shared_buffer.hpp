@@ -16,20 +16,20 @@
 
 namespace mebots::master::isolation {
 
-/// Thrown if the other process wrote invalid data, because it is faulty or hostile.
+/// Thrown if the other process has written invalid data, because it is faulty or hostile.
 class DamagedMemory : public Error {
  public:
   explicit DamagedMemory(const std::string& what) : Error(ErrorCode::fmu_lost, what) {}
 };
 
-/// Memory shared by two processes: an anonymous file mapped by both, freed with the last of them. It grows and never
-/// shrinks, so that neither process can make the other's accesses fault.
+/// Memory that two processes share. Both map the same anonymous file, which is freed when both have ended. It grows and
+/// never shrinks, so that accesses of one process cannot fault because of the other.
 class SharedBuffer {
  public:
-  /// Creates a buffer of at least `size` bytes; physical memory is used only for bytes that were written. Throws Error
-  /// if the system has no memory for the buffer.
+  /// Creates a buffer of at least `size` bytes. Physical memory is used only for bytes that were written. Throws Error
+  /// if the system cannot provide the memory.
   explicit SharedBuffer(const char* name, std::size_t size = 0);
-  /// Maps a buffer that another process created and passed as a descriptor.
+  /// Maps a buffer that another process created. `descriptor` is the descriptor that it passed.
   explicit SharedBuffer(int descriptor);
   ~SharedBuffer();
   SharedBuffer(const SharedBuffer&) = delete;
@@ -38,12 +38,13 @@ class SharedBuffer {
   std::byte* data() { return data_; }
   std::size_t size() const { return mapped_; }
   int descriptor() const { return descriptor_; }
-  /// Closes the descriptor after another process received it. The length of the file is final from then.
+  /// Closes the descriptor after the other process has received it. The file cannot become longer afterwards.
   void close_descriptor();
 
-  /// Makes the first `size` bytes usable and extends the file if necessary. Addresses may change.
+  /// Makes the first `size` bytes usable. Extends the file if necessary. Addresses in the buffer may change.
   void reserve(std::size_t size);
-  /// Returns the first `size` bytes, written by the other process. Throws DamagedMemory if the buffer is smaller.
+  /// Returns the first `size` bytes, which the other process has written. Throws DamagedMemory if the buffer is
+  /// smaller.
   std::span<const std::byte> bytes(std::size_t size);
 
  private:
@@ -65,7 +66,7 @@ class SharedWriter {
   requires std::is_trivially_copyable_v<T>
   void put(const T& value) { append(&value, sizeof value); }
 
-  /// Writes the count, then the elements.
+  /// Writes the number of elements, then the elements.
   template <typename T, std::size_t Extent>
   requires std::is_trivially_copyable_v<T>
   void put(std::span<T, Extent> values) {
@@ -80,7 +81,7 @@ class SharedWriter {
 
   std::size_t size() const { return size_; }
   void clear() { size_ = 0; }
-  /// Drops everything after the first `size` bytes.
+  /// Drops all bytes after the first `size` bytes.
   void cut(std::size_t size) { size_ = size; }
 
  private:
@@ -95,7 +96,7 @@ class SharedWriter {
   std::size_t size_ = 0;
 };
 
-/// Reads what a SharedWriter wrote. Checks every length, because the other process may be faulty.
+/// Reads values that a SharedWriter wrote. Checks every length, because the other process may be faulty.
 class SharedReader {
  public:
   explicit SharedReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -113,14 +114,14 @@ class SharedReader {
     if (!bytes.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
     return values;
   }
-  /// Reads into an array of known length.
+  /// Reads values into an array. Throws DamagedMemory if the number of values is different.
   template <typename T>
   void get(std::span<T> values) {
     if (count(sizeof(T)) != values.size()) fail();
     const auto bytes = take(values.size_bytes());
     if (!bytes.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
   }
-  /// Any byte except 0 is true, because the other process may write any byte.
+  /// Reads a Boolean. Every byte except 0 is true, because the other process may write any byte.
   bool get_flag() { return get<std::uint8_t>() != 0; }
   std::optional<double> get_optional() {
     const bool has_value = get_flag();
@@ -131,7 +132,7 @@ class SharedReader {
     const auto bytes = get_bytes();
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
   }
-  /// Returns a view into the buffer.
+  /// Reads bytes. Returns a view of the buffer, not a copy.
   std::span<const std::byte> get_bytes() { return take(count(1)); }
   bool at_end() const { return bytes_.empty(); }
 
