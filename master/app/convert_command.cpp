@@ -29,7 +29,8 @@ void convert(const std::filesystem::path& from, const std::filesystem::path& to)
   auto loaded = load_system(from);
   config::make_signal_paths_absolute(loaded.config, loaded.system);
   FmuLibrary library;
-  const auto resolved = resolve(loaded.system, library);  // writes no invalid system
+  // Throws if the system is invalid, so that no invalid system is written.
+  const auto resolved = resolve(loaded.system, library);
   if (ending == ".ssp") {
     write_ssp(resolved, loaded.config, to);
   } else {

@@ -29,7 +29,7 @@ int demo(std::vector<std::string> options) {
   CLI::App run_app;
   Action run;
   add_run(run_app, run);
-  std::vector<std::string> reversed(options.rbegin(), options.rend());  // in the order of CLI11
+  std::vector<std::string> reversed(options.rbegin(), options.rend());  // CLI11 expects reverse order
   try {
     run_app.parse(reversed);
   } catch (const CLI::ParseError& error) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `mebots deploy` is written in Python (master/python/mebots/deploy): the program replaces itself by the Python
+// `mebots deploy` is written in Python (master/python/mebots/deploy). This program replaces itself by the Python
 // interpreter.
 #include "command.hpp"
 #include "python_words.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `mebots replay`, `mebots identify` and `mebots new-cell` are written in Python (master/python/mebots/flight). The
-// program is replaced by the interpreter that runs them.
+// `mebots replay`, `mebots identify` and `mebots new-cell` are written in Python (master/python/mebots/flight). This
+// program replaces itself by the Python interpreter.
 #include "command.hpp"
 #include "python_words.hpp"
 

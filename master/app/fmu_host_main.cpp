@@ -2,8 +2,8 @@
 #include "slave/isolation/child_process.hpp"
 
 #ifdef __SANITIZE_ADDRESS__
-/// LeakSanitizer stops threads as a debugger does. This process forbids debugging, even by itself, so the check for
-/// leaks is turned off.
+/// Turns LeakSanitizer off. It stops threads in the same way as a debugger, but this process forbids debugging, even by
+/// itself.
 extern "C" [[gnu::visibility("default")]] int __lsan_is_turned_off() {  // NOLINT: the library's name
   return 1;
 }

@@ -25,8 +25,8 @@ namespace {
 
 using namespace mebots::modeldesc;
 
-/// Returns the sizes of an array as a text, such as [3]. If the structural parameter n determines a size, the text is
-/// [n].
+/// Returns the sizes of an array as a text, such as [3]. If the structural parameter n determines a size, the text
+/// contains its name: [n].
 std::string dimensions_text(const ModelDescription& model, const Variable& variable) {
   std::vector<std::string> sizes;
   for (const auto& dimension : variable.fmi3->dimensions) {
@@ -171,7 +171,7 @@ void print_description(const ModelDescription& model) {
                                        count(Causality::parameter), count(Causality::input), count(Causality::output)));
 }
 
-/// Returns the kind of a Clock in the words of FMI 3.0.
+/// Returns the kind of a Clock, named as in FMI 3.0.
 std::string_view clock_kind(IntervalVariability variability) {
   switch (variability) {
     case IntervalVariability::constant:
@@ -188,7 +188,7 @@ std::string_view clock_kind(IntervalVariability variability) {
   return "triggered";
 }
 
-/// Returns the interval of a Clock in seconds; empty if only the running FMU determines it.
+/// Returns the interval of a Clock in seconds. Returns an empty text if only the running FMU determines the interval.
 std::string interval_text(const ClockTiming& timing) {
   if (timing.interval_counter && timing.resolution)
     return fmt::format("{}/{}", *timing.interval_counter, *timing.resolution);
@@ -200,7 +200,7 @@ std::string shift_text(const ClockTiming& timing) {
   return timing.is_time_based() ? fmt::format("{}", timing.shift_s) : std::string();
 }
 
-/// Prints a table of the Clocks with the variables that may change at their ticks.
+/// Prints a table of the Clocks, and of the variables that may change at their ticks.
 void print_clocks(const ModelDescription& model) {
   std::vector<std::vector<std::string>> rows = {
       {"clock", "causality", "kind", "interval is", "interval [s]", "shift [s]", "variables"}};

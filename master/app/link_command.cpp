@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `mebots link` is written in Python (master/python/mebots/link). The program is replaced by the interpreter that runs
-// it.
+// `mebots link` is written in Python (master/python/mebots/link). This program replaces itself by the Python
+// interpreter.
 #include "command.hpp"
 #include "python_words.hpp"
 

@@ -20,7 +20,7 @@ namespace {
 
 using namespace mebots::app;
 
-/// The commands, in the order of the help.
+/// The commands, in the order in which the help lists them.
 constexpr AddCommand kCommands[] = {
     &add_run,     &add_resume,   &add_sweep,  &add_replay, &add_identify, &add_new_cell,      &add_link,
     &add_deploy,  &add_demo,     &add_report, &add_info,   &add_check,    &add_fmu_platforms, &add_test,
@@ -50,7 +50,7 @@ std::vector<std::string> names_of_options(const CLI::App& command) {
   return names;
 }
 
-/// Returns one line that describes the error in the command line and its remedy.
+/// Returns one line that describes an error in the command line and its remedy.
 std::string complaint(CLI::App& app, const CLI::ParseError& error) {
   const auto given = app.get_subcommands();
   if (given.empty()) {
@@ -81,7 +81,7 @@ std::string complaint(CLI::App& app, const CLI::ParseError& error) {
 
 int main(int argument_count, char** arguments) {
   open_standard_streams();
-  std::signal(SIGPIPE, SIG_IGN);  // if the reader of our output ends, the run continues and writes its results
+  std::signal(SIGPIPE, SIG_IGN);  // if the reader of the output ends, the run continues and writes its results
   pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, nullptr);  // only an FMU would cancel this thread
   std::signal(SIGXFSZ, SIG_IGN);  // exceeding the file size limit is reported as an error, like a full disk
   CLI::App app{"MEbots: co-simulation of FMI 1.0, 2.0 and 3.0 FMUs"};
@@ -97,7 +97,7 @@ int main(int argument_count, char** arguments) {
   try {
     const std::vector<std::string> given(arguments + std::min(argument_count, 1), arguments + argument_count);
     const auto words = mebots::master::with_each_set(given);
-    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));  // in reverse order for CLI11
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));  // CLI11 expects reverse order
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     print_error(complaint(app, error));

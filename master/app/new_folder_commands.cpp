@@ -12,7 +12,7 @@
 namespace mebots::app {
 namespace {
 
-/// Calls `write`, which writes a folder, and prints the commands to call next.
+/// Calls `write`, which writes a folder. Then prints the commands that the user can call next.
 template <typename Write>
 int written(const Write& write, const char* targets) {
   try {

@@ -20,7 +20,7 @@ namespace {
   for (;;) syscall(SYS_exit_group, status);
 }
 
-/// A function of the C library. Its address is determined when the program starts, because a forked process must not
+/// A function of the C library. Its address is looked up when the program starts, because a forked process must not
 /// call the loader.
 template <typename Target>
 class Original {
@@ -112,8 +112,8 @@ extern "C" {
   return kOriginalExecve(path, words.data(), environment);
 }
 
-/// Creates a copy of the process with separate memory, as POSIX permits. A copy that shares memory could return from
-/// the FMU's call without being detected.
+/// Copies the process with separate memory, as POSIX permits. If the copy shared its memory, it could return from the
+/// FMU's call without being detected.
 [[gnu::visibility("default")]] pid_t vfork() noexcept {
   return fork();
 }

@@ -16,9 +16,10 @@ namespace {
 
 using master::to_seconds;
 
-constexpr double kLookEveryS = 0.1;    // update interval of the bar
-constexpr double kLineEveryS = 5.0;    // maximum time between plain lines in a long run
-constexpr double kLineSoonestS = 1.0;  // a plain line for every tenth of the run, but with at least this time between
+constexpr double kLookEveryS = 0.1;  // interval between two updates of the bar
+constexpr double kLineEveryS = 5.0;  // maximum time between plain lines in a long run
+// Minimum time between plain lines; otherwise, one line is printed for every tenth of the run.
+constexpr double kLineSoonestS = 1.0;
 constexpr std::size_t kWidestBar = 40;
 constexpr std::size_t kNarrowestBar = 5;
 constexpr std::int64_t kLongestStride = 1 << 16;
@@ -41,7 +42,7 @@ Progress::Progress(Console& console, std::int64_t start_time_ns, std::int64_t st
       last_shown_(start_) {}
 
 std::optional<std::string> Progress::reached(const master::Point& point) {
-  if (!begun_) {  // at t = 0, or one step after the checkpoint of a resumed run
+  if (!begun_) {  // at t = 0, or one step after the checkpoint from which the run resumes
     begun_ = true;
     start_ = last_look_ = last_shown_ = Clock::now();
     start_ns_ = point.time_ns;
@@ -84,8 +85,8 @@ void Progress::show(const master::Point& point, double elapsed_s) {
     console_->line(text);
     return;
   }
-  // A line that wraps could not be redrawn. The bar uses the space that the text leaves free. If there is too little
-  // space, the text is truncated.
+  // A line that wraps could not be redrawn. Therefore the bar takes only the space that the text leaves free. If there
+  // is too little space, the text is truncated.
   const auto width = Console::width() - 1;
   const auto room = width > text.size() + 3 ? width - text.size() - 3 : 0;
   if (room < kNarrowestBar) {

@@ -23,7 +23,7 @@ namespace {
 using Path = std::filesystem::path;
 
 /// Python code that calls the command. If the Python installation has a problem, such as a version that cannot load the
-/// extension, the code prints one line about it.
+/// extension, prints one line that describes it.
 constexpr const char* kStart =
     "import sys\n"
     "try:\n"
@@ -34,8 +34,8 @@ constexpr const char* kStart =
     "    sys.exit(2)\n"
     "sys.exit(main())\n";
 
-/// Returns the folder that contains the package. In a build, the folder is `python` next to `bin`. In an installation,
-/// it is `lib/python3.x/site-packages`, or `lib/python3/dist-packages` for Debian's Python. In a wheel, the package
+/// Returns the folder that contains the package. In a build, it is `python` next to `bin`. In an installation, it is
+/// `lib/python3.x/site-packages`, or `lib/python3/dist-packages` for Debian's Python. In a wheel, the package itself
 /// contains `bin`.
 Path package_folder(const std::string& command) {
   std::vector<Path> places;
@@ -62,8 +62,8 @@ Path package_folder(const std::string& command) {
                   command, fmt::join(master::as_texts(places), ", ")));
 }
 
-/// Sets PATH if the environment has none. A study starts the program `python3` for its missions; without PATH, Python
-/// does not find this program.
+/// Sets PATH if the environment does not contain it. A study starts `python3` for its missions, and Python cannot find
+/// this program without PATH.
 void ensure_path() {
   const char* path = std::getenv("PATH");
   if (path == nullptr || *path == '\0') setenv("PATH", "/usr/local/bin:/usr/bin:/bin", 1);
@@ -85,7 +85,7 @@ void become_python(const std::string& command, const std::string& module, const 
   arguments.reserve(all.size() + 1);
   for (auto& word : all) arguments.push_back(word.data());
   arguments.push_back(nullptr);
-  std::fflush(nullptr);  // buffered output would be lost
+  std::fflush(nullptr);  // otherwise, buffered output would be lost
   execvp(python.c_str(), arguments.data());
   throw InputError(
       ErrorCode::not_offered,

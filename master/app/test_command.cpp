@@ -19,7 +19,7 @@ namespace {
 namespace cases = master::cases;
 
 struct TestOptions {
-  std::vector<std::filesystem::path> files;  // the FMU, which is optional, and the cases
+  std::vector<std::filesystem::path> files;  // optionally the FMU, then the file of cases
   std::filesystem::path junit;
   std::filesystem::path out;
   std::string pattern = "*";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `mebots validate`: runs the readers of files alone.
+// Implements `mebots validate`, which reads files without using their content.
 #include "command.hpp"
 
 #include "cases/case_file.hpp"
@@ -46,7 +46,7 @@ struct FileKind {
   void (*read)(const Path& file);
 };
 
-/// The kinds whose readers are in this build.
+/// The kinds of files that this build can read.
 constexpr FileKind kKinds[] = {
     {"config", &master::config::check},
     {"scenario", &master::config::check_scenario},
@@ -65,7 +65,7 @@ constexpr FileKind kKinds[] = {
 #ifdef MEBOTS_HAS_soc
     {"board",
      [](const Path& file) {
-       // Two readers share a board: one reads the variables, the other reads all other parts.
+       // A board has two readers: one reads the variables, the other reads all other parts.
        data::Document(file).read([&](const data::Node& root) {
          root.attempt([&] { static_cast<void>(soc::read_board(file)); });
          root.attempt([&] { modeldesc::check_board_variables(file); });
@@ -94,8 +94,8 @@ std::string named_kind(const data::Node& schema) {
 }
 
 struct Likeness {
-  std::size_t common = 0;  // keys of the file that the schema has at its root
-  std::size_t others = 0;  // further keys of the schema
+  std::size_t common = 0;  // number of keys at the root of the file that the schema defines
+  std::size_t others = 0;  // number of keys at the root of the schema that the file does not contain
 };
 
 Likeness likeness(const master::Schema& schema, const data::Node& root) {
@@ -110,9 +110,8 @@ Likeness likeness(const master::Schema& schema, const data::Node& root) {
   });
 }
 
-/// Returns the kind whose schema has most of the file's keys. If several kinds have equally many, returns the kind
-/// whose schema has the fewest other keys. The kinds of converters have different keys, so this rule distinguishes
-/// them.
+/// Returns the kind whose schema defines most of the file's keys. If several schemas define equally many, returns the
+/// one that has the fewest other keys. This distinguishes the kinds of converters, because their keys differ.
 std::string kind_by_content(const data::Node& root) {
   std::string best;
   Likeness most;

@@ -25,8 +25,8 @@ using modeldesc::ModelDescription;
 
 using master::FmuKind;
 
-/// True for functions that only the other kind of FMU (co-simulation or model exchange) needs. It may have a separate
-/// library.
+/// True for functions that only the other kind of FMU needs. That kind (co-simulation or model exchange) may have a
+/// separate library.
 bool is_of_other_kind(fmi2::Need need, FmuKind kind) {
   if (kind == FmuKind::co_simulation) return need == fmi2::Need::to_integrate;
   return need == fmi2::Need::to_step || need == fmi2::Need::co_simulation;
@@ -55,7 +55,7 @@ std::set<std::string> exported_names(const fs::path& library) {
   return {exports.begin(), exports.end()};
 }
 
-/// True for symbols that the linker defines.
+/// True for symbols that the linker itself defines.
 bool is_linkers_own(std::string_view name) {
   constexpr std::string_view kOwn[] = {"_init", "_fini", "__bss_start", "_edata", "_end"};
   return std::ranges::find(kOwn, name) != std::end(kOwn);
@@ -106,7 +106,8 @@ class NeededLibraries {
         "install its package, or put it into the folder of the FMU's own library and link with -Wl,-rpath,'$ORIGIN'");
   }
 
-  /// Loading a library executes its start-up code. Therefore a child process loads the library.
+  /// Returns true if the loader finds a library in the system. A child process loads it, because loading a library
+  /// executes its start-up code.
   static bool system_has(const std::string& needed) {
     Check check;
     run_in_child({.severity = Severity::error, .way_out = "", .deadline_s = 10}, check, [&](Witness& witness) {

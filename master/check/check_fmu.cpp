@@ -28,7 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The index of the probe that makes a plain run.
+/// The index of the probe that performs a plain run.
 constexpr std::size_t kPlainRun = 1;
 
 std::string plain_run_name(const char* end) {
@@ -91,8 +91,8 @@ class FmuCheck {
     return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
   }
 
-  /// Returns the version that the file states, because each version has its own rules. A file that is not XML is
-  /// checked by the rules of FMI 2.0.
+  /// Returns the FMI version that the file states, because each version has different rules. Returns an empty text if
+  /// the file is not XML; the rules of FMI 2.0 then apply.
   std::string text_version() const {
     pugi::xml_document document;
     document.load_file((folder_.path() / "modelDescription.xml").c_str());
@@ -219,8 +219,8 @@ class FmuCheck {
     }
   }
 
-  /// Runs an FMU with a library for 64-bit Windows and none for this machine. The other probes call the library
-  /// directly, which wine does not allow.
+  /// Runs an FMU that has a library for 64-bit Windows and none for this machine. Other probes are not run, because
+  /// they call the library directly, which is impossible under wine.
   void run_under_wine() {
     const modeldesc::TemporaryFolder place("mebots-check-wine");
     const auto folder = place.path() / "fmu";
@@ -231,7 +231,7 @@ class FmuCheck {
       const master::Fmu fmu(fmu_, folder, master::FmuKind::co_simulation);
       if (!fmu.is_for_windows_alone()) return;
       step_s = fmu.description().default_experiment.step_size_s.value_or(kPlainStep_s);
-    } catch (const Error&) {  // the FMU is for model exchange only, or the checks of the description report the error
+    } catch (const Error&) {  // the FMU is only for model exchange, or the checks of the description report the error
       return;
     }
     Check& plain = add(Group::behaviour, plain_run_name("under wine succeeds"));
@@ -361,7 +361,7 @@ class FmuCheck {
     Check aside;
     try {
       make(probe, target, aside);
-    } catch (const Error&) {  // the plain run reports the errors that matter
+    } catch (const Error&) {  // the plain run reports errors that are relevant
       return false;
     }
     if (!says_stop_time_is_needed(aside)) return false;

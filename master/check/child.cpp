@@ -27,7 +27,7 @@
 namespace mebots::check {
 namespace {
 
-/// A page of memory that parent and child share. It still exists after the end of the child.
+/// A page of memory that the parent and the child share. It remains valid after the end of the child.
 struct BlackBox {
   char doing[400];
   char callback[40];  // name of our callback in which a signal ended the child
@@ -53,12 +53,12 @@ class SharedBox {
 
 BlackBox* signalled_box = nullptr;
 
-/// Records whether the crash is in code of mebots. After that, the signal's default action ends the process, because
-/// the handler was installed with SA_RESETHAND.
+/// Records whether the crash occurred in code of mebots. Afterwards, the default action of the signal ends the process,
+/// because the handler was installed with SA_RESETHAND.
 void on_signal(int signal) {
   const auto callback = master::current_callback();
-  const char* name = callback.only_memory ? nullptr : callback.name;  // a bad pointer is the fault of the FMU that
-                                                                      // passed it
+  // A bad pointer is a fault of the FMU that passed it.
+  const char* name = callback.only_memory ? nullptr : callback.name;
   for (std::size_t i = 0; name != nullptr && i + 1 < sizeof(BlackBox::callback) && name[i] != '\0'; ++i)
     signalled_box->callback[i] = name[i];
   raise(signal);
@@ -105,7 +105,7 @@ class PipeWitness final : public Witness {
 
 [[noreturn]] void be_child(pid_t parent, int pipe, BlackBox& box, const std::function<void(Witness&)>& work) {
   constexpr rlim_t kMemory = rlim_t{16} << 30;
-  setsid();  // a signal to the parent's group does not end the keeper
+  setsid();  // a signal to the parent's group must not end the keeper
   try {
     master::isolation::fork_kept(parent);
   } catch (const Error&) {
@@ -132,11 +132,11 @@ class PipeWitness final : public Witness {
   _exit(0);  // skips the destructors of the parent's copy
 }
 
-/// The time that a child has used of its deadline [s], which includes computing and sleeping. Waiting for a processor
-/// does not count.
+/// The time of its deadline that a child has used [s]. Processor time and sleeping count; waiting for a processor does
+/// not count.
 class SpentTime {
  public:
-  /// When the child has started, `child` contains its process number.
+  /// `child` must contain the process number of the child after its start.
   explicit SpentTime(const std::atomic<pid_t>& child) : child_(&child) {}
 
   double seconds() {
@@ -157,7 +157,7 @@ class SpentTime {
       return computed_s_;
     return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
   }
-  /// In /proc/PID/stat, the state is the letter after the name in parentheses.
+  /// Returns true if the process sleeps. In /proc/PID/stat, the state is the letter after the name in parentheses.
   bool sleeps() const {
     std::ifstream file(fmt::format("/proc/{}/stat", child_->load()));
     const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
@@ -193,7 +193,7 @@ bool read_all(int pipe, pid_t keeper, const BlackBox& box, const CrashRule& rule
     const int ready = poll(&watched, 1, ended ? 0 : kLook_ms);
     if (ready < 0 && errno != EINTR) return true;
     if (ready <= 0) {
-      if (ended) return true;  // all its output has been read
+      if (ended) return true;  // all output of the child has been read
       ended = has_ended(keeper);
       continue;
     }
@@ -208,7 +208,7 @@ bool read_all(int pipe, pid_t keeper, const BlackBox& box, const CrashRule& rule
 void take(const std::string& lines, Findings& findings) {
   for (std::size_t at = 0; at < lines.size();) {
     const auto end = lines.find('\n', at);
-    if (end == std::string::npos) return;  // an incomplete line: the child died while writing it
+    if (end == std::string::npos) return;  // an incomplete line, because the child died while writing it
     const auto json = nlohmann::json::parse(lines.substr(at, end - at), nullptr, false);
     at = end + 1;
     if (!json.is_object()) continue;
@@ -219,12 +219,12 @@ void take(const std::string& lines, Findings& findings) {
   }
 }
 
-/// How a child process ended.
+/// Describes how a child process ended.
 struct ChildEnd {
   bool in_time;
   int status;
   std::string doing;
-  std::string callback;  ///< name of our callback in which it crashed
+  std::string callback;  ///< name of our callback in which the child crashed
   bool finished;
 };
 
@@ -269,8 +269,8 @@ std::string crash_text(const ChildEnd& end) {
                      strsignal(signal), end.doing);
 }
 
-/// Decides whether the FMU or mebots caused a crash in a callback. Repeats the experiment with callbacks that do
-/// nothing.
+/// Decides whether the FMU or mebots has caused a crash in a callback, by repeating the experiment with callbacks that
+/// do nothing.
 void judge(const CrashRule& rule, Findings& findings, const ChildEnd& end, const std::function<void(Witness&)>& work) {
   Check dropped;  // the first run has already reported its findings
   Findings dropped_findings(dropped);

@@ -41,7 +41,7 @@ std::string quoted(const Variable& variable) {
   return fmt::format("\"{}\"", variable.name);
 }
 
-/// Returns the variabilities permitted with a causality (FMI 2.0.4, section 2.2.7).
+/// Returns the variabilities that are permitted for a causality (FMI 2.0.4, section 2.2.7).
 std::vector<Variability> legal_variabilities(Causality causality) {
   using V = Variability;
   switch (causality) {
@@ -63,7 +63,7 @@ std::vector<Variability> legal_variabilities(Causality causality) {
   return {};
 }
 
-/// Returns the permitted values of `initial`; an empty list if the attribute `initial` is not permitted.
+/// Returns the permitted values of `initial`. Returns an empty list if the attribute is not permitted.
 std::vector<Initial> legal_initials(Causality causality, Variability variability) {
   using I = Initial;
   if (causality == Causality::input || causality == Causality::independent) return {};

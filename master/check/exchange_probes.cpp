@@ -22,16 +22,16 @@ constexpr int kEulerSteps = 20;
 constexpr int kEulerHalf = kEulerSteps / 2;
 constexpr double kEulerStep_s = 0.01;
 constexpr int kMostUpdates = 1000;
-/// The limit for states. If they exceed it, the cause is the integration method (explicit Euler), not the FMU.
+/// If states exceed this limit, the integration method (explicit Euler) is the cause, not the FMU.
 constexpr double kDiverged = 1e100;
 
-/// The name of a function in FMI 2.0 and 3.0, for reports of crashes.
+/// The name of a function in FMI 2.0 and in FMI 3.0. Reports of crashes contain it.
 struct FunctionName {
   const char* fmi2;
   const char* fmi3;
 };
 
-/// The state of an integration that was saved.
+/// A saved state of an integration.
 struct Saved {
   std::unique_ptr<master::SlaveState> instance;
   std::vector<double> indicators;

@@ -14,7 +14,8 @@ constexpr const char* kPassStopTime =
 
 using master::Experiment;
 
-/// True if the FMU can be initialised and stepped once with these arguments; otherwise, `why` contains the error.
+/// Returns true if the FMU can be initialised with these arguments and stepped once. Otherwise, `why` contains the
+/// error.
 bool starts(const Library& library, const Experiment& experiment, std::string& why) {
   try {
     Instance instance(library, "experiment");
@@ -55,9 +56,9 @@ std::vector<Outputs> run_of(const Library& library, const Experiment& experiment
 
 void check_values_with_stop_time(const Library& library) {
   const auto& target = library.target();
-  if (target.experiment.stop_ns) return;  // there is no run without it
+  if (target.experiment.stop_ns) return;  // the FMU does not start without a stop time
   const auto without = run_of(library, target.experiment);
-  if (run_of(library, target.experiment) != without) return;  // results differ between equal runs
+  if (run_of(library, target.experiment) != without) return;  // even equal runs have different results
   const auto with = run_of(library, with_stop_time(target));
   if (with.size() != without.size()) {
     library.witness().warning(fmt::format("with a stop time the FMU ends after {} steps, without one after {}",

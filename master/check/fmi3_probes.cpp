@@ -15,7 +15,8 @@ namespace {
 constexpr int kSteps = 20;
 constexpr int kHalf = kSteps / 2;
 
-/// Returns the first element of a Float64 or Float32 that is infinite or NaN; empty if there is none.
+/// Returns the first element of a Float64 or Float32 that is infinite or NaN, as text. Returns an empty text if there
+/// is none.
 std::string not_finite(const Fmi3Value& value) {
   const auto look = [&]<typename T>(T number) -> std::string {
     constexpr std::size_t kSize = sizeof(T);
@@ -109,7 +110,7 @@ void states_restore(const Fmi3Library& library) {
               "save all that a step depends on");
 }
 
-/// Restores a state without serializing it.
+/// Checks that a state can be restored without serializing it.
 void states_restore_in_place(const Fmi3Library& library) {
   const auto wanted = straight_run(library, kSteps);
   Fmi3Instance instance(library, "saved");

@@ -16,7 +16,7 @@ bool is_one_of(std::string_view word, std::initializer_list<std::string_view> wo
   return std::ranges::find(words, word) != words.end();
 }
 
-/// True if the variability is permitted with the causality (FMI 3.0.2, section 2.4.7.4).
+/// True if the causality permits the variability (FMI 3.0.2, section 2.4.7.4).
 bool go_together(const Fmi3Declared& variable) {
   const std::string_view variability = variable.variability;
   if (variable.causality == "independent") return variability == "continuous";

@@ -54,7 +54,7 @@ class Probes {
  private:
   using Call = std::function<fmi2Status(Instance&)>;
 
-  /// `prepare` brings the instance into a state in which `call` is illegal.
+  /// Adds a probe. `prepare` must bring the instance into a state in which `call` is illegal.
   void add(const std::string& what, std::function<void(Instance&)> prepare, Call call,
            Severity crash = Severity::error) {
     probes_.push_back({fmt::format("{} is refused", what),
@@ -63,7 +63,8 @@ class Probes {
                          prepare(instance);
                          instance.doing(what);
                          expect_refusal(library, what, call(instance));
-                         instance.forget();  // whether the instance may be freed after an error is not tested here
+                         // This probe does not test whether the instance may be freed after an error.
+                         instance.forget();
                        },
                        "", crash, Level::pedantic});
   }
@@ -175,8 +176,8 @@ class Probes {
     add(
         "fmi2SetReal with null arrays", [](Instance&) {},
         [](Instance& i) { return i.functions().set_real(i.component(), nullptr, 1, nullptr); });
-    // The standard does not define calls with a null instance. But if a tool passes null by mistake, it should get an
-    // error.
+    // The standard does not define calls with a null instance. However, a tool that passes null by mistake should
+    // receive an error.
     const double h = h_;
     add(
         "fmi2DoStep of a null instance", started,

@@ -35,7 +35,7 @@ void check_versions(const Library& library) {
 void check_starts(const Library& library) {
   Instance instance(library, "starts");
   instance.setup();
-  instance.enter();  // the first state in which values may be read
+  instance.enter();  // values may be read from this state on
   const auto& f = library.functions();
   for (const auto& variable : library.target().model->variables) {
     if (std::holds_alternative<std::monostate>(variable.start) || variable.osmp) continue;
@@ -125,7 +125,7 @@ void check_two_instances(const Library& library) {
   b.start();
   for (int k = 0; k < steps; ++k) {
     a.run(k, k + 1);
-    if (k % 2 == 0) b.run(k / 2, k / 2 + 1);  // at half the speed
+    if (k % 2 == 0) b.run(k / 2, k / 2 + 1);  // advances at half the speed
   }
   expect_same(library, "next to another instance", a.outputs(), alone,
               "keep everything in the instance: global and static variables are shared by all instances");
@@ -248,7 +248,7 @@ void check_serialization(const Library& library) {
   instance.require("fmi2FreeFMUstate", f.free_fmu_state(instance.component(), &state));
 }
 
-/// Records the largest magnitude of each Real output. Later, differences of outputs are compared with these magnitudes.
+/// Updates the largest magnitude of each Real output. Differences of outputs are compared with these magnitudes later.
 void widen(std::vector<double>& magnitudes, const Outputs& outputs) {
   for (std::size_t i = 0; i < magnitudes.size(); ++i)
     magnitudes[i] = std::max(magnitudes[i], std::abs(outputs.reals[i]));

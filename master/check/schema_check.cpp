@@ -17,7 +17,7 @@ namespace {
 
 class SchemaCheck {
  public:
-  /// If `grammar` is empty, run() uses the grammar for the FMI version that the file states.
+  /// If `grammar` is empty, run() uses the grammar of the FMI version that the file states.
   SchemaCheck(std::string_view text, Findings findings, std::optional<Grammar> grammar)
       : text_(text), findings_(findings), grammar_(grammar) {}
 
@@ -56,7 +56,7 @@ class SchemaCheck {
 
  private:
   void check_bytes() {
-    // Characters outside ASCII must be UTF-8. XML 1.0 does not permit control characters.
+    // Characters outside ASCII must be encoded as UTF-8. XML 1.0 does not permit control characters.
     for (std::size_t i = 0; i < text_.size();) {
       const auto byte = static_cast<unsigned char>(text_[i]);
       if (byte < 0x20 && byte != '\t' && byte != '\n' && byte != '\r') {
@@ -145,7 +145,8 @@ class SchemaCheck {
   }
 
   void error(pugi::xml_node node, std::string_view what, std::string way_out) {
-    constexpr std::size_t kMost = 50;  // a thoroughly wrong description would repeat the same finding a million times
+    // An entirely wrong description would otherwise repeat the same finding a million times.
+    constexpr std::size_t kMost = 50;
     if (++errors_ > kMost) return;
     findings_.error(fmt::format("line {}, <{}>: {}", line(node.offset_debug()), node.name(), what), std::move(way_out));
   }

@@ -4,7 +4,8 @@
 namespace mebots::check {
 namespace {
 
-// Attributes of all variables, of all except clocks, and of floating-point numbers, and the children of most variables.
+// Define the attributes of all variables, of all variables except clocks, and of floating-point numbers, and the
+// children of most variables.
 #define MEBOTS_EACH                                                                       \
   "name! valueReference:count! description causality:causality3 variability:variability " \
   "canHandleMultipleSetPerTimeInstant:flag clocks:counts "

@@ -27,7 +27,7 @@ bool is_one_of(std::string_view text) {
   return std::ranges::find(kWords, text) != std::end(kWords);
 }
 
-/// Returns a list such as "a, b or c".
+/// Joins the words to a text such as "a, b or c".
 std::string either(std::span<const std::string_view> words) {
   std::string text;
   for (std::size_t i = 0; i < words.size(); ++i)
@@ -41,7 +41,7 @@ bool is_number(std::string_view text) {
   return parsed_number<T>(text).has_value();
 }
 
-/// Accepts numbers in the form of XML Schema. INF and NaN must have exactly this spelling.
+/// Accepts numbers in the form of XML Schema. INF and NaN must be written exactly in this way.
 bool is_real(std::string_view text) {
   static constexpr std::string_view kNotFinite[] = {"INF", "-INF", "NaN"};
   return is_one_of<kNotFinite>(text) || (is_number<double>(text) && text.find_first_of("iInN") == std::string::npos);
@@ -54,7 +54,7 @@ std::size_t take_digits(std::string_view& text) {
   return end;
 }
 
-/// Accepts times such as 2024-05-01T12:00:00, with an optional fraction and zone. Does not use std::regex, which
+/// Accepts times such as 2024-05-01T12:00:00, optionally with a fraction and a zone. Does not use std::regex, which
 /// recurses for every character.
 bool is_date(std::string_view text) {
   const auto take = [&](std::string_view shape) {
@@ -89,7 +89,7 @@ bool is_hexadecimal(std::string_view text) {
   return text.size() % 2 == 0 && text.find_first_not_of("0123456789abcdefABCDEF") == std::string_view::npos;
 }
 
-/// Accepts versions whose major number is 3, such as 3.0, 3.0.2 or 3.1-alpha.1. Numbers must have no leading zeros.
+/// Accepts versions whose major number is 3, such as 3.0, 3.0.2 or 3.1-alpha.1. Numbers must not have leading zeros.
 bool is_fmi3_version(std::string_view text) {
   if (!text.starts_with("3.")) return false;
   text.remove_prefix(2);

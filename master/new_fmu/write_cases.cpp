@@ -23,14 +23,14 @@ std::string cell(const std::string& name) {
   return quoted + '"';
 }
 
-/// Returns a value for an input that is within the input's limits, and differs from the value at which the outputs do
-/// not change.
+/// Returns an example value for an input. It is within the input's limits and differs from the value at which the
+/// outputs do not change.
 double example_value(const Field& input) {
   const double least = input.min.value_or(input.max.value_or(2) - 2);
   return input.max ? 0.5 * (least + *input.max) : least + 1;
 }
 
-/// Returns the constant values of the Real inputs in the case.
+/// Returns the constant values of the Real inputs in the example case.
 std::map<const Field*, std::vector<double>> held_inputs(const Plan& plan) {
   std::map<const Field*, std::vector<double>> held;
   for (const Field& field : plan.description->fields) {
@@ -65,7 +65,7 @@ std::string inputs_text(const Plan& plan) {
   return fmt::format("{}\n0{}\n", header, row);
 }
 
-/// Returns the exact solution after 0, 1 and 10 steps.
+/// Returns the exact solution after 0, 1 and 10 steps as CSV text.
 std::string expected_text(const Plan& plan, double step_s) {
   const auto held = held_inputs(plan);
   const double time_constant_s =
@@ -92,7 +92,7 @@ std::string expected_text(const Plan& plan, double step_s) {
 }  // namespace
 
 Files case_files(const Plan& plan) {
-  if (plan.lags.empty()) return {};  // nothing to compare
+  if (plan.lags.empty()) return {};  // there is nothing to compare
   const auto& d = *plan.description;
   const bool has_inputs = !held_inputs(plan).empty();
   const auto cases = fmt::format(R"({{

@@ -15,7 +15,8 @@ std::string member(const Field& field) {
   return field.cpp_name + "_";
 }
 
-/// Returns C++ code for the final value of an output; `index` names the loop variable if the output is an array.
+/// Returns C++ code for the final value of an output. If the output is an array, `index` is the name of the loop
+/// variable.
 std::string target(const Plan& plan, const Lag& lag) {
   std::string text;
   for (const Field* input : lag.inputs) {
@@ -28,7 +29,7 @@ std::string target(const Plan& plan, const Lag& lag) {
   return text;
 }
 
-/// Opens the description's namespace, if it has one.
+/// Returns the code that opens the description's namespace, if it has one.
 std::string opened_namespace(const modeldesc::Description& description) {
   return description.cpp_namespace.empty() ? "" : fmt::format("namespace {} {{\n\n", description.cpp_namespace);
 }

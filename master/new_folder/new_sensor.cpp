@@ -21,11 +21,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The instances in the template's mission.json whose outputs a sensor can measure, by name and FMU.
+/// The instances in mission.json of the template whose outputs a sensor can measure. Each entry has a name and an FMU.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kSensed = {
     {{"world", "fmu_world"}, {"motors", "fmu_motors"}, {"battery", "fmu_battery"}}};
 
-/// Returns the unit of a variable such as "world.range.down", as its FMU declares it.
+/// Returns the unit that the FMU declares for a variable such as "world.range.down".
 std::string unit_of(const std::string& text) {
   const auto dot = text.find('.');
   const auto instance = text.substr(0, dot);
@@ -51,7 +51,7 @@ std::string unit_of(const std::string& text) {
                                                    name, suggest(name, outputs)));
 }
 
-/// A free place for a new device.
+/// A free address and interrupt for a new device.
 struct Slot {
   std::uint32_t base = 0;
   int interrupt = 0;
@@ -64,7 +64,7 @@ std::uint32_t address(const std::string& text) {
   return value;
 }
 
-/// Returns the first free page for devices, above those of GAP8, and the first free interrupt. Other errors in the
+/// Returns the first free page for devices above those of GAP8, and the first free interrupt. Other mistakes in the
 /// board are reported when it is built.
 Slot free_slot(const std::string& text, const fs::path& board, const std::string& name) {
   constexpr std::uint32_t kFirstBase = 0x1A188000;
@@ -96,7 +96,7 @@ Slot free_slot(const std::string& text, const fs::path& board, const std::string
   return slot;
 }
 
-/// Inserts an entry after the last of "devices" and leaves the rest of the text unchanged.
+/// Inserts an entry after the last entry of "devices". Does not change the rest of the text.
 std::string with_device(const std::string& board, const std::string& entry) {
   auto at = board.find('[', board.find("\"devices\""));
   int depth = 0;
@@ -121,7 +121,8 @@ std::string library_call(const std::string& name) {
   return fmt::format("mebots_device_library({0} SOURCES {0}.cpp)\n", name);
 }
 
-/// Adds the library of the device's kind before "devices", or to the existing list.
+/// Adds the library that contains the device's kind: to the existing list of libraries, or as a new list before
+/// "devices".
 std::string with_library(const std::string& board, const std::string& name) {
   constexpr std::string_view kList = "\"libraries\": [";
   if (const auto list = board.find(kList); list != std::string::npos) {

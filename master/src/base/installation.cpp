@@ -17,10 +17,10 @@
 namespace mebots::master {
 namespace {
 
-/// The object file of the process that contains this code.
+/// The object file that contains this code: the program, or a shared object.
 struct Home {
   std::filesystem::path folder;
-  bool is_extension;  // a shared object loaded by Python, not the program
+  bool is_extension;  // true for a shared object that Python has loaded; false for the program
 };
 
 Home find_home() {
@@ -29,7 +29,8 @@ Home find_home() {
   link_map* object = nullptr;
   const bool known = dladdr1(reinterpret_cast<const void*>(&find_home), &info, reinterpret_cast<void**>(&object),
                              RTLD_DL_LINKMAP) != 0;
-  // The loader stores an empty name for the program. /proc/self/exe contains the program's path, whatever argv[0] is.
+  // The loader stores an empty name for the program. /proc/self/exe contains the program's path, independently of
+  // argv[0].
   if (!known || object == nullptr || object->l_name == nullptr || object->l_name[0] == '\0') {
     return {std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path(), false};
   }
@@ -41,7 +42,8 @@ const Home& home() {
   return found;
 }
 
-// Relative paths to the folders of data and of programs, from the folder of the program or of the Python extension.
+// The relative paths to the folders of data and of programs. They start at the folder of the program or of the Python
+// extension.
 constexpr std::string_view kDataOfProgram[] = {"..", "../share/mebots"};
 constexpr std::string_view kDataOfExtension[] = {"share/mebots", "../..", "../../../../share/mebots"};
 constexpr std::string_view kProgramsOfProgram[] = {"."};
@@ -55,7 +57,7 @@ void append(const std::filesystem::path& folder, std::span<const std::string_vie
   }
 }
 
-/// Returns the folder in PATH that contains `mebots`; empty if there is none.
+/// Returns the folder in PATH that contains `mebots`. Returns an empty path if there is none.
 std::filesystem::path folder_in_path() {
   const char* text = std::getenv("PATH");
   if (text == nullptr) return {};

@@ -19,7 +19,7 @@ static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<std::atomic<
 
 constexpr std::array kSignals = {SIGINT, SIGTERM, SIGHUP};
 
-// Protected by the mutex.
+// The mutex protects these variables.
 std::mutex guards_mutex;
 int guards = 0;
 int to_raise = 0;
@@ -42,7 +42,8 @@ void install() {
   sigemptyset(&action.sa_mask);
   for (std::size_t i = 0; i < kSignals.size(); ++i) {
     sigaction(kSignals[i], nullptr, &handlers_before[i]);
-    if (handlers_before[i].sa_handler != SIG_IGN) sigaction(kSignals[i], &action, nullptr);  // respects nohup
+    // A signal that is ignored (nohup) stays ignored.
+    if (handlers_before[i].sa_handler != SIG_IGN) sigaction(kSignals[i], &action, nullptr);
   }
 }
 

@@ -17,7 +17,7 @@ namespace {
 
 __extension__ using WideUnsigned = unsigned __int128;
 
-constexpr std::int64_t kExactDouble = std::int64_t{1} << 53;  // doubles hold all whole numbers up to this one
+constexpr std::int64_t kExactDouble = std::int64_t{1} << 53;  // a double can represent all whole numbers up to this one
 constexpr std::int64_t kLongestTime_s = 9'200'000'000;
 constexpr std::int64_t kLargestWrittenDenominator = kNanosecondsPerSecond;
 

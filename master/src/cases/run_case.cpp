@@ -25,14 +25,14 @@ namespace {
 using modeldesc::Type;
 using modeldesc::Variable;
 
-/// The expected values of one variable.
+/// Stores the expected values of one variable.
 struct Expected {
   const Variable* variable = nullptr;
-  std::string recorded;  // its name in the results
+  std::string recorded;  // name of the variable in the results
   std::shared_ptr<const Signal> signal;
 };
 
-/// Finds a variable by a name such as "y" or, in the notation of results.csv, "instance.y".
+/// Finds a variable by its name, such as "y", or by its name in results.csv, such as "instance.y".
 const Variable* find_variable(const modeldesc::ModelDescription& model, const std::string& instance,
                               const std::string& title) {
   if (const auto* variable = model.find(title)) return variable;
@@ -47,7 +47,7 @@ const Variable* find_variable(const modeldesc::ModelDescription& model, const st
                    fmt::format("{}: the FMU has no variable '{}'. {}", file.name(), title, suggest(title, names)));
 }
 
-/// Reads the columns of a file of expected values.
+/// Reads the columns of a file that contains expected values.
 std::vector<Expected> read_expected(const std::filesystem::path& path, const modeldesc::ModelDescription& model,
                                     const std::string& instance) {
   SignalFile file(path, path.string(), "");
@@ -78,7 +78,7 @@ std::vector<Expected> read_expected(const std::filesystem::path& path, const mod
   return columns;
 }
 
-/// The values of a run at its communication points.
+/// Stores the values of a run at its communication points.
 class Results {
  public:
   Results(Run& run, const std::vector<Expected>& columns) : run_(&run) {
@@ -87,7 +87,7 @@ class Results {
     }
   }
 
-  /// Steps to the end of the run.
+  /// Performs all steps of the run.
   void fly() {
     run_->start();
     do {
@@ -97,7 +97,7 @@ class Results {
   }
 
   const std::vector<std::int64_t>& times_ns() const { return times_ns_; }
-  /// Returns the row of the results for a time: the last communication point that is not after this time.
+  /// Returns the row of the results for a time: that of the last communication point which is not after this time.
   std::size_t row_at(std::int64_t time_ns) const {
     const auto after = std::ranges::upper_bound(times_ns_, time_ns);
     return static_cast<std::size_t>(after - times_ns_.begin()) - 1;
@@ -130,12 +130,12 @@ class Results {
   }
 
   Run* run_;
-  std::vector<const modeldesc::Variable*> texts_of_;  // Strings and Binaries
+  std::vector<const modeldesc::Variable*> texts_of_;  // contains Strings and Binaries
   std::vector<std::int64_t> times_ns_;
-  std::vector<std::vector<std::string>> texts_;  // by point
+  std::vector<std::vector<std::string>> texts_;  // indexed by communication point
 };
 
-/// Returns the difference between a value and its expected value; empty if it is within the tolerance.
+/// Compares a value with its expected value. Returns nullopt if the difference is within the tolerance.
 std::optional<Divergence> compared(const Expected& column, const Signal::Value& expected, const Results& results,
                                    std::int64_t time_ns, const Tolerance& tolerance) {
   Divergence divergence;
@@ -160,7 +160,7 @@ std::optional<Divergence> compared(const Expected& column, const Signal::Value& 
   return divergence;
 }
 
-/// Returns the first divergence of a variable.
+/// Returns the first divergence of a variable. Returns nullopt if there is none.
 std::optional<Divergence> first_divergence(const Expected& column, const Results& results, const Tolerance& tolerance) {
   const auto& times = column.signal->times();
   std::size_t near = 0;

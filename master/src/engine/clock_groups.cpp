@@ -11,7 +11,7 @@
 namespace mebots::master {
 namespace {
 
-/// `instance` is the second interface of the object `slave`.
+/// Wraps a slave for use in a group. `instance` must be the second interface of the object `slave`.
 std::unique_ptr<Slave> in_group(std::unique_ptr<Slave> slave, EventInstance& instance,
                                 const std::shared_ptr<ClockGroup>& group) {
   auto holding = std::make_unique<HoldingSlave>(std::move(slave));

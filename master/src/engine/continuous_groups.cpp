@@ -17,10 +17,10 @@ namespace {
 using modeldesc::Causality;
 using modeldesc::Variability;
 
-/// The solver's tolerance if neither the config nor any FMU of the members declares a tolerance.
+/// The tolerance of the solver if neither the config nor an FMU of the members declares one.
 constexpr double kUsualTolerance = 1e-6;
 
-/// Returns the smallest of the tolerances that are passed to the members' FMUs.
+/// Returns the smallest tolerance that the FMUs of the members receive.
 double tolerance_of(const ResolvedSystem& system, const std::vector<std::size_t>& members) {
   std::optional<double> smallest;
   for (const auto member : members) {
@@ -30,7 +30,7 @@ double tolerance_of(const ResolvedSystem& system, const std::vector<std::size_t>
   return smallest.value_or(kUsualTolerance);
 }
 
-/// Returns the inputs on which an output depends directly, according to ModelStructure; nullopt if the output may
+/// Returns the inputs on which an output directly depends, according to ModelStructure. Returns nullopt if it may
 /// depend on all inputs.
 std::optional<std::vector<ValueReference>> dependencies_of(const modeldesc::ModelDescription& model,
                                                            const modeldesc::Variable& output) {
@@ -45,7 +45,7 @@ std::optional<std::vector<ValueReference>> dependencies_of(const modeldesc::Mode
   return references;
 }
 
-/// `instance` is the second interface of the object `slave`.
+/// Wraps a slave for use in a group. `instance` must be the second interface of the object `slave`.
 std::unique_ptr<Slave> in_group(std::unique_ptr<Slave> slave, ContinuousInstance& instance, bool clocks_tick,
                                 const std::shared_ptr<ContinuousGroup>& group) {
   if (!clocks_tick) return std::make_unique<ContinuousSlave>(std::move(slave), instance, group);
@@ -113,9 +113,9 @@ void ContinuousGroups::connect() {
   }
 }
 
-/// True for a connection of continuous Reals. The solver evaluates such connections in each evaluation of the
-/// derivatives. All other connections transfer values at events only. They include connections of clocked variables,
-/// which keep their value between ticks.
+/// True for a connection of continuous Reals, which the solver evaluates in each evaluation of the derivatives. All
+/// other connections transfer values only at events. Among these are connections of clocked variables, which keep their
+/// values between ticks.
 bool ContinuousGroups::is_wire(const ResolvedConnection& connection) const {
   return !is_clocked(*connection.from.variable) && kind_of(connection.from.variable->type) == ValueKind::real &&
          kind_of(connection.to.variable->type) == ValueKind::real &&

@@ -13,14 +13,14 @@
 namespace mebots::master {
 namespace {
 
-/// Returns 1 / number. For small numbers, a table replaces the division, because divisions take most of an integral's
-/// time.
+/// Returns 1 / number. For small numbers, uses a table, because divisions take most of the time of an integral.
 double reciprocal(std::size_t number) {
   constexpr std::array kKnown = {0.0, 1.0, 1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5, 1.0 / 6, 1.0 / 7, 1.0 / 8};
   return number < kKnown.size() ? kKnown[number] : 1 / static_cast<double>(number);
 }
 
-/// Returns the value of the polynomial: value + d_1 tau + d_2 tau^2 / 2! + ... The sum starts at the highest order.
+/// Returns the value of an input's polynomial: value + d_1 tau + d_2 tau^2 / 2! + ... The summation starts at the
+/// highest order.
 double at(const InputCourse& course, double tau_s) {
   double sum = 0;
   for (auto order = course.derivatives.size(); order > 0; --order) {
@@ -29,7 +29,8 @@ double at(const InputCourse& course, double tau_s) {
   return *course.value + sum;
 }
 
-/// Returns the integral of input times output over a step. It is the sum of a_i d_j / j! tau^(i + j + 1) / (i + j + 1).
+/// Returns the integral of the product of an input and an output over a step: the sum of a_i d_j / j! tau^(i + j + 1) /
+/// (i + j + 1).
 double product_integral(const InputCourse& input, double scale, double offset, const std::array<double, 3>& output,
                         double length_s) {
   double integral = 0;
@@ -48,7 +49,8 @@ double product_integral(const InputCourse& input, double scale, double offset, c
 
 /// Returns the integral of the product of two outputs over a step.
 double product_integral(const std::array<double, 3>& one, const std::array<double, 3>& other, double length_s) {
-  // The sum starts at the highest power: c_n tau^(n + 1) / (n + 1), where c_n is the sum of a_i b_j over i + j = n.
+  // The summation starts at the highest power: c_n tau^(n + 1) / (n + 1), where c_n is the sum of a_i b_j over i + j =
+  // n.
   double integral = 0;
   for (std::size_t n = one.size() + other.size() - 1; n-- > 0;) {
     double coefficient = 0;
@@ -64,7 +66,7 @@ std::string product_text(const std::string& one, const std::string& other) {
   return one.empty() || other.empty() ? "" : fmt::format("{}.{}.s", one, other);
 }
 
-/// Returns the connection to one of the two inputs that a bond names.
+/// Returns the connection that ends at one of the two inputs that a bond names.
 const ResolvedConnection& half(const ResolvedSystem& system, const VariableName& input, const std::string& place) {
   const auto variable = system.find(input, place);
   const auto connection = std::ranges::find(system.connections, variable, &ResolvedConnection::to);
@@ -125,7 +127,7 @@ double CoupledInput::deviation_integral(std::int64_t time_ns, const TimeGrid& gr
   MEBOTS_ASSERT(start_ns_.has_value(), "advance() comes first");
   const double length_s = grid.length_s(*start_ns_, time_ns);
   const double at_end = std::abs(input_at(time_ns, grid) - value());
-  if (*input_.start_ns != *start_ns_) return at_end * length_s;  // reader and source have different steps
+  if (*input_.start_ns != *start_ns_) return at_end * length_s;  // the reader and the source have different steps
   const double middle_s = length_s / 2;
   const auto [c0, c1, c2] = course().coefficients(length_s);
   const double in_middle = at(input_, middle_s) - (factor_ * (c0 + (c1 + c2 * middle_s) * middle_s) + offset_);

@@ -27,7 +27,8 @@ namespace {
 using modeldesc::Type;
 using modeldesc::Variable;
 
-/// Before t = 0, an error of a slave is reported as an error of the user's inputs: files, parameters or start values.
+/// Calls `work`. Converts an error of a slave to an error of the user's inputs, because before t = 0 files, parameters
+/// or start values cause it.
 template <typename Work>
 auto as_input(Work work) {
   try {
@@ -39,8 +40,8 @@ auto as_input(Work work) {
   }
 }
 
-/// Raises the limit of open files for the isolated instances. Called before any FMU is instantiated or any process
-/// starts.
+/// Raises the limit of open files for the isolated instances. Must be called before any FMU is instantiated and before
+/// any process starts.
 void reserve_descriptors(const ResolvedSystem& system) {
   const auto count =
       std::ranges::count_if(system.instances, [](const auto& instance) { return instance.isolation.alone(); });
@@ -100,7 +101,7 @@ void write(Slave& slave, const Banks& banks, KindSet kinds) {
   if ((kinds & bit(ValueKind::binary)) != 0) slave.set_binaries(banks.binaries.references, banks.binaries.values);
 }
 
-/// Transfers the values of one kind along their connections.
+/// Copies the values of one kind along their connections.
 template <typename Copies>
 void move_all(const Copies& copies) {
   for (const auto& copy : copies) *copy.to = *copy.from;
@@ -140,7 +141,7 @@ Ensemble::Ensemble(const ResolvedSystem& system, MessageSink& messages, const Sl
   order_steps();
 }
 
-/// Calls `action` with every list of inputs that connections set.
+/// Calls `action` with each list of inputs that connections set.
 template <typename Action>
 void Ensemble::for_each_input_list(Member& member, Action action) {
   const auto bank_lists = [&](auto& bank) {
@@ -163,8 +164,8 @@ void Ensemble::for_each_input_list(Member& member, Action action) {
   action(member.range_checks);
 }
 
-/// After initialisation, continuous systems evaluate the connections between their members. These connections are at
-/// the end of the lists.
+/// Removes the connections inside continuous systems, which are at the end of the lists. After initialisation, the
+/// continuous systems evaluate these connections.
 void Ensemble::drop_inner_connections() {
   for (auto& member : members_) {
     auto size = member.outer_sizes.begin();
@@ -190,11 +191,11 @@ SignalId Ensemble::watch(const ResolvedVariable& variable) {
           slot_in(members_[variable.instance].outputs, *variable.variable)};
 }
 
-/// Connects a Binary with an OSMP binary.
+/// Adds a connection between a Binary and an OSMP binary.
 void Ensemble::connect_binary(const ResolvedConnection& connection) {
   const bool from_triple = connection.from.variable->type != Type::binary;
   const auto& triple = from_triple ? connection.from : connection.to;
-  if (!triple.variable->name.ends_with(kOsmpEndings[0])) return;  // the first part connects all of them
+  if (!triple.variable->name.ends_with(kOsmpEndings[0])) return;  // the first part represents all three
   const auto& model = *system_->instances[triple.instance].model;
   auto& target = members_[connection.to.instance];
   BytesOfTriple bytes{{}, 0};
@@ -295,7 +296,7 @@ void Ensemble::connect_mapped(const ResolvedConnection& connection, SignalId fro
   const auto type = connection.to.variable->type;
   members_[connection.to.instance].mappings.push_back({{.signal = from, .slot = to}, kind_of(type), &connection.map});
   const bool is_whole = type != Type::boolean && type != Type::enumeration;
-  if (is_whole && connection.from.variable->type != type)  // values that the map leaves as they are
+  if (is_whole && connection.from.variable->type != type)  // for values that the map does not change
     members_[connection.to.instance].range_checks.push_back({&connection, to});
   if (type == Type::enumeration) check_items_of(connection, to);  // for values that the map does not change
 }
@@ -366,14 +367,14 @@ void Ensemble::order_steps() {
     if (connection.pointer && owner != reader && owners[reader].insert(owner).second) ++readers_left[owner];
   }
   std::set<std::size_t> left;
-  std::set<std::size_t> free;  // the remaining instances whose readers all have their place
+  std::set<std::size_t> free;  // remaining instances all of whose readers are already in the order
   for (std::size_t i = 0; i < members_.size(); ++i) {
     left.insert(left.end(), i);
     if (readers_left[i] == 0) free.insert(free.end(), i);
   }
   while (!left.empty()) {
-    // If the readers and owners of buffers form a ring, every instance waits for another. In this case any order is
-    // allowed, because the owners keep two buffers, as OSMP requires.
+    // If the readers and owners of buffers form a ring, every instance waits for another one. In this case, any order
+    // is permitted, because the owners keep two buffers, as OSMP requires.
     const auto next = free.empty() ? *left.begin() : *free.begin();
     free.erase(next);
     left.erase(next);
@@ -506,7 +507,7 @@ void Ensemble::read_outputs(std::size_t instance, std::int64_t time_ns) {
   MEBOTS_ASSERT(instance < members_.size());
   auto& member = members_[instance];
   auto& outputs = member.outputs;
-  if (member.keeps_earlier && time_ns != member.outputs_time_ns) {  // the same point may be read twice
+  if (member.keeps_earlier && time_ns != member.outputs_time_ns) {  // the outputs of one point may be read twice
     member.earlier_reals = outputs.reals.values;
     member.earlier_time_ns = member.outputs_time_ns;
   }
@@ -530,8 +531,8 @@ void Ensemble::read_outputs(std::size_t instance, std::int64_t time_ns) {
     member.slave->get_binaries(outputs.binaries.references, outputs.binaries.values);
 }
 
-/// FMI requires UTF-8. If a text is not UTF-8, sends one notice per instance. Connected inputs receive the bytes
-/// unchanged, but the results do not contain invalid bytes.
+/// Sends one notice for each instance that returns a text which is not UTF-8, as FMI requires. Connected inputs receive
+/// the bytes unchanged, but the results contain no invalid bytes.
 void Ensemble::check_texts(Member& member, std::int64_t time_ns) {
   if (member.reported_texts) return;
   const auto& bank = member.outputs.strings;
@@ -631,8 +632,8 @@ namespace {
 
 constexpr double kLargestFloat = std::numeric_limits<float>::max();
 
-/// Returns the value of a whole-number type that is nearest to `value`. If `is_unsigned` is true, `value` contains the
-/// 64 bits of a UInt64.
+/// Returns the value nearest to `value` that a type of whole numbers can represent. If `is_unsigned` is true, `value`
+/// contains the 64 bits of a UInt64.
 std::int64_t nearest_in(Type type, std::int64_t value, bool is_unsigned) {
   const auto [low, high] = fmi::limits_of(type);
   if (is_unsigned || value >= 0) return static_cast<std::int64_t>(std::min(static_cast<std::uint64_t>(value), high));
@@ -683,8 +684,9 @@ double Ensemble::line_slope(const DerivativeLink& link) const {
   return (real(link.from) - source.earlier_reals[link.from.slot]) / length_s;
 }
 
-/// If a source has already stepped (Gauss-Seidel), its value at the step's end is known. The input then follows a line
-/// from its value at the step's start to this value. Holding the later value would reduce the order by one.
+/// Lets an input follow a line if its source has already stepped (Gauss-Seidel), because the source's value at the end
+/// of the step is then known. The line starts at the input's value at the start of the step and ends at this value.
+/// Using only the later value would reduce the order by one.
 void Ensemble::start_on_lines(Member& member, std::int64_t time_ns) const {
   for (const auto& link : member.derivatives) {
     const auto& source = members_[link.from.instance];
@@ -697,12 +699,12 @@ void Ensemble::start_on_lines(Member& member, std::int64_t time_ns) const {
 
 void Ensemble::read_derivatives(Member& member, std::int64_t time_ns) const {
   auto& derivatives = member.output_derivatives;
-  if (time_ns == system_->description->start_time_ns) return;  // before the first step no FMU has derivatives
+  if (time_ns == system_->description->start_time_ns) return;  // no FMU has derivatives before its first step
   member.slave->get_output_derivatives(derivatives.references, derivatives.orders, derivatives.values);
 }
 
-/// Finds derivatives of the input, of orders 1 and up. An unknown derivative is set to 0, so the value is constant.
-/// Returns false if no derivative is known yet.
+/// Finds the derivatives of the input, of order 1 and higher. Sets an unknown derivative to 0. Returns false if no
+/// derivative is known yet.
 bool Ensemble::find_derivatives(DerivativeLink& link, std::int64_t time_ns, std::span<double> values) {
   MEBOTS_ASSERT(values.size() == link.orders && link.orders > 0, "link_derivatives() makes no empty ones");
   const auto& source = members_[link.from.instance];
@@ -719,7 +721,8 @@ bool Ensemble::find_derivatives(DerivativeLink& link, std::int64_t time_ns, std:
   return true;
 }
 
-/// If a derivative is not finite, sets it and all higher derivatives to 0, because FMUs of some tools return NaN.
+/// Sets the first derivative that is not finite, and all higher derivatives, to 0, because FMUs of some tools return
+/// NaN.
 void Ensemble::hold_from_bad(DerivativeLink& link, std::int64_t time_ns, std::span<double> values) {
   const auto bad = std::ranges::find_if(values, [](double value) { return !std::isfinite(value); });
   if (bad == values.end()) return;

@@ -29,7 +29,8 @@ bool before(const Node& a, const Node& b) {
   return std::tie(a.instance, a.variable) < std::tie(b.instance, b.variable);
 }
 
-/// The declared dependencies of a model's outputs at initialisation: from InitialUnknowns, else from Outputs.
+/// The dependencies that a model declares for its outputs at initialisation: those of InitialUnknowns, otherwise those
+/// of Outputs.
 class Dependencies {
  public:
   explicit Dependencies(const modeldesc::ModelDescription& model) : variables_(model.variables.data()) {
@@ -38,7 +39,7 @@ class Dependencies {
     }
   }
 
-  /// Returns the variables on which `output` depends; null if `output` may depend on every input.
+  /// Returns the variables on which `output` depends. Returns null if `output` may depend on every input.
   const std::vector<std::size_t>* of(const Variable& output) const {
     const auto found = listed_.find(static_cast<std::size_t>(&output - variables_));
     return found == listed_.end() || !*found->second ? nullptr : &**found->second;
@@ -50,11 +51,12 @@ class Dependencies {
   std::unordered_map<std::size_t, const std::optional<std::vector<std::size_t>>*> listed_;
 };
 
-/// Nodes by number. They are sorted by instance and variable.
+/// The nodes, identified by numbers. They are sorted by instance and variable.
 struct Graph {
   std::vector<Node> nodes;
-  std::vector<std::vector<std::size_t>> followers;       // listed ones, in ascending order for an input
-  std::vector<std::vector<std::size_t>> outputs_of_all;  // by instance: outputs that depend on all of its inputs
+  std::vector<std::vector<std::size_t>> followers;  // followers that are listed; in ascending order for an input
+  // Indexed by instance: the outputs that depend on all of its inputs.
+  std::vector<std::vector<std::size_t>> outputs_of_all;
   bool is_output(std::size_t node) const { return nodes[node].variable->causality == Causality::output; }
 
   explicit Graph(const ResolvedSystem& system) {
@@ -98,26 +100,27 @@ struct Graph {
   }
 };
 
-/// The outputs of one instance that depend on all its inputs. Records which of them a search has visited.
+/// The outputs of one instance that depend on all of its inputs. Stores which of them a search has visited.
 class SharedFollowers {
  public:
   explicit SharedFollowers(const std::vector<std::size_t>& outputs) : outputs_(&outputs), next_(outputs.size() + 1) {
     std::iota(next_.begin(), next_.end(), std::size_t{0});
   }
 
-  /// Returns the first unvisited output whose node number is at least `from`; kNone if there is none.
+  /// Returns the first unvisited output whose node number is at least `from`. Returns kNone if there is none.
   std::size_t unseen(std::size_t from) {
     const auto place = skip(place_of(from));
     return place == outputs_->size() ? kNone : (*outputs_)[place];
   }
-  /// Returns the first output on the path whose node number is at least `from`; kNone if there is none.
+  /// Returns the first output on the path whose node number is at least `from`. Returns kNone if there is none.
   std::size_t open(std::size_t from) const {
     const auto found = open_.lower_bound(from);
     return found == open_.end() ? kNone : *found;
   }
   void enter(std::size_t output) {
     const auto place = place_of(output);
-    if (place == outputs_->size() || (*outputs_)[place] != output) return;  // its dependencies are listed
+    // The dependencies of this output are listed.
+    if (place == outputs_->size() || (*outputs_)[place] != output) return;
     next_[place] = place + 1;
     open_.insert(output);
   }
@@ -136,20 +139,21 @@ class SharedFollowers {
   }
 
   const std::vector<std::size_t>* outputs_;
-  std::vector<std::size_t> next_;  // itself, or a later place if the output was visited; the last place is the end
+  // The index itself, or a later index if the output was visited; the last entry marks the end.
+  std::vector<std::size_t> next_;
   std::set<std::size_t> open_;
 };
 
-/// A depth-first search with an explicit stack, because ensembles may be long chains.
+/// A depth-first search. It uses its own stack instead of recursion, because ensembles may contain long chains.
 class Search {
  public:
   explicit Search(const Graph& graph) : graph_(graph), colours_(graph.nodes.size(), Colour::unseen) {
     for (const auto& outputs : graph.outputs_of_all) shared_.emplace_back(outputs);
   }
 
-  /// Calls back(from, to) for edges that close a loop. After the first such edge of an input, leaves out its edges to
-  /// outputs on the path that depend on all inputs. During a call, path() is the path from `to` to `from`. Stops if
-  /// `back` returns false.
+  /// Calls back(from, to) for each edge that closes a loop. After the first such edge of an input, leaves out the
+  /// input's edges to outputs on the path that depend on all inputs. During a call, path() is the path from `to` to
+  /// `from`. Stops if `back` returns false.
   template <typename Back>
   void run(Back back) {
     for (std::size_t start = 0; start < graph_.nodes.size(); ++start) {
@@ -169,7 +173,7 @@ class Search {
     }
   }
 
-  /// Returns the nodes of the path from `first` to its end.
+  /// Returns the nodes of the path from the node `first` to the end of the path.
   std::vector<std::size_t> path_from(std::size_t first) const {
     const auto begin = std::ranges::find(path_, first, &Visit::node);
     std::vector<std::size_t> nodes;
@@ -181,9 +185,9 @@ class Search {
   enum class Colour : std::uint8_t { unseen, open, done };
   struct Visit {
     std::size_t node;
-    std::size_t next_listed = 0;  // place among the listed followers
-    std::size_t shared_from = 0;  // the next shared follower is this node or a later one
-    bool closed = false;          // an edge of this node closed a loop
+    std::size_t next_listed = 0;  // index among the listed followers
+    std::size_t shared_from = 0;  // smallest node number of the next shared follower
+    bool closed = false;          // true if an edge of this node has closed a loop
   };
 
   SharedFollowers& shared_of(std::size_t node) { return shared_[graph_.nodes[node].instance]; }
@@ -201,8 +205,8 @@ class Search {
     path_.pop_back();
   }
 
-  /// Returns the next follower of the path's last node; kNone after the last follower. The followers of an input are in
-  /// ascending order.
+  /// Returns the next follower of the path's last node. Returns kNone after the last follower. The followers of an
+  /// input are in ascending order.
   std::size_t next() {
     auto& visit = path_.back();
     const auto& listed = graph_.followers[visit.node];

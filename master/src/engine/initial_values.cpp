@@ -15,8 +15,8 @@
 namespace mebots::master {
 namespace {
 
-/// The number of sweeps after which Newton's method is used for a loop. The length of the longest chain of connections
-/// is added to it.
+/// The number of sweeps, in addition to the length of the longest chain of connections, after which a loop is solved by
+/// Newton's method.
 constexpr int kLoopSweeps = 200;
 constexpr int kNewtonSteps = 50;
 constexpr int kHalvings = 12;
@@ -31,7 +31,7 @@ bool close(double a, double b) {
   return a == b || std::abs(a - b) <= kStill * std::max({std::abs(a), std::abs(b), kSmall});
 }
 
-/// The values of the outputs of one instance.
+/// Stores the values of the outputs of one instance.
 struct OutputValues {
   explicit OutputValues(const Banks& banks)
       : reals(banks.reals.values),
@@ -57,7 +57,7 @@ bool is_same(const OutputValues& before, const Banks& now, ValueKind kind, std::
       return before.booleans[slot] == now.booleans.values[slot];
     case ValueKind::binary:
       return before.binaries[slot] == now.binaries.values[slot];
-    case ValueKind::clock:  // in no bank
+    case ValueKind::clock:  // no bank contains clocks
     case ValueKind::string:
       break;
   }
@@ -94,7 +94,7 @@ void InitialValues::settle() {
   try {
     if (sweep(chain + kLoopSweeps, false)) return;
   } catch (const NotFiniteError&) {
-    if (!solvable || held_.empty()) throw;  // the error has another cause than the loop
+    if (!solvable || held_.empty()) throw;  // the error was not caused by the loop
     not_finite = std::current_exception();
   }
   if (solvable && newton()) return;
@@ -134,8 +134,8 @@ bool InitialValues::sweep(int sweeps, bool hold_cuts) {
   return false;
 }
 
-/// Reads the instance's outputs. Detects changes only of connected outputs, because other outputs, such as a clock in
-/// the FMU, may change at each call.
+/// Reads the outputs of the instance. Detects changes only of connected outputs, because other outputs, such as the
+/// time of day, may change at each call.
 void InitialValues::read(std::size_t instance, Change& change) {
   const auto& outputs = ensemble_.members_[instance].outputs;
   const OutputValues before(outputs);
@@ -163,7 +163,7 @@ void InitialValues::write(std::size_t instance, bool hold_cuts) {
   ensemble_.hand_inputs(instance);
 }
 
-/// Returns true if a value at a cut is still finite, but so large that it is far from any solution.
+/// True if a value at a cut is finite, but so large that it is far from any solution.
 bool InitialValues::driven_apart() const {
   return std::ranges::any_of(cut_values(), [](double value) { return std::abs(value) > kApart; });
 }
@@ -174,7 +174,7 @@ std::vector<double> InitialValues::cut_values() const {
   return values;
 }
 
-/// Returns G(x) - x, where x are the values of the cut inputs. Returns empty if a value is NaN or infinite, or if the
+/// Returns G(x) - x, where x are the values of the cut inputs. Returns nullopt if a value is NaN or infinite, or if the
 /// values that depend on x do not converge.
 std::optional<std::vector<double>> InitialValues::residual(const std::vector<double>& x) {
   held_ = x;
@@ -204,7 +204,7 @@ bool InitialValues::newton() {
   };
   for (int step = 0; step < kNewtonSteps; ++step) {
     if (solved()) {
-      residual(x);  // the slaves may have the values of a neighbour of x
+      residual(x);  // sets the slaves to x, because they may still have values of a neighbouring point
       for (std::size_t k = 0; k < ensemble_.size(); ++k) write(k, false);
       return true;
     }
@@ -224,7 +224,7 @@ bool InitialValues::newton() {
     const Eigen::FullPivLU<Eigen::MatrixXd> lu(jacobian);
     if (!lu.isInvertible()) return false;
     const Eigen::VectorXd direction = lu.solve(-Eigen::Map<const Eigen::VectorXd>(r->data(), n));
-    // The step of Newton's method is halved while it increases the residual.
+    // The step of Newton's method is halved as long as it increases the residual.
     double length = 1;
     bool better = false;
     for (int halving = 0; halving < kHalvings && !better; ++halving, length /= 2) {

@@ -25,7 +25,7 @@
 namespace mebots::master {
 namespace {
 
-/// Returns the files in binaries/ of an unpacked FMU, relative to that folder.
+/// Returns the paths of the files in binaries/ of an unpacked FMU, relative to this folder.
 std::vector<std::string> binaries(const std::filesystem::path& folder) {
   std::vector<std::string> names;
   std::error_code ignored;
@@ -36,7 +36,7 @@ std::vector<std::string> binaries(const std::filesystem::path& folder) {
   return names;
 }
 
-/// Suggests what to do about a library that cannot be loaded.
+/// Returns a text that suggests what to do about a library that cannot be loaded.
 std::string way_out(std::string_view why, const std::filesystem::path& folder) {
   if (why.find("undefined symbol: Py") != std::string_view::npos ||
       why.find("undefined symbol: _Py") != std::string_view::npos) {
@@ -46,7 +46,8 @@ std::string way_out(std::string_view why, const std::filesystem::path& folder) {
   return fmt::format("Install the missing library, or put it into binaries/{} of the FMU", folder.filename().string());
 }
 
-/// Suggests what to do about an FMU with binaries for Windows only. `library` is the library for 64-bit Windows.
+/// Returns a text that suggests what to do about an FMU that has binaries only for Windows. `library` is the library
+/// for 64-bit Windows.
 std::string windows_way_out(const std::filesystem::path& folder, const std::filesystem::path& library) {
   const auto* const other = is_folder(folder / "sources")
                                 ? "The FMU contains its sources: compile them (FMPy: `fmpy compile`)"
@@ -57,15 +58,15 @@ std::string windows_way_out(const std::filesystem::path& folder, const std::file
   return fmt::format(". {}, or: {}", windows::find_wine().missing, other);
 }
 
-/// True if a library from the folder is still loaded. dlclose() does not unload every library. The loader would use the
-/// loaded library for the next FMU with the same path.
+/// True if a library in the folder is still loaded, because dlclose() does not unload every library. The loader would
+/// use this library for the next FMU with the same path.
 bool has_loaded_from(const std::filesystem::path& folder) {
   const auto start = folder.string() + "/";
   return std::ranges::any_of(modeldesc::loaded_libraries(modeldesc::UniqueSymbols::skip),
                              [&](const auto& library) { return library.file.native().starts_with(start); });
 }
 
-/// Throws the error for a missing library. `file` is the library of the FMU that is unpacked in `folder`.
+/// Throws InputError about a missing library. `file` is the path of the library; the FMU is unpacked in `folder`.
 [[noreturn]] void fail_without_binary(const std::filesystem::path& archive, const std::filesystem::path& folder,
                                       const std::filesystem::path& file, const std::filesystem::path& for_windows) {
   auto found = binaries(folder);
@@ -100,14 +101,15 @@ Fmu::~Fmu() {
 
 void Fmu::unload() {
   if (windows_library_) {
-    if (corrupted_) static_cast<void>(windows_library_.release());  // its process ends with this one
+    // The process of the library ends together with this process.
+    if (corrupted_) static_cast<void>(windows_library_.release());
     windows_library_.reset();
     functions_ = {};
     return;
   }
   auto* const library = std::exchange(library_, nullptr);
-  // After fmi2Fatal, no code of the FMU may be called. Therefore the library stays loaded: unloading would run its
-  // destructors.
+  // After fmi2Fatal, no code of the FMU may be called. Therefore the library stays loaded, because unloading it would
+  // run its destructors.
   if (library == nullptr || corrupted_ || kept_loaded_ || threads_left() != 0) return;
   const auto handlers = handlers_in_libraries();
   call_library(archive_, "unloaded", [&] { dlclose(library); });
@@ -142,8 +144,8 @@ std::shared_ptr<const modeldesc::ModelDescription> Fmu::model(const modeldesc::S
 
 void Fmu::require_library() {
   if (is_loaded()) return;
-  // When the first thread of a process starts, the C++ library of an FMU records this in its own memory. The thread
-  // below ensures that this happens when the first library is loaded, not during a later run.
+  // When the first thread of a process starts, the C++ library of an FMU records this in its memory. Starting a thread
+  // here ensures that this happens when the first library is loaded, not during a later run.
   static const bool has_had_threads = [] {
     std::thread([] {}).join();
     return true;
@@ -218,7 +220,7 @@ void Fmu::load() {
   files_of_others_ = open_files();
   threads_of_others_ = foreign_threads();
   const ProcessState before(files_of_others_);
-  // Libraries built with -ffast-math change the floating-point environment of the thread that loads them.
+  // A library that was built with -ffast-math changes the floating-point environment of the thread that loads it.
   const auto floats = FloatEnvironment::now();
   library_ = call_library(archive_, "loaded", [&] { return dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL); });
   if (const auto found = FloatEnvironment::now(); found != floats) {

@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 using modeldesc::ElfSymbol;
 using modeldesc::LoadedLibrary;
 
-/// The folders that ld.so(8) searches last. This list does not contain the folders in /etc/ld.so.conf.d. A library in
-/// such a folder is identified only by its name.
+/// The folders that ld.so(8) searches last. Those in /etc/ld.so.conf.d are missing in this list; a library in one of
+/// them is identified only by its name.
 constexpr const char* kSystemFolders[] = {"/lib/x86_64-linux-gnu",
                                           "/usr/lib/x86_64-linux-gnu",
                                           "/lib/aarch64-linux-gnu",
@@ -32,8 +32,8 @@ constexpr const char* kSystemFolders[] = {"/lib/x86_64-linux-gnu",
 
 struct InterpreterKind {
   std::string_view text;
-  std::string_view library;               // start of its name
-  std::vector<std::string_view> symbols;  // starts of names
+  std::string_view library;               // start of the library's name
+  std::vector<std::string_view> symbols;  // starts of symbol names
 };
 
 const std::vector<InterpreterKind>& interpreters() {
@@ -81,8 +81,8 @@ std::vector<std::string> environment_folders() {
   return folders;
 }
 
-/// Resolves needed libraries as ld.so(8) does, with one exception: the FMU's own libraries precede libraries that the
-/// process has loaded. Callers check whether this exception changes the result.
+/// Resolves needed libraries as ld.so(8) does, with one exception: the FMU's own libraries take precedence over
+/// libraries that the process has loaded. Callers must check whether this exception changes the result.
 class NeedsReader {
  public:
   NeedsReader(const fs::path& folder, const std::vector<LoadedLibrary>& loaded)
@@ -133,7 +133,7 @@ class NeedsReader {
     const std::vector<std::string> system(std::begin(kSystemFolders), std::end(kSystemFolders));
     try {
       if (const auto file = found ? found : first_with(name, system)) follow_file(*file, inherited);
-    } catch (const Error&) {  // for another machine: the loader continues with the next folder
+    } catch (const Error&) {  // the file is for another machine: the loader continues with the next folder
       return;
     }
   }
@@ -150,7 +150,7 @@ class NeedsReader {
         const auto soname = needs_.libraries[known].elf.soname;
         needs_.brought.emplace(entry.path().filename().string(), entry.path());
         if (!soname.empty()) needs_.brought.emplace(soname, entry.path());
-      } catch (const Error&) {  // for another machine, or a program
+      } catch (const Error&) {  // the file is for another machine, or is a program
         continue;
       }
     }
@@ -167,7 +167,7 @@ class NeedsReader {
     return any_own_symbol([&](const ElfSymbol& symbol) { return !symbol.defined && symbol.name == name; });
   }
 
-  /// Reads only the FMU's own files, not those of the system.
+  /// Calls the predicate for the FMU's own files, but not for those of the system.
   template <typename Predicate>
   bool any_own_symbol(Predicate is_it) const {
     return std::ranges::any_of(needs_.libraries, [&](const NewLibrary& library) {

@@ -27,8 +27,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// System libraries. Their functions that matter here are in the list of process functions, so the libraries are not
-/// examined.
+/// The system libraries that are not examined. The list of process functions contains all of their functions that
+/// change the process.
 constexpr auto kKnownLibraries = std::to_array<std::string_view>(
     {"libc.so.6", "libm.so.6", "libdl.so.2", "libpthread.so.0", "librt.so.1", "libgcc_s.so.1", "libstdc++.so.6",
      "ld-linux-x86-64.so.2", "ld-linux-aarch64.so.1"});
@@ -50,12 +50,12 @@ std::uint64_t all_loads() {
   return loads;
 }
 
-/// Returns the number of loads that mebots did not cause.
+/// Returns the number of library loads that mebots has not caused.
 std::uint64_t foreign_loads() {
   return all_loads() - own_loads.load();
 }
 
-/// Returns address and size of the part of a library that the loader makes read-only after relocation.
+/// Returns the address and size of the part of a library that the loader makes read-only after relocation.
 std::pair<std::uintptr_t, std::size_t> read_only_part(const dl_phdr_info& info) {
   for (std::size_t i = 0; i < info.dlpi_phnum; ++i) {
     const auto& header = info.dlpi_phdr[i];
@@ -80,7 +80,7 @@ struct Range {
   std::uintptr_t end;
 };
 
-/// Returns the memory that is not backed by a file: heap, stacks, and the zero-initialised parts of libraries.
+/// Returns the ranges of memory that no file backs: heap, stacks, and the zero-initialised parts of libraries.
 std::vector<Range> anonymous_memory() {
   std::vector<Range> ranges;
   std::ifstream maps("/proc/self/maps");
@@ -116,8 +116,8 @@ bool is_in(std::uintptr_t address, const std::vector<Range>& ranges) {
                              [address](const Range& range) { return address >= range.begin && address < range.end; });
 }
 
-/// True for the memory that GCC's C++ library reserves for exceptions when the library is loaded. This memory is one
-/// free block whose first word is its size. In the library's data, the size also follows the pointer to the block.
+/// True for the memory that GCC's C++ library reserves for exceptions when it is loaded. This memory is one free block
+/// whose first word is its size. In the data of the library, the size also follows the pointer to the block.
 bool is_exception_pool(std::span<const std::uintptr_t> words, std::size_t at) {
   const auto size_at = [&](std::size_t place) { return place < words.size() ? words[place] : 0; };
   // NOLINTNEXTLINE(performance-no-int-to-ptr): addresses of loaded libraries come as numbers
@@ -127,8 +127,8 @@ bool is_exception_pool(std::span<const std::uintptr_t> words, std::size_t at) {
   return first || second;
 }
 
-/// Calls `visit` with copies of the blocks of a memory range until `visit` returns false. The kernel copies the blocks,
-/// because a sanitizer may forbid reading between an FMU's variables. Returns the result of the last call.
+/// Calls `visit` with copies of the blocks of a memory range, until `visit` returns false. Returns the result of the
+/// last call. The kernel copies the blocks, because a sanitizer may forbid reading between the variables of an FMU.
 bool for_each_block(std::uintptr_t address, std::size_t size,
                     const std::function<bool(std::span<const std::byte>)>& visit) {
   constexpr std::size_t kBlock = std::size_t{1} << 16;
@@ -145,7 +145,8 @@ bool for_each_block(std::uintptr_t address, std::size_t size,
   return true;
 }
 
-/// Compares the block with itself, shifted by a byte: if both are equal, all bytes are equal.
+/// True if all bytes of the block are zero. Compares the block with itself, shifted by one byte, because equal halves
+/// mean equal bytes.
 bool is_zero(std::span<const std::byte> block) {
   return block.empty() ||
          (block[0] == std::byte{0} && std::memcmp(block.data(), block.data() + 1, block.size() - 1) == 0);
@@ -163,7 +164,7 @@ std::vector<std::uintptr_t> words_of(std::span<const std::byte> bytes, std::uint
   return words;
 }
 
-/// Returns the loader's record (`link_map`) of the library at this address.
+/// Returns the loader's record (`link_map`) of the library that contains this address.
 const void* record_of(std::uintptr_t address) {
   Dl_info info{};
   void* record = nullptr;
@@ -244,7 +245,7 @@ class LibraryState::OwnedMemory {
 
   bool is_pointed_to_by(std::span<const std::uintptr_t> words, const void* own_record) const {
     for (std::size_t i = 0; i < words.size(); ++i) {
-      if (words[i] == reinterpret_cast<std::uintptr_t>(own_record)) continue;  // the loader's
+      if (words[i] == reinterpret_cast<std::uintptr_t>(own_record)) continue;  // the pointer belongs to the loader
       if (words[i] % alignof(std::max_align_t) != 0 || !is_in(words[i], anonymous_) || is_in(words[i], libraries_))
         continue;
       if (!is_exception_pool(words, i)) return true;

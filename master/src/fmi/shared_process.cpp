@@ -42,7 +42,7 @@ Reason possible(std::string reason) {
   return Admission{false, false, std::move(reason)};
 }
 
-/// An FMU that this process has loaded.
+/// Stores an FMU that this process has loaded.
 struct Resident {
   std::weak_ptr<Fmu> fmu;
   std::string archive;
@@ -56,8 +56,8 @@ std::string readable(const std::string& symbol) {
   return name ? std::string(name.get()) : symbol;
 }
 
-/// The loader keeps the first definition of a unique symbol. Two definitions collide unless they are constants with
-/// equal bytes.
+/// True if two definitions of a unique symbol collide. The loader keeps only the first definition. This is harmless
+/// only if both are constants with equal bytes.
 bool collide(const ElfSymbol& one, const ElfSymbol& other) {
   return one.name == other.name && (one.constant.empty() || one.constant != other.constant);
 }
@@ -70,8 +70,8 @@ std::vector<ElfSymbol> unique_symbols(const LibraryNeeds& needs) {
   return symbols;
 }
 
-/// Returns the names that the libraries both define and look up. For such a name, the loader may prefer the definition
-/// in another library. Unique symbols are compared separately.
+/// Returns the names that the libraries both define and look up. The loader may prefer a definition of such a name in
+/// another library. Unique symbols are not included, because they are compared separately.
 std::set<std::string> preemptible_names(const LibraryNeeds& needs) {
   std::set<std::string> bound;
   for (const auto& library : needs.libraries) {
@@ -90,7 +90,7 @@ std::set<std::string> preemptible_names(const LibraryNeeds& needs) {
   return names;
 }
 
-/// Compares an FMU with the libraries of the process.
+/// Finds conflicts between an FMU and the libraries of the process.
 class ProcessComparison {
  public:
   ProcessComparison(const LibraryNeeds& needs, const std::vector<LoadedLibrary>& loaded,
@@ -132,7 +132,7 @@ class ProcessComparison {
     return std::nullopt;
   }
 
-  /// Also compares the names of libraries that another FMU in this process may load later.
+  /// Finds conflicts of library names. Includes the names of libraries that another FMU in this process may load later.
   Reason resident_names() const {
     for (const auto& resident : *residents_) {
       const auto mentioned_here = mentioned(*needs_, resident.needs.brought);
@@ -198,8 +198,8 @@ class ProcessComparison {
     return std::nullopt;
   }
 
-  /// The loader searches the program, its libraries, and libraries opened with RTLD_GLOBAL before the FMU's own
-  /// libraries.
+  /// Finds conflicts of symbols. The loader searches the program, its libraries, and libraries opened with RTLD_GLOBAL
+  /// before the FMU's own libraries.
   Reason global_symbols() const {
     void* const program = dlopen(nullptr, RTLD_LAZY);
     if (program == nullptr) return std::nullopt;
@@ -252,12 +252,12 @@ class ProcessComparison {
   const std::map<fs::path, std::string>* archives_;
 };
 
-/// The FMUs in this process. Also contains the library folders of FMUs that were closed, because some of their
+/// Stores the FMUs in this process. Also stores the library folders of FMUs that were closed, because some of their
 /// libraries may still be loaded.
 struct Residents {
   std::mutex mutex;
   std::vector<Resident> all;
-  std::map<fs::path, std::string> archives;  // by the folder of the unpacked FMU
+  std::map<fs::path, std::string> archives;  // maps the folder of an unpacked FMU to its archive
 
   static Residents& of_this_process() {
     static Residents residents;
@@ -292,7 +292,7 @@ Admission load_into_this_process(const std::shared_ptr<Fmu>& fmu, Risk risk) {
   try {
     needs = read_library_needs(fmu->library_file(), fmu->folder(), present);
   } catch (const Error&) {
-    fmu->require_library();  // throws the loader's error
+    fmu->require_library();  // throws the error of the loader
     return loaded;
   }
   auto reason = ProcessComparison(needs, present, residents.all, residents.archives).reason();

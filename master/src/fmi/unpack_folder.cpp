@@ -22,8 +22,8 @@ namespace mebots::master {
 namespace {
 
 constexpr const char* kPrefix = "mebots-fmu";
-/// The process that owns a folder locks this file in it. The kernel releases the lock when this process ends in any
-/// way.
+/// The name of a file in the folder that the owning process locks. The kernel releases the lock when this process ends
+/// in any way.
 constexpr const char* kOwnerFile = "owner";
 
 int open_owner_file(const std::filesystem::path& file, int more_flags) {
@@ -41,9 +41,9 @@ struct Paths {
   std::vector<std::filesystem::path> paths;
 };
 
-/// Paths of earlier folders that may be used again.
+/// Returns the paths of earlier folders that can be used again.
 Paths& free_paths() {
-  static Paths& all = *new Paths;  // never destroyed: an FMU may be closed when the process ends
+  static Paths& all = *new Paths;  // never destroyed, because an FMU may be closed when the process ends
   return all;
 }
 
@@ -57,7 +57,7 @@ modeldesc::TemporaryFolder make_folder() {
       free.paths.pop_back();
     }
   }
-  // The path may be unusable for two reasons: TMPDIR may have changed, or another process may have created a folder
+  // There are two reasons why the path may be unusable: TMPDIR has changed, or another process has created a folder
   // with this name.
   std::error_code error;
   if (!path.empty() && path.parent_path() == std::filesystem::temp_directory_path(error)) {
@@ -71,8 +71,8 @@ modeldesc::TemporaryFolder make_folder() {
 UnpackFolder::UnpackFolder() : folder_(make_folder()) {
   static std::once_flag once;
   std::call_once(once, remove_abandoned_unpack_folders);
-  // The folder gets its final name after it is locked, so that other processes never see an unlocked folder with this
-  // name.
+  // The folder receives its final name after it was locked. Therefore other processes never find an unlocked folder
+  // with this name.
   const auto owner = folder_.path() / kOwnerFile;
   const auto unlocked = folder_.path() / "new";
   lock_.file = open_owner_file(unlocked, O_CREAT);
@@ -99,7 +99,7 @@ void remove_abandoned_unpack_folders() {
   for (const auto& entry : std::filesystem::directory_iterator(parent, error)) {
     const auto& folder = entry.path();
     if (!folder.filename().string().starts_with(std::string(kPrefix) + "-") || !is_ours(folder)) continue;
-    // If a folder has no owner's file, another process is creating the folder at this moment.
+    // If a folder contains no owner file, another process is creating the folder at this moment.
     const int file = open_owner_file(folder / kOwnerFile, 0);
     if (file < 0) continue;
     if (::flock(file, LOCK_EX | LOCK_NB) == 0) std::filesystem::remove_all(folder, error);

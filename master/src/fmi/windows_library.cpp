@@ -26,7 +26,7 @@
 namespace mebots::master::windows {
 namespace {
 
-Process* current = nullptr;  // the functions of FMI have no argument for it
+Process* current = nullptr;  // global, because the functions of FMI have no argument for it
 
 std::map<std::string, std::string> environment_for(const std::filesystem::path& settings) {
   std::map<std::string, std::string> variables;
@@ -38,13 +38,13 @@ std::map<std::string, std::string> environment_for(const std::filesystem::path& 
   variables["WINEPREFIX"] = settings.string();
   variables["WINEDEBUG"] = "-all";
   variables["WINEDLLOVERRIDES"] = "mscoree,mshtml=";  // otherwise wine offers to download .NET and a browser
-  variables.erase("DISPLAY");                         // no windows
+  variables.erase("DISPLAY");                         // prevents windows
   return variables;
 }
 
 /// Ends this process with the signal that Linux sends for the same fault. Handlers recognise a fault by the code in the
-/// signal's data (isolation/guard.cpp), which raise() does not set. A process may send itself a signal with any code:
-/// see rt_sigqueueinfo(2).
+/// signal's data (isolation/guard.cpp), which raise() does not set. However, a process may send itself a signal with
+/// any code (rt_sigqueueinfo(2)).
 [[noreturn]] void end_by_fault(int signal, std::uint64_t address) {
   siginfo_t info{};
   info.si_signo = signal;
@@ -56,7 +56,7 @@ std::map<std::string, std::string> environment_for(const std::filesystem::path& 
   _exit(EXIT_FAILURE);
 }
 
-/// A structured exception of Windows, and the signal of Linux for the same fault.
+/// A structured exception of Windows, and the signal that Linux sends for the same fault.
 struct StructuredException {
   std::uint32_t code;
   int signal;
@@ -88,7 +88,7 @@ const StructuredException& exception_of(std::uint32_t code) {
   return found == kExceptions.end() ? kOther : *found;
 }
 
-/// Returns the meaning of common errors of LoadLibrary.
+/// Returns a text that explains a common error of LoadLibrary.
 std::string load_error_text(std::uint32_t code) {
   switch (code) {
     case 126:
@@ -104,13 +104,13 @@ std::string load_error_text(std::uint32_t code) {
   }
 }
 
-/// Returns a path on wine's drive Z:, with the separators of Windows.
+/// Converts a path to one on wine's drive Z:, with the separators of Windows.
 std::string windows_path(std::string path) {
   std::ranges::replace(path, '/', '\\');
   return "Z:" + path;
 }
 
-/// Converts the location of the resources, which is a URI before FMI 3.0 and a path since then.
+/// Converts the location of the resources for Windows. The location is a URI before FMI 3.0, and a path in FMI 3.0.
 std::string windows_place(const std::string& place) {
   constexpr std::string_view kScheme = "file://";
   return place.starts_with(kScheme) ? "file:///Z:" + place.substr(kScheme.size()) : windows_path(place);
@@ -118,7 +118,7 @@ std::string windows_place(const std::string& place) {
 
 }  // namespace
 
-/// The process mebots-windows-host.exe under wine, with one pipe for requests and one for replies.
+/// The process mebots-windows-host.exe under wine. One pipe transfers requests, another one replies.
 class Process {
  public:
   explicit Process(const std::filesystem::path& settings) {
@@ -136,7 +136,7 @@ class Process {
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
-  /// Sends a request and waits for its reply. The returned reply is valid until the next request.
+  /// Sends a request and waits for its reply. The reply is valid until the next request.
   std::pair<Reply, Reader> request(std::uint32_t function, Writer& arguments) {
     write_all(arguments.frame(function));
     while (true) {
@@ -192,7 +192,7 @@ class Process {
     while (!bytes.empty()) {
       const auto written = ::write(requests_, bytes.data(), bytes.size());
       if (written < 0 && errno == EINTR) continue;
-      if (written < 0) return;  // its replies end as well
+      if (written < 0) return;  // the reading of replies ends as well
       bytes.remove_prefix(static_cast<std::size_t>(written));
     }
   }
@@ -208,7 +208,7 @@ class Process {
     }
   }
 
-  /// Called after the process of the library has ended. Ends this process with the same signal or exit code.
+  /// Ends this process with the same signal or exit code as the process of the library, which must have ended.
   [[noreturn]] void end_alike() {
     int status = 0;
     while (waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
@@ -226,7 +226,7 @@ class Process {
     const auto& exception = exception_of(code);
     std::fprintf(stderr, "mebots-fmu-host: the FMU's library for Windows raised exception %#x (%s)\n", code,
                  exception.text);
-    const int here = 0;  // an address on the stack, by which a stack overflow is known
+    const int here = 0;  // an address on the stack, which allows a stack overflow to be recognised
     if (exception.signal == SIGABRT) std::abort();
     end_by_fault(exception.signal, code == kStackOverflow ? reinterpret_cast<std::uintptr_t>(&here) : address);
   }
@@ -262,7 +262,7 @@ struct SignatureOf;
 template <typename Result, typename... Arguments>
 struct SignatureOf<Result (*)(Arguments...)> : Signature<Arguments...> {};
 
-// Functions in which an array and its length are not adjacent arguments.
+// In these functions, an array and its length are not adjacent arguments.
 static_assert(SignatureOf<decltype(&fmi2GetDirectionalDerivative)>::length_of(5) == 4);
 static_assert(SignatureOf<decltype(&fmi2GetDirectionalDerivative)>::length_of(6) == 2);
 static_assert(SignatureOf<decltype(&fmi2SerializedFMUstateSize)>::length_of(2) < 0);
@@ -273,8 +273,8 @@ static_assert(SignatureOf<decltype(&fmi3GetOutputDerivatives)>::length_of(3) == 
 static_assert(SignatureOf<decltype(&fmi3GetIntervalFraction)>::length_of(3) == 2);
 static_assert(SignatureOf<decltype(&fmi3DoStep)>::length_of(4) < 0);
 
-/// The index of the argument that is the location of the resources. Only the functions that instantiate have this
-/// argument. They are recognised by their type.
+/// The index of the argument that contains the location of the resources. Only the functions that create an instance
+/// have this argument. They are recognised by their types.
 template <typename... Arguments>
 constexpr std::size_t kPlaceArgument = (std::is_same_v<Arguments, const fmi2CallbackFunctions*> || ...) ? 3
                                        : (std::is_same_v<Arguments, fmi3LogMessageCallback> || ...)     ? 2
@@ -293,7 +293,7 @@ class Sender {
   void put(Writer& writer, std::index_sequence<i...> /*all*/) const {
     (put_one<i>(writer), ...);
   }
-  /// Stores the outputs. `kept` owns the returned texts and bytes until the next call of the function.
+  /// Stores the outputs of a call. `kept` owns the returned texts and bytes until the next call of the function.
   template <std::size_t... i>
   void take(Reader& reader, std::array<Slot, sizeof...(Arguments)>& kept, std::index_sequence<i...> /*all*/) const {
     (take_one<i>(reader, kept), ...);

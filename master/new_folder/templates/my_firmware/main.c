@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints the time, sleeps in between, and ends with exit code 0.
+// Prints the time several times and sleeps in between. Ends with exit code 0.
 #include "drivers/timer.h"
 #include "runtime/console.h"
 

@@ -10,8 +10,8 @@
 namespace mebots::master {
 namespace {
 
-/// Returns the order of the instances in `algorithm` of the config. If it has none, returns the order in which they are
-/// declared.
+/// Returns the order of the instances that the config states under `algorithm`. If it states none, returns the order of
+/// their declaration.
 std::vector<std::size_t> order_of(const SystemDescription& system) {
   std::vector<std::size_t> order(system.instances.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -24,8 +24,8 @@ std::vector<std::size_t> order_of(const SystemDescription& system) {
   return order;
 }
 
-/// Instances that step together: a single instance, or all members of a continuous system or clock group. They step
-/// when it is the turn of their first member.
+/// Instances that step together: a single instance, or all members of a continuous system or clock group. They step at
+/// the position of their first member in the order.
 using Turn = std::vector<std::size_t>;
 
 std::vector<Turn> turns_of(const ResolvedSystem& system) {
@@ -61,7 +61,7 @@ class GaussSeidel final : public Algorithm {
           if (!slaves_->begins_step(i, span.from)) continue;
           const auto result = slaves_->finish(i, span, slaves_->step(i, span));
           if (auto end = slaves_->end_of(i, span.from, result)) {
-            ensemble.bring_back(before);  // to the last point that all reached
+            ensemble.bring_back(before);  // returns to the last point that all slaves have reached
             return end;
           }
         }

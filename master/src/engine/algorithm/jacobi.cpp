@@ -14,9 +14,9 @@
 namespace mebots::master {
 namespace {
 
-/// Returns groups of instances, each of which steps on one thread. An instance that reads a buffer must finish its step
-/// before the owner of the buffer steps. Therefore both are in one group, and the reader is first. The members of a
-/// continuous system or a clock group are in one group, too.
+/// Divides the instances into groups; each group steps on one thread. An instance that reads a buffer must finish its
+/// step before the owner of the buffer steps. Therefore both are in one group, and the reader steps first. The members
+/// of a continuous system or of a clock group are in one group, too.
 std::vector<std::vector<std::size_t>> groups_of(const ResolvedSystem& system, const Ensemble& ensemble) {
   std::vector<std::size_t> group(ensemble.size());
   std::iota(group.begin(), group.end(), std::size_t{0});
@@ -84,7 +84,7 @@ class Jacobi final : public Algorithm {
     if (!result.done) unfinished_.emplace_back(slave, std::move(result));
   }
 
-  /// An interrupt takes precedence over a slave's request to end.
+  /// Returns why the run ends at t_k, if it does. An interrupt takes precedence over a slave's request to end the run.
   std::optional<End> end_at(std::int64_t k) const {
     std::optional<End> first;
     for (const auto& [i, result] : unfinished_) {
@@ -113,7 +113,7 @@ class Jacobi final : public Algorithm {
         }
       }
     });
-    // Releases messages and errors in the same order as if the slaves stepped one after the other.
+    // Releases messages and throws errors in the same order as if the slaves had stepped one after the other.
     std::vector<std::string> speakers;
     std::exception_ptr first;
     for (const auto i : slaves_->ensemble().step_order()) {
@@ -122,7 +122,7 @@ class Jacobi final : public Algorithm {
       first = attempts_[i].error;
       const auto& result = attempts_[i].result;
       if (!first) take(i, result);
-      if (!result.done && !result.pending && !result.terminated) break;  // the run ends at this slave
+      if (!result.done && !result.pending && !result.terminated) break;  // the run ends because of this slave
     }
     messages_->release(speakers);
     if (first) std::rethrow_exception(first);
@@ -130,13 +130,14 @@ class Jacobi final : public Algorithm {
 
   SlaveSteps* slaves_;
   OrderedMessages* messages_;
-  std::vector<std::vector<std::size_t>> groups_;                // each steps in order on one thread
-  std::vector<std::pair<std::size_t, StepResult>> unfinished_;  // of the current step
-  // Data for parallel stepping; null with one thread.
+  std::vector<std::vector<std::size_t>> groups_;  // the members of a group step in order on one thread
+  // Results of pending steps in the current communication step.
+  std::vector<std::pair<std::size_t, StepResult>> unfinished_;
+  // The following members are used for parallel stepping. The pointer is null if there is only one thread.
   unsigned threads_ = 1;
   std::unique_ptr<ThreadPolicy> policy_;
   std::unique_ptr<StepPool> pool_;
-  std::vector<Attempt> attempts_;  // by instance
+  std::vector<Attempt> attempts_;  // indexed by instance
 };
 
 }  // namespace

@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::int64_t kShortestPartNs = 1000;
 
-/// Returns the length of the next step to try. If the FMU reported the time that it reached, the step ends at this
-/// time, rounded down to nanoseconds. Otherwise the step has half the length of the discarded step.
+/// Returns the length of the next part to try. If the FMU has reported the time that it reached, the part ends at this
+/// time, rounded down to nanoseconds. Otherwise, the part has half the length of the discarded one.
 std::int64_t shorter_part(const StepResult& result, std::int64_t at_ns, std::int64_t part_ns) {
   if (result.last_successful_s) {
     const double reached_ns = *result.last_successful_s * 1e9;

@@ -36,7 +36,7 @@ void StepPool::run(std::size_t count, const std::function<void(std::size_t)>& wo
 
 void StepPool::serve() {
   const OwnThread own;
-  pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, nullptr);  // the FMU must not cancel the thread that calls it
+  pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, nullptr);  // an FMU must not cancel the thread that calls it
   std::uint32_t seen = 0;
   for (;;) {
     round_.wait(seen);

@@ -9,13 +9,14 @@
 namespace mebots::master {
 namespace {
 
-/// Limits of the error. A smaller or larger error is replaced by the limit. The factor of the step length reaches its
-/// own limits at less extreme errors. Without an upper limit, two infinite errors in a row would give 0 times infinity.
+/// The limits between which an error is used. They have no effect on the factor of the step length, because it reaches
+/// its own limits at less extreme errors. Without the upper limit, two infinite errors in a row would result in 0 times
+/// infinity.
 constexpr double kSmallestError = 1e-12;
 constexpr double kLargestError = 1e12;
 constexpr double kOrderOfGains = 2;
 
-/// Returns the error, limited to kSmallestError and kLargestError. NaN counts as the largest error.
+/// Limits the error to the range from kSmallestError to kLargestError. NaN counts as the largest error.
 double bounded(double error) {
   return error < kLargestError ? std::max(error, kSmallestError) : kLargestError;
 }

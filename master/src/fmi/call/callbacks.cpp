@@ -21,9 +21,9 @@ namespace mebots::master {
 namespace {
 
 constinit thread_local CallbackScope* current = nullptr;  // the call to an FMU on this thread
-constinit thread_local CurrentCallback callback{};        // the callback from that call
-constinit thread_local CurrentCall of_library{};          // the library call on this thread, outside of calls to
-                                                          // instances
+constinit thread_local CurrentCallback callback{};        // the callback that this call is executing
+// The library call on this thread, if it is outside of calls to instances.
+constinit thread_local CurrentCall of_library{};
 constinit std::atomic<bool> callbacks_ignored{false};
 
 class InCallback {
@@ -37,7 +37,7 @@ class InCallback {
   CurrentCallback outer_;
 };
 
-/// All targets. Callbacks from threads that make no call to an FMU look up their target here.
+/// Contains all targets. A callback on a thread that is not in a call to an FMU finds its target here.
 struct Registry {
   std::mutex mutex;
   std::unordered_set<CallbackTarget*> targets;
@@ -45,11 +45,11 @@ struct Registry {
 };
 
 Registry& registry() {
-  static Registry& all = *new Registry;  // never destroyed: a thread of an FMU may outlive main()
+  static Registry& all = *new Registry;  // never destroyed, because a thread of an FMU may outlive main()
   return all;
 }
 
-/// Returns the target that satisfies the predicate; null if no target or more than one satisfies it.
+/// Returns the only target that satisfies the predicate. Returns null if no target satisfies it, or several do.
 template <typename Predicate>
 CallbackTarget* find_only(const std::unordered_set<CallbackTarget*>& targets, Predicate predicate) {
   const auto found = std::ranges::find_if(targets, predicate);
@@ -65,7 +65,7 @@ bool is_kept(const Registry& all, const void* environment) {
   return false;
 }
 
-/// Compares the FMU's pointer with known targets and never dereferences it.
+/// Finds the target of a callback. Only compares the FMU's pointer with known targets, and never dereferences it.
 CallbackTarget* find(const std::unordered_set<CallbackTarget*>& targets, const void* environment,
                      const std::optional<std::string>& name) {
   const auto has_environment = [&](const CallbackTarget* target) { return target->environment() == environment; };
@@ -90,7 +90,7 @@ bool with_target(const void* environment, const std::optional<std::string>& name
     return true;
   }
   auto& all = registry();
-  const std::lock_guard lock(all.mutex);  // keeps the target alive during the call
+  const std::lock_guard lock(all.mutex);  // prevents the destruction of the target during the call
   if (is_kept(all, environment)) return true;
   auto* target = find(all.targets, environment, name);
   if (target != nullptr) work(*target, false);
@@ -108,7 +108,7 @@ std::string without_line_end(std::string text) {
   return text;
 }
 
-/// Delivers a message to its instance. Never throws: after an error, only the message is lost.
+/// Passes a message to its instance. Never throws: if an error occurs, the message is lost.
 void pass_on(LoggerCall call, const void* environment) noexcept {
   try {
     if (is_forked_copy()) {  // the files of the run belong to the original process
@@ -126,13 +126,13 @@ void pass_on(LoggerCall call, const void* environment) noexcept {
   }
 }
 
-/// Returns the text of a message. If the text is missing or unreadable, returns a note that says so.
+/// Returns the text of a message. If it is missing or unreadable, returns a text that states this.
 std::string message_text(const std::optional<std::string>& text, const char* address) {
   if (text) return without_line_end(valid_utf8(*text));
   return address == nullptr ? "(a message without a text)" : "(a message whose text cannot be read)";
 }
 
-/// Formats and delivers a message. Never throws, because foreign code calls this function.
+/// Formats a message and passes it to its instance. Never throws, because foreign code calls this function.
 void log_formatted(LoggerCall call, const void* environment, const char* instance, const char* category,
                    const char* message, std::va_list arguments) noexcept {
   try {
@@ -158,7 +158,7 @@ void log(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status s
   va_end(arguments);
 }
 
-/// FMI 1.0 passes no environment. For a callback on a thread of the FMU, the name identifies the instance.
+/// The logger of FMI 1.0, which receives no environment. On a thread of the FMU, the name identifies the instance.
 void log_fmi1(fmiComponent /*component*/, fmiString instance, fmiStatus status, fmiString category, fmiString message,
               ...) {
   if (callbacks_ignored.load(std::memory_order_relaxed)) return;
@@ -184,7 +184,8 @@ void log_message(fmi3InstanceEnvironment environment, fmi3Status status, fmi3Str
   }
 }
 
-/// Never requests an early return. A call from a thread of the FMU is ignored, so the FMU's inputs stay unchanged.
+/// Handles an intermediate update, and never requests an early return. Ignores calls from threads of the FMU, so that
+/// the FMU's inputs stay unchanged.
 void intermediate_update(fmi3InstanceEnvironment /*environment*/, fmi3Float64 time_s, fmi3Boolean set_requested,
                          fmi3Boolean /*get_allowed*/, fmi3Boolean /*step_finished*/, fmi3Boolean /*can_return_early*/,
                          fmi3Boolean* early_return, fmi3Float64* early_return_s) {
@@ -193,15 +194,15 @@ void intermediate_update(fmi3InstanceEnvironment /*environment*/, fmi3Float64 ti
   if (set_requested && current != nullptr) current->target().listener().intermediate_update(time_s);
 }
 
-/// Returns the loaded library that contains the code; null if there is none.
+/// Returns the loaded library that contains the code at this address. Returns null if there is none.
 const void* library_of(const void* code) {
   Dl_info info{};
   void* library = nullptr;
   return dladdr1(code, &info, &library, RTLD_DL_LINKMAP) != 0 ? library : nullptr;
 }
 
-/// Counts a stepFinished that belongs to no known instance. Increments the counters of all instances of the library
-/// that called. If no instance has that library, increments the counters of all instances.
+/// Counts a call of stepFinished that belongs to no known instance. Increments the counters of all instances whose
+/// library contains the caller. If there are none, increments the counters of all instances.
 void count_dropped_step_end(const void* caller) {
   const auto* library = library_of(caller);
   auto& all = registry();
@@ -213,7 +214,7 @@ void count_dropped_step_end(const void* caller) {
   }
 }
 
-/// `caller` is an address in the code that called stepFinished.
+/// Handles stepFinished. `caller` is an address in the code that called it.
 void end_step(const void* environment, int status, const void* caller) noexcept {
   const InCallback here({"stepFinished", false});
   try {
@@ -229,7 +230,7 @@ void step_finished(fmi2ComponentEnvironment environment, fmi2Status status) {
   end_step(environment, status, __builtin_return_address(0));
 }
 
-/// FMI 1.0 passes no environment. The component identifies the instance.
+/// The stepFinished of FMI 1.0, which receives no environment. The component identifies the instance.
 void step_finished_fmi1(fmiComponent component, fmiStatus status) {
   end_step(component, status, __builtin_return_address(0));
 }

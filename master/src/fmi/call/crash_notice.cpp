@@ -20,7 +20,7 @@ namespace mebots::master {
 namespace {
 
 constexpr std::array kCrashes = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS};
-/// Signals that timers, file descriptors, and the process itself may send. install_crash_notice() adds the real-time
+/// The signals that timers, file descriptors and the process itself may send. install_crash_notice() adds the real-time
 /// signals.
 constexpr std::array kEnds = {SIGALRM, SIGVTALRM, SIGPROF, SIGUSR1, SIGUSR2, SIGPOLL, SIGSTKFLT};
 
@@ -43,7 +43,8 @@ std::string_view name_of(int signal) {
   }
 }
 
-/// Reports a crash on a thread that is not in a call: a thread of an FMU, of the embedding program, or of mebots.
+/// Reports a crash on a thread that is not in a call to an FMU. The thread may belong to an FMU, to the embedding
+/// program or to mebots.
 void report_other_thread(int signal) {
   SignalLine line;
   line << "mebots: error: " << name_of(signal) << " ended the process on a thread outside of calls to FMUs. ";
@@ -119,7 +120,7 @@ bool has_timer() {
 }  // namespace
 
 void install_crash_notice() {
-  // The handler runs on a stack of its own, because the thread's stack may have overflowed.
+  // The handler runs on a separate stack, because the stack of the thread may have overflowed.
   static std::array<std::byte, 1 << 16> stack;
   stack_t known{};
   if (sigaltstack(nullptr, &known) == 0 && (known.ss_flags & SS_DISABLE) != 0) {
@@ -145,7 +146,7 @@ void install_crash_notice() {
 
 bool ends_process(int signal) {
   struct sigaction action {};
-  if (sigaction(signal, nullptr, &action) != 0) return false;  // reserved by the C library
+  if (sigaction(signal, nullptr, &action) != 0) return false;  // the C library reserves this signal
   return action.sa_handler == SIG_DFL || action.sa_sigaction == &on_end;
 }
 

@@ -27,7 +27,7 @@ struct Guards {
 };
 
 Guards& guards() {
-  static Guards& all = *new Guards;  // never destroyed: used until the process ends
+  static Guards& all = *new Guards;  // never destroyed, because it is used until the process ends
   return all;
 }
 
@@ -46,19 +46,19 @@ std::string reason(const char* what) {
                      call.function, kRemedy);
 }
 
-/// The process whose runs are guarded. Processes forked from it are not guarded.
+/// The number of the process whose runs are guarded. Processes that were forked from it are not guarded.
 std::atomic<pid_t> guarded_process = 0;
-/// The thread that ends the process because a run was busy.
+/// The number of the thread that ends the process because a run was busy. 0 if there is none.
 std::atomic<pid_t> ending_thread = 0;
-/// A signal received outside of calls, which is kept for the run's thread; 0 if there is none.
+/// The signal that was received outside of calls and that is kept for the run's thread. 0 if there is none.
 std::atomic<int> kept_signal = 0;
 
 [[noreturn]] void end_at_once() {
   for (;;) syscall(SYS_exit_group, EXIT_FAILURE);
 }
 
-/// Waits without end if another thread ends the process. If the calling thread is already ending the process, ends the
-/// process at once. If no thread is ending the process, returns.
+/// Waits without end if another thread is ending the process. If the calling thread is ending it, ends the process at
+/// once. If no thread is ending it, returns.
 void leave_it_to_the_ending_thread() {
   const pid_t ending = ending_thread.load();
   if (ending == 0) return;
@@ -67,8 +67,8 @@ void leave_it_to_the_ending_thread() {
 }
 
 /// Limits the time for writing results when the process ends. _exit() may be called in a signal handler, or while the
-/// interrupted code holds the heap's locks. Writing results could wait for these locks without end. In this case, an
-/// alarm ends the process, and the results are lost.
+/// interrupted code holds locks of the heap. In this case, writing results could wait for these locks without end. The
+/// alarm then ends the process, and the results are lost.
 void end_by_alarm() {
   constexpr unsigned kLongestEndS = 60;
   std::signal(SIGALRM, SIG_DFL);
@@ -79,7 +79,8 @@ void end_by_alarm() {
   alarm(kLongestEndS);
 }
 
-/// Does not wait for the lock, because the interrupted code of this thread may hold it.
+/// Locks the mutex of the guards. Does not wait without end, because the interrupted code of this thread may hold the
+/// mutex.
 std::unique_lock<std::mutex> lock_known_guards() {
   constexpr int kTries = 1000;
   constexpr timespec kPause{0, 1'000'000};
@@ -88,7 +89,8 @@ std::unique_lock<std::mutex> lock_known_guards() {
   return lock;
 }
 
-/// Registers a handler of the C library while the FMU's functions are still on the stack.
+/// Registers handlers of the C library that run at exit() and quick_exit(), while the FMU's functions are still on the
+/// stack.
 bool register_exit_handler() {
   return std::atexit([] { end_busy_runs("called exit()"); }) == 0 &&
          std::at_quick_exit([] { end_busy_runs("called quick_exit()"); }) == 0;
@@ -105,8 +107,7 @@ void end_busy_runs(const char* what) {
     auto& all = guards().all;
     std::ranges::copy_if(all, std::back_inserter(busy), &ExitGuard::busy);
     for (const auto* guard : busy)
-      std::erase(all, guard);  // report the end once, even if something else ends the
-                               // process afterwards
+      std::erase(all, guard);  // reports the end only once, even if something else ends the process afterwards
     if (!busy.empty()) ending_thread = gettid();
   }
   if (busy.empty()) {

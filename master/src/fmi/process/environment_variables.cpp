@@ -30,7 +30,7 @@ std::string shown_value(const char* entry) {
   return fmt::format("'{}{}'", value.substr(0, kLongestValue), value.size() > kLongestValue ? "..." : "");
 }
 
-/// Returns the environment's entries by name. If a name occurs twice, the first counts, as in getenv().
+/// Maps names to the entries of the environment. If a name occurs twice, the first entry counts, as in getenv().
 std::map<std::string, char*, std::less<>> entries_by_name() {
   std::map<std::string, char*, std::less<>> entries;
   if (environ == nullptr) return entries;

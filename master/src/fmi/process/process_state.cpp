@@ -48,15 +48,15 @@ std::string current_locale() {
 
 using File = std::pair<dev_t, ino_t>;
 
-/// Returns the file of a descriptor; nothing if the descriptor is not open.
+/// Returns the file to which a descriptor refers. Returns nullopt if the descriptor is not open.
 std::optional<File> file_behind(int descriptor) {
   struct stat status {};
   if (fstat(descriptor, &status) != 0) return std::nullopt;
   return File{status.st_dev, status.st_ino};
 }
 
-/// True for a connection to a network peer, such as a browser that shows the live page. The live server closes such a
-/// connection when the peer disconnects.
+/// True for a connection over a network, such as that of a browser which shows the live page. The live server closes
+/// such a connection when its peer disconnects.
 bool is_connection(int descriptor) {
   const auto option = [descriptor](int name) {
     int value = -1;
@@ -79,7 +79,7 @@ Handlers current_handlers() {
   return handlers;
 }
 
-/// True if the handler is a function of a loaded library. False for the default action.
+/// True if the handler is a function in a loaded library. False for the default action.
 bool is_code(const struct sigaction& action) {
   Dl_info info{};
   return dladdr(reinterpret_cast<const void*>(action.sa_handler), &info) != 0;
@@ -123,7 +123,8 @@ OpenFiles open_files() {
     if (is_connection(descriptor)) continue;
     if (const auto file = file_behind(descriptor)) files[descriptor] = *file;
   }
-  std::erase_if(files, [](const auto& file) { return fcntl(file.first, F_GETFD) == -1; });  // the folder's own
+  // Removes the descriptor of the folder itself.
+  std::erase_if(files, [](const auto& file) { return fcntl(file.first, F_GETFD) == -1; });
   return files;
 }
 

@@ -15,7 +15,7 @@
 namespace mebots::master {
 namespace {
 
-/// Appends `text` with a note whether the change was undone. A change that cannot be undone is reported once.
+/// Appends `text` and whether the change was undone. A change that cannot be undone is reported only once.
 void report(std::vector<std::string>& texts, const std::string& text, bool undone) {
   if (undone || is_new_change(text)) texts.push_back(text + (undone ? " (put back)" : " (cannot be put back)"));
 }
@@ -53,8 +53,8 @@ int current_nice() {
   return getpriority(PRIO_PROCESS, 0);  // 0: the calling thread
 }
 
-/// Returns the processors on which the calling thread may run; an empty set if the machine has more processors than a
-/// cpu_set_t can hold.
+/// Returns the processors on which the calling thread may run. Returns an empty set if the machine has more processors
+/// than a cpu_set_t can contain.
 cpu_set_t current_processors() {
   cpu_set_t processors{};
   if (sched_getaffinity(0, sizeof processors, &processors) != 0) CPU_ZERO(&processors);

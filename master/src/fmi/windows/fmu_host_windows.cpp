@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program mebots-windows-host.exe, which mebots-fmu-host runs under wine. It loads an FMU's library for Windows and
-// calls the library's functions. It reads requests from standard input, and writes replies to standard output. The FMU
+// Implements the program mebots-windows-host.exe, which mebots-fmu-host runs under wine. It loads an FMU's library for
+// Windows and calls its functions. It reads requests from standard input and writes replies to standard output. The FMU
 // cannot access these two streams.
 #include "fmi/windows/wire.hpp"
 #include "mebots/fmi1/library.hpp"
@@ -32,7 +32,7 @@ void write_all(const std::string& frame) {
   for (std::size_t done = 0; done < frame.size();) {
     DWORD count = 0;
     if (WriteFile(replies, frame.data() + done, static_cast<DWORD>(frame.size() - done), &count, nullptr) == 0)
-      ExitProcess(EXIT_FAILURE);  // nobody reads it
+      ExitProcess(EXIT_FAILURE);  // no process reads the replies any longer
     done += count;
   }
 }
@@ -52,8 +52,8 @@ void reply(Reply kind, Writer& writer) {
   write_all(writer.frame(static_cast<std::uint32_t>(kind)));
 }
 
-/// Reserves the pipes for this program: afterwards, prints of the FMU go to standard error, and its standard input is
-/// empty.
+/// Reserves the pipes for this program. Afterwards, output that the FMU prints goes to standard error, and the FMU's
+/// standard input is empty.
 void move_pipes_aside() {
   const auto process = GetCurrentProcess();
   const auto copy = [&](DWORD which) {
@@ -65,7 +65,7 @@ void move_pipes_aside() {
   replies = copy(STD_OUTPUT_HANDLE);
   _dup2(_open("NUL", _O_RDONLY), 0);
   _dup2(2, 1);
-  // A library with its own C library uses these handles of Windows.
+  // A library that has its own C library uses these handles of Windows.
   SetStdHandle(STD_INPUT_HANDLE, reinterpret_cast<HANDLE>(_get_osfhandle(0)));
   SetStdHandle(STD_OUTPUT_HANDLE, GetStdHandle(STD_ERROR_HANDLE));
 }
@@ -82,7 +82,8 @@ LONG WINAPI report_exception(EXCEPTION_POINTERS* pointers) {
                                    : reinterpret_cast<std::uint64_t>(record.ExceptionAddress);
   std::memcpy(frame.address, &address, sizeof address);
   DWORD count = 0;
-  WriteFile(replies, &frame, sizeof frame, &count, nullptr);  // no lock: the thread that has it may be this one
+  // Writes without the lock, because this thread may already hold it.
+  WriteFile(replies, &frame, sizeof frame, &count, nullptr);
   TerminateProcess(GetCurrentProcess(), EXIT_FAILURE);
   return EXCEPTION_EXECUTE_HANDLER;
 }
@@ -139,8 +140,8 @@ void log_fmi3(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String
   send_log(environment, status, nullptr, category, message);
 }
 
-/// Receives the arguments of a call, and sends the call's outputs. The FMU gets no callback stepFinished, so it steps
-/// synchronously.
+/// Receives the arguments of a call, calls the function, and sends its outputs. The FMU receives no callback
+/// stepFinished, so that it steps synchronously.
 template <typename... Arguments>
 class Receiver {
  public:
@@ -167,7 +168,7 @@ class Receiver {
     using T = Argument<i>;
     auto& slot = slots_[i];
     if constexpr (std::is_same_v<T, const fmi2CallbackFunctions*>) {
-      static std::deque<fmi2CallbackFunctions> all;  // an FMU keeps the pointer
+      static std::deque<fmi2CallbackFunctions> all;  // never freed, because an FMU keeps the pointer
       all.push_back({&log_fmi2, &std::calloc, &std::free, nullptr, reader.get<void*>()});
       slot.keep_bytes({reinterpret_cast<const char*>(&all.back()), sizeof all.back()});
       callbacks_ = &all.back();
@@ -263,8 +264,8 @@ void serve(Result (*function)(Arguments...), Reader& reader, Writer& writer) {
 
 using Server = std::function<void(Reader&, Writer&)>;
 
-/// Returns a server for each function, in the order of for_each_function(). A server is empty if the library lacks its
-/// function.
+/// Returns a server for each function, in the order of for_each_function(). The server of a function is empty if the
+/// library lacks the function.
 template <typename Table, typename ForEach>
 std::vector<Server> make_servers(void* library, ForEach for_each_function, const std::string& prefix = {}) {
   const auto table = fmi::find_functions<Table>(library, for_each_function, prefix);
@@ -295,7 +296,7 @@ std::wstring wide(const std::string& text) {
 
 class Host {
  public:
-  /// Returns after the library is unloaded.
+  /// Serves requests until the library is unloaded.
   void run() {
     std::string received;
     while (true) {
@@ -313,7 +314,7 @@ class Host {
         FreeLibrary(library_);
       else
         servers_.at(header.kind)(reader, writer_);
-      std::fflush(nullptr);  // what the FMU printed
+      std::fflush(nullptr);  // flushes output that the FMU has printed
       reply(Reply::result, writer_);
       if (header.kind == kUnload) return;
     }
@@ -324,7 +325,7 @@ class Host {
     const auto version = reader.get<std::uint32_t>();
     const auto path = wide(reader.get_text().value());
     const auto prefix = reader.get_text().value();
-    // FMUs may expect that their own folder is the current folder, or on the search path of libraries.
+    // FMUs may expect that the folder of their library is the current folder, or is on the search path of libraries.
     const auto folder = path.substr(0, path.rfind(L'\\'));
     SetCurrentDirectoryW(folder.c_str());
     library_ = LoadLibraryExW(path.c_str(), nullptr, LOAD_WITH_ALTERED_SEARCH_PATH);
