@@ -379,8 +379,8 @@ class Sender {
   const std::tuple<Arguments...>* arguments_;
 };
 
-/// A function of FMI in this process that forwards its calls to the library. `member` distinguishes functions of the
-/// same type.
+/// A function of FMI in this process that forwards its calls to the library. `member` distinguishes functions that have
+/// the same type.
 template <auto member, typename Pointer>
 struct Stub;
 
@@ -412,7 +412,7 @@ struct Stub<member, Result (*Table::*)(Arguments...)> {
   }
 };
 
-/// `exported` has the digit 1 for each function that the library exports.
+/// Returns a table of stubs. `exported` contains the digit 1 for each function that the library exports.
 template <typename Table, typename ForEach>
 Table make_table(ForEach for_each_function, std::string_view exported) {
   Table table;

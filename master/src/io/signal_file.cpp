@@ -42,7 +42,8 @@ double real_cell(const CsvReader& reader, const WantedSignal& wanted) {
   return value;
 }
 
-/// Spreadsheets and programs may write whole numbers as 3.0 and Booleans as TRUE.
+/// Returns a cell as a value of a config. Spreadsheets and programs may write whole numbers as 3.0 and Booleans as
+/// TRUE.
 WrittenValue as_written(std::string_view cell, Type type) {
   if (type == Type::string || type == Type::binary) return std::string(cell);
   const auto text = data::trimmed(cell);
@@ -62,7 +63,8 @@ WrittenValue as_written(std::string_view cell, Type type) {
   return static_cast<std::int64_t>(*number);
 }
 
-/// Reads a cell of a column of Integers, enumeration items, Booleans or texts, by the rules for values of a config.
+/// Reads a cell that contains an Integer, an enumeration item, a Boolean or a text. The rules are those for values in a
+/// config.
 modeldesc::Value other_cell(const CsvReader& reader, const WantedSignal& wanted) {
   const auto cell = reader.cell(wanted.column);
   const auto type = wanted.variable->type;

@@ -15,8 +15,8 @@ std::uint8_t byte_at(std::string_view text, std::size_t at) {
   return at < text.size() ? static_cast<std::uint8_t>(text[at]) : 0;
 }
 
-/// Returns the length of the well-formed character at `at` (RFC 3629, section 4); 0 if the character is not
-/// well-formed.
+/// Returns the length of the well-formed character that starts at `at` (RFC 3629, section 4). Returns 0 if there is no
+/// well-formed character.
 std::size_t character_at(std::string_view text, std::size_t at) {
   const auto first = byte_at(text, at);
   if (first < 0x80) return 1;
@@ -32,8 +32,8 @@ std::size_t character_at(std::string_view text, std::size_t at) {
   return length;
 }
 
-/// Returns the index of the first byte that is not part of a well-formed character; the text's size if there is no such
-/// byte.
+/// Returns the index of the first byte that is not part of a well-formed character. Returns the size of the text if
+/// there is no such byte.
 std::size_t first_invalid(std::string_view text) {
   std::size_t at = 0;
   while (at < text.size()) {

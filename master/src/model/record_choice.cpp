@@ -19,11 +19,11 @@ using modeldesc::Type;
 using modeldesc::Variability;
 using modeldesc::Variable;
 
-/// A set of patterns. Records which of the patterns matched a name.
+/// A set of patterns. Stores which of the patterns have matched a name.
 ///
 /// The literal beginning of a pattern is its text before the first * or ?. A name is compared only with patterns whose
-/// literal beginning is also the beginning of the name. Therefore even in a long list of patterns such as
-/// "cell.branch[7].*", a name needs only one look-up for each length of a literal beginning.
+/// literal beginning is also the beginning of the name. Therefore a name requires only one look-up for each length of a
+/// literal beginning, even in a long list of patterns such as "cell.branch[7].*".
 class Patterns {
  public:
   explicit Patterns(const std::vector<RecordPattern>& patterns) : patterns_(&patterns), used_(patterns.size(), false) {
@@ -52,7 +52,7 @@ class Patterns {
   void use(std::string_view name) {
     for_each_fitting(name, [&](std::size_t i) { used_[i] = true; });
   }
-  /// If a pattern was never used, throws InputError with suggestions from `names`.
+  /// Throws InputError with suggestions from `names` if a pattern was never used.
   void check(const std::string& what, const std::vector<std::string>& names) const {
     for (std::size_t i = 0; i < used_.size(); ++i) {
       if (used_[i]) continue;
@@ -89,7 +89,7 @@ class Patterns {
   const std::vector<RecordPattern>* patterns_;
   std::vector<bool> used_;
   std::unordered_map<std::string_view, std::vector<std::size_t>> by_beginning_;  // maps literal beginnings to patterns
-  std::set<std::size_t> lengths_;                                                // lengths of the beginnings
+  std::set<std::size_t> lengths_;                                                // lengths of the literal beginnings
 };
 
 void for_each_variable(const ResolvedSystem& system,
@@ -97,7 +97,7 @@ void for_each_variable(const ResolvedSystem& system,
   for (std::size_t i = 0; i < system.instances.size(); ++i) {
     const auto& model = *system.instances[i].model;
     for (const auto& variable : model.variables) {
-      if (is_osmp_part(model, variable)) continue;  // an address is meaningless later
+      if (is_osmp_part(model, variable)) continue;  // the address would not be valid later
       const ResolvedVariable candidate{i, &variable};
       work(candidate, system.text(candidate));
     }
@@ -107,8 +107,8 @@ void for_each_variable(const ResolvedSystem& system,
 }  // namespace
 
 bool fits(std::string_view text, std::string_view pattern) {
-  // Greedy matching with one backtracking point: if the remaining pattern does not match, the last star matches one
-  // more character.
+  // Matches greedily and stores one point for backtracking: if the rest of the pattern does not match, the last star
+  // matches one more character.
   std::size_t t = 0;
   std::size_t p = 0;
   std::size_t star = std::string_view::npos;
@@ -149,8 +149,8 @@ std::vector<ResolvedVariable> recorded_variables(const ResolvedSystem& system) {
     if (is_clocked(variable) && !system.instances[candidate.instance].clocks_tick) return;
     const bool output = shown && (is_number(variable.type) || (variable.type == Type::string && record.texts));
     const auto fit = wanted.fit(name);
-    // A pattern without a star selects any variable with this name. A pattern with a star selects outputs, but no
-    // binaries. It selects texts only if the config requests them, because reading a text may be expensive in the FMU.
+    // A pattern without a star selects every variable that has this name. A pattern with a star selects outputs, but no
+    // binaries. It selects texts only if the config requests this, because reading a text may take an FMU much time.
     const bool by_pattern = record.patterns ? fit == Patterns::Fit::pattern : true;
     if (output || variable.causality == Causality::output) names.push_back(name);
     if (fit != Patterns::Fit::outright && !(output && by_pattern)) return;

@@ -68,14 +68,14 @@ void PictureRecorder::make_folder() const {
 
 void PictureRecorder::remove_pictures() const {
   std::error_code error;
-  // Removes pictures of an earlier run, which could be mistaken for pictures of this run.
+  // Removes pictures of an earlier run, which could otherwise be mistaken for pictures of this run.
   for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
     if (entry.path().extension() == ".png") std::filesystem::remove(entry.path(), error);
   }
 }
 
 std::optional<std::string> PictureRecorder::reached(const Point& point) {
-  if (!has_folder_) make_folder();  // also in a resumed run, because a user may have deleted the folder
+  if (!has_folder_) make_folder();  // also in a resumed run, because the user may have deleted the folder
   has_folder_ = true;
   if (point.step == 0) remove_pictures();
   const auto id = ensemble_->integer(id_);

@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// The blocks of bytes that follow the header.
+/// Builds the blocks of bytes that follow the header.
 class Blocks {
  public:
   Json add(std::string_view bytes) {

@@ -30,7 +30,7 @@ GreyPicture halved(const GreyPicture& picture) {
   return half;
 }
 
-/// Reduces the picture by one level. Returns false if it already has the smallest size.
+/// Halves the width and height of the picture. Returns false if it already has the smallest size.
 bool shrink(Picture& picture) {
   const auto read = read_png(picture.png);
   if (!read || read->width / 2 < kLeastWidth || read->pixels.size() / read->width < 2) return false;

@@ -16,7 +16,7 @@ namespace {
 using modeldesc::Causality;
 using modeldesc::Type;
 
-/// Returns the connections between these members that transfer values at ticks of clocks.
+/// Returns those connections between these members that transfer values at ticks of clocks.
 std::vector<ResolvedConnection> connections_within(const ResolvedSystem& system,
                                                    const std::vector<std::size_t>& members) {
   std::vector<ResolvedConnection> found;

@@ -21,7 +21,7 @@ using modeldesc::Causality;
 using modeldesc::Type;
 using modeldesc::Variable;
 
-/// Returns the whole numbers that a floating-point type represents exactly: up to 2^53 or 2^24.
+/// Returns the range in which a floating-point type represents all whole numbers exactly: up to 2^53 or 2^24.
 fmi::WholeLimits exact_range(Type type) {
   constexpr std::int64_t kExactInDouble = std::int64_t{1} << 53;
   constexpr std::int64_t kExactInFloat = std::int64_t{1} << 24;
@@ -29,8 +29,8 @@ fmi::WholeLimits exact_range(Type type) {
   return {-most, static_cast<std::uint64_t>(most)};
 }
 
-/// Returns the range of a variable with whole numbers: 0 to 1 for a Boolean, the lowest to the highest item for an
-/// enumeration, otherwise the range of its type.
+/// Returns the range of a variable whose values are whole numbers: 0 to 1 for a Boolean, the lowest to the highest item
+/// for an enumeration, otherwise the range of its type.
 fmi::WholeLimits range_of(const modeldesc::ModelDescription& model, const Variable& variable) {
   if (variable.type == Type::boolean) return {0, 1};
   const auto* type = variable.type == Type::enumeration ? model.type_definition(variable.declared_type) : nullptr;
@@ -43,7 +43,7 @@ bool is_within(const fmi::WholeLimits& inner, const fmi::WholeLimits& outer) {
   return inner.low >= outer.low && inner.high <= outer.high;
 }
 
-/// Checks a scalar connection and determines how its value is converted.
+/// Checks a scalar connection, and determines how its value is converted.
 class ConnectionCheck {
  public:
   ConnectionCheck(const ResolvedSystem& system, const ConnectionDescription& description,
@@ -64,7 +64,7 @@ class ConnectionCheck {
     return connection_;
   }
 
-  /// Returns a notice for the user; empty if there is none.
+  /// Returns a notice for the user. Returns an empty text if there is none.
   const std::string& notice() const { return notice_; }
 
  private:
@@ -108,7 +108,7 @@ class ConnectionCheck {
     if (from_.fmi3->element || to_.fmi3->element) fail("arrays of Clocks are not supported");
   }
 
-  /// True for an output, or for an input clock with its own timing.
+  /// True for an output, and for an input clock that has its own timing.
   bool is_source() const {
     return from_.causality == Causality::output ||
            (from_.type == Type::clock && from_.causality == Causality::input && from_.fmi3->timing->is_time_based());
@@ -160,8 +160,8 @@ class ConnectionCheck {
     }
   }
 
-  /// True if the input's type includes all values of the output's type. If the input is an enumeration, a whole number
-  /// in its range may still not be one of its items. Ensemble checks this in every step.
+  /// True if the type of the input includes all values of the output's type. If the input is an enumeration, a whole
+  /// number in its range may still not be one of its items; Ensemble checks this at every step.
   bool widens() const {
     const bool from_whole = fmi::is_whole(from_.type) || from_.type == Type::boolean;
     if (fmi::is_float(to_.type)) {
@@ -173,7 +173,7 @@ class ConnectionCheck {
     return is_within(range_of(model(connection_.from), from_), fmi::limits_of(to_.type));
   }
 
-  /// True if the key `narrow` can permit this connection. It requires a check of each value. Values of clocked
+  /// True if the key `narrow` can permit this connection. In this case, each value must be checked. Values of clocked
   /// variables, and values that a solver transfers between model exchange instances, are not checked.
   bool can_narrow() const {
     if (connection_.pointer || is_clocked(from_) || is_clocked(to_)) return false;
@@ -216,7 +216,7 @@ class ConnectionCheck {
     return result;
   }
 
-  /// Returns the variable's unit. If the FMU defines the unit, the result includes the definition.
+  /// Returns the unit of a variable. The result includes the definition if the FMU defines the unit.
   modeldesc::Unit unit_of(const ResolvedVariable& variable) const {
     const auto& name = variable.variable->unit;
     if (const auto* defined = model(variable).unit(name)) return *defined;
@@ -226,7 +226,7 @@ class ConnectionCheck {
     return unit;
   }
 
-  /// Checks the units of both ends. If both variables have a unit, numbers are converted.
+  /// Checks the units of both ends. If both variables have a unit, determines the conversion.
   void check_units() {
     if (!description_.convert_units || from_.unit.empty() || to_.unit.empty()) return;
     constexpr const char* kRemedy =
@@ -279,7 +279,7 @@ class ConnectionCheck {
   std::string notice_;
 };
 
-/// Returns the variables `name.base.lo`, `name.base.hi` and `name.size`, if all exist.
+/// Returns the variables `name.base.lo`, `name.base.hi` and `name.size`. Returns nullopt unless all of them exist.
 std::optional<std::vector<ResolvedVariable>> binary_parts(const ResolvedSystem& system, const VariableName& name) {
   const auto instance = system.description->index_of(name.instance);
   if (!instance) return std::nullopt;
@@ -298,9 +298,9 @@ bool is_scalar(const ResolvedSystem& system, const VariableName& name) {
   return instance && system.instances[*instance].model->find(name.variable) != nullptr;
 }
 
-/// A buffer is valid until the next step of its owner ends. If a reader steps less often than the owner, it reads the
-/// buffer at the start of its own step, when the buffer is valid. If a reader steps more often than the owner, the
-/// buffer would not be valid in all of its steps.
+/// Checks that a buffer is valid whenever the reader uses it. It is valid until the next step of its owner ends. A
+/// reader that steps less often than the owner reads the buffer at the start of its own step, when the buffer is valid.
+/// If a reader steps more often, the buffer is not valid in all of its steps.
 void check_buffer_lives(const ResolvedSystem& system, const ResolvedConnection& connection, const std::string& place) {
   const auto& owner = *system.instances[connection.from.instance].description;
   const auto& reader = *system.instances[connection.to.instance].description;
@@ -322,7 +322,7 @@ ResolvedConnection plain_connection(const ResolvedVariable& from, const Resolved
   return connection;
 }
 
-/// Returns the elements of an array variable in row-major order; empty if the name is not that of an array.
+/// Returns the elements of an array in row-major order. Returns an empty list if the name is not that of an array.
 std::vector<ResolvedVariable> elements_of(const ResolvedSystem& system, const VariableName& name) {
   const auto instance = system.description->index_of(name.instance);
   if (!instance) return {};
@@ -340,7 +340,8 @@ std::string_view indices_of(const ResolvedVariable& element) {
   return std::string_view(element.variable->name).substr(element.variable->fmi3->element->array.size());
 }
 
-/// Returns the connections between the elements of two arrays; empty if neither name is that of an array.
+/// Returns the connections between the elements of two arrays. Returns an empty list if neither name is that of an
+/// array.
 std::vector<ResolvedConnection> array_connections(const ResolvedSystem& system,
                                                   const ConnectionDescription& connection) {
   const auto from = elements_of(system, connection.from);
@@ -364,7 +365,7 @@ std::vector<ResolvedConnection> array_connections(const ResolvedSystem& system,
   return result;
 }
 
-/// Returns the connections between a Binary and the parts of an OSMP binary; empty for any other pair.
+/// Returns the connections between a Binary and the parts of an OSMP binary. Returns an empty list for any other pair.
 std::vector<ResolvedConnection> converted(const ResolvedSystem& system, const ConnectionDescription& connection,
                                           const std::optional<std::vector<ResolvedVariable>>& from_parts,
                                           const std::optional<std::vector<ResolvedVariable>>& to_parts) {
@@ -402,7 +403,7 @@ std::vector<ResolvedConnection> scalars_of(const ResolvedSystem& system, const C
     const auto& binary = from_parts ? connection.from : connection.to;
     const auto& other = from_parts ? connection.to : connection.from;
     const auto& other_place = connection.place;
-    system.find(other, other_place);  // throws if it is unknown
+    system.find(other, other_place);  // throws if the variable is unknown
     throw InputError(ErrorCode::invalid_connection,
                      fmt::format("{}: '{}' is a binary variable (OSMP) and '{}' is not; connect two binary variables",
                                  connection.place, binary.text(), other.text()));
@@ -417,8 +418,8 @@ std::vector<ResolvedConnection> scalars_of(const ResolvedSystem& system, const C
 
 namespace {
 
-/// Returns the key for sorting. Connections are sorted by target. Connections of one sum are sorted by their sources,
-/// factors and offsets. Therefore the order in the config has no effect.
+/// Returns the key by which connections are sorted: by target; the terms of a sum also by source, factor and offset.
+/// Therefore the order in the config has no effect.
 auto order_of(const ResolvedConnection& connection) {
   return std::tuple(connection.to.instance, connection.to.variable, connection.from.instance, connection.from.variable,
                     connection.factor, connection.offset);

@@ -25,15 +25,15 @@ using modeldesc::Type;
   throw InputError(code, fmt::format("{}: {}", place, what));
 }
 
-/// Determines the conversion from a column's unit to a variable: the units of the FMU, including display units, take
-/// precedence over those of mebots.
+/// Determines the conversion from the unit of a column to a variable. Units of the FMU, including display units, take
+/// precedence over units of mebots.
 class ColumnUnit {
  public:
   ColumnUnit(const modeldesc::ModelDescription& model, const modeldesc::Variable& variable, std::string unit,
              std::string place)
       : model_(model), variable_(variable), unit_(std::move(unit)), place_(std::move(place)) {}
 
-  /// Returns factor and offset of the conversion. The value in the variable's unit is factor * cell + offset.
+  /// Returns the factor and offset of the conversion. The value in the variable's unit is factor * cell + offset.
   modeldesc::UnitConversion conversion() const {
     if (!fmi::is_float(variable_.type))
       refuse(fmt::format("a variable of type {} has no unit", to_string(variable_.type)));
@@ -76,8 +76,8 @@ class ColumnUnit {
   std::string place_;
 };
 
-/// Opens the signal files of a system. Collects the signals that are needed from each file, so that each file is read
-/// only once.
+/// Reads the signal files of a system. First collects the signals that are needed from each file, so that each file is
+/// read only once.
 class SignalReader {
  public:
   explicit SignalReader(ResolvedSystem& system) : system_(system) {}
@@ -96,9 +96,9 @@ class SignalReader {
   struct Use {
     OverrideDescription description;
     ResolvedVariable variable;
-    std::optional<std::size_t> entry;  // in the scenario; else an input
+    std::optional<std::size_t> entry;  // index in the scenario; nullopt for an input
   };
-  /// A signal file that was opened with its description.
+  /// A signal file that was opened, and its description.
   struct Opened {
     Opened(const SignalFileDescription& asked) : description(asked), file(asked.path, asked.name, asked.time) {}
 
@@ -246,7 +246,7 @@ class SignalReader {
   }
 
   ResolvedSystem& system_;
-  std::list<Opened> files_;  // a list, because their readers must not move
+  std::list<Opened> files_;  // a list, because the readers must not move in memory
 };
 
 }  // namespace

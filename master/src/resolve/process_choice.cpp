@@ -31,8 +31,8 @@ bool demands_shared(const ResolvedInstance* instance) {
   return instance->description->isolation.process == ProcessKind::shared;
 }
 
-/// Returns the groups of instances by FMU, those with the most instances first. If two FMUs cannot share a process, the
-/// later group is moved to separate processes.
+/// Returns the instances, grouped by FMU. The largest groups come first, because the later one of two FMUs that cannot
+/// share a process is moved to separate processes.
 std::vector<Group> groups_by_size(ResolvedSystem& system) {
   std::vector<Group> groups;
   std::map<const Fmu*, std::size_t> places;
@@ -55,7 +55,7 @@ std::string listed_names(const std::vector<ResolvedInstance*>& instances) {
   return fmt::format("{}{}", fmt::join(names, ", "), more == 0 ? "" : fmt::format(" and {} more", more));
 }
 
-/// Moves instances to separate processes, except instances that the config requires to share the master's process.
+/// Moves instances to separate processes, except those for which the config demands the master's process.
 void isolate(ResolvedSystem& system, const std::vector<ResolvedInstance*>& instances, const std::string& reason) {
   for (auto* instance : instances) {
     instance->isolation.process = ProcessKind::own;
@@ -92,7 +92,7 @@ void load(ResolvedSystem& system, const Group& group) {
                                        admission.reason));
 }
 
-/// If an FMU permits only one instance per process, moves all its instances except the first to separate processes.
+/// If an FMU permits only one instance in a process, moves all of its instances except the first to separate processes.
 void part_single_instances(ResolvedSystem& system) {
   std::map<const Fmu*, const ResolvedInstance*> users;
   for (auto& instance : system.instances) {
@@ -108,7 +108,7 @@ void part_single_instances(ResolvedSystem& system) {
   }
 }
 
-/// Throws an error or adds a notice if the config uses features that an FMU for Windows lacks under wine.
+/// Throws InputError or adds a notice if the config uses a feature that an FMU for Windows does not have under wine.
 void check_windows_fmus(ResolvedSystem& system) {
   for (const auto& instance : system.instances) {
     if (!instance.isolation.alone() || !instance.fmu->runs_under_wine()) continue;

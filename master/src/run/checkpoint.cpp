@@ -113,7 +113,7 @@ Checkpointer::Checkpointer(Simulation& simulation, std::filesystem::path folder,
 void Checkpointer::continues(const Point& point) {
   if (point.time_ns < next_ns_) return;
   const auto every_ns = nanoseconds_of(*checkpoint_.options.checkpoint_every_s, "time from checkpoint to checkpoint");
-  const auto passed = point.time_ns / every_ns - (point.time_ns % every_ns < 0 ? 1 : 0);  // round down
+  const auto passed = point.time_ns / every_ns - (point.time_ns % every_ns < 0 ? 1 : 0);  // rounds down
   next_ns_ = (passed + 1) * every_ns;
   const auto state = simulation_->save_state();  // makes the recorder write its rows to the file
   checkpoint_.simulation = simulation_->serialize(state);

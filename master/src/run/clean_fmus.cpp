@@ -19,8 +19,8 @@ std::string name_of(const Fmu& fmu) {
   return fmu.archive().filename().string();
 }
 
-/// The users of a process function: the number of present runs in this process, and the first FMU that imported the
-/// function.
+/// Describes the use of process-wide data: the number of current runs in this process that use them, and the first FMU
+/// that imported a function which changes them.
 struct Use {
   int runs = 0;
   std::string fmu;
@@ -32,12 +32,11 @@ struct Uses {
 };
 
 Uses& uses() {
-  static Uses& all = *new Uses;  // never destroyed: a run may be closed when the process ends
+  static Uses& all = *new Uses;  // never destroyed, because a run may be closed when the process ends
   return all;
 }
 
-/// Returns the functions that FMUs of this process import. Maps each function to the name of the first FMU that imports
-/// it.
+/// Maps each process function that FMUs of this process import to the name of the first FMU that imports it.
 std::map<const ProcessFunction*, std::string> functions_of(const ResolvedSystem& system) {
   std::map<const ProcessFunction*, std::string> functions;
   for (const auto& instance : system.instances) {

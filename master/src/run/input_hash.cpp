@@ -13,7 +13,7 @@
 namespace mebots::master {
 namespace {
 
-/// Returns the files of a folder and of its subfolders in a fixed order, which does not depend on the file system.
+/// Returns the files of a folder and of its subfolders. Their order is fixed and does not depend on the file system.
 std::vector<std::filesystem::path> files_of(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
@@ -23,8 +23,8 @@ std::vector<std::filesystem::path> files_of(const std::filesystem::path& folder)
   return files;
 }
 
-/// Returns whether a text parameter names a folder of `mebots deploy`. Only the folder of such a parameter is hashed.
-/// The value of another String parameter may be a name inside the FMU that is by chance also the name of a folder.
+/// True if a text parameter names a folder that `mebots deploy` has written. Only such folders are hashed. The value of
+/// another String parameter may be a name inside the FMU that is also, by chance, the name of a folder.
 bool names_network(const std::string& variable, const std::string& text) {
   return variable == "network" && is_file(std::filesystem::path(text) / "network.json");
 }
@@ -34,7 +34,7 @@ bool names_network(const std::string& variable, const std::string& text) {
 std::map<std::string, std::filesystem::path> named_files(const SystemDescription& system) {
   std::map<std::string, std::filesystem::path> files;
   for (const auto& instance : system.instances) {
-    std::map<std::string, const std::string*> texts;  // the last assignment to a parameter counts
+    std::map<std::string, const std::string*> texts;  // the last assignment to a parameter applies
     for (const auto& assignment : instance.parameters) {
       const auto* text = std::get_if<std::string>(&assignment.value);
       if (const auto* typed = std::get_if<UntypedText>(&assignment.value)) text = &typed->text;
@@ -56,7 +56,7 @@ std::map<std::string, std::filesystem::path> named_files(const SystemDescription
 InputHash hash_inputs(const SystemDescription& system, std::span<const std::string> overrides) {
   InputHash hash;
   hash.config = sha256(system.source);
-  std::map<std::filesystem::path, std::string> known;  // instances may share an FMU
+  std::map<std::filesystem::path, std::string> known;  // hashes of files, because instances may share an FMU
   auto lines = fmt::format("config {}\n", hash.config);
   for (const auto& instance : system.instances) {
     auto& digest = known[instance.fmu_path];

@@ -38,9 +38,8 @@ ResultFolder::~ResultFolder() {
   std::error_code ignored;
   for (const auto& waiting : waiting_) std::filesystem::remove(waiting.now, ignored);
   if (kept_) return;
-  lock_.reset();                                                              // its file would keep the folder from
-                                                                              // being removed
-  for (const auto& folder : made_) std::filesystem::remove(folder, ignored);  // only if empty
+  lock_.reset();  // otherwise, the lock's file would prevent the folder from being removed
+  for (const auto& folder : made_) std::filesystem::remove(folder, ignored);  // removes only empty folders
 }
 
 OutputFile& ResultFolder::create(std::string_view name) {
@@ -83,8 +82,8 @@ void ResultFolder::keep(std::span<const std::string_view> outdated) {
 
 namespace {
 
-/// True if this path still names the opened file. The file may have been removed, because the last run that uses a
-/// folder removes the lock file.
+/// True if this path still refers to the opened file. The file may have been removed, because the last run that uses a
+/// folder removes its lock file.
 bool is_still(const std::filesystem::path& file, int descriptor) {
   struct stat named {};
   struct stat opened {};
@@ -142,7 +141,8 @@ FolderLock::FolderLock(const std::filesystem::path& folder) : file_(folder / ".m
 
 FolderLock::~FolderLock() {
   std::error_code ignored;
-  std::filesystem::remove(file_, ignored);  // before unlocking, so that no other run locks a file that is then removed
+  // Removed before unlocking, so that no other run locks a file that is then removed.
+  std::filesystem::remove(file_, ignored);
   ::close(descriptor_);
 }
 

@@ -80,7 +80,7 @@ bool Simulation::step() {
     finish(std::move(*end));
     return false;
   }
-  step_ = reached;  // only now: a point at which a value is not finite counts as not reached
+  step_ = reached;  // set only now, because a point at which a value is not finite does not count as reached
   reach_point();
   return true;
 }

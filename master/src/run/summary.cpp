@@ -31,8 +31,8 @@ std::string text_of(const Json& value) {
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
-/// Values under nested labels, in the order of insertion. A label is looked up in logarithmic time; an ordered JSON
-/// object would compare it with each of its members.
+/// Stores values under nested labels, in the order in which they were added. Looks up a label in logarithmic time,
+/// whereas an ordered JSON object would compare it with each of its members.
 class LabelTree {
  public:
   /// `path` must not be empty.
@@ -57,7 +57,7 @@ class LabelTree {
  private:
   std::map<std::string, std::size_t> places_;  // maps labels to indices of children
   std::vector<std::pair<std::string, LabelTree>> children_;
-  Json value_ = Json::object();  // for a leaf; in an empty tree an object without members
+  Json value_ = Json::object();  // value of a leaf; an empty tree is an object without members
 };
 
 /// Appends the members of `more` to `object`, which must not contain a member with the same label.
@@ -258,9 +258,9 @@ Json summary_json(const ResolvedSystem& system, const InputHash& hash, const Run
                         {"stepping", report.wall.stepping_s},
                         {"total", report.wall.open_s + report.wall.initialise_s + report.wall.stepping_s}};
 
-  // An ordered JSON object moves its members when it grows. Therefore each part is complete before it is added.
+  // Each part is complete before it is added, because an ordered JSON object moves its members when it grows.
   Json versions = {{"mebots", MEBOTS_VERSION}};
-  // The start values with which the run replaced those of the FMUs. They matter for the comparison of two runs.
+  // The start values by which the run replaced those of the FMUs. They are needed to compare two runs.
   Json parameters;
   for (const auto& instance : system.instances) {
     if (instance.starts.empty()) continue;

@@ -28,8 +28,8 @@ void put_unless_empty(Json& object, const char* key, const std::string& text) {
   if (!text.empty()) object[key] = text;
 }
 
-/// Returns the member `text` of a config. If the config has none, returns the `text` of the extended config, which
-/// follows in `source`. Empty for an SSP.
+/// Returns the member `text` of a config. If the config has none, returns that of the extended config, which follows in
+/// `source`. Returns an empty text for an SSP.
 std::string text_for_people(const std::string& source) {
   std::istringstream stream(source);
   try {
@@ -53,7 +53,7 @@ Json instances_json(const ResolvedSystem& system) {
   return instances;
 }
 
-/// Returns the variable at one end of a connection. Null for an OSMP binary, which consists of three variables.
+/// Returns the variable at one end of a connection. Returns null for an OSMP binary, which consists of three variables.
 const modeldesc::Variable* variable_of(const ResolvedSystem& system, const VariableName& name) {
   const auto instance = system.description->index_of(name.instance);
   return instance ? system.instances[*instance].model->find(name.variable) : nullptr;
@@ -106,7 +106,7 @@ Json pictures_json(const SystemDescription& description) {
   return pictures;
 }
 
-/// Returns the groups of the summary: for each group, the variables of its members, by name.
+/// Returns the groups of the summary. Each group contains the variables of its members, indexed by name.
 Json groups_json(const SystemDescription& description) {
   auto groups = Json::array();
   for (const auto& entry : description.summary) {

@@ -13,10 +13,10 @@
 namespace mebots::master {
 namespace {
 
-/// The state of a slave. For a lost slave: time and reason of the loss, and the last read values.
+/// Contains the state of a slave. After a failure, this is its time and reason, and the values that were read last.
 class TolerantState final : public SlaveState {
  public:
-  std::unique_ptr<SlaveState> inner;  // null = lost
+  std::unique_ptr<SlaveState> inner;  // null after a failure
   std::vector<std::byte> own;
 };
 
@@ -29,7 +29,7 @@ void TolerantSlave::attempt(Work work) {
   try {
     work();
   } catch (const InterruptedError&) {
-    throw;  // not a failure of the instance
+    throw;  // this is no failure of the instance
   } catch (const Error& error) {
     loss_->at_ns = time_ns_;
     loss_->text = error.what();
@@ -115,8 +115,8 @@ void TolerantSlave::visit(state::Visitor& v) {
   v("strings", strings_);
   v("binaries", binaries_);
   if (!v.restores()) return;
-  // The state contains no OSMP pointers. After the state is restored, they are null, because the lost slave cannot
-  // provide new ones.
+  // The state contains no OSMP pointers. They are null after a restore, because the failed slave cannot provide new
+  // ones.
   for (const auto& triple : osmp_triples(description())) {
     for (auto& kept : integers_) {
       if (const auto places = places_of(triple, kept.references)) {

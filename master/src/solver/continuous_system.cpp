@@ -20,11 +20,12 @@ namespace {
 constexpr int kMostUpdates = 1000;
 /// The maximum number of transfers over discrete links between two updates.
 constexpr int kMostTransfers = 1000;
-/// The thresholds at which events count as an infinite sequence. The number of consecutive events is kZenoEvents. All
-/// of them lie within this fraction of a communication step.
+/// If this many consecutive events occur within this fraction of a communication step, they count as an infinite
+/// sequence.
 constexpr std::size_t kZenoEvents = 20;
 constexpr double kZenoShare = 1e-7;
-/// Absolute tolerance divided by relative tolerance, for a nominal value of 1, as the FMI standard suggests.
+/// The ratio of the absolute tolerance to the relative tolerance, for a nominal value of 1, as the FMI standard
+/// suggests.
 constexpr double kAbsoluteShare = 0.01;
 
 bool same_bits(std::span<const double> a, std::span<const double> b) {
@@ -88,7 +89,7 @@ Evaluation ContinuousSystem::place(double time_s, std::span<const double> states
   return Evaluation::recoverable;
 }
 
-/// Sets all members to the present time and states.
+/// Sets all members to the current time and states.
 void ContinuousSystem::place_exactly() {
   failure_.clear();
   if (place(time_s_, states_) == Evaluation::ok) return;
@@ -141,7 +142,7 @@ Evaluation ContinuousSystem::jacobian(double time_s, std::span<const double> sta
   return Evaluation::ok;
 }
 
-/// Compares the signs of the event indicators with those after the last event, and records the members whose signs
+/// Compares the signs of the event indicators with those after the last event, and stores the members whose signs have
 /// changed. This check is necessary because FMI distinguishes z > 0 from z <= 0, and CVODE does not detect an indicator
 /// that starts at zero and then changes its sign.
 bool ContinuousSystem::has_crossed() {
@@ -193,7 +194,7 @@ Advanced ContinuousSystem::advance(double end_s) {
   return {time_s_, terminated_by_.empty() ? std::nullopt : std::optional(terminated_by_)};
 }
 
-/// Handles changes of inputs and due events at a communication point.
+/// Handles changed inputs and due events at a communication point.
 void ContinuousSystem::begin_at_point() {
   causes_.clear();
   if (in_event_mode_) return handle_event(EventKind::input);
@@ -258,7 +259,7 @@ void ContinuousSystem::count_solver_work() {
   counted_ = now;
 }
 
-/// Sets the members to the end of the solver's step. Returns the kind of event that occurred at this time.
+/// Sets the members to the end of the solver's step. Returns the kind of event that has occurred at this time.
 ContinuousSystem::EventKind ContinuousSystem::complete_step() {
   step_is_open_ = false;
   time_s_ = step_end_s_;
@@ -310,10 +311,10 @@ void ContinuousSystem::handle_event(EventKind kind) {
   iterate_event();
 }
 
-/// Handles a step event. Restarts the solver only if the event changes data on which the solver depends. Some FMUs
-/// request an event after every step. If each event restarted the solver, it would always take its shortest steps.
-/// CVODE compares the event indicators with their values before the event. Therefore it must restart if the event
-/// changes the sign of an indicator.
+/// Handles a step event. Restarts the solver only if the event has changed data on which the solver depends. Some FMUs
+/// request an event after every step; if each event restarted the solver, it would always take its shortest steps.
+/// CVODE compares the event indicators with their values before the event. Therefore it must also restart if the event
+/// has changed the sign of an indicator.
 void ContinuousSystem::handle_step_event() {
   const auto requested_by = causes_;
   const auto before = solver_view();
@@ -328,7 +329,8 @@ void ContinuousSystem::handle_step_event() {
   limit_events();
 }
 
-/// Returns those values at the present time on which the solver depends. Empty if a member cannot compute them.
+/// Returns those values at the current time on which the solver depends. Returns nullopt if a member cannot compute
+/// them.
 std::optional<ContinuousSystem::SolverView> ContinuousSystem::solver_view() {
   SolverView view{states_, tolerances_, std::vector<double>(states_.size()), next_event_s_, above_};
   if (derivatives(time_s_, states_, view.derivatives) != Evaluation::ok) return std::nullopt;
@@ -355,7 +357,7 @@ void ContinuousSystem::count_event(EventKind kind) {
   }
 }
 
-/// Ends the run if events follow each other without progress in time.
+/// Throws Error if events follow each other without progress in time.
 void ContinuousSystem::limit_events() {
   recent_events_s_.push_back(time_s_);
   if (recent_events_s_.size() <= kZenoEvents) return;
@@ -391,7 +393,7 @@ void ContinuousSystem::iterate_event() {
                   subject(), kMostUpdates, causes()));
 }
 
-/// Activates the clocks that are due at this instant, and propagates ticks and values until nothing changes.
+/// Makes the clocks that are due at this instant tick, and propagates ticks and values until nothing changes.
 void ContinuousSystem::tick_clocks() {
   if (parts_.clocks == nullptr) return;
   bool changed = parts_.clocks->begin_instant(time_s_);
@@ -404,7 +406,8 @@ void ContinuousSystem::tick_clocks() {
                           subject(), kMostTransfers));
 }
 
-/// Returns true if a member needs another update, or a clock ticks again at this time.
+/// Updates the discrete states of all members. Returns true if a member needs another update, or if a clock ticks again
+/// at this time.
 bool ContinuousSystem::update_members() {
   bool again = false;
   next_event_s_ = kNoEvent;
@@ -425,7 +428,7 @@ bool ContinuousSystem::update_members() {
   return (parts_.clocks != nullptr && schedule_tick()) || again;
 }
 
-/// Makes the next tick of a clock a time event. Returns true if the tick is due at the present time.
+/// Makes the next tick of a clock a time event. Returns true if the tick is due at the current time.
 bool ContinuousSystem::schedule_tick() {
   const auto tick = parts_.clocks->next_tick();
   const double tick_s = on_grid(tick.time_s);
@@ -438,11 +441,11 @@ bool ContinuousSystem::schedule_tick() {
   return true;
 }
 
-/// If a communication point is at this time, within the resolution of the master's clock, returns the point's time.
-/// Otherwise returns the time unchanged. Without this function, a tick at 3 * 0.1 s would occur one step after the
-/// point 0.3 s, because of rounding.
+/// Returns the time of the communication point at this time, within the resolution of the master's clock. If there is
+/// none, returns the time unchanged. Without this function, a tick at 3 * 0.1 s would occur one step after the point
+/// 0.3 s, because of rounding.
 double ContinuousSystem::on_grid(double time_s) const {
-  constexpr double kLatest_s = 9e9;  // of the master's clock
+  constexpr double kLatest_s = 9e9;  // limit of the master's clock
   if (!(time_s < kLatest_s)) return time_s;
   const double point_s = parts_.grid.time_s(std::llround(time_s * 1e9));
   return std::abs(point_s - time_s) <= kSameTime_s ? point_s : time_s;

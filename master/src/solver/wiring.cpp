@@ -17,10 +17,10 @@
 namespace mebots::master {
 namespace {
 
-/// The largest number of sweeps over an algebraic loop of connections.
+/// The maximum number of sweeps over an algebraic loop of connections.
 constexpr int kMostSweeps = 200;
 
-/// True if the difference of two values is at most a few rounding errors.
+/// True if two values differ by at most a few rounding errors.
 bool is_close(double a, double b) {
   constexpr double kRoundings = 4 * std::numeric_limits<double>::epsilon();
   return a == b || std::abs(a - b) <= kRoundings * std::max(std::abs(a), std::abs(b));
@@ -56,7 +56,7 @@ class Wiring::Builder {
   }
 
  private:
-  /// Returns the inputs that must be set before the output of a wire is read. Contains only inputs that have wires.
+  /// Returns those inputs with wires that must be set before the output of a wire is read.
   std::set<MemberVariable> waited_for(const Wire& wire) const {
     std::set<MemberVariable> inputs;
     if (wire.dependencies) {
@@ -81,8 +81,8 @@ class Wiring::Builder {
     return outputs;
   }
 
-  /// Returns the stage that reads `outputs`, which are in ascending order. After that, the stage sets the inputs all of
-  /// whose sources have been read.
+  /// Returns the stage that reads `outputs`, which must be in ascending order. The stage then sets those inputs whose
+  /// sources have all been read.
   Stage stage_of(const std::vector<MemberVariable>& outputs) {
     Stage stage;
     for (const auto& output : outputs) {
@@ -112,8 +112,8 @@ class Wiring::Builder {
     calls.back().references.push_back(variable.reference);
   }
 
-  /// Returns the path of a loop among the remaining outputs, such as "a.y -> b.u -> b.y -> a.u -> a.y". Finds the loop
-  /// by following wires backwards.
+  /// Returns the path of a loop among the remaining outputs, such as "a.y -> b.u -> b.y -> a.u -> a.y". Follows wires
+  /// backwards to find it.
   std::string path() const {
     std::vector<MemberVariable> walk;
     auto output = waits_for_.begin()->first;
@@ -135,9 +135,9 @@ class Wiring::Builder {
 
   Wiring& wiring_;
   std::map<MemberVariable, std::string> names_;
-  std::map<MemberVariable, std::vector<const Wire*>> sources_;    // of inputs that are not in a stage yet
-  std::map<MemberVariable, std::set<MemberVariable>> waits_for_;  // by output that is not in a stage yet
-  std::map<MemberVariable, std::size_t> places_;                  // of outputs in stages
+  std::map<MemberVariable, std::vector<const Wire*>> sources_;  // wires that end at inputs which are not in a stage yet
+  std::map<MemberVariable, std::set<MemberVariable>> waits_for_;  // indexed by outputs that are not in a stage yet
+  std::map<MemberVariable, std::size_t> places_;                  // indices of outputs that are in stages
 };
 
 Wiring::Wiring(std::vector<ContinuousInstance*> members, const std::vector<Wire>& wires)
@@ -162,7 +162,7 @@ Evaluation Wiring::read(const Stage& stage) {
   return Evaluation::ok;
 }
 
-/// Computes the inputs that `stage` writes: each input is the sum of factor * output + offset over its wires.
+/// Computes the inputs that `stage` sets. Each input is the sum of factor * output + offset over its wires.
 void Wiring::collect(const Stage& stage) {
   for (const auto& call : stage.writes) {
     for (auto input = call.first; input < call.first + call.references.size(); ++input) {

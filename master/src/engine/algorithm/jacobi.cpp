@@ -64,8 +64,8 @@ class Jacobi final : public Algorithm {
         if (slaves_->begins_step(i, span.from)) take(i, slaves_->step(i, span));
       }
     }
-    // All slaves have been started before this loop waits for the first pending step. Therefore pending steps run
-    // concurrently.
+    // All slaves have started their steps before this loop waits for the first pending step. Therefore pending steps
+    // run concurrently.
     for (auto& [i, result] : unfinished_) result = slaves_->finish(i, span, std::move(result));
     if (policy_) policy_->stepped();
     if (auto end = end_at(span.from)) return end;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A config is a list of sections, each with a reader in config/. To add a section, add a row to the table below, a
-// reader in its own file, and a property in configs/schemas/mebots-config.schema.json. A config can also be a variant:
-// changes to another config (variant.hpp).
+// Reads configs. A config is a list of sections, each of which has a reader in config/. To add a section, add a row to
+// the table below, a reader in a new file, and a property in configs/schemas/mebots-config.schema.json. A config can
+// also be a variant, which contains changes to another config (variant.hpp).
 #include "io/config/load_system.hpp"
 #include "io/fmu_archive.hpp"
 #include "io/osp/osp.hpp"
@@ -32,7 +32,8 @@ struct Section {
   bool names_instances = false;
 };
 
-// The sections in the order of reading, which differs from that of the file: a reader may use the sections before it.
+// The sections in the order in which they are read. This order differs from that in the file, because a reader may use
+// the sections before it.
 constexpr Section kSections[] = {
     {"$schema", false, &config::read_text},
     {"text", false, &config::read_text},
@@ -82,7 +83,7 @@ class OrderedBuilder : public nlohmann::json_sax<nlohmann::ordered_json> {
   bool number_unsigned(Json::number_unsigned_t value) override { return add(value); }
   bool number_float(Json::number_float_t value, const std::string& /*text*/) override { return add(value); }
   bool string(std::string& value) override { return add(std::move(value)); }
-  bool binary(Json::binary_t& /*value*/) override { return false; }  // JSON text has none
+  bool binary(Json::binary_t& /*value*/) override { return false; }  // JSON text contains no binary values
   bool key(std::string& value) override {
     key_ = std::move(value);
     return true;
@@ -117,7 +118,7 @@ class OrderedBuilder : public nlohmann::json_sax<nlohmann::ordered_json> {
   }
 
   Json root_;
-  std::vector<Json*> open_;  // a container moves only if its parent gets another member, and then it is closed
+  std::vector<Json*> open_;  // a container moves only if its parent gets another member, and is closed before that
   std::string key_;
 };
 
@@ -151,8 +152,8 @@ void read_sections(const data::Node& root, SystemDescription& system) {
   bool has_instances = true;
   for (const auto& section : kSections) {
     const auto read = [&](const data::Node& node) {
-      // Without instances, every instance name in the other sections would be reported as an error. Therefore sections
-      // with such names are skipped.
+      // If there are no instances, every instance name in other sections would be reported as a mistake. Therefore
+      // sections that contain such names are skipped.
       if (has_instances || !section.names_instances) section.read(node, system);
     };
     if (section.required) {
@@ -165,7 +166,8 @@ void read_sections(const data::Node& root, SystemDescription& system) {
   object.finish();
 }
 
-/// FMI's texts are UTF-8. A path, and a value made from one, may contain any bytes.
+/// Throws InputError if a text is not UTF-8, because FMI requires UTF-8. A path, and a value that was made from a path,
+/// may contain any bytes.
 void require_utf8(const nlohmann::ordered_json& json, const std::string& file) {
   if (json.is_string() && !is_utf8(json.get_ref<const std::string&>())) {
     throw InputError(ErrorCode::syntax_error,
@@ -178,7 +180,7 @@ void require_utf8(const nlohmann::ordered_json& json, const std::string& file) {
   }
 }
 
-/// Reads generated JSON. `places` maps each part of the JSON to its place in the original file.
+/// Reads a config from generated JSON. `places` maps each part of the JSON to its place in the original file.
 void read_made_config(LoadedSystem& loaded, const std::string& file, std::map<std::string, std::string> places) {
   require_utf8(loaded.config, file);
   config::Repeats repeats{loaded.system.file.parent_path(), places, {}};
@@ -192,13 +194,14 @@ void read_made_config(LoadedSystem& loaded, const std::string& file, std::map<st
     }
   });
   if (!is_expanded) return;
-  loaded.system.source += repeats.source;  // tables determine the inputs of a run
+  loaded.system.source += repeats.source;  // tables are inputs of a run
   data::JsonDocument::of(loaded.config, file, std::move(repeats.places)).read([&](const data::Node& root) {
     read_sections(root, loaded.system);
   });
 }
 
-/// On entry, `loaded.config` is the JSON of the variant. On return, it is the merged config.
+/// Reads the config that a variant extends. On entry, `loaded.config` is the JSON of the variant. On return, it is the
+/// merged config.
 void read_extended(LoadedSystem& loaded, const std::string& file, const std::string& base, const GivenTimes& times) {
   const auto base_file = std::filesystem::path(file).parent_path() / base;
   if (!is_there(base_file)) {
@@ -216,11 +219,11 @@ void read_extended(LoadedSystem& loaded, const std::string& file, const std::str
   auto extended = ordered_json(text);
   auto places = config::places_of(loaded.config, extended);
   loaded.config = give(config::merged(std::move(extended), loaded.config), times);
-  loaded.system.source += text;  // both texts determine the inputs of a run
+  loaded.system.source += text;  // both texts are inputs of a run
   read_made_config(loaded, file, std::move(places));
 }
 
-/// Selects whether the JSON of the config is also returned, which takes longer.
+/// States whether the JSON of the config is also returned, which takes longer.
 enum class WithJson : std::uint8_t { yes, no };
 
 void read_config_text(LoadedSystem& loaded, const std::string& file, const GivenTimes& times, WithJson with_json) {
@@ -264,7 +267,8 @@ void read_ssp_config(LoadedSystem& loaded, SspConfig ssp, const std::string& fil
   read_made_config(loaded, file, std::move(ssp.places));
 }
 
-/// Leaves out the FMU's folder, because the hash of a run's inputs contains the FMU's bytes.
+/// Reads a single FMU as a system. Leaves the FMU's folder out of the source, because the hash of a run's inputs
+/// contains the FMU's bytes.
 void read_single_fmu(LoadedSystem& loaded, const std::filesystem::path& file, const GivenTimes& times) {
   auto& system = loaded.system;
   loaded.config = config::single_fmu_config(file, read_fmu_description(file), times, system.notices);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the section `instances` by a table of the keys of an instance, each with its own reader.
+// Reads the section `instances` by a table of the keys of an instance. Each key has a reader.
 #include "io/config/load_system.hpp"
 #include "io/find_fmu.hpp"
 #include "model/sandbox_mechanisms.hpp"
@@ -15,15 +15,15 @@
 namespace mebots::master::config {
 namespace {
 
-/// The data that the reader of a key may use in addition to the key's instance.
+/// Contains the data that the reader of a key may use, in addition to the instance.
 struct Surroundings {
-  const SystemDescription& system;  // contains the sections and instances before this one
+  const SystemDescription& system;  // contains the sections and instances that were read before this one
   FmuSearch& fmus;
 };
 
 using ReadKey = void (*)(const Node&, InstanceDescription&, const Surroundings&);
 
-/// `others` contains the names of earlier instances in the file.
+/// Checks the name of an instance. `others` contains the names of earlier instances in the file.
 void check_name(const std::string& name, const Node& node, const std::set<std::string, std::less<>>& others) {
   if (name.empty()) node.complain(ErrorCode::invalid_value, "an instance needs a name");
   const auto complain = [&](std::string_view longer, std::string_view shorter) {
@@ -71,8 +71,8 @@ std::string mechanism_in(const Node& node) {
   return data::word_of<std::string>({{kNamespaces, kNamespaces}, {kLandlock, kLandlock}, {kSeccomp, kSeccomp}})(node);
 }
 
-/// Reports an error unless the instance has a separate process. In the master's process, the master can neither end a
-/// call of an FMU nor limit the FMU's memory.
+/// Reports a mistake unless the instance has a separate process. The master cannot end a call to an FMU in its own
+/// process, and cannot limit the FMU's memory there.
 void need_own_process(const Node& node, const InstanceDescription& instance) {
   if (instance.isolation.process == ProcessKind::shared) {
     node.fail(ErrorCode::invalid_value, "this needs \"process\": \"own\" or \"sandboxed\"");
@@ -90,7 +90,8 @@ void read_memory_limit(const Node& node, InstanceDescription& instance, const Su
   instance.isolation.memory_bytes = static_cast<std::uint64_t>(node.whole_number(1, kLargestMb)) << 20;
 }
 
-/// Reads the members of `sandbox`: "reads" has paths, relative to the config; "may_lack" has names of mechanisms.
+/// Reads the members of `sandbox`: "reads" contains paths relative to the config; "may_lack" contains names of
+/// mechanisms.
 void read_sandbox(const Node& node, InstanceDescription& instance, const Surroundings& around) {
   if (!instance.isolation.sandboxed()) node.fail(ErrorCode::invalid_value, "this needs \"process\": \"sandboxed\"");
   Object object(node);
@@ -118,7 +119,7 @@ void read_pass_stop_time(const Node& node, InstanceDescription& instance, const 
   instance.pass_stop_time = node.flag();
 }
 
-/// Reads a tolerance: a number, or `false` for none.
+/// Reads a tolerance: a number, or `false` for no tolerance.
 void read_tolerance(const Node& node, InstanceDescription& instance, const Surroundings& /*around*/) {
   if (node.is(data::Kind::boolean)) {
     if (node.flag()) node.fail(ErrorCode::invalid_value, "write a number above 0, or false to pass no tolerance");
@@ -138,7 +139,7 @@ void read_own_solver(const Node& node, InstanceDescription& instance, const Surr
 }
 
 void read_instance_text(const Node& node, InstanceDescription& /*instance*/, const Surroundings& /*around*/) {
-  static_cast<void>(node.text());  // for people only
+  static_cast<void>(node.text());  // the text is only for readers of the file
 }
 
 struct Key {
@@ -189,7 +190,7 @@ void read_instances(const Node& node, SystemDescription& system) {
     instance.name = name;
     instance.place = member.place();
     member.attempt([&, &member = member] { read_instance(member, instance, {system, fmus}); });
-    system.instances.push_back(std::move(instance));  // also invalid ones, because other sections name them
+    system.instances.push_back(std::move(instance));  // also keeps invalid instances, because other sections name them
   }
   if (system.instances.empty()) {
     node.fail(ErrorCode::invalid_value, "there is nothing to simulate; name at least one instance");

@@ -40,15 +40,15 @@ VariableName variable_name(const Node& node, const SystemDescription& system) {
     return {};
   }
   const auto instance = text.substr(0, dot);
-  // If a scenario is checked without a config, there are no instances to compare its names with.
+  // A scenario that is checked without a config has no instances to compare its names with.
   if (!system.instances.empty()) static_cast<void>(instance_name(instance, node, system));
   return {instance, text.substr(dot + 1)};
 }
 
 std::string instance_name(const std::string& name, const Node& node, const SystemDescription& system) {
   if (system.find_instance(name) != nullptr) return name;
-  // The maximum number of errors about unknown names that suggest the nearest name. The search for the nearest of
-  // 100,000 names is slow, and messages show no more errors.
+  // The maximum number of errors about unknown names that suggest the nearest name. Finding the nearest of 100,000
+  // names is slow, and messages show no more errors than these.
   constexpr std::size_t kAnswered = 20;
   auto what = fmt::format("there is no instance '{}'", name);
   if (node.noted() < kAnswered) what += ". " + suggest(name, system.instance_names());

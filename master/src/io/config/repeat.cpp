@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Replaces entries with `repeat` by their copies, before the sections are read.
+// Replaces entries that have `repeat` by their copies, before the sections are read.
 #include "io/config/load_system.hpp"
 #include "io/config/sections.hpp"
 
@@ -31,11 +31,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::int64_t kMostCopies = 100'000;      // of an entry
-constexpr std::size_t kMostCopiesOfAll = 500'000;  // of all entries, those in copies of others included
+constexpr std::int64_t kMostCopies = 100'000;      // of one entry
+constexpr std::size_t kMostCopiesOfAll = 500'000;  // of all entries, including entries inside copies
 constexpr const char* kParameters = "parameters";
 
-/// The replacement of a name in braces. `value` replaces a whole text; `text` replaces a part of a text.
+/// A replacement for a name in braces. `value` replaces a whole text; `text` replaces a part of a text.
 struct Filling {
   // NOLINTNEXTLINE(google-explicit-constructor): a value is written as it is
   Filling(Json v) : value(std::move(v)), text(value.is_string() ? value.get<std::string>() : value.dump()) {}
@@ -48,10 +48,10 @@ struct Filling {
 
   Json value;
   std::string text;
-  bool is_index = false;  // not a column or a list
+  bool is_index = false;  // false for a column or a list
 };
 
-/// The replacements of the names in braces, for one copy.
+/// The replacements for the names in braces in one copy.
 using Values = std::vector<std::pair<std::string, Filling>>;
 
 bool is_name(std::string_view text) {
@@ -69,7 +69,7 @@ void check_name(const Node& node, std::string_view name) {
   }
 }
 
-/// A value and an index must have different names, because a name in braces must have one meaning.
+/// Checks the name of a value. It must differ from that of the index, because a name in braces must have one meaning.
 void check_value_name(const Node& node, std::string_view name, std::string_view index) {
   check_name(node, name);
   if (name == index)
@@ -85,13 +85,13 @@ Json json_of(const Node& node) {
   return node.text();
 }
 
-/// Returns true for a text such as 007, because JSON has no such number. It is a name.
+/// Returns true for a text such as 007. JSON has no such number; therefore the text is a name.
 bool has_leading_zero(std::string_view cell) {
   if (cell.starts_with('-')) cell.remove_prefix(1);
   return cell.size() > 1 && cell[0] == '0' && std::isdigit(static_cast<unsigned char>(cell[1])) != 0;
 }
 
-/// Returns a JSON value: numbers and Booleans for cells that contain them, text for all others.
+/// Returns a cell as JSON: as a number or Boolean if it contains one, otherwise as text.
 Json json_of(std::string_view cell) {
   if (has_leading_zero(cell)) return std::string(cell);
   if (const auto whole = parsed_number<std::int64_t>(cell)) return *whole;
@@ -101,7 +101,7 @@ Json json_of(std::string_view cell) {
   return std::string(cell);
 }
 
-/// [first, last]
+/// Reads a range of numbers, [first, last].
 std::vector<Values> numbers(const Node& node, const std::string& index) {
   const auto ends = node.elements();
   if (ends.size() != 2) {
@@ -114,7 +114,7 @@ std::vector<Values> numbers(const Node& node, const std::string& index) {
   return rows;
 }
 
-/// Reads lists of values by name, such as {"mass": [0.03, 0.031], "x": [0, 1]}.
+/// Reads named lists of values, such as {"mass": [0.03, 0.031], "x": [0, 1]}.
 std::vector<Values> lists(const Node& node, const std::string& index) {
   std::vector<Values> rows;
   bool is_first = true;
@@ -135,7 +135,7 @@ std::vector<Values> lists(const Node& node, const std::string& index) {
   return rows;
 }
 
-/// "drones.csv"
+/// Reads the values from the file of a table, such as "drones.csv".
 std::vector<Values> table(const Node& node, const std::string& index, Repeats& repeats) {
   const auto file = repeats.folder / node.readable_text();
   if (!is_there(file)) {
@@ -160,7 +160,8 @@ std::vector<Values> table(const Node& node, const std::string& index, Repeats& r
   return rows;
 }
 
-/// Returns all combinations of values; those of `second` change fastest. The names in `first` and `second` must differ.
+/// Returns all combinations of values. The values of `second` change fastest. The names in `first` and `second` must
+/// differ.
 std::vector<Values> product(const Node& node, const std::vector<Values>& first, const std::vector<Values>& second) {
   if (first.empty() || second.empty()) return {};
   for (const auto& [name, value] : second.front()) {
@@ -180,12 +181,12 @@ std::vector<Values> product(const Node& node, const std::vector<Values>& first, 
   return all;
 }
 
-/// The values of the copies of each group in `groups`.
+/// Stores the values of the copies for each group in `groups`.
 class Groups {
  public:
   explicit Groups(Repeats& repeats) : repeats_(repeats) {}
 
-  /// Reads the section `groups`. The definition of a group may use groups that are defined before it.
+  /// Reads the section `groups`. The definition of a group may refer to groups that are defined before it.
   void read(const Node& node) {
     for (const auto& [name, range] : node.members()) {
       check_name(range, name);
@@ -194,8 +195,8 @@ class Groups {
     }
   }
 
-  /// Returns the values of every copy: all combinations of the indexes, the last index fastest. If a group has a
-  /// mistake, reports the mistake and returns no copies.
+  /// Returns the values of every copy: all combinations of the indexes, of which the last changes fastest. If a group
+  /// has a mistake, reports it and returns no copies.
   std::vector<Values> copies_of(const Node& node) const {
     if (node.is(data::Kind::text)) return group(node);
     std::vector<Values> copies = {{}};
@@ -228,7 +229,7 @@ class Groups {
   std::map<std::string, std::vector<Values>> groups_;
 };
 
-/// Adds a member whose key had names in braces. Throws InputError if the object already has this key.
+/// Adds a member whose key contained names in braces. Throws InputError if the object already has this key.
 void add_filled(Json& object, std::string key, Json value) {
   if (object.contains(key))
     throw InputError(ErrorCode::duplicate_name, fmt::format("two keys of one copy become '{}'", key));
@@ -240,7 +241,8 @@ class Filler {
  public:
   explicit Filler(const Values& values) : values_(values) {}
 
-  /// If a text consists only of a name in braces, it becomes the value itself, for example a number.
+  /// Replaces the names in a text. If the text consists only of a name in braces, returns the value itself, for example
+  /// a number.
   Json filled(const std::string& text) const {
     if (text.size() > 2 && text.front() == '{' && text.find('}') == text.size() - 1) {
       if (const auto value = value_of(std::string_view(text).substr(1, text.size() - 2))) return value->value;
@@ -280,7 +282,7 @@ class Filler {
   }
 
  private:
-  /// Returns the value of "name", "name+1" or "name-1"; empty for any other text.
+  /// Returns the value of "name", "name+1" or "name-1". Returns nullopt for any other text.
   std::optional<Filling> value_of(std::string_view expression) const {
     const auto sign = expression.find_first_of("+-");
     const auto name = expression.substr(0, sign);
@@ -314,7 +316,7 @@ class Filler {
   const Values& values_;
 };
 
-/// Returns a text such as "12:5: /connections/2": the place of a value without the file's name.
+/// Returns the place of a value without the name of the file, such as "12:5: /connections/2".
 std::string place_in_file(const Node& node, std::string_view file) {
   auto place = node.place();
   if (!place.starts_with(file)) return place;
@@ -328,20 +330,20 @@ std::string shown(const Values& values) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-/// Returns true if a list in this value has an element with `repeat`.
+/// Returns true if a list in this value contains an element that has `repeat`.
 bool repeats_inside(const Json& value) {
   return value.is_structured() && std::ranges::any_of(value, [&](const Json& one) {
            return (value.is_array() && one.is_object() && one.contains(kRepeat)) || repeats_inside(one);
          });
 }
 
-/// Replaces elements of lists, and instances, by their copies.
+/// Replaces instances, and elements of lists, by their copies.
 class Expansion {
  public:
   Expansion(const Groups& groups, Repeats& repeats, std::string file)
       : groups_(groups), repeats_(repeats), file_(std::move(file)) {}
 
-  /// Returns the value at `pointer`, with all copies of its elements, and with names in braces replaced.
+  /// Returns the value at `pointer`. In it, elements are replaced by their copies, and names in braces by their values.
   Json of(const Node& node, const Json& content, const Values& values, const std::string& pointer) {
     if (!repeats_inside(content)) return values.empty() ? content : Filler(values).filled(content);
     return content.is_array() ? list(node, content, values, pointer) : object(node, content, values, pointer);
@@ -351,7 +353,7 @@ class Expansion {
     auto result = Json::object();
     auto& members = static_cast<Json::object_t::Container&>(result.get_ref<Json::object_t&>());
     std::set<std::string> names;
-    std::map<std::string_view, const Json*> entries;  // an ordered object searches linearly
+    std::map<std::string_view, const Json*> entries;  // a map, because an ordered object searches linearly
     for (auto one = content.begin(); one != content.end(); ++one) entries.emplace(one.key(), &one.value());
     for (const auto& [key, node] : section.members()) {
       const auto in_file = place_in_file(node, file_);
@@ -398,8 +400,8 @@ class Expansion {
     return result;
   }
 
-  /// Calls `put` once for each copy. The arguments are the entry without `repeat`, and the values of the copy together
-  /// with `outer`.
+  /// Calls `put` once for each copy. The arguments are the entry without `repeat`, and the values of the copy in
+  /// addition to those in `outer`.
   template <typename Put>
   void each_copy(const Node& node, const Json& entry, const Values& outer, const Put& put) {
     const auto repeat = node.find(kRepeat);
@@ -407,7 +409,7 @@ class Expansion {
       node.attempt([&] { put(entry, outer); });
       return;
     }
-    if (copies_ > kMostCopiesOfAll) return;  // reported
+    if (copies_ > kMostCopiesOfAll) return;  // the mistake was reported
     repeat->attempt([&] {
       const auto copies = product(*repeat, {outer}, groups_.copies_of(*repeat));
       copies_ += copies.size();
@@ -418,8 +420,8 @@ class Expansion {
       auto one = entry;
       one.erase(kRepeat);
       for (const auto& own : copies) {
-        if (!node.attempt([&] { put(one, own); })) break;  // the other copies have the same mistake
-        if (copies_ > kMostCopiesOfAll) break;             // inside this one
+        if (!node.attempt([&] { put(one, own); })) break;  // all other copies have the same mistake
+        if (copies_ > kMostCopiesOfAll) break;             // the limit was exceeded inside this copy
       }
     });
   }
@@ -443,8 +445,8 @@ class Expansion {
     instance[kParameters] = std::move(merged);
   }
 
-  /// The members of a group in the summary are named by their indexes, unless they have a name. A member of a group has
-  /// only the key `variable`. Other lists in the summary contain conditions.
+  /// Names a member of a group in the summary by its indexes, unless it has a name. A member of a group has only the
+  /// key `variable`; other lists in the summary contain conditions.
   static void name_member(Json& entry, const Values& values, std::string_view pointer) {
     if (!pointer.starts_with("/summary/") || !entry.is_object()) return;
     if (entry.size() != 1 || !entry.contains("variable")) return;
@@ -455,7 +457,7 @@ class Expansion {
     if (!indexes.empty()) entry["name"] = fmt::format("{}", fmt::join(indexes, ","));
   }
 
-  /// `place` is the line and column of the entry in the file.
+  /// Stores the place of a copy. `place` is the line and column of the entry in the file.
   void note_place(const std::string& pointer, const std::string& place, const Values& values) {
     repeats_.places[pointer] = values.empty() ? place : fmt::format("{}, {}", place, shown(values));
   }
@@ -466,7 +468,8 @@ class Expansion {
   std::size_t copies_ = 0;
 };
 
-/// If `inside` is false, examines only the elements of a list, not the values inside them, because a list may be long.
+/// Returns true if the node has `repeat`, or is a list with an element that has `repeat`. If `inside` is false, does
+/// not examine values inside elements, because a list may be long.
 bool is_repeated(const Node& node, bool inside = true) {
   if (node.is(data::Kind::list)) {
     return std::ranges::any_of(node.elements(),
@@ -476,7 +479,7 @@ bool is_repeated(const Node& node, bool inside = true) {
   return std::ranges::any_of(node.members(), [](const data::Member& one) { return is_repeated(one.value); });
 }
 
-/// Returns true if an instance has `repeat`, or if its parameters are a list, which must be merged into one object.
+/// Returns true if an instance has `repeat`, or if its parameters are a list that must be merged into one object.
 bool has_repeated_instances(const Node& root) {
   const auto instances = root.find(kInstances);
   return instances && instances->is(data::Kind::object) &&

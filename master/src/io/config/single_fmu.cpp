@@ -26,15 +26,15 @@ struct Origin {
   std::string text;
 };
 
-/// Returns the time of a DefaultExperiment: exact if possible, otherwise rounded to nanoseconds. Empty if a run cannot
-/// have this time.
+/// Returns the time of a DefaultExperiment: exactly if possible, otherwise rounded to nanoseconds. Returns nullopt if a
+/// run cannot have this time.
 std::optional<ExactTime> usable(std::optional<double> time_s) {
   if (!time_s || !std::isfinite(*time_s) || std::abs(*time_s) > kLongestTimeS) return std::nullopt;
   if (const auto time = exact_time(*time_s)) return time;
   return exact_time_of(std::llround(*time_s * 1e9));
 }
 
-/// Returns a time given by the user. Throws InputError if the time cannot be represented exactly.
+/// Returns a time that the user has given. Throws InputError if the time cannot be represented exactly.
 ExactTime given(const WrittenTime& written, const char* option) {
   const auto* seconds = std::get_if<double>(&written);
   const auto time = seconds != nullptr ? exact_time(*seconds) : read_ratio(std::get<std::string>(written));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the sections on stepping: `text`, `step`, `start_time`, `stop_time`, `algorithm`, `step_control`, `solver`,
-// `coupling`, and `threads` ("auto" or a number).
+// Reads the sections that define the steps: `text`, `step`, `start_time`, `stop_time`, `algorithm`, `step_control`,
+// `solver`, `coupling`, and `threads` ("auto" or a number).
 #include "mebots/input_error.hpp"
 #include "sections.hpp"
 
@@ -12,7 +12,7 @@
 namespace mebots::master::config {
 
 void read_text(const Node& node, SystemDescription& /*system*/) {
-  static_cast<void>(node.text());  // for people only
+  static_cast<void>(node.text());  // the text is only for readers of the file
 }
 
 void read_step(const Node& node, SystemDescription& system) {

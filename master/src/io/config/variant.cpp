@@ -14,8 +14,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kText = "text";
 
-/// Returns a file name without folders. Rejects paths, because a config in another folder may contain paths relative to
-/// that folder.
+/// Returns a file name that contains no folders. Rejects other paths, because a config in another folder may contain
+/// paths relative to that folder.
 std::string name_beside(const data::Node& node) {
   auto name = node.readable_text();
   if (std::filesystem::path(name).has_parent_path()) {
@@ -24,9 +24,9 @@ std::string name_beside(const data::Node& node) {
   return name;
 }
 
-/// Stores the file's name for each changed part. `base` is the value that `change` changes, or null. If the base lacks
-/// an object, the whole object counts as a change. Therefore an error about a missing key in it names the changes, not
-/// the base.
+/// Stores the name of the variant's file for each changed part. `base` is the value that `change` changes, or null. If
+/// the base lacks an object, the whole object counts as a change. Therefore an error about a missing key in it refers
+/// to the changes, not to the base.
 void mark(const Json& change, const Json* base, const Json::json_pointer& at,
           std::map<std::string, std::string>& places) {
   const bool goes_into = base != nullptr && base->is_object();

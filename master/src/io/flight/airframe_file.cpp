@@ -36,7 +36,7 @@ std::string read_part(const Node& node, const std::filesystem::path& folder) {
   return name;
 }
 
-/// Reads the key `known`: measured, stated, derived, fitted or assumed.
+/// Reads the key `known`, which states the origin of a value: measured, stated, derived, fitted or assumed.
 std::string read_knowledge(const Node& node) {
   const std::vector<std::string> known = {"measured", "stated", "derived", "fitted", "assumed"};
   auto word = node.text();

@@ -23,8 +23,8 @@ using data::Node;
 using data::Object;
 
 // The signals and their units. World axes: x east, y north, z up. Body axes: x forward, y left, z up
-// (docs/architecture.md). `battery.current` is positive for a discharge. `acceleration` is the specific force.
-// `attitude` rotates body axes into world axes.
+// (docs/architecture.md). `battery.current` is positive when the battery discharges. `acceleration` is the specific
+// force. `attitude` rotates body axes into world axes.
 constexpr LogSignal kSignals[] = {
     {"motor[1].command", "1"},   {"motor[2].command", "1"},   {"motor[3].command", "1"},   {"motor[4].command", "1"},
     {"rotor[1].speed", "rad/s"}, {"rotor[2].speed", "rad/s"}, {"rotor[3].speed", "rad/s"}, {"rotor[4].speed", "rad/s"},
@@ -35,7 +35,7 @@ constexpr LogSignal kSignals[] = {
     {"rate.y", "rad/s"},         {"rate.z", "rad/s"},
 };
 
-/// A unit of logs that is not a product of known units.
+/// A unit that logs use and that is not a product of known units.
 struct LogUnit {
   std::string_view name;
   std::string_view unit;

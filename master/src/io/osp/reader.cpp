@@ -51,7 +51,7 @@ class OspReader {
   }
 
  private:
-  /// Appends `bytes` to the bytes whose hash identifies the inputs of the run. Returns `bytes`.
+  /// Appends `bytes` to the data whose hash identifies the inputs of the run. Returns `bytes`.
   std::string remember(std::string bytes) {
     bytes_ += bytes;
     return bytes;
@@ -104,7 +104,7 @@ class OspReader {
     fmus_.emplace(name, OspFmu{description, path});
   }
 
-  /// Returns the path of the FMU. If the attribute `source` names a proxy, assigns a separate process to the FMU.
+  /// Returns the path of the FMU. If the attribute `source` refers to a proxy, the FMU is assigned a separate process.
   std::filesystem::path read_source(pugi::xml_node node, const std::string& name, Json& instance) {
     const auto source = file_.required(node, "source");
     const auto uri = parse_file_uri(source);
@@ -124,12 +124,12 @@ class OspReader {
     return path;
   }
 
-  /// Returns a simulator's step as a multiple of the base step. Rounds down to a multiple, as libcosim does.
+  /// Returns a simulator's step, rounded down to a multiple of the base step, as in libcosim.
   double step_of(pugi::xml_node node, const std::string& name) {
     const auto step = file_.number(node, "stepSize", 0);
     if (!result_.config.contains("step")) return step;
     const auto base = result_.config["step"].get<double>();
-    constexpr double kRounding = 1e-9;  // of decimals as doubles
+    constexpr double kRounding = 1e-9;  // relative rounding error of decimal numbers stored as doubles
     const auto multiple = std::max(1.0, std::floor(step / base + kRounding));
     if (!(step > 0) || !(base > 0) || std::abs(step - multiple * base) <= kRounding * base) return step;
     result_.notices.push_back(
@@ -243,7 +243,8 @@ class OspReader {
     ends_.push_back(to);
   }
 
-  /// Connects two variables through a function. A function uses numbers without conversion of units.
+  /// Connects two variables whose values pass through a function. Functions compute with numbers, without conversion of
+  /// units.
   void connect_through(const osp::FunctionLink& link) {
     for (const auto& [variable, wanted] :
          {std::pair(&link.from, Causality::output), std::pair(&link.to, Causality::input)}) {
@@ -256,7 +257,7 @@ class OspReader {
     if (link.factor != 1) connection["factor"] = link.factor;
     if (link.offset != 0) connection["offset"] = link.offset;
     connection["convert_units"] = false;
-    connection["sum"] = true;  // also for a single term: the value is computed at the communication points and held
+    connection["sum"] = true;  // also for a single term, so that the value is computed only at communication points
     add(link.node, std::move(connection), link.to);
   }
 
@@ -278,7 +279,7 @@ class OspReader {
     }
   }
 
-  /// Returns the variables of a group and of its nested groups, in the order of the file.
+  /// Returns the variables of a group and of its nested groups, in the order in which the file lists them.
   std::vector<OspVariable> group(pugi::xml_node end) {
     const auto simulator = simulator_of(end);
     const auto name = file_.required(end, "name");
@@ -324,7 +325,7 @@ class OspReader {
   osp::Functions functions_{file_};
   FmuDescriptions descriptions_;
   std::map<std::string, OspFmu> fmus_;
-  std::vector<OspVariable> ends_;  // of connections
+  std::vector<OspVariable> ends_;  // ends of connections
 };
 
 }  // namespace

@@ -19,14 +19,15 @@ namespace {
 constexpr std::string_view kFmu = "application/x-fmu-sharedlibrary";
 constexpr std::string_view kDefinition = "application/x-ssp-definition";
 
-/// The SSDs that are being read. Each is the source of a component in the previous one.
+/// Contains the SSDs that are being read. Each of them is the source of a component in the previous one.
 struct Nesting {
   std::vector<std::filesystem::path> open;
-  std::size_t read = 0;  // in total: a few files that refer to each other could otherwise multiply without limit
+  // Total number of SSDs, which a few files that refer to each other could otherwise multiply without limit.
+  std::size_t read = 0;
 };
 
 constexpr std::size_t kMostDefinitions = 10'000;
-constexpr std::size_t kDeepestDefinition = 100;  // readers of SSDs call each other
+constexpr std::size_t kDeepestDefinition = 100;  // maximum nesting of SSDs, whose readers call each other
 
 struct KindName {
   std::string_view name;
@@ -142,8 +143,8 @@ class SystemReader {
     return component;
   }
 
-  /// Reads the system of another SSD, which replaces a component. The component's parameter values follow those of the
-  /// system, and therefore override them (5.3.3).
+  /// Reads the system of another SSD, which replaces a component. The values of the component are placed after those of
+  /// the system, and therefore override them (5.3.3).
   Element read_definition(pugi::xml_node node) const {
     const auto path = resolve_uri(source_, file_, node, node.attribute("source").value());
     if (std::ranges::find(nesting_.open, path) != nesting_.open.end()) {
@@ -164,7 +165,7 @@ class SystemReader {
   }
 
   ConnectionEnd read_end(pugi::xml_node node, const std::string& side, const std::set<std::string>& names) const {
-    // Some tools write an empty element name for the system's own connector.
+    // Some tools write an empty element name for a connector of the system itself.
     ConnectionEnd end{node.attribute((side + "Element").c_str()).value(),
                       file_.required(node, (side + "Connector").c_str())};
     if (const auto indices = node.attribute((side + "Indices").c_str())) {

@@ -21,7 +21,8 @@ using namespace ssp;
 using modeldesc::Type;
 using Json = nlohmann::ordered_json;
 
-/// Returns unique names for a system's FMU files. Files that differ only in their folder get numbers.
+/// Returns a unique file name for each FMU of a system. If two files differ only in their folder, adds numbers to their
+/// names.
 std::map<std::filesystem::path, std::string> file_names(const SystemDescription& system) {
   std::map<std::filesystem::path, std::string> names;
   std::set<std::string> taken;
@@ -36,7 +37,7 @@ std::map<std::filesystem::path, std::string> file_names(const SystemDescription&
   return names;
 }
 
-/// Returns a file name as a relative URI.
+/// Converts a file name to a relative URI.
 std::string as_uri(const std::string& name) {
   constexpr std::string_view kPlain = "-._~()[]";
   std::string uri;
@@ -66,7 +67,7 @@ class SspWriter {
     auto system = root.append_child("ssd:System");
     system.append_attribute("name") = "root";
     auto elements = system.append_child("ssd:Elements");
-    write_connections(system);  // first, because it determines the connectors
+    write_connections(system);  // written first, because they determine the connectors
     write_elements(elements);
     write_annotations(system.append_child("ssd:Annotations"));
     definitions_.write(root, "ssd:");
@@ -77,7 +78,7 @@ class SspWriter {
         fmt::format("{}", system_.description->grid().time_s(system_.description->stop_time_ns)).c_str();
     return document_;
   }
-  /// Returns the parameter sets to which write() refers, by file name in resources/.
+  /// Returns the parameter sets to which write() refers. The keys are file names in resources/.
   const std::map<std::string, pugi::xml_document>& parameter_sets() const { return parameter_sets_; }
 
  private:
@@ -108,7 +109,7 @@ class SspWriter {
     write_parameter_set(instance, version_, parameter_sets_[name]);
   }
 
-  /// Returns a plain file name that no other parameter set has.
+  /// Returns a file name that contains no special characters and that no other parameter set has.
   std::string free_name(const std::string& instance) const {
     std::string stem = instance;
     for (auto& c : stem) {
@@ -121,7 +122,7 @@ class SspWriter {
     return name;
   }
 
-  /// True if SSP cannot express the connection. It is then written into the annotation.
+  /// True if SSP cannot express the connection, which is then written into the annotation.
   static bool is_own(const ConnectionDescription& connection) { return connection.sum || connection.narrow; }
 
   /// Writes each connection of the config. A connection between OSMP binaries becomes three connections of SSP.
@@ -152,7 +153,7 @@ class SspWriter {
     if (!end.indices.empty()) node.append_attribute((side + "Indices").c_str()) = end.indices.c_str();
   }
 
-  /// Returns the resolved connection of a description with a map; for arrays, that of the first elements.
+  /// Returns the resolved connection for a description that has a map. For arrays, returns that of the first elements.
   const ResolvedConnection& resolved_map(const ConnectionDescription& connection) const {
     const auto fits = [&](const ResolvedConnection& one) {
       const auto& variable = *one.to.variable;
@@ -192,7 +193,7 @@ class SspWriter {
   }
 
   void write_annotations(pugi::xml_node annotations) {
-    // The sections of a config for which SSP has no elements are written to an annotation.
+    // Writes those sections of a config for which SSP has no elements to an annotation.
     Json rest = Json::object();
     for (const auto& [key, value] : config_.items()) {
       if (key != "$schema" && key != "instances" && key != "connections" && key != "start_time" && key != "stop_time") {
@@ -207,8 +208,8 @@ class SspWriter {
         if (key != "fmu" && key != "parameters" && key != "text") rest["instances"][name][key] = value;
       }
     }
-    // OMSimulator stores the kind and step of a system in its own annotation. It reads only the first annotation, so
-    // its annotation is written first.
+    // OMSimulator stores the kind and step of a system in its own annotation. It reads only the first annotation;
+    // therefore its annotation is written first.
     auto theirs = annotations.append_child("ssc:Annotation");
     theirs.append_attribute("type") = "org.openmodelica";
     theirs.append_child("oms:Annotations")
@@ -221,7 +222,7 @@ class SspWriter {
     master.append_attribute("relativeTolerance") = "0.0001";
     auto own = annotations.append_child("ssc:Annotation");
     own.append_attribute("type") = std::string(kSspAnnotation).c_str();
-    // In SSP 1.0 an annotation contains elements only, not text.
+    // In SSP 1.0, an annotation may contain only elements, not text.
     auto holder = own.append_child("mebots:Config");
     holder.append_attribute("xmlns:mebots") = fmt::format("urn:{}", kSspAnnotation).c_str();
     holder.text().set(rest.dump(2).c_str());
@@ -233,7 +234,7 @@ class SspWriter {
   pugi::xml_document document_;
   ConnectorWriter connectors_;
   DefinitionsWriter definitions_;
-  std::map<std::string, pugi::xml_document> parameter_sets_;  // by file name
+  std::map<std::string, pugi::xml_document> parameter_sets_;  // indexed by file name
 };
 
 void write_text(const std::filesystem::path& file, const std::string& text) {

@@ -24,17 +24,17 @@ using data::Limits;
 using data::Node;
 using data::Object;
 
-constexpr std::int64_t kMost = 100'000'000;  // of missions, draws and designs; memory cannot hold more
+// Maximum number of missions, draws and designs; more do not fit into memory.
+constexpr std::int64_t kMost = 100'000'000;
 
-/// Names that the sections of a study share.
+/// Contains the names to which several sections of a study refer.
 struct Names {
   std::string design_kind;
-  std::vector<std::string> factors;     // empty for a list, whose file names the factors
-  std::vector<std::string> draws;       // variables
-  std::vector<std::string> objectives;  // labels
+  std::vector<std::string> factors;     // empty for a design of kind `list`, whose file names the factors
+  std::vector<std::string> draws;       // names of variables
+  std::vector<std::string> objectives;  // labels of objectives
   std::vector<std::string> successes;   // labels of outcome objectives
-  bool compared = false;                // designs are compared by an objective to minimise or maximise, or by a
-                                        // constraint
+  bool compared = false;  // true if designs are compared by an objective to minimise or maximise, or by a constraint
 };
 
 auto count_from(std::int64_t least) {
@@ -146,7 +146,7 @@ void check_factor(const Node& node, const std::string& kind) {
   }
 }
 
-/// Checks a subset of the design, such as {factor: values} or {factor: {"min": a, "max": b}}.
+/// Checks a subset of a design, such as {factor: values} or {factor: {"min": a, "max": b}}.
 void check_subset(const Node& node, const std::vector<std::string>& factors) {
   if (node.members().empty()) node.fail(ErrorCode::invalid_value, "at least one factor is needed");
   for (const auto& [name, value] : node.members()) {
@@ -174,7 +174,7 @@ void check_condition(const Node& node, const std::vector<std::string>& factors) 
   condition.finish();
 }
 
-/// The required and optional keys of a kind of design, in addition to `kind`.
+/// States which keys a kind of design requires and permits, in addition to `kind`.
 struct DesignKind {
   std::string_view name;
   std::vector<std::string_view> needs;
@@ -265,7 +265,7 @@ void check_draws(const Node& node, Names& names) {
   draws.finish();
 }
 
-/// Checks outcomes: one name, or a list of names any of which is accepted.
+/// Checks outcomes: one name, or a list of names, each of which is accepted.
 void check_outcomes(const Node& node) {
   if (node.is(data::Kind::text)) {
     static_cast<void>(node.readable_text());
@@ -276,7 +276,7 @@ void check_outcomes(const Node& node) {
   for (const auto& element : elements) element.attempt([&] { static_cast<void>(element.readable_text()); });
 }
 
-/// Checks end reasons: one name, or a list of names any of which is accepted.
+/// Checks end reasons: one name, or a list of names, each of which is accepted.
 void check_end_reasons(const Node& node) {
   const std::vector<std::string> known = {"stop_time", "stop_condition", "terminated", "failed"};
   const auto check = [&](const Node& reason) { static_cast<void>(read_known(reason, "the end reason", known)); };
@@ -289,7 +289,7 @@ void check_end_reasons(const Node& node) {
 constexpr std::array<std::string_view, 6> kSources = {"outcome", "end_reason", "summary",
                                                       "final",   "series",     "expression"};
 
-/// True for an objective whose value is 0 or 1 in each mission.
+/// True if the value of the objective is 0 or 1 in each mission.
 bool is_share(const Node& objective) {
   return objective.has("outcome") || objective.has("end_reason");
 }
@@ -352,15 +352,15 @@ void check_objectives(const Node& node, Names& names) {
   }
 }
 
-/// Checks the bound {"above": x} or {"below": x}.
+/// Reads and checks a bound: {"above": x} or {"below": x}.
 void read_side(Object& object, const Limits& limits = {}) {
   double bound = 0;
   object.read_if("above", bound, data::number(limits));
   object.read_if("below", bound, data::number(limits));
 }
 
-/// Returns the permitted range of an objective's bound. The bound of an outcome objective is a fraction of missions,
-/// from 0 to 1.
+/// Returns the range in which the bound of an objective must be. The bound of an outcome objective is a fraction of
+/// missions, from 0 to 1.
 Limits limits_of(const std::string& label, const Names& names) {
   const bool is_share = std::ranges::find(names.successes, label) != names.successes.end();
   return is_share ? Limits::between(0, 1) : Limits{};
@@ -420,8 +420,8 @@ void check_rounds(const Node& node, const Names& names) {
   }
 }
 
-/// Checks names of factors or draws. All names must differ. The factors of a design of kind `list` are not in the study
-/// but in a separate file.
+/// Checks names of factors or draws, all of which must differ. The factors of a design of kind `list` are not in the
+/// study but in a separate file.
 void check_names(const Node& node, std::string_view what, const std::vector<std::string>& known, bool known_all) {
   const auto elements = node.elements();
   if (elements.empty()) node.fail(ErrorCode::invalid_value, "at least one name is needed");
@@ -474,7 +474,8 @@ void check_splitting(const Node& node, const Names& names) {
   require_one_of(splitting, std::array<std::string_view, 3>{"levels", "above", "below"});
 }
 
-/// A study with `splitting` estimates only the probability of a rare event. Checks that it requests no other objective.
+/// Checks that a study with `splitting` requests no other objective, because it estimates only the probability of a
+/// rare event.
 void check_alone(const Object& study, const Names& names) {
   const auto& node = study.node();
   for (const std::string_view key : {"objectives", "constraints", "rounds", "fork", "results"}) {

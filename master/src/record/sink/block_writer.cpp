@@ -19,7 +19,7 @@ BlockWriter::~BlockWriter() {
 }
 
 void BlockWriter::submit(RowBlock& block) {
-  // The thread is started before it gets rows. If the start fails, no later call waits for the thread.
+  // The thread is started before it receives rows. If the start fails, no later call waits for the thread.
   if (!thread_.joinable()) thread_ = std::thread([this] { work(); });
   {
     std::unique_lock lock(mutex_);
@@ -39,14 +39,15 @@ void BlockWriter::drain(RowBlock& block) {
     wait_until_idle(lock);
   }
   // The thread sleeps until the next submit().
-  const auto rows = std::exchange(block, RowBlock{block.cells_per_row, {}, {}});  // is emptied even if a sink throws
+  // The block is emptied even if a sink throws.
+  const auto rows = std::exchange(block, RowBlock{block.cells_per_row, {}, {}});
   write(rows);
   for (auto* sink : sinks_) sink->flush();
 }
 
 void BlockWriter::wait_until_idle(std::unique_lock<std::mutex>& lock) {
   changed_.wait(lock, [&] { return !busy_; });
-  if (failure_) std::rethrow_exception(failure_);  // permanent, because rows are missing
+  if (failure_) std::rethrow_exception(failure_);  // thrown at every call from now on, because rows are missing
 }
 
 void BlockWriter::work() {

@@ -17,7 +17,7 @@
 namespace mebots::master {
 namespace {
 
-/// Repeats a system call that a signal interrupts. Returns the result of the last call.
+/// Calls a system function again as long as a signal interrupts it. Returns the result of the last call.
 template <typename Call>
 auto uninterrupted(Call call) {
   auto result = call();
@@ -25,17 +25,17 @@ auto uninterrupted(Call call) {
   return result;
 }
 
-/// Closes the descriptor. If another error than an interrupt occurs, returns false and sets errno. Linux closes the
-/// descriptor even if a signal interrupts the call.
+/// Closes the descriptor. Returns false and sets errno after an error. An interrupt by a signal is no error, because
+/// Linux closes the descriptor nevertheless.
 bool close_descriptor(int descriptor) {
   return ::close(descriptor) == 0 || errno == EINTR;
 }
 
 bool cannot_be_synced(int error_number) {
-  return error_number == EINVAL || error_number == EROFS;  // a pipe or a device, which needs no synchronisation
+  return error_number == EINVAL || error_number == EROFS;  // a pipe or a device, which requires no synchronisation
 }
 
-/// Makes a rename in this folder survive a power failure.
+/// Writes the folder to the disk, so that a rename in it survives a power failure.
 void sync_folder(const std::filesystem::path& folder) {
   const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor < 0) return;  // a folder that cannot be opened for reading cannot be synchronised
@@ -80,7 +80,7 @@ void write_whole(const std::filesystem::path& path, std::string_view content, Du
 
 OutputFile::OutputFile(std::filesystem::path path, Mode mode) : path_(std::move(path)) {
   constexpr int kReadableByAll = 0644;
-  constexpr int kHow[] = {O_CREAT | O_TRUNC, O_CREAT | O_EXCL | O_NOFOLLOW, 0};  // by Mode
+  constexpr int kHow[] = {O_CREAT | O_TRUNC, O_CREAT | O_EXCL | O_NOFOLLOW, 0};  // indexed by Mode
   const int how = kHow[static_cast<std::size_t>(mode)];
   if (mode == Mode::fresh) ::unlink(path_.c_str());  // open() reports a file that cannot be removed
   descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC | how, kReadableByAll);
@@ -112,7 +112,7 @@ void OutputFile::flush() {
     if (count < 0) {
       const int error_number = errno;
       buffer_.clear();
-      // Truncates the file after the last complete row, because readers cannot read a partial row.
+      // Truncates the file after the last complete row, because programs cannot read a partial row.
       if (uninterrupted([&] { return ::ftruncate(descriptor_, before); }) == 0)
         written_bytes_ = static_cast<std::uint64_t>(before);
       fail(error_number);

@@ -19,7 +19,7 @@ void append_number(std::string& bytes, std::size_t value) {
   for (const unsigned shift : {24U, 16U, 8U, 0U}) bytes += static_cast<char>(value >> shift & 0xFFU);
 }
 
-/// Appends a chunk: its length, type, data and a checksum of type and data.
+/// Appends a chunk: its length, its type, its data, and a checksum of type and data.
 void append_chunk(std::string& file, std::string_view type, std::string_view data) {
   append_number(file, data.size());
   const auto checked = file.size();
@@ -31,12 +31,12 @@ std::string head(std::size_t width, std::size_t height) {
   std::string bytes;
   append_number(bytes, width);
   append_number(bytes, height);
-  return bytes += {8, 0, 0, 0, 0};  // 8 bits per pixel; grey; deflate; filter per row; not interlaced
+  return bytes += {8, 0, 0, 0, 0};  // 8 bits for each pixel; grey; deflate; a filter for each row; not interlaced
 }
 
-/// Returns the differences of neighbouring pixels in each row. The PNG number of this filter ("Sub") precedes each row.
-/// Camera pictures contain noise on gradients, so the compressed differences take fewer bytes than the compressed
-/// pixels.
+/// Returns the differences of neighbouring pixels in each row. Before each row, writes the number that PNG defines for
+/// this filter ("Sub"). Pictures of cameras contain noise on gradients; therefore differences take fewer bytes than
+/// pixels after compression.
 std::string differences(std::span<const std::uint8_t> pixels, std::size_t width) {
   std::string bytes(pixels.size() + pixels.size() / width, '\1');
   auto to = bytes.begin();
@@ -51,9 +51,9 @@ std::string differences(std::span<const std::uint8_t> pixels, std::size_t width)
 
 }  // namespace
 
-/// libpng is not used, because it compresses row by row with zlib, which is 15 % slower. With libpng, one picture per
-/// second would take more time than all other recording. Higher levels of compression do not help, because the noise
-/// has no patterns.
+/// Libpng is not used, because it compresses row by row with zlib, which is 15 % slower. One picture per second would
+/// then take more time than all other recording. Higher levels of compression have no benefit, because noise has no
+/// patterns.
 std::string png_of(std::span<const std::uint8_t> pixels, std::size_t width) {
   MEBOTS_ASSERT(width > 0 && !pixels.empty() && pixels.size() % width == 0);
   const auto rows = deflated(differences(pixels, width), Packing::fast);

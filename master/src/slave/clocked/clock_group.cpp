@@ -39,7 +39,7 @@ void ClockGroup::start_clocks(std::size_t member) {
   network_.start(member, members_[member].time_s);
 }
 
-/// After initialisation, members are in event mode.
+/// Makes the members handle the events at the start. They are in event mode after initialisation.
 void ClockGroup::exit_initialization() {
   if (++initialised_ < members_.size()) return;
   for (auto& member : members_) member.in_event = true;
@@ -104,7 +104,7 @@ void ClockGroup::note_late_tick(std::size_t member, double tick_s) {
          "(canHandleVariableCommunicationStepSize = false). Take shorter steps");
 }
 
-/// Sends a notice, once per run.
+/// Sends a notice, but only once in a run.
 void ClockGroup::notice(const Member& member, double time_s, const std::string& text) {
   if (std::exchange(noticed_, true)) return;
   messages_->message({member.instance->name(), Severity::warning, "notice",
@@ -117,8 +117,8 @@ void ClockGroup::fail_to_rest(double time_s) const {
                                members_.front().instance->name(), time_s));
 }
 
-/// Updates the discrete states of all members, which ends the instant. Returns true if a member requests another update
-/// of discrete states.
+/// Updates the discrete states of all members, which ends the instant. Returns true if a member requests another
+/// update.
 bool ClockGroup::update_members(double time_s, bool& terminated) {
   bool needs_another = false;
   for (std::size_t m = 0; m < members_.size(); ++m) {
@@ -132,8 +132,8 @@ bool ClockGroup::update_members(double time_s, bool& terminated) {
   return needs_another;
 }
 
-/// Handles events at the present time. Returns false if a member ends the simulation. Otherwise leaves all members in
-/// step mode.
+/// Handles the events at the current time. Returns false if a member ends the simulation. Otherwise, all members are in
+/// step mode afterwards.
 bool ClockGroup::handle_events(double time_s) {
   for (std::size_t m = 0; m < members_.size(); ++m) {
     if (std::exchange(members_[m].needs_event, false)) enter_event(m, time_s);

@@ -14,8 +14,8 @@ namespace {
 using modeldesc::Causality;
 using modeldesc::Type;
 
-/// Limits the sweeps over all connections at one instant. Beyond this number, the values are reported as never
-/// settling.
+/// Limits the number of sweeps over all connections at one instant. If it is exceeded, an error reports that the values
+/// do not converge.
 constexpr int kMostClockSweeps = 200;
 
 bool any_of(const std::vector<ValueReference>& clocks, const std::set<ValueReference>& ticking) {
@@ -59,7 +59,7 @@ SystemClocks::Tick ClockNetwork::next_tick() const {
   return next;
 }
 
-/// Activates a clock. Returns false if it already ticks at this instant.
+/// Makes a clock tick at this instant. Returns false if it already ticks.
 bool ClockNetwork::tick(std::size_t member, ValueReference clock, double time_s) {
   auto& ticking = members_[member];
   if (ticking.ticking.contains(clock)) return false;
@@ -84,7 +84,7 @@ bool ClockNetwork::begin_instant(double time_s) {
   return ticked;
 }
 
-/// Propagates ticks along the connections. Returns true if a further clock starts to tick.
+/// Propagates ticks along the connections. Returns true if another clock has started to tick.
 bool ClockNetwork::propagate_ticks(double time_s) {
   bool changed = false;
   for (std::size_t m = 0; m < members_.size(); ++m) {
@@ -102,7 +102,7 @@ bool ClockNetwork::propagate_ticks(double time_s) {
   return changed;
 }
 
-/// Propagates values along the connections. Returns true if an input changes.
+/// Propagates values along the connections. Returns true if an input has changed.
 bool ClockNetwork::propagate_values() {
   bool changed = false;
   for (std::size_t i = 0; i < value_links_.size(); ++i) {

@@ -17,7 +17,8 @@ bool TimedClock::is_periodic() const {
          variability == IntervalVariability::tunable;
 }
 
-/// Multiplies the interval by the count instead of adding intervals, so that rounding errors do not accumulate.
+/// Returns the time of a tick. Multiplies the interval by the count instead of adding intervals, so that rounding
+/// errors do not accumulate.
 double TimedClock::periodic_s(double count) const {
   const auto& timing = *variable_->fmi3->timing;
   if (!is_declared_) return base_s_ + count * interval_s_;

@@ -21,7 +21,7 @@ static_assert(InstanceCalls::kOk == fmiOK && InstanceCalls::kWarning == fmiWarni
               InstanceCalls::kDiscard == fmiDiscard && InstanceCalls::kError == fmiError &&
               InstanceCalls::kFatal == fmiFatal && InstanceCalls::kPending == fmiPending);
 
-/// The MIME type for an FMU whose library runs in the master's process, not in the tool that exported it.
+/// The MIME type that requests the execution of the FMU's library in this process, not in the tool that exported it.
 constexpr const char* kMimeType = "application/x-fmu-sharedlibrary";
 constexpr double kNoTimeout_ms = 0;
 
@@ -38,7 +38,7 @@ Fmi1Slave::Fmi1Slave(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std
   calls_.instantiate("fmiInstantiateSlave", [this] { return instantiate(); });
 }
 
-/// Switches logging on from the start: many FMUs otherwise log nothing if instantiation fails.
+/// Creates an instance. Enables logging from the start, because many FMUs otherwise log nothing if this fails.
 void* Fmi1Slave::instantiate() {
   return functions_->instantiate_slave(name().c_str(), description().guid.c_str(), calls_.fmu().location_uri().c_str(),
                                        kMimeType, kNoTimeout_ms, fmiFalse, fmiFalse, callbacks_, fmiTrue);
@@ -79,8 +79,8 @@ void Fmi1Slave::exit_initialization() {
   start_ = {};
 }
 
-/// Has no effect if the FMU was initialised with all values that were set so far. Otherwise instantiates the FMU again
-/// instead of resetting it, because some FMUs lose their variables at fmiResetSlave (tutorial-fmus of
+/// Creates and initialises the instance again, unless it was initialised with all values that were set so far. Does not
+/// reset it instead, because some FMUs lose their variables at fmiResetSlave (tutorial-fmus of
 /// open-simulation-platform/demo-cases).
 void Fmi1Slave::initialize_anew() {
   if (!std::exchange(is_stale_, false)) return;
@@ -123,7 +123,7 @@ StepResult Fmi1Slave::step(std::int64_t start_ns, std::int64_t duration_ns) {
 }
 
 void Fmi1Slave::terminate() {
-  if (!calls_.usable()) return;  // its step could not be cancelled
+  if (!calls_.usable()) return;  // the step could not be cancelled
   calls_.watched("fmiTerminateSlave", [&] { calls_.require("fmiTerminateSlave", functions_->terminate_slave); });
 }
 
@@ -200,7 +200,7 @@ void Fmi1Slave::set_reals(std::span<const ValueReference> references, std::span<
   calls_.require("fmiSetReal", functions_->set_real, known.data(), known.size(), reals_.data());
 }
 
-/// The values fit in std::int32_t, because `resolve` and Ensemble check their range.
+/// Sets Integers. The values fit into std::int32_t, because `resolve` and Ensemble have checked their range.
 void Fmi1Slave::set_integers(std::span<const ValueReference> references, std::span<const std::int64_t> values) {
   numbers_.resize(values.size());
   std::ranges::transform(values, numbers_.begin(), [](std::int64_t value) { return static_cast<fmiInteger>(value); });

@@ -10,10 +10,10 @@
 namespace mebots::master {
 namespace {
 
-/// Limits the updates of the discrete states in one event. If an event needs more, an error reports that it does not
-/// end.
+/// Limits the number of updates of the discrete states in one event. If an event requires more, an error reports that
+/// it does not end.
 constexpr int kMostUpdates = 1000;
-/// Limits consecutive early returns without progress in time.
+/// Limits the number of consecutive early returns without progress in time.
 constexpr int kMostReturns = 1000;
 
 }  // namespace
@@ -29,7 +29,7 @@ Fmi3Slave::Fmi3Slave(std::string name, std::shared_ptr<Fmu> fmu,
   if (takes_input_derivatives()) calls().on_intermediate_update([this](double t_s) { set_intermediate_inputs(t_s); });
 }
 
-/// An FMU with event mode leaves initialisation in event mode.
+/// Exits initialization mode. An FMU that has an event mode is then in event mode.
 void Fmi3Slave::exit_initialization() {
   Fmi3Instance::exit_initialization();
   if (handler_ == EventHandler::slave && uses_events() && handle_event()) {
@@ -51,7 +51,7 @@ bool Fmi3Slave::handle_event() {
                fmt::format("requested another update {} times in a row: the event does not end", kMostUpdates));
 }
 
-/// Calls fmi3DoStep. Returns empty if the FMU discards the step.
+/// Calls fmi3DoStep. Returns nullopt if the FMU discards the step.
 std::optional<StepEnd> Fmi3Slave::do_step(double start_s, double end_s, bool never_back) {
   StepEnd end;
   bool early = false;
@@ -141,7 +141,7 @@ void Fmi3Slave::set_input_derivatives(std::span<const ValueReference> references
   intermediate_inputs_.set_derivatives(references, orders, values);
 }
 
-/// Called by the FMU within a step. An error is reported after the step.
+/// Sets the inputs at a time within the step. Called by the FMU; an error is reported after the step.
 void Fmi3Slave::set_intermediate_inputs(double time_s) noexcept {
   try {
     const auto [references, values] = intermediate_inputs_.values_at(time_s);

@@ -19,20 +19,21 @@ namespace {
 
 using modeldesc::Type;
 
-/// The maximum size of a binary value [bytes]. A longer value is treated as an error of the FMU.
+/// The maximum size of a binary value in bytes. A longer value is treated as an error of the FMU.
 constexpr std::size_t kLongestBinary = std::size_t{1} << 30;
-/// The maximum number of lists of references, per kind of variable, whose FMU calls are cached. An instance is usually
-/// read and set with fewer lists.
+/// The maximum number of lists of references for which the FMU calls are cached, for each kind of variable. An instance
+/// is usually accessed with fewer lists.
 constexpr std::size_t kMostPlans = 32;
 
-/// The bytes after the numbers that a get function writes. If they change, the FMU wrote too many values.
+/// The guard bytes after the numbers that a get function writes. If they have changed, the FMU has written too many
+/// values.
 constexpr auto kGuard = [] {
   std::array<std::byte, 256> bytes{};
   bytes.fill(std::byte{0xA5});
   return bytes;
 }();
 
-/// The get and set functions of FMI 3.0 for one numeric type.
+/// Contains the get and set functions of FMI 3.0 for one numeric type.
 template <typename T, typename Get, typename Set>
 struct NumberFunctions {
   using Number = T;
@@ -51,7 +52,8 @@ constexpr bool succeeded(int status) {
   return status == InstanceCalls::kOk || status == InstanceCalls::kWarning;
 }
 
-/// Returns the name of a variable. `variable` is null for an array element that the caller did not request.
+/// Returns the name of a variable for messages. `variable` is null for an array element that the caller did not
+/// request.
 std::string name_of(const modeldesc::Variable* variable) {
   return variable == nullptr ? "another element of an array" : variable->name;
 }
@@ -86,7 +88,7 @@ const Fmi3Values::Plan& Fmi3Values::plan(ValueKind kind, std::span<const ValueRe
 Fmi3Values::Plan Fmi3Values::make_plan(std::span<const ValueReference> references) const {
   Plan plan;
   plan.references.assign(references.begin(), references.end());
-  std::map<std::pair<Type, std::uint32_t>, std::size_t> firsts;  // place of an array's first value in its call
+  std::map<std::pair<Type, std::uint32_t>, std::size_t> firsts;  // index of an array's first value in its call
   for (std::size_t slot = 0; slot < references.size(); ++slot) {
     const auto place = places_.find(references[slot]);
     MEBOTS_ASSERT(place != places_.end(), "references come from the model");
@@ -107,7 +109,7 @@ Fmi3Values::Plan Fmi3Values::make_plan(std::span<const ValueReference> reference
 
 Fmi3Values::Whole Fmi3Values::whole(std::span<const ValueReference> references) const {
   Whole result;
-  std::map<std::uint32_t, std::size_t> firsts;  // place of a variable's first value
+  std::map<std::uint32_t, std::size_t> firsts;  // index of a variable's first value
   for (const auto reference : references) {
     const auto place = places_.find(reference);
     MEBOTS_ASSERT(place != places_.end(), "references come from the model");
@@ -133,7 +135,7 @@ void Fmi3Values::put_guard() {
   std::memcpy(buffer_.data() + guard_, kGuard.data(), kGuard.size());
 }
 
-/// Throws SlaveError if the FMU wrote beyond the values that the call requested.
+/// Throws SlaveError if the FMU has written past the values that the call requested.
 void Fmi3Values::check_guard(const Call& call, const char* function) const {
   if (std::memcmp(buffer_.data() + guard_, kGuard.data(), kGuard.size()) == 0) return;
   const auto* const variable = call.variables[call.moves.back().value];
@@ -203,7 +205,7 @@ Fmi3Values::CallResult Fmi3Values::set_numbers(const Plan& plan, std::span<const
       using Number = typename decltype(functions)::Number;
       calls_->require_function(functions.set_name, functions.set);
       auto* const numbers = buffer<Number>(call.value_count);
-      if (call.moves.size() < call.value_count) {  // the other elements of the arrays keep their values
+      if (call.moves.size() < call.value_count) {  // all other elements of the arrays keep their values
         put_guard();
         calls_->require(functions.get_name, functions.get, call.references.data(), call.references.size(), numbers,
                         call.value_count);
@@ -219,7 +221,7 @@ Fmi3Values::CallResult Fmi3Values::set_numbers(const Plan& plan, std::span<const
   return result;
 }
 
-/// Returns false if the FMU discards the call. Throws SlaveError for an error.
+/// Returns false if the FMU has discarded the call. Throws SlaveError if an error occurred.
 bool Fmi3Values::is_done(CallResult result) {
   if (result.status != fmi3Discard) {
     calls_->check(result.status, result.function);
@@ -324,7 +326,7 @@ void Fmi3Values::get_binaries(const Call& call, std::span<std::string> values) {
 void Fmi3Values::set(ValueKind kind, std::span<const ValueReference> references, std::span<const std::string> values) {
   for (const auto& call : plan(kind, references).calls) {
     std::vector<std::string> all(call.value_count);
-    if (call.moves.size() < call.value_count) {  // the other elements of the arrays keep their values
+    if (call.moves.size() < call.value_count) {  // all other elements of the arrays keep their values
       auto whole = call;
       whole.moves.clear();
       for (std::size_t i = 0; i < call.value_count; ++i) whole.moves.push_back({i, i});

@@ -10,7 +10,7 @@
 
 namespace mebots::master {
 
-/// A state: the FMU's handle of it, and its time for messages.
+/// Contains the FMU's handle of a state, and the time of the state for messages.
 template <typename Functions>
 class FmuStates<Functions>::State final : public SlaveState {
  public:

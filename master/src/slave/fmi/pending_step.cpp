@@ -11,7 +11,7 @@ namespace mebots::master {
 void PendingStep::begin() {
   const std::lock_guard lock(mutex_);
   status_.reset();
-  callbacks_ = std::min(callbacks_, steps_);  // others were for steps that DoStep ended
+  callbacks_ = std::min(callbacks_, steps_);  // further callbacks belonged to steps that DoStep itself completed
 }
 
 void PendingStep::continues() {

@@ -25,7 +25,7 @@
 namespace mebots::master::isolation {
 namespace {
 
-/// Owns and frees the settings of posix_spawn.
+/// Owns the settings of posix_spawn(), and frees them.
 struct SpawnSettings {
   posix_spawn_file_actions_t actions{};
   posix_spawnattr_t attributes{};
@@ -52,7 +52,8 @@ std::size_t open_descriptors() {
 
 void reserve_descriptors(std::size_t count, std::size_t each) {
   if (count == 0) return;
-  constexpr std::size_t kOthers = 32;  // result files, a starting process, and files that the C library opens
+  // For result files, a process that is being started, and files that the C library opens.
+  constexpr std::size_t kOthers = 32;
   const auto open = open_descriptors();
   const rlim_t needed = open + count * each + kOthers;
   rlimit limit{};
@@ -103,13 +104,13 @@ ChildProcess::~ChildProcess() {
 std::optional<ProcessEnd> ChildProcess::ended() {
   if (end_) return end_;
   int status = 0;
-  rusage usage{};  // includes the keeper's processes
+  rusage usage{};  // includes processes of the keeper
   pid_t one = 0;
   while ((one = wait4(pid_, &status, WNOHANG, &usage)) < 0 && errno == EINTR) {
   }
   if (one == 0) return std::nullopt;
   if (one < 0) {
-    end_ = ProcessEnd{};  // another thread reaped it, so the cause of its end is unknown
+    end_ = ProcessEnd{};  // another thread has reaped the process, so that the cause of its end is unknown
     return end_;
   }
   const bool by_signal = WIFSIGNALED(status);

@@ -28,8 +28,8 @@ namespace {
 // Global, because the signal handler cannot access anything else.
 Control* shared_control = nullptr;
 
-/// A fault within this distance of the stack pointer counts as a stack overflow: a large frame may be accessed at its
-/// far end first.
+/// A fault within this distance of the stack pointer counts as a stack overflow, because the first access to a large
+/// frame may be at its far end.
 constexpr std::uintptr_t kStackReach = 1 << 20;
 
 std::uintptr_t stack_pointer(void* context) {
@@ -58,7 +58,7 @@ void on_fault(int signal, siginfo_t* info, void* context) {
 
 void install_fault_handlers(Control& control) {
   shared_control = &control;
-  // The handler runs on a stack of its own, because the thread's stack may have overflowed.
+  // The handler runs on a separate stack, because the stack of the thread may have overflowed.
   static std::array<std::byte, 1 << 16> stack;
   stack_t alternative{};
   alternative.ss_sp = stack.data();
@@ -72,14 +72,14 @@ void install_fault_handlers(Control& control) {
 }
 
 void limit_memory(std::uint64_t memory_bytes, LimitedMemory limited) {
-  if (memory_bytes == std::numeric_limits<std::uint64_t>::max()) return;  // no limit
+  if (memory_bytes == std::numeric_limits<std::uint64_t>::max()) return;  // there is no limit
   if (limited == LimitedMemory::data) {
     const rlimit data{memory_bytes, memory_bytes};
     setrlimit(RLIMIT_DATA, &data);
     return;
   }
-  // The limit applies to memory beyond the process's present use.
-  mallopt(M_ARENA_MAX, 2);  // otherwise every thread reserves 64 MiB of address space
+  // The limit applies to memory in addition to the current use of the process.
+  mallopt(M_ARENA_MAX, 2);  // otherwise, every thread reserves 64 MiB of address space
   std::uint64_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
   const auto limit = pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) + memory_bytes;
@@ -87,7 +87,7 @@ void limit_memory(std::uint64_t memory_bytes, LimitedMemory limited) {
   setrlimit(RLIMIT_AS, &address_space);
 }
 
-/// Compares the low half of a register only, because it holds an argument of 32 bits.
+/// Compares only the low half of a register, because the argument has 32 bits.
 scmp_arg_cmp is(unsigned argument, std::uint32_t value) {
   return {argument, SCMP_CMP_MASKED_EQ, 0xffff'ffff, value};
 }
@@ -109,21 +109,21 @@ void forbid_harm(Signals signals) {
   };
   const auto self = static_cast<std::uint32_t>(getpid());
   if (signals == Signals::to_itself) {
-    // A process group (0 or negative) may contain other processes.
+    // A process group (0 or a negative number) may contain other processes.
     for (const int call : {SCMP_SYS(kill), SCMP_SYS(rt_sigqueueinfo), SCMP_SYS(tgkill), SCMP_SYS(rt_tgsigqueueinfo),
                            SCMP_SYS(pidfd_open)}) {
       forbid(call, {is_not(0, self)});
     }
-    // These calls are always forbidden, because their arguments do not show the process that the thread or descriptor
-    // belongs to.
+    // These calls are always forbidden, because their arguments do not show to which process the thread or descriptor
+    // belongs.
     for (const int call : {SCMP_SYS(tkill), SCMP_SYS(pidfd_send_signal)}) forbid(call);
   }
-  // Forbids access to memory and limits of other processes. The host may still read its own memory, which contains the
-  // texts of callbacks.
+  // Forbids access to memory and limits of other processes. The host may still read its own memory, because it must
+  // read the texts of callbacks.
   for (const int call : {SCMP_SYS(process_vm_readv), SCMP_SYS(process_vm_writev)}) {
     forbid(call, {is_not(0, self)});
   }
-  forbid(SCMP_SYS(prlimit64), {is_not(0, 0)});  // 0: the process itself
+  forbid(SCMP_SYS(prlimit64), {is_not(0, 0)});  // 0 denotes the process itself
   for (const int call : {SCMP_SYS(ptrace), SCMP_SYS(pidfd_getfd), SCMP_SYS(process_madvise)}) forbid(call);
   // Forbids signals that the kernel sends at file events.
   for (const std::uint32_t command : {F_SETOWN, F_SETOWN_EX, F_SETSIG}) {

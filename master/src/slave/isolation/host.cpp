@@ -38,7 +38,7 @@ namespace {
 
 using namespace isolation;
 
-/// Writes the FMU's messages to shared memory, where the master can read them even if the call never returns.
+/// Writes the FMU's messages to shared memory. The master can read them there even if the call never returns.
 class SharedLog final : public MessageSink {
  public:
   SharedLog(SharedBuffer& buffer, Control& control) : writer_(buffer), control_(&control) {}
@@ -47,12 +47,12 @@ class SharedLog final : public MessageSink {
     const std::lock_guard lock(mutex_);  // FMUs may log from their own threads
     if (limit_.take(message.text.size() + message.category.size())) put(message);
   }
-  /// Reports the number of messages in this batch that were dropped.
+  /// Writes a notice about the number of messages in this batch that were dropped.
   void end_batch(std::string_view instance) {
     const std::lock_guard lock(mutex_);
     if (const auto notice = limit_.restart()) put({instance, Severity::warning, "notice", *notice, 0});
   }
-  /// Called when the master has read all messages.
+  /// Must be called when the master has read all messages.
   void clear() {
     const std::lock_guard lock(mutex_);
     writer_.clear();
@@ -85,7 +85,7 @@ class Host {
         log_(log_buffer_, *control_),
         answers_(answer_buffer_) {}
 
-  /// Stores the mechanisms that the requested sandbox lacks, for the call that opens the instance.
+  /// Stores the mechanisms that the requested sandbox lacks. The call that opens the instance checks them.
   void set_refusals(std::vector<Refusal> refusals, std::vector<std::string> may_lack) {
     is_sandboxed_ = true;
     refusals_ = std::move(refusals);
@@ -121,7 +121,7 @@ class Host {
       const auto call = commands.get<Call>();
       control_->call.store(call, std::memory_order_relaxed);
       control_->calls.fetch_add(1, std::memory_order_release);
-      if (!answer(call, commands)) return;  // the calls after it would be meaningless
+      if (!answer(call, commands)) return;  // the calls after this one would be meaningless
     }
   }
 
@@ -271,7 +271,8 @@ class Host {
   }
 
   /// Frees the instance. Returns the differences between the memory of the FMU's libraries and its content after
-  /// loading; empty if there are none. Throws SlaveError if freeing fails. Afterwards the host ends in any case.
+  /// loading. Returns nullopt if there are none. Throws SlaveError if freeing fails. Afterwards, the host ends in any
+  /// case.
   std::string close() {
     closed_ = true;
     states_.clear();
@@ -359,8 +360,8 @@ class Host {
     setenv("PYTHONPATH", path.c_str(), 1);
   }
 
-  /// Loads the interpreter with RTLD_GLOBAL, because the FMU and the modules that its scripts import look up the
-  /// interpreter's functions in the whole process.
+  /// Loads the interpreter with RTLD_GLOBAL, because the FMU, and the modules that its scripts import, search the whole
+  /// process for the interpreter's functions.
   static void load_python(const std::string& library) {
     if (dlopen(library.c_str(), RTLD_NOW | RTLD_GLOBAL) != nullptr) return;
     throw InputError(ErrorCode::fmu_inconsistent,
@@ -369,7 +370,7 @@ class Host {
                                  dlerror()));
   }
 
-  /// Writes the result of a step. If the step is not complete, returns false, which ends the batch.
+  /// Writes the result of a step. Returns false if the step is not complete, which ends the batch.
   bool answer_step(const StepResult& result) {
     put_done();
     answers_.put(result.done);
@@ -390,7 +391,7 @@ class Host {
     answers_.put(std::span<const T>(values));
   }
 
-  /// Writes Integers. After them, writes the bytes of each binary (OSMP) whose three Integers are among `references`.
+  /// Writes Integers. After them, writes the bytes of each OSMP binary whose three Integers are among `references`.
   void get_integers(SharedReader& commands) {
     const auto references = commands.get_vector<ValueReference>();
     std::vector<std::int64_t> values(references.size());
@@ -454,17 +455,17 @@ class Host {
   SharedLog log_;
   SharedWriter answers_;
   std::vector<OsmpTriple> triples_;
-  std::vector<std::vector<std::uint8_t>> taken_;  // bytes of binary inputs, by OSMP triple
+  std::vector<std::vector<std::uint8_t>> taken_;  // bytes of binary inputs, indexed by OSMP triple
   std::string name_;
   bool is_sandboxed_ = false;
   std::vector<Refusal> refusals_;
   std::vector<std::string> may_lack_;
-  std::optional<ForkedCopies> copies_;  // created after the keeper is forked off
+  std::optional<ForkedCopies> copies_;  // created after the keeper was forked
   std::shared_ptr<Fmu> fmu_;
   std::unique_ptr<Slave> slave_;
-  ContinuousInstance* continuous_ = nullptr;  // the second interface of an instance of model exchange
-  EventInstance* events_ = nullptr;           // the second interface of an instance with clocks
-  ClockInstance* clocks_ = nullptr;           // its third interface, or that of an instance of model exchange
+  ContinuousInstance* continuous_ = nullptr;  // second interface of a model exchange instance; otherwise null
+  EventInstance* events_ = nullptr;           // second interface of an instance that has clocks; otherwise null
+  ClockInstance* clocks_ = nullptr;           // interface to the clocks of one of these instances
   std::map<std::uint64_t, std::unique_ptr<SlaveState>> states_;
   bool closed_ = false;
   bool keeps_library_ = false;
@@ -480,7 +481,7 @@ T number(const char* text) {
   return value;
 }
 
-/// The command line of a host process, see run_fmu_host().
+/// Contains the command line of a host process (see run_fmu_host()).
 struct Arguments {
   explicit Arguments(std::span<char* const> words) : program(words[0]), rest(words.begin() + 1, words.end()) {
     master = number<pid_t>(next("the master's process"));
@@ -489,7 +490,7 @@ struct Arguments {
   }
 
   bool is_sandboxed() const { return !sandbox.folder.empty(); }
-  /// Returns the arguments for the start of this program inside the namespaces.
+  /// Returns the arguments for starting this program inside the namespaces.
   std::vector<std::string> inside() const {
     auto words = rest;
     words.emplace_back("--inside");
@@ -534,7 +535,7 @@ std::string own_path() {
   return std::filesystem::read_symlink("/proc/self/exe").string();
 }
 
-/// Prepares this process for foreign code.
+/// Prepares this process for foreign code: creates the sandbox, or limits the process.
 void confine(const Arguments& arguments, Host& host, std::vector<Refusal> refusals) {
   if (!arguments.is_sandboxed()) {
     guard(arguments.memory_bytes, arguments.limited, host.control());
@@ -567,7 +568,7 @@ int run_fmu_host(int argument_count, char** words) {
       refusals.push_back(enter_namespaces(arguments.sandbox, own_path(), arguments.inside()));
     Host host;
     confine(arguments, host, std::move(refusals));
-    pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, nullptr);  // the FMU must not cancel the thread that calls it
+    pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, nullptr);  // an FMU must not cancel the thread that calls it
     host.serve();
     if (!host.keeps_library()) return 0;
     std::fflush(nullptr);

@@ -20,8 +20,8 @@ void put_evaluation(SharedWriter& answers, Evaluation evaluation) {
   answers.put(evaluation != Evaluation::ok);
 }
 
-/// Writes an answer with the numbers that `evaluate` computes. If the FMU discards the evaluation, the answer contains
-/// numbers without meaning.
+/// Writes an answer that contains the numbers which `evaluate` computes. If the FMU discards the evaluation, these
+/// numbers have no meaning.
 template <typename Evaluate>
 void put_values(SharedWriter& answers, std::size_t count, Evaluate evaluate) {
   std::vector<double> values(count);

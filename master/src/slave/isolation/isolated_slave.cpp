@@ -20,7 +20,7 @@
 
 namespace mebots::master::isolation {
 
-/// A state stored in the host process.
+/// Identifies a state that the host process stores.
 class IsolatedState final : public SlaveState {
  public:
   IsolatedState(IsolatedSlave& slave, std::uint64_t id) : slave_(&slave), id_(id) {}
@@ -37,11 +37,11 @@ class IsolatedState final : public SlaveState {
 
 namespace {
 
-/// The interval at which a waiting master checks that the host process still runs [ns].
+/// The interval at which a waiting master checks that the host process is still running [ns].
 constexpr std::int64_t kLookNs = 20'000'000;
-/// The time that a call may still take after an interrupt [s]. So a call that is about to return can finish.
+/// The time that a call may still take after an interrupt [s], so that a call which is about to return can finish.
 constexpr double kInterruptGraceS = 0.1;
-/// The time that an FMU may take to free itself [s].
+/// The time that an FMU may take to free its instance [s].
 constexpr double kGraceS = 3;
 
 std::uint64_t id_of(const SlaveState& state) {
@@ -68,14 +68,13 @@ IsolatedSlave::IsolatedSlave(const ResolvedInstance& instance, MessageSink& mess
       std::make_unique<ChildProcess>(find_fmu_host(), host_arguments(),
                                      std::array<int, 4>{control_buffer_.descriptor(), command_buffer_.descriptor(),
                                                         answer_buffer_.descriptor(), log_buffer_.descriptor()});
-  // After this point, the sizes of both buffers do not change. Therefore only the host process still needs the
-  // descriptors.
+  // The sizes of these buffers do not change from now on. Therefore only the host process still needs the descriptors.
   control_buffer_.close_descriptor();
   log_buffer_.close_descriptor();
   open(grid);
 }
 
-/// Returns the name of the call that the host process executes or executed last.
+/// Returns the name of the call that the host process is executing or has executed last.
 const char* IsolatedSlave::call_name() const {
   return name_of(control_->call.load(), instance_->model->fmi_version);
 }
@@ -108,7 +107,7 @@ IsolatedSlave::~IsolatedSlave() {
 
 std::optional<std::string> IsolatedSlave::free_instance() {
   if (std::exchange(freed_, true) || !lost_.empty()) return std::nullopt;
-  commands_.clear();  // values that no call will read
+  commands_.clear();  // drops values that no call will read
   pending_ = 0;
   put(Call::close);
   control_->command_bytes.store(commands_.size(), std::memory_order_relaxed);
@@ -136,8 +135,8 @@ std::optional<std::string> IsolatedSlave::report_end() {
   return fmt::format("instance '{}': {}", name_, problem);
 }
 
-/// Returns the error that the host reported when it freed the instance. The error is also logged. If the host found the
-/// memory of the FMU's libraries changed, stores its description.
+/// Returns the error that the host reported when it freed the instance, and logs it. If the memory of the FMU's
+/// libraries has changed, stores the host's description of the change.
 std::optional<std::string> IsolatedSlave::failure_of_close() {
   try {
     auto reader = answers();
@@ -211,8 +210,8 @@ SharedReader IsolatedSlave::answers() {
   return SharedReader(answer_buffer_.bytes(size));
 }
 
-/// Each call has its own deadline. The host counts the calls that it has executed, and each counted call extends the
-/// deadline once.
+/// Waits until the host has executed the calls. Each call has its own deadline: whenever the host has counted another
+/// executed call, the deadline starts again.
 void IsolatedSlave::wait(std::size_t calls_left) {
   using Clock = std::chrono::steady_clock;
   const auto& isolation = instance_->isolation;
@@ -224,7 +223,7 @@ void IsolatedSlave::wait(std::size_t calls_left) {
     look_ns = std::clamp<std::int64_t>(static_cast<std::int64_t>(*isolation.deadline_s * 1e9 / 4), 1'000'000, kLookNs);
   while (!control_->answered.wait(batches_, look_ns)) {
     if (const auto end = process_->ended()) {
-      if (control_->answered.value() != batches_) return;  // it answered and then ended
+      if (control_->answered.value() != batches_) return;  // the host answered before it ended
       lost(ErrorCode::fmu_lost, fault_text(*end));
     }
     if (cancel_ != nullptr && cancel_->load(std::memory_order_relaxed)) control_->cancel = true;
@@ -254,7 +253,8 @@ void IsolatedSlave::wait(std::size_t calls_left) {
   }
 }
 
-/// Converts bubblewrap's exit code, which is the program's exit code, or 128 plus the signal that ended the program.
+/// Converts the exit code of bubblewrap, which is the exit code of the program, or 128 plus the signal that ended the
+/// program.
 ProcessEnd IsolatedSlave::end_in_sandbox(ProcessEnd end) const {
   constexpr int kSignalled = 128;
   if (!instance_->isolation.sandboxed() || end.by_signal || end.number <= kSignalled) return end;
@@ -347,7 +347,7 @@ StepResult IsolatedSlave::step(std::int64_t start_ns, std::int64_t duration_ns) 
   return hand_over_step();
 }
 
-/// The host waits for the end of the step. Meanwhile the master checks for an interrupt and for the deadline.
+/// Waits for the end of a pending step in the host. Meanwhile, checks for an interrupt and for the deadline.
 StepResult IsolatedSlave::finish_step(const std::atomic<bool>& cancel) {
   cancel_ = &cancel;
   put(Call::finish_step);
@@ -361,7 +361,7 @@ StepResult IsolatedSlave::finish_step(const std::atomic<bool>& cancel) {
   }
 }
 
-/// Sends the call of a step, followed by the same reads that the master made after the previous step.
+/// Sends the call of a step, followed by the same reads that were requested after the previous step.
 StepResult IsolatedSlave::hand_over_step() {
   std::erase_if(reads_, [](const Read& read) { return !read.used; });
   for (const auto& read : reads_) put_read(read.call, read.references, read.orders);
@@ -384,7 +384,7 @@ StepResult IsolatedSlave::hand_over_step() {
   return result;
 }
 
-/// Stores the answers to the reads that were sent with this step.
+/// Stores the answers to the reads that were sent together with this step.
 void IsolatedSlave::take_reads(SharedReader& answers) {
   for (auto read = reads_.begin(); read != reads_.end(); ++read) {
     read->used = false;
@@ -396,7 +396,7 @@ void IsolatedSlave::take_reads(SharedReader& answers) {
     } catch (const DamagedMemory&) {
       throw;
     } catch (const Error&) {
-      read->failure = std::current_exception();  // rethrown to the reader, if there is one
+      read->failure = std::current_exception();  // rethrown when these values are read
       reads_.erase(read + 1, reads_.end());      // the host stopped at the failure
       return;
     }
@@ -471,7 +471,7 @@ IsolatedSlave::Read& IsolatedSlave::read(Call call, std::span<const ValueReferen
   asked = std::move(answer);
   asked.orders.assign(orders.begin(), orders.end());
   asked.used = true;
-  asked.fresh = false;  // the next identical read is sent: values may change without a step
+  asked.fresh = false;  // sends the next identical read, because values may change without a step
   return asked;
 }
 
@@ -485,7 +485,8 @@ void IsolatedSlave::get_integers(std::span<const ValueReference> references, std
 
 void IsolatedSlave::get_booleans(std::span<const ValueReference> references, std::span<std::int64_t> values) {
   std::ranges::transform(read(Call::get_booleans, references).integers, values.begin(),
-                         [](std::int64_t value) { return value == 0 ? 0 : 1; });  // do not trust the other process
+                         // The other process may send other numbers.
+                         [](std::int64_t value) { return value == 0 ? 0 : 1; });
 }
 
 void IsolatedSlave::get_strings(std::span<const ValueReference> references, std::span<std::string> values) {

@@ -16,7 +16,7 @@
 namespace mebots::master::isolation {
 namespace {
 
-/// The number of spins before a wait sleeps. They take about 10 us, which is the cost of sleeping and waking.
+/// The number of spins before a wait sleeps. Spinning takes about 10 us, as long as sleeping and waking.
 constexpr int kSpins = 300;
 
 void pause() {
@@ -29,8 +29,8 @@ long futex(std::atomic<std::uint32_t>& word, int operation, std::uint32_t value,
   return syscall(SYS_futex, &word, operation, value, timeout, nullptr, 0);
 }
 
-/// Names for messages: the function of each version of FMI that a call of the protocol requests. In FMI 3.0, the type
-/// of a value selects the function.
+/// Contains the names of the functions that a call of the protocol requests in each version of FMI, for messages. In
+/// FMI 3.0, the type of a value selects the function.
 struct Names {
   Call call;
   const char* fmi1;

@@ -28,17 +28,17 @@ constexpr const char* kTemporaryFolder = "/tmp";
 constexpr std::uint64_t kTemporaryBytes = std::uint64_t{256} << 20;
 constexpr std::uint64_t kSharedMemoryBytes = std::uint64_t{64} << 20;
 
-/// Folders in which the system keeps programs and libraries. Some of these folders are symbolic links into /usr.
+/// The folders in which the system stores programs and libraries. Some of them are symbolic links into /usr.
 constexpr auto kSystemFolders =
     std::to_array<const char*>({"/usr", "/lib", "/lib32", "/lib64", "/libx32", "/bin", "/sbin", "/opt", "/nix"});
-/// Files that the loader and the C library read.
+/// The files that the loader and the C library read.
 constexpr auto kSystemFiles = std::to_array<const char*>(
     {"/etc/ld.so.cache", "/etc/ld.so.conf", "/etc/ld.so.conf.d", "/etc/alternatives", "/etc/localtime"});
 constexpr auto kDevices =
     std::to_array<const char*>({"/dev/null", "/dev/zero", "/dev/full", "/dev/random", "/dev/urandom"});
-/// Environment variables of other programs that contain lists of folders. The FMU may read these folders.
+/// The environment variables that contain lists of folders. The FMU may read these folders.
 constexpr auto kSearchPaths = std::to_array<const char*>({"LD_LIBRARY_PATH", "PYTHONPATH", "PYTHONHOME"});
-/// The environment variables of a sandboxed FMU. Any other variable may hold a secret.
+/// The environment variables that a sandboxed FMU receives. Any other variable may contain a secret.
 constexpr auto kPassedVariables = std::to_array<const char*>(
     {"LANG", "LANGUAGE", "LC_ALL", "LC_CTYPE", "LC_NUMERIC", "LC_COLLATE", "LC_MESSAGES", "TZ", "LD_LIBRARY_PATH",
      "PYTHONPATH", "PYTHONHOME", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"});
@@ -47,7 +47,7 @@ std::string system_text() {
   return std::strerror(errno);
 }
 
-/// Returns the path of bubblewrap: $MEBOTS_BUBBLEWRAP, or the program in the system's own folders.
+/// Returns the path of bubblewrap: that in $MEBOTS_BUBBLEWRAP, or of the program in the folders of the system.
 std::string bubblewrap() {
   const char* chosen = std::getenv("MEBOTS_BUBBLEWRAP");
   return chosen == nullptr ? "bwrap" : chosen;
@@ -68,7 +68,7 @@ void set_home(const std::string& folder) {
   setenv("TMPDIR", folder.c_str(), 1);
 }
 
-/// Returns the absolute paths in the environment variables of kSearchPaths.
+/// Returns the absolute paths in the environment variables that kSearchPaths lists.
 std::vector<std::string> searched_folders() {
   std::vector<std::string> folders;
   for (const auto* variable : kSearchPaths) {
@@ -90,7 +90,7 @@ std::vector<std::string> readable_places(const Sandbox& sandbox) {
   return places;
 }
 
-/// Returns the options of bubblewrap.
+/// Returns the options with which bubblewrap is started.
 std::vector<std::string> namespace_options(const Sandbox& sandbox, const std::string& program) {
   std::vector<std::string> words{"--unshare-user",
                                  "--disable-userns",
@@ -131,8 +131,8 @@ std::vector<char*> pointers_to(std::vector<std::string>& words) {
   return pointers;
 }
 
-/// Runs a program with its output in a pipe. If the program exits with code 0, returns empty; otherwise returns the
-/// last part of its output.
+/// Runs a program and reads its output through a pipe. Returns nullopt if the exit code is 0. Otherwise, returns the
+/// last part of the output.
 std::optional<std::string> failure_of(std::vector<std::string> words) {
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) return system_text();
@@ -160,8 +160,8 @@ std::optional<std::string> failure_of(std::vector<std::string> words) {
   return text.empty() ? "it ended without a message" : text.substr(text.rfind('\n') + 1);
 }
 
-/// Limits the resources of a process: open files, size of files, and the number of processes, which the kernel counts
-/// per user and user namespace.
+/// Limits the resources of this process: open files, size of files, and number of processes. The kernel counts
+/// processes for each user and user namespace.
 void set_limits(bool has_namespaces) {
   constexpr rlim_t kOpenFiles = 1024;
   constexpr rlim_t kFileBytes = rlim_t{1} << 30;
@@ -188,7 +188,7 @@ Refusal enter_namespaces(const Sandbox& sandbox, const std::string& program,
   const auto options = namespace_options(sandbox, program);
   words.insert(words.end(), options.begin(), options.end());
   words.push_back(program);
-  // If a namespace is refused, bubblewrap exits without a distinct code; a trial run detects it.
+  // If a namespace is refused, bubblewrap exits without a distinct code. Therefore a trial run detects this.
   auto trial = words;
   trial.emplace_back("--version");
   if (auto problem = failure_of(std::move(trial))) return {kNamespaces, *std::move(problem)};

@@ -19,7 +19,8 @@ namespace mebots::master::isolation {
 namespace {
 
 constexpr std::size_t kFirstSize = 1 << 16;
-/// Number of the master's first descriptor. Lower numbers are for the descriptors that a child process gets.
+/// The number of the master's first descriptor. Lower numbers are reserved for descriptors that a child process
+/// receives.
 constexpr int kLowestDescriptor = 16;
 
 [[noreturn]] void fail(const char* what) {

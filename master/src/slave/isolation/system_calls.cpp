@@ -18,7 +18,8 @@
 namespace mebots::master::isolation {
 namespace {
 
-/// Calls that read, write and name files. The sandbox's file tree and Landlock determine which files.
+/// The system calls that read, write and name files. The sandbox's file tree and Landlock determine which files they
+/// can access.
 constexpr auto kFiles = std::to_array<int>({
     SCMP_SYS(read),
     SCMP_SYS(write),
@@ -189,13 +190,13 @@ constexpr auto kSignalsAndTime = std::to_array<int>({
     SCMP_SYS(timer_delete),  SCMP_SYS(timerfd_create),  SCMP_SYS(timerfd_settime), SCMP_SYS(timerfd_gettime),
 });
 
-/// Inside a process namespace, these calls reach only processes of the sandbox.
+/// The system calls that send signals. Inside a process namespace, they reach only processes of the sandbox.
 constexpr auto kSendSignals =
     std::to_array<int>({SCMP_SYS(kill), SCMP_SYS(tkill), SCMP_SYS(tgkill), SCMP_SYS(rt_sigqueueinfo),
                         SCMP_SYS(rt_tgsigqueueinfo), SCMP_SYS(pidfd_open), SCMP_SYS(pidfd_send_signal)});
 
-/// These calls are permitted only inside namespaces. They access network peers, System V objects by their number, or
-/// attributes of files, which Landlock does not control.
+/// The system calls that are permitted only inside namespaces. They access network peers, System V objects (by their
+/// number), or attributes of files, which Landlock does not control.
 constexpr auto kPrivate = std::to_array<int>({
     SCMP_SYS(chmod),     SCMP_SYS(fchmod),      SCMP_SYS(fchmodat),    SCMP_SYS(utime),      SCMP_SYS(utimes),
     SCMP_SYS(futimesat), SCMP_SYS(utimensat),   SCMP_SYS(chown),       SCMP_SYS(fchown),     SCMP_SYS(lchown),
@@ -206,7 +207,8 @@ constexpr auto kPrivate = std::to_array<int>({
     SCMP_SYS(msgrcv),    SCMP_SYS(msgctl),
 });
 
-/// Permitted for socket pairs. In a network namespace, also permitted for other sockets.
+/// The system calls for socket pairs, which are always permitted. In a network namespace, they may also access other
+/// sockets.
 constexpr auto kSocketData =
     std::to_array<int>({SCMP_SYS(sendto), SCMP_SYS(recvfrom), SCMP_SYS(sendmsg), SCMP_SYS(recvmsg), SCMP_SYS(sendmmsg),
                         SCMP_SYS(recvmmsg), SCMP_SYS(shutdown)});
@@ -222,12 +224,12 @@ constexpr auto kPrctlOptions = std::to_array<std::uint32_t>(
      PR_GET_DUMPABLE, PR_CAPBSET_READ, PR_GET_SECCOMP, PR_SET_TIMERSLACK, PR_GET_TIMERSLACK, kSetMemoryName});
 constexpr auto kSocketFamilies = std::to_array<std::uint32_t>({AF_UNIX, AF_INET, AF_INET6});
 
-/// Compares the low half of a register only, because it holds an argument of 32 bits.
+/// Compares only the low half of a register, because the argument has 32 bits.
 scmp_arg_cmp equals(unsigned argument, std::uint32_t value) {
   return {argument, SCMP_CMP_MASKED_EQ, 0xffff'ffff, value};
 }
 
-/// A filter under construction. Keeps the first problem.
+/// Builds a filter. Stores the first problem that occurs.
 class Filter {
  public:
   Filter() : context_(seccomp_init(SCMP_ACT_ERRNO(EPERM))) {
@@ -250,7 +252,7 @@ class Filter {
   }
   void answer(int call, int error) { add(SCMP_ACT_ERRNO(static_cast<unsigned>(error)), call, {}); }
 
-  /// Loads the filter. Returns 0 or an error number.
+  /// Loads the filter into the kernel. Returns 0 or an error number.
   int load() {
     keep(seccomp_attr_set(context_, SCMP_FLTATR_ACT_BADARCH, SCMP_ACT_KILL_PROCESS));
     return problem_ != 0 ? problem_ : -seccomp_load(context_);
@@ -284,14 +286,15 @@ std::optional<std::string> allow_simulation_calls(bool has_namespaces) {
   filter.allow_by(SCMP_SYS(ioctl), 1, kIoctlRequests);
   filter.allow_by(SCMP_SYS(prctl), 0, kPrctlOptions);
   filter.allow(SCMP_SYS(socketpair), {equals(0, AF_UNIX)});
-  filter.allow(SCMP_SYS(personality), {equals(0, 0xffff'ffff)});  // a query
-  filter.allow(SCMP_SYS(prlimit64), {equals(0, 0)});              // its own limits
-  filter.allow(SCMP_SYS(process_vm_readv), {equals(0, self)});    // texts at addresses that an FMU passes
+  filter.allow(SCMP_SYS(personality), {equals(0, 0xffff'ffff)});  // only queries the current value
+  filter.allow(SCMP_SYS(prlimit64), {equals(0, 0)});              // only the limits of the process itself
+  // Only texts in the process itself, at addresses that an FMU passes.
+  filter.allow(SCMP_SYS(process_vm_readv), {equals(0, self)});
   constexpr std::uint64_t kNewNamespaces =
       CLONE_NEWCGROUP | CLONE_NEWIPC | CLONE_NEWNET | CLONE_NEWNS | CLONE_NEWPID | CLONE_NEWUSER | CLONE_NEWUTS;
   filter.allow(SCMP_SYS(clone), {{0, SCMP_CMP_MASKED_EQ, kNewNamespaces, 0}});
-  filter.answer(SCMP_SYS(clone3), ENOSYS);  // passes its flags in memory, unreadable for a filter; the C library falls
-                                            // If clone3() fails with ENOSYS, the C library calls clone() instead.
+  // Passes its flags in memory, which a filter cannot read; after ENOSYS, the C library calls clone().
+  filter.answer(SCMP_SYS(clone3), ENOSYS);
   if (has_namespaces) {
     filter.allow(kSendSignals);
     filter.allow(kPrivate);
