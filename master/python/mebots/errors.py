@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The exceptions that mebots raises."""
+"""Defines the exceptions that mebots raises."""
 
 
 class Error(RuntimeError):
@@ -18,4 +18,4 @@ class Error(RuntimeError):
 
 
 class InputError(Error):
-    """An argument or a file cannot be used. The message names it and states what to do."""
+    """Raised if an argument or a file cannot be used. The message names it and states what to do."""

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compares a deployed network with the model in float, and compares both with labels. All intervals have a level of 95 %: Wilson's for
-shares, and percentiles of resampled pictures (bootstrap) for errors."""
+"""Compares a deployed network with the model in float, and compares both with labels. All intervals have the level 95 %. Those of shares
+are Wilson's intervals; those of errors are percentiles of resampled pictures (bootstrap)."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ Values = dict[str, np.ndarray]
 
 @dataclasses.dataclass(frozen=True)
 class Outputs:
-    floats: Values | None  # None: the model is an integer network
+    floats: Values | None  # None if the model is an integer network
     integers: Values
 
 
 @dataclasses.dataclass(frozen=True)
 class Comparison:
-    """The pictures on which a network is judged."""
+    """Contains the pictures on which a network is judged."""
 
     pictures: Pictures
     numbers: list[int]
@@ -40,7 +40,8 @@ class Comparison:
 
 
 def comparison(deployed: Deployed, options: Options) -> Comparison:
-    """Returns the pictures of --validate, or else of --data. With labels, only labelled pictures are used."""
+    """Returns the pictures of --validate. Without this option, returns those of --data. If labels are given, returns only labelled
+    pictures."""
     pictures = deployed.pictures
     if options.validate is not None:
         pictures = Pictures(pathlib.Path(options.validate), deployed.graph.inputs[0], options.crop, deployed.model.whole)
@@ -70,7 +71,7 @@ def _by_name(names: list[str], rows: list[list[np.ndarray]]) -> Values:
 
 
 def difference(of: Values, to: Values) -> dict[str, Any]:
-    """Returns the root mean square difference of each output, with its interval and the standard deviation of ``to``."""
+    """Returns the root mean square difference of each output, its interval, and the standard deviation of ``to``."""
     return {name: {**_root_mean_square(of[name] - values), "deviation": float(values.std())} for name, values in to.items()}
 
 
@@ -81,7 +82,7 @@ def _root_mean_square(errors: np.ndarray) -> dict[str, Any]:
 
 
 def _resampled(*rows: np.ndarray) -> tuple[float, ...]:
-    """Returns the interval of the mean of one row, or of the difference of the roots of two rows' means."""
+    """Returns the interval of the mean of one row. For two rows, returns that of the difference of the roots of their means."""
     random = np.random.default_rng(1)
     means = []
     for _ in range(_REPETITIONS):
@@ -123,15 +124,15 @@ def _against(name: str, outputs: Outputs, labels: np.ndarray) -> dict[str, Any]:
 
 
 def _loss(before: np.ndarray, after: np.ndarray) -> dict[str, Any]:
-    """Returns the loss of a share. It combines the intervals of the shares of pictures lost and gained, each with half of the error
-    probability. Therefore it may be too wide, but not too narrow."""
+    """Returns by how much a share has decreased. The interval combines those of the shares of pictures lost and gained, each with half
+    of the error probability. Therefore it may be too wide, but not too narrow."""
     lost, gained = (int((a & ~b).sum()) for a, b in ((before, after), (after, before)))
     (least_lost, most_lost), (least_gained, most_gained) = (wilson(one, len(before), _ERROR / 2) for one in (lost, gained))
     return {"share": (lost - gained) / len(before), "interval": [least_lost - most_gained, most_lost - least_gained]}
 
 
 def shown(accuracy: dict[str, Any], indent: str = "") -> list[str]:
-    """Returns lines for the terminal."""
+    """Formats the accuracy as lines for the terminal."""
     lines = []
     if "without_equalisation" in accuracy:
         lines = [f"{indent}without equalisation:", *shown(accuracy["without_equalisation"], f"{indent}  ")]

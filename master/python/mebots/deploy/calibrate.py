@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs a model in float over pictures, and collects the ranges of its tensors."""
+"""Runs a model in float on pictures, and collects the ranges of its tensors."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _BINS = 2048
 
 
 class FloatModel:
-    """The model in onnxruntime, with all the tensors of ``names`` as outputs."""
+    """Runs a model in onnxruntime. All tensors in ``names`` are outputs."""
 
     def __init__(self, model: Model, names: Iterable[str]) -> None:
         onnx = extra("onnx", "`mebots deploy`", "onnx", "deploy")
@@ -29,20 +29,20 @@ class FloatModel:
         proto.graph.output.extend(onnx.helper.make_empty_tensor_value_info(name) for name in self.names)
         options = runtime.SessionOptions()
         options.intra_op_num_threads = 1
-        options.log_severity_level = 4  # its errors are exceptions, too
+        options.log_severity_level = 4  # its errors are raised as exceptions, too
         runtime.set_default_logger_severity(4)
         self._path = model.path
         options.graph_optimization_level = runtime.GraphOptimizationLevel.ORT_DISABLE_ALL
         try:
             self._session = runtime.InferenceSession(proto.SerializeToString(), options, providers=["CPUExecutionProvider"])
-        except Exception as error:  # onnxruntime's own classes
+        except Exception as error:  # onnxruntime raises its own classes
             raise InputError(f"{model.path}: onnxruntime cannot run it: {_one_line(error)}", "invalid_model") from error
 
     def run(self, values: np.ndarray) -> dict[str, np.ndarray]:
-        """Computes the tensors for ``values``, which have ONNX's shape, including the batch."""
+        """Computes the tensors for ``values``, which must have the shape that ONNX defines, including the batch."""
         try:
             results = self._session.run(self.names, {self._input: values.astype(np.float32)})
-        except Exception as error:  # onnxruntime's own classes
+        except Exception as error:  # onnxruntime raises its own classes
             raise InputError(f"{self._path}: onnxruntime cannot run it: {_one_line(error)}", "invalid_model") from error
         return dict(zip(self.names, results, strict=True))
 
@@ -52,10 +52,10 @@ def _one_line(error: Exception) -> str:
 
 
 class Ranges:
-    """Minimum and maximum of tensors. With a percentile, also histograms of their magnitudes."""
+    """Collects the minimum and maximum of tensors. With a percentile, also collects histograms of their magnitudes."""
 
     def __init__(self, percentile: float | None, divisors: Mapping[str, np.ndarray]) -> None:
-        """Prepares empty ranges. ``divisors`` divide the channels of the tensors that they name."""
+        """Creates empty ranges. The channels of the tensors in ``divisors`` are divided by these numbers."""
         self._percentile = percentile
         self._divisors = divisors
         self._least: dict[str, float] = {}
@@ -83,7 +83,7 @@ class Ranges:
 
 
 def _quantiles(array: np.ndarray) -> np.ndarray:
-    """Returns at most _BINS values with the distribution of a tensor's values."""
+    """Returns at most _BINS values that represent the distribution of a tensor's values."""
     flat = array.ravel()
     return flat if flat.size <= _BINS else np.quantile(flat, np.linspace(0, 1, _BINS))
 

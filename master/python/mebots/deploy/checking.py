@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compares layers of programs with the reference in NumPy, by hashes."""
+"""Compares the layers of programs with the reference in NumPy, by hashes."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def check(library: pathlib.Path, scratch: pathlib.Path, deployed: Deployed, on_c
 
 
 def hash_of(values: np.ndarray) -> int:
-    """Returns the hash of stored bytes (FNV-1a, 32 bits)."""
+    """Returns the hash of bytes (FNV-1a, 32 bits)."""
     result = 2166136261
     for one in np.ascontiguousarray(values).tobytes():
         result = ((result ^ one) * 16777619) & 0xFFFFFFFF
@@ -53,7 +53,7 @@ def results_of(network: Network, values: dict[Tensor, np.ndarray]) -> list[int]:
 
 
 def compare(network: Network, values: dict[Tensor, np.ndarray], printed: str, where: str) -> None:
-    """Raises Error with the first layer that differs."""
+    """Raises Error that names the first layer whose hash differs."""
     hashes: dict[int, int] = {}
     results = []
     for line in printed.splitlines():

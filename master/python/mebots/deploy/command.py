@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Implements ``mebots deploy``: the program is replaced by this module, which parses the command line."""
+"""Implements ``mebots deploy``. The program is replaced by a Python interpreter, which runs this module. Parses the command line."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Contracts of the firmwares that fly with a network. A contract states the input and the outputs that a firmware needs
+"""Defines the contracts of the firmwares that fly with a network. A contract states which input and outputs the firmware needs
 (fmu_soc/firmware/app)."""
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ _COLOURS = {1: "grey", 3: "rgb"}
 
 @dataclasses.dataclass(frozen=True)
 class Contract:
-    """``firmware`` has the names of the programs whose network is replaced. ``rows`` and ``columns`` have the minimum
-    and maximum of the input."""
+    """``firmware`` contains the names of the programs whose network can be replaced. ``rows`` and ``columns`` contain the minimum and
+    maximum size of the input."""
 
     name: str
     firmware: tuple[str, ...]
@@ -32,15 +32,15 @@ class Contract:
 
 @dataclasses.dataclass(frozen=True)
 class Fit:
-    """A network that fits a contract. ``order`` has, for each output of the contract, the place of its value in the
-    network's result."""
+    """States that a network matches a contract. ``order`` contains, for each output of the contract, the index of its value in the
+    result of the network."""
 
     contract: Contract
     order: tuple[int, ...]
 
 
 def contracts() -> list[Contract]:
-    """Returns the contracts of this installation."""
+    """Returns the contracts that this installation contains."""
     files = sorted((data_folder() / "fmu_soc/firmware/app").glob(f"*{_SUFFIX}"))
     return [_read(one.name.removesuffix(_SUFFIX), json.loads(one.read_text())) for one in files]
 
@@ -57,8 +57,8 @@ def _range(values: list[int]) -> tuple[int, int]:
 
 
 def fit(network: integers.Network, grey_step: float) -> Fit | str:
-    """Returns the contract that the network fits. If it fits none, returns the reason. ``grey_step`` is the change of
-    the network's input per grey level."""
+    """Returns the contract that the network matches. If it matches none, returns the reason. ``grey_step`` is the change of the
+    network's input for one grey level."""
     known = contracts()
     choice = next((fitting for one in known if (fitting := _order(network, one)) is not None), None)
     if choice is None:
@@ -69,7 +69,7 @@ def fit(network: integers.Network, grey_step: float) -> Fit | str:
 
 
 def _order(network: integers.Network, contract: Contract) -> Fit | None:
-    """Returns the fit of the outputs; None if the network has other outputs than the contract."""
+    """Returns how the outputs match the contract. Returns None if the network has other outputs than the contract."""
     names = [identifier(one.name) for one in network.outputs]
     if len(network.outputs) == 1 and network.outputs[0].size == len(contract.outputs):
         return Fit(contract, tuple(range(len(contract.outputs))))
@@ -79,7 +79,7 @@ def _order(network: integers.Network, contract: Contract) -> Fit | None:
 
 
 def _problem(network: integers.Network, contract: Contract, grey_step: float) -> str:
-    """Returns the reason why the input does not fit; empty if it does."""
+    """Returns the reason why the input does not match. Returns an empty text if it does."""
     rows, columns, channels = network.input.stored()
     has = f"{columns} x {rows} pixels, {_COLOURS.get(channels, f'{channels} channels')}"
     if _COLOURS.get(channels) != contract.colour or not (contract.rows[0] <= rows <= contract.rows[1] and contract.columns[0] <= columns <= contract.columns[1]):

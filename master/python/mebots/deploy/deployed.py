@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Options of a deployment, and its result in memory."""
+"""Defines the options of a deployment, and its result in memory."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Options:
 
 @dataclasses.dataclass(frozen=True)
 class Deployed:
-    """A network in three forms: in float, in integers, and as C."""
+    """Contains a network in three forms: in float, in integers, and as C code."""
 
     model: Model
     graph: Graph
@@ -54,5 +54,5 @@ class Deployed:
     sources: Sources
     pictures: Pictures
     scale: Scale
-    float_model: FloatModel | None  # None: the model is an integer network
+    float_model: FloatModel | None  # None if the model is an integer network
     board: Board

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Deploys a network: from a model and pictures to a folder with a firmware library."""
+"""Deploys a network: converts a model, calibrated with pictures, to a folder that contains a firmware library."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def _fill(folder: pathlib.Path, deployed: Deployed, options: Options, judgement:
 
 
 def _build_pilot(folder: pathlib.Path, deployed: Deployed, options: Options) -> dict[str, Any]:
-    """Builds the flight's program if the network fits a contract. Otherwise returns the reason why it does not."""
+    """Builds the program of the flight if the network matches a contract. Otherwise, returns the reason why it does not."""
     if not options.measure:
         return {"none": "it was deployed with --no-measure, which builds no program for the chip"}
     if deployed.float_model is None:
@@ -85,7 +85,7 @@ def _build_pilot(folder: pathlib.Path, deployed: Deployed, options: Options) -> 
 
 
 def _write_vectors(folder: pathlib.Path, deployed: Deployed, count: int) -> list[dict[str, Any]]:
-    """Writes inputs and outputs of pictures. Returns a list of them for network.json."""
+    """Writes the inputs and outputs of some pictures. Returns a list of these files for network.json."""
     place = folder / "vectors"
     place.mkdir()
     listed = []

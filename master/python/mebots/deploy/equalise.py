@@ -19,16 +19,16 @@ import numpy as np
 from mebots.deploy.graph import Graph, Node, Tensor
 
 _LINEAR_POOLS = ("max_pool", "mean_pool")
-_HOMOGENEOUS = ((-math.inf, math.inf), (0.0, math.inf))  # limits of an output: none, or those of Relu
+_HOMOGENEOUS = ((-math.inf, math.inf), (0.0, math.inf))  # limits of an output: no limits, or those of Relu
 _ROUNDS = 50
 _CONVERGED = 1e-3
-_NEGLIGIBLE = 1e-6  # of a layer's largest weight
+_NEGLIGIBLE = 1e-6  # as a fraction of the layer's largest weight
 
 
 @dataclasses.dataclass(frozen=True)
 class _Pair:
-    """A layer, and all layers that use its output. If several layers use the output, the range of a column is the largest range in these
-    layers."""
+    """Contains a layer and all layers that use its output. If several layers use the output, the range of a column is the largest range
+    in these layers."""
 
     first: Node
     between: list[Tensor]
@@ -36,8 +36,8 @@ class _Pair:
 
 
 def equalise(graph: Graph, fixed: set[str]) -> dict[str, np.ndarray]:
-    """Changes weights and biases in place. Returns the divisor of each channel of the tensors between equalised layers, by
-    name. Tensors in ``fixed`` do not change."""
+    """Changes weights and biases in place. Returns the divisor of each channel of the tensors between equalised layers. The keys are
+    names of tensors. Tensors in ``fixed`` do not change."""
     pairs = [one for one in _pairs(graph) if not any(tensor.name in fixed for tensor in one.between)]
     divisors = {tensor.name: np.ones(tensor.channels) for one in pairs for tensor in one.between}
     for _ in range(_ROUNDS):
@@ -62,7 +62,7 @@ def _pairs(graph: Graph) -> Iterator[_Pair]:
 
 
 def _collect(graph: Graph, tensor: Tensor, pair: _Pair) -> bool:
-    """Adds a tensor and all nodes that use it to a pair. Returns False if any node other than a layer, Relu or pool uses the tensor."""
+    """Adds a tensor, and all nodes that use it, to a pair. Returns False if a node other than a layer, Relu or pool uses the tensor."""
     pair.between.append(tensor)
     if any(one is tensor for one in graph.outputs):
         return False
@@ -80,7 +80,8 @@ def _is_homogeneous(node: Node) -> bool:
 
 
 def _columns(node: Node) -> np.ndarray | None:
-    """Returns a view of the weights by input channel: [channel, weights]. None if groups of several channels share them."""
+    """Returns a view of the weights, ordered by input channel: [channel, weights]. Returns None if groups of several channels share
+    weights."""
     channels = node.inputs[0].channels
     if node.groups == 1:
         return np.moveaxis(node.weight, 1, 0)
@@ -94,7 +95,7 @@ def _equalise_pair(pair: _Pair) -> np.ndarray:
     channels = first.weight.shape[0]
     rows = np.abs(first.weight).reshape(channels, -1).max(axis=1)
     columns = np.max([np.abs(_columns(one)).reshape(channels, -1).max(axis=1) for one in pair.seconds], axis=0)
-    # If the weights of a channel are negligible, its output is only the bias. The small factor would make the bias huge.
+    # If the weights of a channel are negligible, its output is only the bias. Such a small divisor would make the bias huge.
     used = (rows > _NEGLIGIBLE * rows.max()) & (columns > _NEGLIGIBLE * columns.max())
     factors = np.where(used, np.sqrt(np.where(used, rows, 1.0) / np.where(used, columns, 1.0)), 1.0)
     first.weight = first.weight / factors.reshape(-1, 1, 1, 1)

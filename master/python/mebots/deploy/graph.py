@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A network in floating point: tensors, and nodes of a few kinds in the order of computation. The batch is always one.
+"""Defines a network in floating point. It consists of tensors, and of nodes of a few kinds in the order of computation. The batch size
+is always one.
 
     conv     weight (out, in / groups, rows, columns), bias, strides, pads, dilations; the kernel of a dense layer is
              its whole input; with ``pool`` > 1, the maximum of pool x pool places follows
@@ -24,12 +25,12 @@ Shape = tuple[int, ...]
 
 @dataclasses.dataclass(eq=False)
 class Tensor:
-    """The values of one batch. ``shape`` is ONNX's shape without the batch: (channels, rows, columns), (channels,
-    columns) or (channels,)."""
+    """Stores the values of one batch. ``shape`` is the shape in ONNX without the batch: (channels, rows, columns), (channels, columns)
+    or (channels,)."""
 
     name: str
     shape: Shape
-    element: int = 1  # bytes of a value on the chip
+    element: int = 1  # number of bytes of a value on the chip
 
     @property
     def bytes(self) -> int:
@@ -52,11 +53,11 @@ class Tensor:
         return self.shape[-1] if len(self.shape) > 1 else 1
 
     def stored(self) -> Shape:
-        """The shape in memory: (rows, columns, channels)."""
+        """Returns the shape in memory: (rows, columns, channels)."""
         return self.rows, self.columns, self.channels
 
     def view(self, memory: np.ndarray) -> np.ndarray:
-        """Returns a view of stored values, with the dimensions of ``shape``."""
+        """Returns a view of stored values that has the dimensions of ``shape``."""
         return np.moveaxis(memory.reshape(self.stored()), 2, 0).reshape(self.shape)
 
 
@@ -64,12 +65,12 @@ class Tensor:
 class Node:
     kind: str
     name: str
-    op: str  # the ONNX operators that it replaces, for reports
+    op: str  # names of the ONNX operators that the node replaces, for reports
     inputs: list[Tensor]
     output: Tensor
     weight: np.ndarray | None = None
     bias: np.ndarray | None = None
-    weight_steps: np.ndarray | None = None  # scale of weights that are bytes in the model: one for all, or one per output channel
+    weight_steps: np.ndarray | None = None  # scale of weights that the model stores as bytes: one for all, or one for each output channel
     kernel: tuple[int, int] = (1, 1)
     strides: tuple[int, int] = (1, 1)
     pads: tuple[int, int, int, int] = (0, 0, 0, 0)  # top, left, bottom, right
@@ -79,7 +80,7 @@ class Node:
     counts_pads: bool = True
     limits: tuple[float, float] = (-math.inf, math.inf)
     function: Callable[[np.ndarray], np.ndarray] | None = None
-    range: tuple[float, float] | None = None  # range of a function, if it is known
+    range: tuple[float, float] | None = None  # range of a function, if known
     moves: list[Any] = dataclasses.field(default_factory=list)
     fill: float | None = None
 

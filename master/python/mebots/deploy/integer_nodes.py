@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads networks that already have integer weights. Finds chains of nodes that requantise sums, as NEMO (Mul, Add, Mul,
-Div, Floor, Clip), PLiNIO (Mul, Add, Div, Floor, Clip) and QuantLab (RequantShift) write them. Replaces each chain by one node."""
+"""Reads networks whose weights are already integers. Finds chains of nodes that requantise sums, and replaces each chain by one node.
+Such chains are written by NEMO (Mul, Add, Mul, Div, Floor, Clip), PLiNIO (Mul, Add, Div, Floor, Clip) and QuantLab (RequantShift)."""
 
 from __future__ import annotations
 
@@ -13,13 +13,14 @@ from mebots.deploy.model_file import Model, label, onnx_package
 
 OP = "Requantise"
 _CHAIN = ("Mul", "Add", "Cast", "Div", "Floor", "Clip")
-_BITS = {"weight_bits", "bias_bits", "mult_bits", "add_bits", "out_bits"}  # of PLiNIO's backend MATCH; the numbers and limits follow from the graph
-_SMALLEST_OF_NEMO = 1 << 16  # from here, a divisor 2^n - 1 is NEMO's form of 2^n; in DORY's examples, n is 18 to 24
+_BITS = {"weight_bits", "bias_bits", "mult_bits", "add_bits", "out_bits"}  # of the backend MATCH of PLiNIO; the graph determines the same numbers
+_SMALLEST_OF_NEMO = 1 << 16  # a divisor 2^n - 1 of at least this size is NEMO's form of 2^n; in DORY's examples, n is 18 to 24
 
 
 @dataclasses.dataclass
 class Requantising:
-    """clip(floor((sum x multiplier + addend) / 2^shift), low, high); the numbers are either per channel, or the same for all channels."""
+    """Computes clip(floor((sum x multiplier + addend) / 2^shift), low, high). The numbers are the same for all channels, or different
+    for each channel."""
 
     multiplier: np.ndarray
     addend: np.ndarray
@@ -33,7 +34,7 @@ class Requantising:
 
 
 def to_onnx(model: Any) -> None:
-    """Converts a quantiser's model to plain ONNX: deletes the attributes with numbers of bits, and replaces the operator RequantShift."""
+    """Converts a quantiser's model to plain ONNX. Deletes attributes that state numbers of bits, and replaces the operator RequantShift."""
     for node in model.graph.node:
         kept = [one for one in node.attribute if node.domain not in ("", "ai.onnx") or one.name not in _BITS]
         if len(kept) != len(node.attribute):
@@ -43,7 +44,7 @@ def to_onnx(model: Any) -> None:
 
 
 def _expand_shifts(model: Any) -> None:
-    """Replaces RequantShift, which rounds and is not an ONNX operator, by Mul, Add, Div, Floor and Clip."""
+    """Replaces RequantShift, which is not an ONNX operator and rounds, by Mul, Add, Div, Floor and Clip."""
     helper, numpy_helper = onnx_package().helper, onnx_package().numpy_helper
     nodes = []
     for node in model.graph.node:
@@ -99,8 +100,8 @@ def is_integer(model: Model) -> bool:
 
 
 def collapse(model: Model) -> None:
-    """Replaces each chain that requantises by one node. Stores the node's numbers in ``model.requantising``, by the
-    name of its output."""
+    """Replaces each chain that requantises by one node. Stores the numbers of the node in ``model.requantising``, whose keys are the
+    names of the nodes' outputs."""
     users: dict[str, list[Any]] = {}
     for node in model.nodes:
         for name in node.input:
@@ -123,7 +124,7 @@ def collapse(model: Model) -> None:
 
 
 def _chain(model: Model, first: Any, users: dict[str, list[Any]]) -> list[Any] | None:
-    """Returns the nodes from ``first`` to the Clip, if they form a requantisation."""
+    """Returns the nodes from ``first`` to the Clip if they requantise a sum. Otherwise, returns None."""
     chain: list[Any] = []
     node = first
     while node.op_type in _CHAIN and (node.op_type in ("Cast", "Floor", "Clip") or any(name in model.constants for name in node.input)):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Judges a deployed network: its accuracy, and the accuracy and cost with smaller inputs."""
+"""Judges a deployed network: determines its accuracy, and its accuracy and cost with smaller inputs."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from mebots.errors import InputError
 
 class Judgement:
     def __init__(self, model: str | os.PathLike[str], data: str | os.PathLike[str], deployed: Deployed, options: Options) -> None:
-        """Reads what the judgement needs. Raises InputError for labels, pictures and sizes that do not fit."""
+        """Reads the data that the judgement needs. Raises InputError if labels, pictures or sizes do not match the network."""
         self._model, self._data = model, data
         self._deployed = deployed
         self._options = options
@@ -29,8 +29,8 @@ class Judgement:
             raise InputError("--sizes needs the measurement on the chip. Leave --no-measure or --sizes out", "invalid_value")
 
     def result(self, objects: pathlib.Path) -> dict[str, Any]:
-        """Returns the members "accuracy" and "sizes" of network.json. ``objects`` may have object files of the kernels, and gets
-        a folder per size."""
+        """Returns the members "accuracy" and "sizes" of network.json. ``objects`` may contain object files of the kernels. Adds a folder
+        for each size to it."""
         whole = outputs_of(self._deployed, self._compared)
         accuracy = accuracy_of(whole, self._compared)
         if self._options.equalise:

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads labels of pictures: a CSV file with the column ``picture`` and a column per output, or the column ``class``."""
+"""Reads the labels of pictures from a CSV file. The file has the column ``picture``, and a column for each output or the column
+``class``."""
 
 from __future__ import annotations
 
@@ -19,7 +20,7 @@ _PICTURE = "picture"
 
 @dataclasses.dataclass(frozen=True)
 class Labels:
-    """``numbers`` are the labelled pictures. ``columns`` has the labels of each column in the same order."""
+    """``numbers`` contains the numbers of the labelled pictures. ``columns`` contains the labels of each column, in the same order."""
 
     path: pathlib.Path
     numbers: list[int]
@@ -27,7 +28,7 @@ class Labels:
 
 
 def read_labels(path: pathlib.Path, pictures: Pictures, sizes: dict[str, int]) -> Labels:
-    """Reads labels. ``sizes`` has the number of values of each output."""
+    """Reads labels. ``sizes`` must contain the number of values of each output."""
     try:
         with path.open(newline="", encoding="utf-8") as file:
             rows = list(csv.reader(file))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A network in integers: its layers, as the chip computes them, and a reference of each layer in NumPy."""
+"""Defines a network in integers. It consists of layers as the chip computes them. Computes each layer in NumPy as a reference."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from mebots.deploy.moving import Move
 
 @dataclasses.dataclass(eq=False)
 class Layer:
-    """A layer. ``kind`` is convolution, max_pool, average_pool, add, multiply, table, move, softmax."""
+    """Describes a layer. ``kind`` is convolution, max_pool, average_pool, add, multiply, table, move or softmax."""
 
     kind: str
     name: str
@@ -23,15 +23,15 @@ class Layer:
     output: Tensor
     low: int = 0
     high: int = 255
-    outside: int = 0  # value of places outside the input
+    outside: int = 0  # value of positions outside the input
     kernel: tuple[int, int] = (1, 1)
     strides: tuple[int, int] = (1, 1)
     pads: tuple[int, int, int, int] = (0, 0, 0, 0)
     dilations: tuple[int, int] = (1, 1)
     groups: int = 1
     pool: int = 1
-    weight: np.ndarray | None = None  # int8: out, in / groups, rows, columns
-    bias: np.ndarray | None = None  # int32, with the zero of the input
+    weight: np.ndarray | None = None  # int8; dimensions: out, in / groups, rows, columns
+    bias: np.ndarray | None = None  # int32; includes the zero of the input
     requantise: Requantisation | None = None
     counts_pads: bool = True
     factors: tuple[int, int] = (0, 0)
@@ -44,7 +44,7 @@ class Layer:
 
     @property
     def macs(self) -> int:
-        """The number of products of a weight and a value, including those with places outside the input."""
+        """Returns the number of products of a weight and a value. Products with positions outside the input count, too."""
         if self.weight is None:
             return 0
         return int(self.weight.size // self.weight.shape[0]) * self.output.size * self.pool**2
@@ -54,7 +54,7 @@ class Layer:
         return 0 if self.weight is None else int(self.weight.size)
 
     def extent(self) -> tuple[int, int]:
-        """The rows and columns that the kernel covers with its dilation."""
+        """Returns the rows and columns that the dilated kernel covers."""
         rows, columns = ((k - 1) * d + 1 for k, d in zip(self.kernel, self.dilations, strict=True))
         return rows, columns
 
@@ -73,7 +73,7 @@ def _padded(layer: Layer, values: np.ndarray) -> np.ndarray:
 
 
 def _windows(layer: Layer, values: np.ndarray) -> np.ndarray:
-    """Returns the window of each place, with dimensions rows, columns, kernel rows, kernel columns, channels."""
+    """Returns the window of each position. The dimensions are rows, columns, kernel rows, kernel columns and channels."""
     rows, columns = layer.extent()
     padded = _padded(layer, values)
     windows = np.lib.stride_tricks.sliding_window_view(padded, (rows, columns), axis=(0, 1))
@@ -89,7 +89,7 @@ def _convolution(layer: Layer, values: np.ndarray) -> np.ndarray:
     for group in range(layer.groups):
         part = windows[..., group * each : (group + 1) * each].reshape(*windows.shape[:2], -1)
         weight = layer.weight[group * out : (group + 1) * out].transpose(2, 3, 1, 0).reshape(-1, out)
-        sums.append(part.astype(np.float64) @ weight.astype(np.float64))  # exact, because all numbers are whole and below 2^53
+        sums.append(part.astype(np.float64) @ weight.astype(np.float64))  # exact, because all numbers are whole numbers below 2^53
     total = np.concatenate(sums, axis=2).astype(np.int64) + layer.bias
     if layer.requantise is None:
         return total.astype(np.int32)
@@ -132,7 +132,7 @@ def _softmax(layer: Layer, values: np.ndarray) -> np.ndarray:
 
 
 def compute(layer: Layer, values: list[np.ndarray]) -> np.ndarray:
-    """Computes a layer from the stored bytes (rows, columns, channels) of its inputs."""
+    """Computes a layer from the stored bytes (rows, columns, channels) of its inputs. Returns the stored bytes of its output."""
     if layer.kind == "convolution":
         return _convolution(layer, values[0])
     if layer.kind == "max_pool":
@@ -154,7 +154,7 @@ def compute(layer: Layer, values: list[np.ndarray]) -> np.ndarray:
 
 
 def run(network: Network, picture: np.ndarray) -> dict[Tensor, np.ndarray]:
-    """Returns the bytes of all tensors, as they are stored."""
+    """Computes all layers. Returns the stored bytes of all tensors."""
     values = {network.input: picture.reshape(network.input.stored())}
     for layer in network.layers:
         out = compute(layer, [values[one] for one in layer.inputs])

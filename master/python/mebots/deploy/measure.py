@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measures time and energy of each layer on the chip, as differences between runs of the first 0, 1, 2 ... layers."""
+"""Measures the time and energy of each layer on the chip. They are differences between runs of the first 0, 1, 2 ... layers."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ class Cost:
     energy_j: float
     parts_j: dict[str, float]
     instructions: int
-    cycles: int  # of all cores, awake
-    causes: dict[str, int]  # the same by cause; empty if that was not counted
-    dma_s: float  # in which the core that starts copies waited for the end of one
+    cycles: int  # active cycles of all cores
+    causes: dict[str, int]  # the same cycles, divided by cause; empty if causes were not counted
+    dma_s: float  # time in which the core that starts copies waited for the end of a copy
 
 
 @dataclasses.dataclass(frozen=True)
 class Setting:
-    """The conditions of a measurement: a number of cores, and a clock of the cluster."""
+    """States the conditions of a measurement: the number of cores and the clock of the cluster."""
 
     cores: int
     clock_hz: float
@@ -30,7 +30,7 @@ class Setting:
 
 @dataclasses.dataclass(frozen=True)
 class Measurement:
-    """Costs of one inference, without the start of the cluster."""
+    """Contains the costs of one inference. The start of the cluster is not included."""
 
     cores: int
     clock_hz: float
@@ -44,7 +44,7 @@ CLOCKS_HZ = (chip.CLOCK_HZ // 4, chip.CLOCK_HZ // 2)
 
 
 def _causes(report: dict) -> dict[str, int]:
-    """Returns the active cycles of the cluster's cores by cause. Hart 0 is the fabric controller."""
+    """Returns the active cycles of the cluster's cores, divided by cause. Leaves out hart 0, which is the fabric controller."""
     causes: dict[str, int] = {}
     for hart in report.get("harts", [])[1:]:
         for name, cycles in hart["causes"].items():
@@ -72,7 +72,7 @@ def _difference(a: dict, b: dict, clock_hz: float) -> Cost:
 
 
 def measure(program: chip.Program) -> Measurement:
-    """Measures each layer with all cores at the highest clock, and the inference in all settings."""
+    """Measures each layer with all cores at the highest clock. Measures the whole inference in all settings."""
     cores = program.board.cores
     reports = [program.report(cores, count, by_cause=True) for count in range(len(program.bytes) + 1)]
     costs = [_difference(a, b, chip.CLOCK_HZ) for a, b in zip(reports, reports[1:], strict=False)]
@@ -89,7 +89,7 @@ def measure_settings(program: chip.Program, usual: tuple[dict, Cost] | None = No
     settings = []
     for clock in (*CLOCKS_HZ, chip.CLOCK_HZ):
         known = usual if clock == chip.CLOCK_HZ else None
-        start = known[0] if known else program.report(most, 0, clock)  # without a layer, the number of cores has no effect
+        start = known[0] if known else program.report(most, 0, clock)  # if no layer is computed, the number of cores has no effect
         for cores in [*(2**i for i in range(most.bit_length()) if 2**i < most), most]:
             cost = known[1] if known and cores == most else _difference(start, program.report(cores, len(program.bytes), clock), clock)
             settings.append(Setting(cores, clock, cost))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads ONNX files: checked, with shapes, and with all constants computed."""
+"""Reads ONNX files. Checks the model, infers all shapes, and computes all constants."""
 
 from __future__ import annotations
 
@@ -17,31 +17,31 @@ from mebots.extras import extra
 
 OPSETS = range(9, 22)
 LARGEST_FILE = 512 << 20
-LARGEST_CONSTANT = 1 << 26  # elements
+LARGEST_CONSTANT = 1 << 26  # number of elements
 _NEVER_CONSTANT = {"RandomNormal", "RandomNormalLike", "RandomUniform", "RandomUniformLike", "Bernoulli", "Multinomial", "If", "Loop", "Scan"}
 
 
 def onnx_package() -> Any:
-    """Imports and returns the package onnx, which only a deployment needs."""
+    """Imports and returns the package onnx, which is needed only for a deployment."""
     extra("onnx.reference", "`mebots deploy`", "onnx", "deploy")
     return extra("onnx", "`mebots deploy`", "onnx", "deploy")
 
 
 class InputTooSmall(InputError):
-    """The network's input has too few rows or columns for a node."""
+    """Raised if the network's input has too few rows or columns for a node."""
 
 
 class SizeFixed(InputError):
-    """Shapes in the model permit only its own size of the input."""
+    """Raised if shapes in the model permit only its own size of the input."""
 
 
 class Model:
-    """An ONNX model. ``constants`` are the initialisers and all tensors that are computed from them. ``nodes`` are the
-    remaining nodes, in order."""
+    """Contains an ONNX model. ``constants`` are the initialisers and all tensors that are computed from them. ``nodes`` are all other
+    nodes, in their order."""
 
     def __init__(self, path: str | os.PathLike[str], rewrite: Callable[[Any], None] | None = None, size: tuple[int, int] | None = None) -> None:
-        """Reads a model. ``rewrite`` changes the model before it is checked. ``size`` are rows and columns that replace those of the
-        input."""
+        """Reads a model. Calls ``rewrite`` with the model before the model is checked. ``size`` contains the rows and columns that
+        replace those of the input."""
         self.path = pathlib.Path(path)
         self.proto = _load(self.path)
         if rewrite is not None:
@@ -50,12 +50,12 @@ class Model:
             except (LookupError, TypeError, ValueError) as error:
                 raise self.fail(f"a RequantShift lacks an input or an attribute: {error}") from error
         self.requantising: dict[str, Any] = {}
-        self.weight_steps: dict[str, np.ndarray] = {}  # of weights that the model has in bytes
-        self.scales: dict[str, Any] = {}  # of tensors that the model quantises
-        self.quantised: dict[str, tuple[Any, int]] = {}  # outputs of QuantizeLinear: scale, and the model's own zero point
+        self.weight_steps: dict[str, np.ndarray] = {}  # scales of weights that the model stores as bytes
+        self.scales: dict[str, Any] = {}  # scales of tensors that the model quantises
+        self.quantised: dict[str, tuple[Any, int]] = {}  # outputs of QuantizeLinear: scale and zero point in the model
         self.opset = _opset(self.proto, self.path)
         _fix_batch(self.proto, self.path)
-        self.whole: Tensor | None = None  # the input before ``size`` replaced its own size
+        self.whole: Tensor | None = None  # the input before its size was replaced by ``size``
         if size is not None:
             self.whole = _resize(self.proto, *size)
         self.proto = _with_shapes(self.proto, self.path)
@@ -104,8 +104,8 @@ class Model:
         return rest
 
     def _dequantise(self, node: Any) -> None:
-        """Computes weights that the model stores as bytes, and keeps their scales. onnx's evaluator lacks old versions of this
-        operator."""
+        """Computes weights that the model stores as bytes, and stores their scales. The evaluator of onnx does not support old versions
+        of this operator."""
         whole = self.constants[node.input[0]]
         step = np.asarray(self.constants[node.input[1]], dtype=np.float64)
         zero = self.constants[node.input[2]].astype(np.float64) if len(node.input) > 2 and node.input[2] else np.zeros_like(step)
@@ -146,7 +146,7 @@ class Model:
 
 
 def _label(node: Any) -> str:
-    """Returns the node's name; for a node without a name, the name of its output."""
+    """Returns the name of the node. If it has none, returns the name of its output."""
     return node.name or node.output[0]
 
 
@@ -167,7 +167,7 @@ def _load(path: pathlib.Path) -> Any:
         raise InputError(f"{path}: has {size} bytes; a chip with 8 MiB of HyperRAM cannot hold it, and at most {LARGEST_FILE} bytes are read", "invalid_model")
     try:
         model = onnx.load(str(path))
-    except Exception as error:  # protobuf's own classes of errors
+    except Exception as error:  # protobuf raises its own classes
         raise InputError(f"{path}: is not a whole ONNX file: {_one_line(error)}", "invalid_model") from error
     if not model.graph.node:
         raise InputError(f"{path}: is not an ONNX model, or one without nodes", "invalid_model")
@@ -186,7 +186,7 @@ def _opset(model: Any, path: pathlib.Path) -> int:
 
 
 def _fix_batch(model: Any, path: pathlib.Path) -> None:
-    """Sets an undefined batch size of the inputs to 1. Rejects other undefined dimensions."""
+    """Sets an undefined batch size of the inputs to 1. Rejects all other undefined dimensions."""
     constants = {one.name for one in model.graph.initializer}
     for one in model.graph.input:
         if one.name in constants:
@@ -207,7 +207,7 @@ def _fix_batch(model: Any, path: pathlib.Path) -> None:
 
 
 def _resize(model: Any, rows: int, columns: int) -> Tensor:
-    """Changes the size of the input, and drops all shapes that follow from it. Returns the input before."""
+    """Changes the size of the input, and deletes all shapes that depend on it. Returns the previous input."""
     constants = {one.name for one in model.graph.initializer}
     source = next(one for one in model.graph.input if one.name not in constants)
     dimensions = source.type.tensor_type.shape.dim
@@ -226,7 +226,7 @@ def _with_shapes(model: Any, path: pathlib.Path) -> Any:
     try:
         onnx.checker.check_model(model)
         return onnx.shape_inference.infer_shapes(model, strict_mode=True, data_prop=True)
-    except Exception as error:  # ValidationError, InferenceError, and others of the C++ library
+    except Exception as error:  # ValidationError, InferenceError and other classes of the C++ library
         raise InputError(f"{path}: the model is not a valid ONNX model: {_one_line(error)}", "invalid_model") from error
 
 

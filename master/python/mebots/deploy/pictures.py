@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads pictures and vectors for the calibration, and converts them to the network's input."""
+"""Reads pictures and vectors for the calibration, and converts them to inputs of the network."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ MOST_PICTURES = 100_000
 
 @dataclasses.dataclass(frozen=True)
 class Crop:
-    """The part of a larger picture that the network gets."""
+    """The part of a larger picture that is the input of the network."""
 
     left: int
     top: int
 
 
 class Pictures:
-    """The inputs of a folder of pictures, or of a .npy file of vectors (number, *shape), as bytes in stored order."""
+    """Contains the inputs from a folder of pictures, or from a .npy file of vectors (number, *shape). They are bytes in stored order."""
 
     def __init__(self, path: pathlib.Path, tensor: Tensor, crop: Crop | None, whole: Tensor | None = None) -> None:
-        """Finds the inputs. If ``whole`` is given, they have its size, and are reduced to the size of ``tensor``."""
+        """Finds the inputs. If ``whole`` is given, they have its size and are reduced to the size of ``tensor``."""
         self.path = path
         self._tensor = tensor
         self._whole = whole or tensor
@@ -51,7 +51,7 @@ class Pictures:
         return len(self.files) if self.vectors is None else len(self.vectors)
 
     def scale(self, step: float, offset: float) -> Scale:
-        """Returns the scale of the input: real = byte x step + offset. For vectors, it is computed from their range."""
+        """Returns the scale of the input: real = byte x step + offset. For vectors, computes it from their range."""
         if self.vectors is not None:
             return Scale.of_range(float(self.vectors.min()), float(self.vectors.max()))
         zero = -offset / step
@@ -68,11 +68,11 @@ class Pictures:
             yield self.one(number, scale)
 
     def chosen(self, most: int) -> list[int]:
-        """Returns at most ``most`` numbers of inputs, equally spaced."""
+        """Returns the numbers of at most ``most`` inputs, which are equally spaced."""
         return [int(one) for one in np.linspace(0, len(self) - 1, min(most, len(self))).round()]
 
     def places(self) -> dict[str, int]:
-        """Returns the number of each input by its name: the path in the folder, or the number of a vector."""
+        """Maps the name of each input to its number. The name is the path in the folder, or the number of a vector."""
         if self.vectors is not None:
             return {str(i): i for i in range(len(self.vectors))}
         return {one.relative_to(self.path).as_posix(): i for i, one in enumerate(self.files)}
@@ -81,7 +81,7 @@ class Pictures:
         return "files as in the folder of pictures" if self.vectors is None else f"vectors by numbers from 0 to {len(self) - 1}"
 
     def one(self, number: int, scale: Scale) -> np.ndarray:
-        """Returns input ``number`` as it is stored: rows, columns, channels."""
+        """Returns input ``number`` in the stored order: rows, columns, channels."""
         if self.vectors is None:
             values = self._read(self.files[number])
         else:
@@ -101,7 +101,7 @@ class Pictures:
         try:
             with image.open(path) as picture:
                 values = np.asarray(picture.convert("L" if channels == 1 else "RGB"), dtype=np.uint8)
-        except Exception as error:  # Pillow raises errors of many classes for broken files
+        except Exception as error:  # Pillow raises errors of many classes for damaged files
             raise InputError(f"{path}: is not a readable picture: {error}", "invalid_data") from error
         values = values.reshape(*values.shape[:2], channels)
         if values.shape[:2] == (rows, columns):
@@ -114,7 +114,7 @@ class Pictures:
         raise InputError(f"{path}: has {has} pixels, the network's input {self._tensor.name} {columns} x {rows}. Resize it; {way}", "invalid_data")
 
     def real(self, stored: np.ndarray, scale: Scale) -> np.ndarray:
-        """Returns an input in float, in ONNX's shape."""
+        """Converts stored bytes of an input to real numbers in the shape that ONNX defines."""
         return self._tensor.view(scale.real(stored).astype(np.float32))[np.newaxis]
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Converts a graph in float, with the ranges of its tensors, to a network in integers.
+"""Converts a graph in float to a network in integers, by the ranges of its tensors.
 
-Activations are bytes with one scale per tensor; weights are signed bytes with a scale per output channel.
+Activations are bytes with one scale for each tensor. Weights are signed bytes with one scale for each output channel.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ POWER_BITS = 16
 
 class Quantiser:
     def __init__(self, graph: Graph, input_scale: Scale, range_of: Callable[[str], tuple[float, float]], given: Mapping[str, Scale]) -> None:
-        """Prepares the conversion. ``given`` has the scales that the model itself has, by the names of tensors."""
+        """Prepares the conversion. ``given`` maps names of tensors to the scales that the model itself states."""
         self._given = given
         self._graph = graph
         self._range_of = range_of
         self._scales: dict[Tensor, Scale] = {graph.inputs[0]: input_scale}
-        self._same: dict[Tensor, Tensor] = {}  # tensors that are a part of another tensor's memory
+        self._same: dict[Tensor, Tensor] = {}  # tensors that are part of the memory of another tensor
         self._channel_scales: dict[Tensor, dict[int, Scale]] = {}
         self._layers: list[Layer] = []
 
@@ -118,8 +118,8 @@ class Quantiser:
         )
 
     def _scales_by_channel(self, node: Node) -> list[Scale] | None:
-        """Returns a scale per channel if each user of a dense layer's output selects some channels: the scale of the
-        output of the user that selects the channel. Otherwise returns None."""
+        """Returns a scale for each channel if every user of a dense layer's output selects some of its channels. The scale of a channel
+        is that of the output of its user. Otherwise, returns None."""
         users = self._graph.users(node.output)
         is_output = any(one is node.output for one in self._graph.outputs)
         if len(node.output.shape) > 1 or node.is_limited() or is_output or not users or node.output.name in self._given:
@@ -161,7 +161,7 @@ class Quantiser:
         scale = self._out_scale(node)
         sources = [self._scale(one) for one in node.inputs]
         ratios = [one.step / scale.step for one in sources]
-        # The sum of 255 times both factors, the zeros and half a unit must fit in 31 bits.
+        # The sum of 255 times both factors, the zeros and half a unit must fit into 31 bits.
         shift = int(np.clip(np.floor(np.log2((1 << 30) / (255 * 2 * sum(ratios) + 2 * scale.zero + 1))), 0, _ADD_SHIFT))
         factors = [int(np.floor(one * 2.0**shift + 0.5)) for one in ratios]
         addend = (scale.zero << shift) + ((1 << shift) >> 1) - sum(f * one.zero for f, one in zip(factors, sources, strict=True))
@@ -204,7 +204,7 @@ class Quantiser:
 
 
 def _weight_steps(node: Node, source: Scale) -> np.ndarray:
-    """Returns the step of each output channel's weights: the model's own, or 1/127 of the largest magnitude."""
+    """Returns the step of the weights of each output channel: that in the model, or 1/127 of the largest magnitude."""
     channels = node.weight.shape[0]
     if node.weight_steps is not None and node.weight_steps.size in (1, channels):
         return np.broadcast_to(node.weight_steps.ravel(), (channels,))
@@ -213,8 +213,8 @@ def _weight_steps(node: Node, source: Scale) -> np.ndarray:
 
 
 def _least_step(node: Node, source: Scale) -> np.ndarray:
-    """Returns the least step for each channel. Channels with small weights and a large bias get a larger step, so that
-    the bias fits in 30 bits."""
+    """Returns the smallest step for each channel. If a channel has small weights and a large bias, its step is larger, so that the bias
+    fits into 30 bits."""
     return np.maximum(np.abs(node.bias) * 127 / (source.step * (1 << 30)), 1e-12)
 
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Converts transposed convolutions: zeros are inserted between the input's values according to the strides, and the
-result is convolved with the reversed kernel."""
+"""Converts transposed convolutions. Inserts zeros between the values of the input according to the strides, and convolves the result
+with the reversed kernel."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def conv_transpose(owner: Importer) -> None:
 
 
 def _spread(owner: Importer, source: Tensor, strides: tuple[int, int]) -> Tensor:
-    """Adds a node that inserts zeros between the values."""
+    """Adds a node that inserts zeros between the values of a tensor."""
     if strides == (1, 1):
         return source
     rows, columns = ((size - 1) * step + 1 for size, step in zip((source.rows, source.columns), strides, strict=True))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Answers a question by many missions: ``mebots.sweep``, and ``mebots sweep`` on the command line.
+"""Answers questions by running many missions. Implements ``mebots.sweep``, and ``mebots sweep`` on the command line.
 
     study -> designs x draws -> missions (hash of all inputs) -> workers -> journal -> answers with confidence -> report
 

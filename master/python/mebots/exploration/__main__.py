@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``python -m mebots.exploration STUDY --out DIR`` runs a study like ``mebots sweep``."""
+"""Runs a study as ``mebots sweep`` does: ``python -m mebots.exploration STUDY --out DIR``."""
 
 import sys
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The answer of a study that compares designs, in words: the best design, others that may be as good, and how many
-more missions would separate them."""
+"""Formulates the answer of a study that compares designs. It names the best design, other designs that may be as good, and the number of
+missions that would separate them."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ _MOST_MISSIONS = 1_000_000
 
 @dataclasses.dataclass(frozen=True)
 class Row:
-    """A design in the ranked table. ``rank`` is None if the design violates a constraint or has no value. Designs with equal values share
-    a rank."""
+    """Describes a design in the ranked table. ``rank`` is None if the design violates a constraint or has no value. Designs that have
+    equal values also have equal ranks."""
 
     rank: int | None
     design: int
@@ -49,8 +49,7 @@ class Answer:
         return "\n".join(self.lines())
 
     def lines(self, width: int | None = None) -> list[str]:
-        """Returns the lines of the text. The table is not wider than ``width``, unless two objectives do not fit in it.
-        """
+        """Returns the lines of the text. The table is at most ``width`` wide, unless two objectives do not fit into this width."""
         hidden = len(self.rows) - _MOST_ROWS
         more = [f"... and {hidden} more in designs.csv"] if hidden > 0 else []
         table = table_lines(self.titles, self.rows[:_MOST_ROWS], width)
@@ -74,7 +73,7 @@ def _aligned(titles: Sequence[str], rows: Sequence[Row]) -> list[str]:
         rank = "-" if row.rank is None else str(row.rank)
         cells.append([rank, f"#{row.design}", row.name, str(row.missions), *row.cells, row.note])
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    texts = (1, 2, len(widths) - 1)  # left-aligned columns
+    texts = (1, 2, len(widths) - 1)  # columns that are left-aligned
     return [
         "  ".join(cell.ljust(width) if at in texts else cell.rjust(width) for at, (cell, width) in enumerate(zip(line, widths, strict=True))).rstrip()
         for line in cells
@@ -82,7 +81,7 @@ def _aligned(titles: Sequence[str], rows: Sequence[Row]) -> list[str]:
 
 
 class Judge:
-    """Ranks designs by the first objective that is minimised or maximised; if there is none, by the first share."""
+    """Ranks designs by the first objective that is minimised or maximised. If there is none, ranks them by the first share."""
 
     def __init__(self, evidence: Evidence, units: Units, names: Sequence[str], status: Sequence[str]) -> None:
         self._evidence = evidence
@@ -97,11 +96,11 @@ class Judge:
         self._share = next((one for one in shares if one is not self._main), None)
 
     def standings(self) -> Answer:
-        """Ranks designs by all results so far, including results that the study has not evaluated yet. The order is not proven."""
+        """Ranks designs by all results so far, even results that the study has not evaluated yet. The order may be due to chance."""
         return Answer([], self._titles(), self._rows(self._evidence.so_far, lambda design: self._ended(design)), [])
 
     def answer(self, places: Sequence[str]) -> Answer:
-        """``places`` is the result of ``front.places``."""
+        """Returns the answer. ``places`` must be the result of ``front.places``."""
         best = {one.label: self._best(one) for one in self._ranking}
         headlines = [line for one in self._study.objectives if (line := self._headline(one, best.get(one.label), places))]
         if not headlines:
@@ -114,7 +113,7 @@ class Judge:
     def _titles(self) -> list[str]:
         return [one.label if one.percentile is None else f"{one.label} ({one.statistic})" for one in self._study.objectives]
 
-    # The order.
+    # The following functions rank designs.
 
     def _rows(self, estimate: Callable[[int, Objective], Estimate], note: Callable[[int], str]) -> list[Row]:
         designs = range(len(self._evidence.counts))
@@ -133,8 +132,8 @@ class Judge:
         return rows
 
     def _key(self, design: int, found: Sequence[Estimate], at: int | None) -> tuple[float, ...]:
-        """Returns the key for sorting. Designs that can be ranked come first. They are sorted by the share of missions
-        that count for the main objective, then by the main objective, then by the other objectives."""
+        """Returns the sorting key of a design. Designs that can be ranked come first. They are sorted by the share of missions that
+        count for the main objective, then by the main objective, then by all other objectives."""
         if at is None or self._main is None or found[at].mean is None:
             return (2,)
         order = self._order(self._main, found)
@@ -145,15 +144,15 @@ class Judge:
         return 0, -(share_found or 0.0), *order
 
     def _order(self, first: Objective, found: Sequence[Estimate]) -> list[float]:
-        """Returns sorting keys, which are smaller for a better design: the values of an objective and of the objectives after it,
-        with the signs of their senses."""
+        """Returns sorting keys, which are smaller for better designs. A key contains the values of an objective and of the objectives
+        after it, with signs according to their senses."""
         wanted = [first, *(one for one in self._senses if one is not first)]
         means = [(self._sign(one), found[self._evidence.index[one.label]].mean) for one in wanted]
         return [math.inf if mean is None else -sign * mean for sign, mean in means]
 
     def _condition(self, objective: Objective) -> Objective | None:
-        """Returns the share of successes on which an objective depends: a value that is defined for successes only has
-        no meaning without it."""
+        """Returns the share of successes that an objective needs. A value that is defined only for successes has no meaning without this
+        share."""
         if objective.where is None or any(one.label == objective.where for one in self._study.constraints):
             return None
         return self._study.objective(objective.where)
@@ -168,10 +167,10 @@ class Judge:
             return False
         return found.mean > constraint.bound if constraint.above else found.mean < constraint.bound
 
-    # The headline.
+    # The following functions formulate the headline.
 
     def _group(self, objective: Objective) -> list[int]:
-        """Returns the designs to compare. Of the designs whose means satisfy the constraints, these have the highest
+        """Returns the designs that are compared. These are the designs whose means satisfy the constraints and which have the highest
         share of missions that count for the objective."""
         shown = self._evidence.shown
         designs = [
@@ -187,7 +186,7 @@ class Judge:
         return [design for design in designs if shares[design] == max(shares.values())]
 
     def _best(self, objective: Objective) -> tuple[int, list[int]] | None:
-        """Returns the design with the best value, and the designs that may be as good."""
+        """Returns the design that has the best value, and the designs that may be as good. Returns None if no design has a value."""
         group = self._group(objective)
         if not group:
             return None
@@ -233,13 +232,13 @@ class Judge:
         return f" among {counted(len(group), 'design')} with {' and '.join(parts)}" if parts else ""
 
     def _share_of(self, designs: Sequence[int], objective: Objective) -> str:
-        """Returns a sentence with the lower bound of the designs' share of successes; "" if it is below 1 %."""
+        """Returns a sentence that states the lower bound of the designs' share of successes. Returns "" if the bound is below 1 %."""
         if self._share is None or objective.is_share:
             return ""
         low = min(self._evidence.shown(design, self._share).interval[0] for design in designs)
         return f" {'Its' if len(designs) == 1 else 'Their'} {self._share.label} is above {percent(math.floor(100 * low) / 100)}." if low >= 0.01 else ""
 
-    # Notes on the designs.
+    # The following functions write notes on designs.
 
     def _ended(self, design: int) -> str:
         status = self._status[design]
@@ -257,7 +256,7 @@ class Judge:
             return "not separated from the best"
         return self._ended(design) or ("worse" if self._evidence.surely_better(best, design, self._main.label) else "")
 
-    # Lines about the Pareto front, and about the number of missions that would separate designs.
+    # The following functions write lines about the Pareto front, and about the number of missions that would separate designs.
 
     def _front_lines(self, places: Sequence[str]) -> list[str]:
         if len(self._senses) < 2:
@@ -284,7 +283,7 @@ class Judge:
         return lines
 
     def _separation(self, objective: Objective, found: tuple[int, list[int]] | None) -> list[str]:
-        """Returns the numbers of missions that would separate the best design by an objective from the designs that may be as good."""
+        """Returns lines that state how many missions would separate the best design of an objective from designs that may be as good."""
         if found is None or not found[1] or objective.percentile is not None:
             return []
         best, near = found
@@ -307,7 +306,7 @@ class Judge:
         if not open_ones:
             return []
         side = f"{constraint.label} {'above' if constraint.above else 'below'} {constraint.bound:g}"
-        # Designs with the same successes need the same number of missions.
+        # Designs that have the same successes need the same number of missions.
         distinct = {(self._evidence.shown(one, objective).mean, self._evidence.counts[one]): one for one in open_ones}
         counts = [missions_to_decide(self._evidence, one, constraint) for one in distinct.values()] if objective.is_share else []
         known = [count for count in counts if count is not None]
@@ -316,13 +315,13 @@ class Judge:
 
 
 def _rest(items: Sequence[object]) -> str:
-    """Returns the end of a list of names after its first items."""
+    """Returns the end of a text that lists only the first items."""
     return f"; and {len(items) - _MOST_NAMED} more" if len(items) > _MOST_NAMED else ""
 
 
 def missions_to_separate(evidence: Evidence, best: int, other: int, objective: Objective) -> int | None:
-    """Returns how many more missions of both designs would prove which of them is better, if their differences stay the
-    same. Returns None if the best design is not better so far, or only by too little."""
+    """Returns how many more missions of both designs would prove which of them is better, provided that their differences stay the same.
+    Returns None if the best design is not better so far, or only by too little."""
     differences = evidence.differences(best, other, objective)
     count = len(differences)
     if objective.is_share:
@@ -344,8 +343,8 @@ def missions_to_separate(evidence: Evidence, best: int, other: int, objective: O
 
 
 def missions_to_decide(evidence: Evidence, design: int, constraint: Constraint) -> int | None:
-    """Returns how many more missions would decide on which side of a bound a share is, if the share stays the same.
-    Returns None if too many are needed."""
+    """Returns how many more missions would decide whether a share satisfies a bound, provided that the share stays the same. Returns
+    None if too many would be needed."""
     found = evidence.shown(design, evidence.study.objective(constraint.label))
     if found.successes is None or found.count == 0:
         return None
@@ -360,8 +359,8 @@ def missions_to_decide(evidence: Evidence, design: int, constraint: Constraint) 
 
 
 def _more_missions(count: int, is_sure: Callable[[float], bool]) -> int | None:
-    """Returns how many missions must be added to ``count``, rounded up to two digits, until ``is_sure(factor)`` is true;
-    ``factor`` is the new number divided by ``count``. Returns None if more than ``_MOST_MISSIONS`` are needed."""
+    """Returns how many missions must be added to ``count`` until ``is_sure(factor)`` is true, rounded up to two digits. ``factor`` is
+    the new number divided by ``count``. Returns None if more than ``_MOST_MISSIONS`` are needed."""
     factor = 1.0
     while not is_sure(factor):
         factor *= 1.1

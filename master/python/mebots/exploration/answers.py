@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Intervals of shares and means, computed from counts and sums.
+"""Computes intervals of shares and means from counts and sums.
 
 There are two kinds. A *fixed* interval has its confidence level if the number of missions was chosen beforehand:
 Wilson's for a share (Clopper and Pearson's if a decision depends on it), Student's for a mean. A *sequence* has its
@@ -31,7 +31,7 @@ _EFFECT = 1.0
 
 
 def wilson(successes: int, count: int, error: float) -> Interval:
-    """Returns Wilson's score interval of a share at level 1 - error, for a count chosen beforehand."""
+    """Returns Wilson's score interval of a share at the level 1 - error. The count must have been chosen beforehand."""
     if count == 0:
         return 0.0, 1.0
     z = statistics.NormalDist().inv_cdf(1 - error / 2)
@@ -43,8 +43,8 @@ def wilson(successes: int, count: int, error: float) -> Interval:
 
 
 def exact_share(successes: int, count: int, error: float) -> Interval:
-    """Returns Clopper and Pearson's interval of a share, for a count chosen beforehand. For any share, each end is
-    wrong with a probability of at most half of ``error``."""
+    """Returns Clopper and Pearson's interval of a share. The count must have been chosen beforehand. For any true share, each end of the
+    interval is wrong with a probability of at most half of ``error``."""
     middle = successes / count if count else 0.0
     low = high = None
     if successes > 0:
@@ -55,7 +55,7 @@ def exact_share(successes: int, count: int, error: float) -> Interval:
 
 
 def share_evidence(successes: int, count: int, share: float) -> float:
-    """Returns the logarithm of the evidence against a share: the mixture's likelihood ratio."""
+    """Returns the logarithm of the evidence against a share. The evidence is the likelihood ratio of the mixture."""
     failures = count - successes
     mixture = math.lgamma(1 + successes) + math.lgamma(1 + failures) - math.lgamma(2 + count)
     return mixture - _times_log(successes, share) - _times_log(failures, 1 - share)
@@ -80,8 +80,8 @@ def _times_log(count: int, p: float) -> float:
 
 
 def _edge(outside: Callable[[float], bool], far: float, near: float) -> float:
-    """Searches between ``far``, which is outside, and ``near``, which is inside. Returns the point nearest to ``near``
-    that is still outside."""
+    """Searches between ``far``, which is outside, and ``near``, which is inside. Returns the point that is still outside and nearest to
+    ``near``."""
     for _ in range(60):
         middle = (far + near) / 2
         if outside(middle):
@@ -93,14 +93,14 @@ def _edge(outside: Callable[[float], bool], far: float, near: float) -> float:
 
 @dataclasses.dataclass
 class Moments:
-    """Count, mean and sum of squared deviations, updated value by value (Welford)."""
+    """Contains the count, the mean and the sum of squared deviations. Updates them value by value (Welford)."""
 
     count: int = 0
     mean: float = 0.0
     squares: float = 0.0
 
     def add(self, values: Iterable[float]) -> Moments:
-        """Adds values in their order. Returns itself."""
+        """Adds values in their order. Returns this object."""
         count, mean, squares = self.count, self.mean, self.squares
         for value in values:
             count += 1
@@ -112,12 +112,12 @@ class Moments:
 
     @property
     def deviation(self) -> float:
-        """Returns the standard deviation of the values; 0 for fewer than two."""
+        """Returns the standard deviation of the values. Returns 0 for fewer than two values."""
         return math.sqrt(self.squares / (self.count - 1)) if self.count > 1 else 0.0
 
 
 def student(moments: Moments, error: float) -> Interval:
-    """Returns Student's interval of a mean at level 1 - error, for a count chosen beforehand."""
+    """Returns Student's interval of a mean at the level 1 - error. The count must have been chosen beforehand."""
     if moments.count < 2:
         return -math.inf, math.inf
     half = t_quantile(1 - error / 2, moments.count - 1) * moments.deviation / math.sqrt(moments.count)
@@ -142,13 +142,13 @@ def mean_sequence(moments: Moments, error: float) -> Interval:
 
 
 def percentile_of(ordered: Sequence[float], percentile: float) -> float:
-    """Returns the percentile by the nearest rank: the least value that this share of the values does not exceed."""
+    """Returns the percentile by the nearest rank: the smallest value that this share of the values does not exceed."""
     return ordered[max(math.ceil(percentile / 100 * len(ordered)), 1) - 1]
 
 
 def percentile_interval(ordered: Sequence[float], percentile: float, error: float) -> Interval:
-    """Returns an interval of a percentile at level 1 - error, for a count chosen beforehand. Each end is wrong with a probability of at
-    most half of ``error``. The probability follows from the binomial distribution."""
+    """Returns an interval of a percentile at the level 1 - error. The count must have been chosen beforehand. Each end is wrong with a
+    probability of at most half of ``error``, according to the binomial distribution."""
     count, share = len(ordered), percentile / 100
     below, chance = 0, _binomial(0, count, share)
     while chance <= error / 2 and below < count:
@@ -170,20 +170,20 @@ def percentile_sequence(ordered: Sequence[float], percentile: float, error: floa
 
 
 def _between_ranks(ordered: Sequence[float], fewest: int, most: int) -> Interval:
-    """Returns the interval if ``fewest`` to ``most`` of the values are at or below the percentile."""
+    """Returns the interval of the percentile if between ``fewest`` and ``most`` of the values are at or below it."""
     low = ordered[fewest - 1] if fewest > 0 else -math.inf
     return low, ordered[most] if most < len(ordered) else math.inf
 
 
 def _binomial(successes: int, count: int, share: float) -> float:
-    """Returns the probability of this number of successes."""
+    """Returns the probability of exactly this number of successes."""
     ways = math.lgamma(count + 1) - math.lgamma(successes + 1) - math.lgamma(count - successes + 1)
     return math.exp(ways + _times_log(successes, share) + _times_log(count - successes, 1 - share))
 
 
 @functools.lru_cache(4096)
 def t_quantile(p: float, freedom: int) -> float:
-    """Returns the quantile of Student's t distribution, for p above one half."""
+    """Returns the quantile of Student's t distribution. ``p`` must be above one half."""
     low, high = 0.0, 1.0
     while _t_distribution(high, freedom) < p:
         high *= 2
@@ -198,7 +198,7 @@ def _t_distribution(t: float, freedom: int) -> float:
 
 
 def _incomplete_beta(a: float, b: float, x: float) -> float:
-    """Returns the regularised incomplete beta function, by its continued fraction (Lentz)."""
+    """Returns the regularised incomplete beta function. Computes it by its continued fraction (Lentz)."""
     if x <= 0 or x >= 1:
         return float(x >= 1)
     if x > (a + 1) / (a + b + 2):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Random draws. Each draw is a function of seed, name and index only. Therefore more replicates or another variable
-do not change existing draws, and every design gets the same draws on any machine. The C library's log() and exp()
-differ in their last bits between processors, so logarithms are computed in decimal arithmetic, which rounds once."""
+"""Computes random draws. Each draw is a function of seed, name and index only. Therefore more replicates or another variable do not
+change existing draws, and every design has the same draws on any machine. Logarithms are computed in decimal arithmetic, which rounds
+only once, because the last bits of the C library's log() and exp() differ between processors."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from mebots import _mebots
 
 _NORMAL = statistics.NormalDist()
 _DIGITS = decimal.Context(prec=40)
-# Numerator and denominator of Wichura's Algorithm AS 241 (Applied Statistics 37, 1988) for the tails of the normal
-# distribution, up to 5 standard deviations and beyond; the highest power first. Between the tails, Python's own
-# algorithm is used, which needs no logarithm.
+# The numerator and denominator of Wichura's Algorithm AS 241 (Applied Statistics 37, 1988). They are used in the tails of the normal
+# distribution, up to 5 standard deviations and beyond. The highest power is the first. Between the tails, Python's own algorithm is used,
+# because it needs no logarithm there.
 _TAIL = (
     (7.74545014278341407640e-4, 2.27238449892691845833e-2, 2.41780725177450611770e-1, 1.27045825245236838258,
      3.64784832476320460504, 5.76949722146069140550, 4.63033784615654529590, 1.42343711074968357734),
@@ -47,7 +47,7 @@ def _polynomial(factors: tuple[float, ...], x: float) -> float:
 
 
 def normal(u: float) -> float:
-    """Returns the value of the standard normal distribution at quantile ``u``."""
+    """Returns the quantile ``u`` of the standard normal distribution."""
     if abs(u - 0.5) <= 0.425:
         return _NORMAL.inv_cdf(u)
     r = math.sqrt(-_log(u if u < 0.5 else 1.0 - u))
@@ -57,13 +57,13 @@ def normal(u: float) -> float:
 
 
 def unit(seed: int, name: str, index: int) -> float:
-    """Returns a number of the uniform distribution on the open interval (0, 1), made from 53 bits of a SHA-256."""
+    """Returns a random number that is uniformly distributed on the open interval (0, 1), computed from 53 bits of a SHA-256."""
     return _mebots.unit_draw(seed, name, index)
 
 
 def value(spread: dict[str, Any] | list[Any], u: float) -> Any:
-    """Returns the value at quantile ``u`` of a distribution or span in the notation of the study file; a list means a choice of one of
-    its values."""
+    """Returns the quantile ``u`` of a distribution or span, which is written as in the study file. A list means that one of its values
+    is chosen."""
     if isinstance(spread, list):
         return _choice(spread, u)
     ((kind, arguments),) = spread.items()
@@ -71,7 +71,7 @@ def value(spread: dict[str, Any] | list[Any], u: float) -> Any:
 
 
 def extremes(spread: dict[str, Any] | list[Any]) -> list[Any]:
-    """Returns values of a distribution that represent all its values when the study is checked."""
+    """Returns values of a distribution that represent all of its values. The check of a study uses them."""
     if isinstance(spread, list):
         return list(spread)
     ((kind, arguments),) = spread.items()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Statistics of designs and comparisons between designs, from the missions so far.
+"""Computes statistics of designs and of comparisons between designs, from the missions so far.
 
 All designs use the same draws, so two designs are compared replicate by replicate, and common effects of chance cancel
 out. For shares, only replicates count in which one design succeeded and the other did not. If both designs are equal,
@@ -35,8 +35,8 @@ from mebots.exploration.study import Constraint, Objective, Study
 
 @dataclasses.dataclass
 class Estimate:
-    """The estimate of one objective for one design: number of counted missions, mean (for a share the number of
-    successes, for a percentile its value) and interval."""
+    """Contains the estimate of one objective for one design: the number of counted missions, the mean and the interval. For a share, the
+    mean is the number of successes; for a percentile, it is the percentile."""
 
     count: int
     mean: float | None
@@ -46,7 +46,7 @@ class Estimate:
 
 @dataclasses.dataclass(frozen=True)
 class Methods:
-    """The methods for intervals, by the estimated quantity."""
+    """Contains the methods that compute intervals, one for each estimated quantity."""
 
     share: Callable[[int, int, float], Interval]
     mean: Callable[[Moments, float], Interval]
@@ -63,8 +63,8 @@ which Wilson's interval is too narrow."""
 
 
 class Evidence:
-    """The measured values of all counted missions, by design and replicate. NaN marks a value that a mission does not have. A
-    mission without a result has no measures. Each measure takes 8 bytes."""
+    """Stores the measured values of all missions, by design and replicate. NaN marks a value that a mission does not have. A mission
+    without a result has no measures. Each measure takes 8 bytes."""
 
     def __init__(self, study: Study, designs: int) -> None:
         self.study = study
@@ -77,13 +77,13 @@ class Evidence:
         self._estimates: dict[tuple[int, str, float, bool], tuple[int, Estimate]] = {}
 
     def add_designs(self, designs: int) -> None:
-        """Extends the tables to this total number of designs."""
+        """Extends the tables so that they have this total number of designs."""
         while len(self.counts) < designs:
             self.counts.append(0)
             self._measures.append(array.array("d"))
 
     def put(self, design: int, replicate: int, measures: Measures) -> None:
-        """Stores the measures of a mission. They are not counted before ``count_to`` is called."""
+        """Stores the measures of a mission. They are counted only after ``count_to`` is called."""
         width, own = len(self.index), self._measures[design]
         values = [math.nan if one is None else one for one in measures]
         if len(own) == replicate * width:
@@ -94,7 +94,7 @@ class Evidence:
         own[replicate * width : (replicate + 1) * width] = array.array("d", values)
 
     def put_rows(self, design: int, replicate: int, rows: np.ndarray) -> None:
-        """Stores the measures of consecutive replicates, one row each. NaN marks a missing measure."""
+        """Stores the measures of consecutive replicates, one row for each. NaN marks a missing measure."""
         width, own = len(self.index), self._measures[design]
         begin, end = replicate * width, (replicate + len(rows)) * width
         if len(own) < begin:
@@ -108,11 +108,11 @@ class Evidence:
         own[begin:end] = values
 
     def count_to(self, design: int, replicates: int) -> None:
-        """Counts the results of the first replicates of a design."""
+        """Makes the results of the first ``replicates`` replicates of a design count."""
         self.counts[design] = replicates
 
     def miss(self, design: int, replicate: int) -> None:
-        """Records a mission without a result."""
+        """Records that a mission has no result."""
         self.put(design, replicate, (None,) * len(self.index))
         self._missing[design] += 1
 
@@ -120,7 +120,7 @@ class Evidence:
         return self._missing[design]
 
     def missions_of(self, design: int) -> int:
-        """Returns how many counted missions of a design have a result."""
+        """Returns how many counted missions of a design have results."""
         return self.counts[design] - self._missing[design]
 
     def row(self, design: int, replicate: int) -> list[float | None]:
@@ -129,12 +129,12 @@ class Evidence:
         return [_known(one) for one in self._measures[design][replicate * width : (replicate + 1) * width]]
 
     def columns(self, design: int, begin: int, end: int) -> list[array.array[float]]:
-        """Returns the measures of the replicates from ``begin`` to ``end``; NaN for missions without a measure."""
+        """Returns the measures of the replicates from ``begin`` to ``end``. NaN marks a missing measure."""
         width = len(self.index)
         return [self._measures[design][begin * width + at : end * width : width] for at in range(width)]
 
     def column(self, design: int, at: int) -> array.array[float]:
-        """Returns a measure of all missions of a design; NaN if a mission has none."""
+        """Returns one measure of all missions of a design. NaN marks a missing measure."""
         width = len(self.index)
         return self._measures[design][at : self.counts[design] * width : width]
 
@@ -162,41 +162,39 @@ class Evidence:
         return _estimated(objective, values, self.study.error, SEQUENCES if self.study.looks else SHOWN)
 
     def course(self, design: int, objective: Objective, counts: Sequence[int]) -> list[Estimate]:
-        """Returns the results that ``shown`` would have returned after each of these numbers of missions."""
+        """Returns the estimates that ``shown`` would have returned after each of these numbers of missions."""
         values = self.column(design, self.index[objective.label])
         methods = SEQUENCES if self.study.looks else SHOWN
         return [_estimated(objective, values[:count], self.study.error, methods) for count in counts]
 
     def shown(self, design: int, objective: Objective) -> Estimate:
-        """Returns the estimate that the study's tables show. Its interval contains the true value with probability
-        1 - ``error``, for this objective and this design separately."""
+        """Returns the estimate that the study's tables show. Its interval contains the true value of this objective for this design with
+        the probability 1 - ``error``."""
         return self.estimate(design, objective, self.study.error, SEQUENCES if self.study.looks else SHOWN)
 
     def known_of(self, design: int, objective: Objective) -> Interval:
-        """Returns the interval for decisions. Without draws all missions of a design are equal, so its value is
-        exact."""
+        """Returns the interval that decisions use. Without draws, all missions of a design are equal, so that its value is exact."""
         found = self.estimate(design, objective, self.design_error, SEQUENCES if self.study.looks else DECIDED)
         return (found.mean, found.mean) if not self.study.draws and found.mean is not None else found.interval
 
     def side(self, design: int, constraint: Constraint) -> bool | None:
-        """True or False if a design certainly satisfies or violates a constraint; None while that is not certain."""
+        """Returns True or False if a design certainly satisfies or violates a constraint. Returns None as long as this is not certain."""
         low, high = self.known_of(design, self.study.objective(constraint.label))
         if constraint.above:
             return True if low > constraint.bound else False if high <= constraint.bound else None
         return True if high < constraint.bound else False if low >= constraint.bound else None
 
     def feasible(self, design: int) -> bool | None:
-        """True or False if a design certainly satisfies all constraints or certainly violates one; None while that is
-        not certain."""
+        """Returns True or False if a design certainly satisfies all constraints or certainly violates one. Returns None as long as this
+        is not certain."""
         sides = [self.side(design, constraint) for constraint in self.study.constraints]
         if False in sides:
             return False
         return None if None in sides else True
 
     def advantage(self, better: int, worse: int, objective: Objective) -> float:
-        """Returns the amount by which ``better`` is certainly better than ``worse``, in the objective's sense and unit.
-        A negative value is the amount by which it may be worse. For shares of which only the order is certain, returns
-        the smallest number above 0."""
+        """Returns the amount by which ``better`` is certainly better than ``worse``, in the objective's sense and unit. If negative, it
+        is the amount by which ``better`` may be worse. If only the order of two shares is certain, returns the smallest number above 0."""
         separate = self._advantage_of_intervals(better, worse, objective)
         if separate > 0:
             return separate
@@ -223,13 +221,12 @@ class Evidence:
         return (SEQUENCES if self.study.looks else DECIDED).share(wins, decided, self.pair_error)[0]
 
     def mean_bound(self, differences: Moments) -> float:
-        """Returns the least possible mean of differences, for the comparison of a pair."""
+        """Returns the lower bound of the mean of differences, for the comparison of a pair."""
         return (SEQUENCES if self.study.looks else DECIDED).mean(differences, self.pair_error)[0]
 
     def differences(self, better: int, worse: int, objective: Objective) -> list[float]:
-        """Returns the amount by which ``better`` was better in each replicate that both designs have. A positive amount
-        is better in the objective's sense.
-        """
+        """Returns the amounts by which ``better`` was better, for each replicate that both designs have. A positive amount is better in
+        the objective's sense."""
         sense, at = objective.sense or 1, self.index[objective.label]
         return [
             sense * (a - b)
@@ -239,14 +236,14 @@ class Evidence:
 
     @property
     def pair_error(self) -> float:
-        """Returns the permitted error of one comparison. All comparisons together are wrong with a probability of at
-        most half of ``error``."""
+        """Returns the permitted error of one comparison. Together, all comparisons are wrong with a probability of at most half of
+        ``error``."""
         designs = max(len(self.counts), 2)
         return self.study.error / 2 / (designs * (designs - 1) / 2 * max(len(self._senses), 1))
 
     def dominates(self, design: int, other: int) -> bool:
-        """True if the design is certainly better than ``other`` in one objective, and certainly not worse in any other
-        by more than its tolerance."""
+        """True if the design is certainly better than ``other`` in one objective, and certainly not worse by more than the tolerance in
+        any other objective."""
         if not self._senses:
             return False
         some_better = False
@@ -258,16 +255,15 @@ class Evidence:
         return some_better
 
     def not_dominated_by(self, design: int, other: int) -> bool:
-        """True if the design is certainly better than ``other`` in one objective, so that ``other`` cannot dominate
-        it."""
+        """True if the design is certainly better than ``other`` in one objective. In this case, ``other`` cannot dominate it."""
         return any(self.advantage(design, other, objective) > 0 for objective in self._senses)
 
     def surely_better(self, design: int, other: int, label: str) -> bool:
         return self.advantage(design, other, self.study.objective(label)) > 0
 
     def leaders(self, designs: Sequence[int]) -> list[int]:
-        """Returns those of the designs that no other design dominates by the means so far. Each of the remaining
-        designs is dominated by one of the returned designs."""
+        """Returns those designs that no other design dominates by the means so far. Each remaining design is dominated by one of the
+        returned designs."""
         points = [(design, self._point(design)) for design in designs]
         complete = [(design, point) for design, point in points if None not in point]
         if not complete:
@@ -275,8 +271,8 @@ class Evidence:
         return [complete[at][0] for at in pareto.front(np.array([point for _, point in complete], float))]
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Returns for all designs, in the sense of each objective, the lower and the upper ends of the intervals for
-        decisions, and the means (NaN for a design without a mean)."""
+        """Returns three arrays for all designs, in the sense of each objective: the lower ends and the upper ends of the intervals that
+        decisions use, and the means (NaN for a design without a mean)."""
         shape = (len(self.counts), len(self._senses))
         low, high, mean = np.empty(shape), np.empty(shape), np.full(shape, np.nan)
         for design in range(len(self.counts)):
@@ -294,7 +290,7 @@ class Evidence:
 
     @property
     def complete(self) -> np.ndarray:
-        """Returns for each design whether all its missions have all measures that decide about the front."""
+        """Returns, for each design, whether all of its missions have all measures that are needed to determine the front."""
         places = [self.index[objective.label] for objective in self._senses]
         return np.array([not any(np.isnan(self.column(design, at)).any() for at in places) for design in range(len(self.counts))], bool)
 

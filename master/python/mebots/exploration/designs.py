@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Returns the designs that a study compares. A registry has one function for each kind of design."""
+"""Returns the designs that a study compares. A table contains a function for each kind of design."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MOST = 10_000_000
 
 
 def designs_of(study: Study) -> list[Values]:
-    """Returns all designs in the study's order. Raises InputError if there are none or too many."""
+    """Returns all designs in the order of the study. Raises InputError if there are none or too many."""
     kind = study.design["kind"]
     found = KINDS[kind](study)
     conditions = study.design.get("conditions", [])
@@ -31,7 +31,7 @@ def designs_of(study: Study) -> list[Values]:
 
 
 def levels(spread: Any) -> list[Any]:
-    """Returns the values of a factor of a grid: its list, or the names of its options."""
+    """Returns the values of a factor of a grid: those in its list, or the names of its options."""
     return list(spread["options"]) if isinstance(spread, dict) else list(spread)
 
 
@@ -56,7 +56,7 @@ def _list(study: Study) -> list[Values]:
 
 
 def _cell(text: str) -> Any:
-    """If the text is a number or a Boolean, returns its value. Otherwise returns the text."""
+    """Returns the number or Boolean that the text represents. If it represents none, returns the text."""
     try:
         value = json.loads(text)
     except ValueError:
@@ -69,8 +69,7 @@ def _random(study: Study) -> list[Values]:
 
 
 def _latin_hypercube(study: Study) -> list[Values]:
-    """Divides the range of each factor into as many equally likely strata as there are designs, and uses one value from
-    each stratum."""
+    """Divides the range of each factor into as many equally likely strata as there are designs. Uses one value from each stratum."""
     orders: dict[str, list[int]] = {}
 
     def unit(name: str, i: int, count: int, seed: int) -> float:
@@ -82,7 +81,7 @@ def _latin_hypercube(study: Study) -> list[Values]:
 
 
 def _sobol(study: Study) -> list[Values]:
-    """Returns designs of Sobol's sequence, scrambled with the seed (SciPy)."""
+    """Returns designs from Sobol's sequence, scrambled by the seed (SciPy)."""
     qmc = extra("scipy.stats.qmc", "a design 'sobol'", "scipy")
     factors = study.design["factors"]
     count = study.design["points"]
@@ -93,7 +92,7 @@ def _sobol(study: Study) -> list[Values]:
 
 
 def _sensitivity(study: Study) -> list[Values]:
-    """Returns the samples of a method of SALib: points on the unit cube, converted to quantiles of the factors."""
+    """Returns designs for a method of SALib. Its samples are points of the unit cube, which are converted to quantiles of the factors."""
     factors = study.design["factors"]
     return [
         {name: chance.value(spread, float(u)) for (name, spread), u in zip(factors.items(), point, strict=True)}
@@ -119,12 +118,12 @@ KINDS: dict[str, Callable[[Study], list[Values]]] = {
     "sobol": _sobol,
     "random": _random,
     "sensitivity": _sensitivity,
-    "search": lambda study: [],  # its designs are created round by round: see search
+    "search": lambda study: [],  # designs of a search are created round by round: see search
 }
 
 
 def _fits(condition: dict[str, Any], design: Values) -> bool:
-    """True if every design that matches ``when`` also matches ``only``."""
+    """True if the design matches ``only``, or does not match ``when``."""
     return not _in(condition["when"], design) or _in(condition["only"], design)
 
 

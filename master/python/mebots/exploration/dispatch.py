@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Passes batches of orders to an executor and collects the results. Sends files that a worker lacks. Counts the
-attempts of missions that ended without a result: a full disk, too little memory, a killed process, a lost worker."""
+"""Passes batches of orders to an executor and collects the results. Sends files that a worker lacks. Counts attempts of missions that
+ended without a result because of a full disk, too little memory, a killed process or a lost worker."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ Future = concurrent.futures.Future[dict[str, Any]]
 
 
 class Unfinished(Error):
-    """A mission had no result after several attempts, for a reason outside of the mission. The study stops."""
+    """Raised if a mission has no result after several attempts, for a reason outside of the mission. The study then stops."""
 
     def __init__(self, text: str, code: str = "unfinished") -> None:
         super().__init__(text, code)
@@ -38,7 +38,7 @@ class Unfinished(Error):
 
 @dataclasses.dataclass
 class _Group:
-    """Orders with the number of each mission in the round that requested it; -1 if no round requested it."""
+    """Contains orders, and the number of each mission in the round that requested it; -1 if no round requested it."""
 
     orders: Orders
     indices: Sequence[int]
@@ -60,7 +60,7 @@ class _Task:
 
 
 class Dispatcher:
-    """Keeps at most ``most`` batches in progress. May be used by one thread at a time."""
+    """Passes batches to the executor. At most ``most`` batches are in progress. May be used by only one thread at a time."""
 
     def __init__(self, executor: concurrent.futures.Executor, most: int) -> None:
         self._executor = executor
@@ -83,9 +83,9 @@ class Dispatcher:
         return self._missions.isdisjoint(digests)
 
     def give(self, orders: Orders, indices: Sequence[int] | None = None, left: int = _MOST_IN_BATCH) -> None:
-        """Adds orders to the next batches, except those of missions in progress. ``indices`` are the missions'
-        numbers in the round. ``left`` is the maximum number of further orders after these. Near the end of a round,
-        batches are small, so that every worker gets one."""
+        """Adds orders to the next batches, except those of missions in progress. ``indices`` contains the numbers of the missions in the
+        round. ``left`` is the maximum number of orders that will follow. Near the end of a round, batches are small, so that every
+        worker receives one."""
         if indices is None:
             indices = [-1] * len(orders)
         if not self.has_none_of(orders.digests):
@@ -98,11 +98,11 @@ class Dispatcher:
         self._send(whole=True)
 
     def flush(self) -> None:
-        """Sends the orders that wait for a full batch."""
+        """Sends the orders that are waiting for a full batch."""
         self._send(whole=False)
 
     def _send(self, *, whole: bool) -> None:
-        """Sends batches while there is capacity. With ``whole``, sends only full batches."""
+        """Sends batches as long as there is capacity. If ``whole`` is true, sends only full batches."""
         waiting = sum(len(group.orders) for group in self._waiting)
         while waiting and len(self._out) < self._most:
             size = max(1, min(self._size, (waiting + self._left) // self._most))
@@ -121,13 +121,13 @@ class Dispatcher:
             self._submit(_Task(groups))
 
     def take(self) -> list[Reply]:
-        """Waits for the executor. Returns the results of missions that ended, possibly none. Raises Unfinished in
-        the call after the one with the last results, and Error if the executor failed."""
+        """Waits for the executor. Returns the results of missions that have ended; there may be none. Raises Unfinished in the call
+        after the one that returned the last results. Raises Error if the executor failed."""
         if self._unfinished is not None:
             raise self._unfinished
         if not self._out:
             self.flush()
-        # concurrent.futures.wait() is not used: an interrupt may leave a future's lock taken, and its worker would wait
+        # concurrent.futures.wait() is not used, because an interrupt may leave the lock of a future locked. Its worker would then wait
         # without end.
         done = [self._done.get()]
         while not self._done.empty():
@@ -141,7 +141,7 @@ class Dispatcher:
     def _reply(self, task: _Task, future: Future) -> Reply | None:
         problem = _problem_of(future)
         if isinstance(problem, (AssertionError, TypeError, AttributeError, ImportError)):
-            raise problem  # a bug in the program: another attempt would end in the same way
+            raise problem  # a bug in the program, so that another attempt would end in the same way
         if problem is not None:
             for order, index in task:
                 self._repeat(order, index, f"the executor lost the mission: {str(problem) or type(problem).__name__}")
@@ -178,7 +178,7 @@ class Dispatcher:
         return reply if reply.digests else None
 
     def _repeat(self, order: Order, index: int, why: str) -> None:
-        """Repeats a mission that had no result, in a separate batch. If the mission ends its worker again, no other mission is lost."""
+        """Repeats a mission that had no result in a separate batch. If the mission ends its worker again, no other mission is lost."""
         mission = order["mission"]
         self._attempts[mission] += 1
         if self._attempts[mission] < ATTEMPTS:
@@ -210,7 +210,7 @@ class Dispatcher:
 def _problem_of(future: Future) -> BaseException | None:
     try:
         return future.exception()
-    except concurrent.futures.CancelledError as error:  # as in Dask after its scheduler has ended
+    except concurrent.futures.CancelledError as error:  # raised by Dask after its scheduler has ended
         return error
 
 

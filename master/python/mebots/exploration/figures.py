@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Formats numbers for people: with units, SI prefixes, and the number of digits that their interval permits."""
+"""Formats numbers for readers, with units and SI prefixes. The interval of a number determines how many digits are shown."""
 
 from __future__ import annotations
 
@@ -22,8 +22,7 @@ _SCALED_DOWN = ("s", "m")
 
 
 def scale_of(unit: str, values: Iterable[float]) -> tuple[float, str]:
-    """Returns a factor and a unit with which the largest of the values is from 1 to 1000, if the unit accepts
-    prefixes."""
+    """Returns a factor and a unit by which the largest value becomes a number from 1 to 1000, if the unit permits prefixes."""
     known = [abs(value) for value in values if math.isfinite(value) and value != 0]
     if unit == "1":
         return 1.0, ""
@@ -37,12 +36,12 @@ def scale_of(unit: str, values: Iterable[float]) -> tuple[float, str]:
 
 
 def number(value: float, digits: int = 4) -> str:
-    """Returns a number with this many significant digits, without trailing zeros."""
+    """Formats a number with this many significant digits, without trailing zeros."""
     return f"{float(f'{value:.{digits}g}'):.12g}"
 
 
 def quantity(value: Any, unit: str = "") -> str:
-    """Returns a value with its unit, such as 102.7 MHz."""
+    """Formats a value and its unit, such as 102.7 MHz."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return json.dumps(value) if isinstance(value, bool) else str(value)
     factor, shown = scale_of(unit, [value])
@@ -50,8 +49,7 @@ def quantity(value: Any, unit: str = "") -> str:
 
 
 def percent(share: float) -> str:
-    """Returns a share as a percentage. Adds digits near 0 and 100 %, so that shares of up to 0.9999 do not appear as
-    100 %."""
+    """Formats a share as a percentage. Adds digits near 0 and 100 %, so that shares up to 0.9999 are not shown as 100 %."""
     text = f"{100 * share:.0f}"
     if (text == "100" and share < 1) or (text == "0" and share > 0):
         text = f"{100 * share:.2g}" if share < 0.5 else f"{100 * share:.4g}"
@@ -59,7 +57,7 @@ def percent(share: float) -> str:
 
 
 def estimate_text(found: Estimate, objective: Objective, unit: str) -> str:
-    """Returns the value of a design with its interval, such as 263 J (262 to 264), or 40 of 40 (91 to 100 %)."""
+    """Formats the value of a design and its interval, such as 263 J (262 to 264), or 40 of 40 (91 to 100 %)."""
     if found.mean is None:
         return "-"
     low, high = found.interval
@@ -79,19 +77,19 @@ def estimate_text(found: Estimate, objective: Objective, unit: str) -> str:
 
 
 def _decimals_of(value: float) -> int:
-    """Returns the number of decimals for at most four significant digits."""
+    """Returns the number of decimals that a number with at most four significant digits has."""
     text = number(value)
     return len(text.partition(".")[2]) if "e" not in text else 0
 
 
 class Units:
-    """The units of a study's factors and objectives. The units are those of the study. If the study has none, they are those of the FMUs'
+    """Contains the units of a study's factors and objectives. The study may define them; otherwise they are the units of the FMUs'
     variables."""
 
     def __init__(self, study: Study, summary: Mapping[str, Any]) -> None:
         try:
             self._of_variables: dict[str, str] = _mebots.variable_units(study.mission)
-        except Error:  # errors in the mission are reported by the study's check
+        except Error:  # the check of the study reports errors in the mission
             self._of_variables = {}
         self._summary = summary
 
@@ -99,7 +97,7 @@ class Units:
         return "s" if name == "/stop_time" else self._of_variables.get(name, "")
 
     def of(self, objective: Objective) -> str:
-        """Returns the unit of an objective; "" if the objective has none. The unit of an expression comes from the study."""
+        """Returns the unit of an objective, or "" if it has none. The study defines the unit of an expression."""
         if objective.unit or objective.is_share or objective.source == "expression":
             return objective.unit
         if objective.source == "summary":
@@ -107,18 +105,18 @@ class Units:
         return "s" if objective.reduction == "first_true" else self._of_variables.get(objective.what, "")
 
     def _variable_of(self, label: str) -> str:
-        """Returns the variable of a label in the summary."""
+        """Returns the variable that belongs to a label in the summary."""
         found: Any = self._summary
         for part in label.split("."):
-            if isinstance(found, list):  # a group, whose members have one unit
+            if isinstance(found, list):  # a group, whose members have the same unit
                 return "" if part in ("count", "of") else str(found[0].get("variable", ""))
             found = found.get(part, "") if isinstance(found, dict) else ""
         return found.get("variable", "") if isinstance(found, dict) else str(found)
 
 
 def design_names(factors: Sequence[str], designs: Sequence[Values], units: Units) -> list[str]:
-    """Returns a name for each design, such as "lipol_350, 0.37 m/s". It consists of the values of the factors in which
-    the designs differ."""
+    """Returns a name for each design, such as "lipol_350, 0.37 m/s". It contains the values of those factors in which the designs
+    differ."""
     varied = [name for name in factors if len({repr(design[name]) for design in designs}) > 1]
     shown = [units.of_factor(name) for name in varied]
     plain = [bool(unit) and unit != "1" and shown.count(unit) == 1 for unit in shown]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Files and folders that missions name, by their hashes. Folders are included only if they contain deployed networks."""
+"""Computes the hashes of files and folders that missions name. A folder is included only if it contains a deployed network."""
 
 from __future__ import annotations
 
@@ -17,9 +17,8 @@ Content = bytes | dict[str, bytes]
 
 
 def is_input(name: str, path: str | os.PathLike[str]) -> bool:
-    """True if the parameter ``name`` (or the key of a config, as a JSON pointer) with this value names a file, or the
-    folder of a deployed network. For other parameters, folders do not count: the value may be a name inside the FMU
-    that is by chance also the name of a folder."""
+    """True if a value names a file, or the folder of a deployed network. ``name`` is the parameter, or the key of a config as a JSON
+    pointer. Other folders do not count, because the value may be a name inside the FMU that is also, by chance, the name of a folder."""
     if not os.fspath(path):
         return False
     return os.path.isfile(path) or (re.split(r"[./]", name)[-1] == "network" and os.path.isfile(os.path.join(path, "network.json")))
@@ -45,8 +44,7 @@ def content_of(path: str | os.PathLike[str]) -> Content:
 
 
 def write_content(path: pathlib.Path, content: Content) -> None:
-    """Writes a file or a folder so that it appears only when it is complete. Other processes may write the same
-    content."""
+    """Writes a file or a folder, which appears only when it is complete. Other processes may write the same content at the same time."""
     path.parent.mkdir(parents=True, exist_ok=True)
     beside = path.with_name(f"{path.name}.{os.getpid()}.{threading.get_ident()}")
     if isinstance(content, bytes):
@@ -58,7 +56,7 @@ def write_content(path: pathlib.Path, content: Content) -> None:
         (beside / name).write_bytes(part)
     try:
         beside.rename(path)
-    except OSError:  # there already, damaged or just written by another process
+    except OSError:  # exists already: damaged, or just written by another process
         old = beside.with_name(f"{beside.name}.old")
         with contextlib.suppress(OSError):
             path.rename(old)
@@ -68,7 +66,7 @@ def write_content(path: pathlib.Path, content: Content) -> None:
 
 
 def stamp_of(path: str | os.PathLike[str]) -> tuple[tuple[str, int, int], ...]:
-    """Returns names, times and sizes, which are equal as long as nothing was written. Raises OSError."""
+    """Returns names, times and sizes of files. They stay equal as long as nothing is written. Raises OSError."""
     names = _files(path) if os.path.isdir(path) else [""]
     stats = [(name, os.stat(os.path.join(path, name) if name else path)) for name in names]
     return tuple((name, one.st_mtime_ns, one.st_size) for name, one in stats)

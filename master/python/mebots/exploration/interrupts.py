@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Delivers Ctrl-C between two steps and never during one.
+"""Delivers Ctrl-C only between two steps of a study, never during a step.
 
 Python raises KeyboardInterrupt between any two of its instructions. An exception in ``Thread.start`` leaves a thread of
 which its pool has no record. An exception inside a lock's ``with`` leaves the lock taken."""
@@ -17,9 +17,8 @@ _pending = False
 
 @contextlib.contextmanager
 def held() -> Iterator[None]:
-    """Delays an interrupt until the end of the block. No effect outside of the main thread, because Python interrupts
-    only the main thread.
-    """
+    """Delays interrupts until the end of the block. Has no effect outside of the main thread, because Python interrupts only the main
+    thread."""
     global _holds
     if not _can_come():
         yield
@@ -30,13 +29,13 @@ def held() -> Iterator[None]:
         with _handled():
             yield
     finally:
-        _holds = before  # an interrupt may have ended ``allowed`` early
+        _holds = before  # needed because an interrupt may have ended ``allowed`` early
         _raise_pending_interrupt()
 
 
 @contextlib.contextmanager
 def allowed() -> Iterator[None]:
-    """Within a block of ``held``, permits interrupts until the end of this block. They are raised immediately."""
+    """Permits interrupts again until the end of this block, which must be inside a block of ``held``. They are then raised immediately."""
     global _holds
     if not _can_come():
         yield
@@ -54,7 +53,7 @@ def _can_come() -> bool:
 
 
 def interrupt(number: int, frame: object) -> None:
-    """Handles the signal."""
+    """Handles the signal: raises KeyboardInterrupt, or stores it while interrupts are held."""
     global _pending
     if _holds:
         _pending = True
@@ -64,7 +63,7 @@ def interrupt(number: int, frame: object) -> None:
 
 @contextlib.contextmanager
 def _handled() -> Iterator[None]:
-    """Replaces Python's own handler of Ctrl-C, which raises at any place. A handler that another program has installed is not replaced."""
+    """Replaces Python's own handler of Ctrl-C, which raises at any place. Does not replace a handler that another program has installed."""
     if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
         yield
         return

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Results of missions on disk, one line of JSON each. A mission counts as done when its line is in the system's cache,
-which outlives any process. The file is synced to the disk several times a second, and before tables are written.
+"""Stores the results of missions on disk, one line of JSON for each. A mission counts as done when its line is in the cache of the
+operating system, which survives the end of any process. The file is written to the disk several times a second, and before tables are
+written.
 
-The last member of a line is the CRC-32 of the bytes before it. A line with a wrong checksum is reported and not used.
+The last member of a line is the CRC-32 of the preceding bytes. A line with a wrong checksum is reported and not used.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ _MOST_NAMED = 10
 
 Record = dict[str, Any]
 
-# The layout of a line of this version, by byte positions.
+# These constants define the layout of a line in this version, by byte positions.
 _MISSION = b'{"mission":"'
 _BUILD = b'","flown_by":"'
 _DIGEST = 64
@@ -49,13 +50,13 @@ _SUM_BYTES = len(b',"crc32":"01234567"}\n')
 
 
 def line_of(record: Record) -> bytes:
-    """Returns the line of a record, with its checksum."""
+    """Returns the line of a record, including its checksum."""
     body = _encoded(record).encode()[:-1]
     return b'%b,"crc32":"%08x"}\n' % (body, zlib.crc32(body))
 
 
 def record_of(line: bytes) -> Record:
-    """Returns the record of a line. Raises ValueError if its checksum is wrong."""
+    """Returns the record that a line contains. Raises ValueError if the checksum is wrong."""
     body = line[:-_SUM_BYTES]
     if line[-11:-3] != b"%08x" % zlib.crc32(body):
         raise ValueError("the checksum of a record is wrong")
@@ -64,14 +65,14 @@ def record_of(line: bytes) -> Record:
 
 
 def key_of(mission: str) -> int:
-    """Returns the part of a mission's hash with which the journal finds its line."""
+    """Returns the part of a mission's hash by which the journal finds the mission's line."""
     return int(mission[:16], 16)
 
 
 class Places:
-    """The place of each mission's line, with 16 bytes per mission. The places are in lists that are sorted by key, the
-    latest list last. A list is merged with the previous list, unless the previous list is more than twice as long.
-    Several missions may have the same key. In this case, all their places are returned, the latest first."""
+    """Stores the place of each mission's line in 16 bytes. The places are in lists that are sorted by key; the latest list is the last.
+    A list is merged with the previous one, unless the previous one is more than twice as long. If several missions have the same key,
+    all of their places are returned, the latest first."""
 
     def __init__(self) -> None:
         self._runs: list[tuple[np.ndarray, np.ndarray]] = []
@@ -95,7 +96,7 @@ class Places:
                 at -= 1
 
     def may_have(self, wanted: np.ndarray) -> np.ndarray:
-        """Returns for each key whether a line with this key exists."""
+        """Returns, for each key, whether there is a line with this key."""
         found = np.zeros(len(wanted), bool)
         for keys, _ in self._runs:
             at = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
@@ -104,7 +105,7 @@ class Places:
 
 
 def _sorted(keys: np.ndarray, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    order = np.argsort(keys, kind="stable")  # the latest of equal keys stays last
+    order = np.argsort(keys, kind="stable")  # among equal keys, the latest stays last
     return keys[order], places[order]
 
 
@@ -114,9 +115,9 @@ def keys_of(digests: Sequence[bytes]) -> np.ndarray:
 
 
 class Journal:
-    """The records of a folder by the hash of their mission. Keeps their places in memory, not their content. Only one
-    process at a time may write. If a killed process has left an incomplete last line, this line is removed. ``notices``
-    are texts for the user."""
+    """Contains the records of a folder, indexed by the hash of their mission. Keeps only their places in memory, not their content. Only
+    one process at a time may write. If a killed process has left an incomplete last line, removes it. ``notices`` contains texts for the
+    user."""
 
     def __init__(self, folder: pathlib.Path, *, writable: bool = True) -> None:
         self.file = folder / NAME
@@ -150,7 +151,7 @@ class Journal:
         return self.find(mission) is not None
 
     def find(self, mission: str) -> Record | None:
-        """Returns the last record of a mission."""
+        """Returns the last record of a mission. Returns None if there is none."""
         place = self.place_of(mission)
         return None if place is None else self.at(place)
 
@@ -163,7 +164,7 @@ class Journal:
         return None
 
     def may_have(self, digests: Sequence[bytes]) -> np.ndarray:
-        """Returns False for each mission of which the journal has no record. For many missions, this is much faster
+        """Returns an array that is False for each mission of which the journal has no record. For many missions, this is much faster
         than ``find``."""
         return self._places.may_have(keys_of(digests))
 
@@ -174,20 +175,20 @@ class Journal:
         return record
 
     def of_other_builds(self, build: str) -> int:
-        """Returns the number of records of other builds that the journal had when it was opened. Old records do not state their
+        """Returns the number of records of other builds that the journal contained when it was opened. Old records do not state their
         build."""
         return self._builds.total() - self._builds[build]
 
     def append(self, records: Iterable[Record]) -> list[int]:
-        """Appends lines, as ``append_lines`` does."""
+        """Appends the lines of records, as ``append_lines`` does."""
         records = list(records)
         lines = [line_of(record) for record in records]
         digests = [bytes.fromhex(record["mission"]) for record in records]
         return self.append_lines(digests, b"".join(lines), np.array([len(line) for line in lines], np.int64)).tolist()
 
     def append_lines(self, digests: Sequence[bytes], lines: bytes, lengths: np.ndarray) -> np.ndarray:
-        """Appends lines of missions. Returns their places. When the function returns, the lines are safe, even if this
-        process is killed. Raises Error if they cannot be written; the journal is then unchanged."""
+        """Appends the lines of missions and returns their places. Afterwards, the lines survive even if this process is killed. Raises
+        Error if they cannot be written; the journal is then unchanged."""
         try:
             os.lseek(self._descriptor, self._end, os.SEEK_SET)
             files.write_all(self._descriptor, lines)
@@ -204,7 +205,7 @@ class Journal:
         return places
 
     def sync(self) -> None:
-        """Waits until all lines are on the disk. Raises Error."""
+        """Waits until all lines are on the disk. Raises Error if this fails."""
         try:
             os.fdatasync(self._descriptor)
         except OSError as error:
@@ -212,7 +213,8 @@ class Journal:
         self._synced_s = time.monotonic()
 
     def close(self) -> None:
-        """Raises Error: some file systems report a full disk only at this point. A second call has no effect."""
+        """Closes the file. Raises Error if this fails, because some file systems report a full disk only at this point. A second call
+        has no effect."""
         descriptor, self._descriptor = self._descriptor, -1
         try:
             if descriptor >= 0:
@@ -238,8 +240,7 @@ class Journal:
             )
 
     def _line(self, place: int) -> bytes:
-        """Reads a line from a window of the file. A window is useful, because tables read lines roughly in the order of
-        the file."""
+        """Reads a line through a window of the file. The window saves time, because tables read lines roughly in the order of the file."""
         begin, window = self._window
         if begin <= place < begin + len(window):
             end = window.find(b"\n", place - begin)
@@ -259,10 +260,10 @@ class Journal:
                 raise Error(f"{self.file}: the file became shorter while it was in use", "file_unreadable")
             size *= 2
 
-    # Opening.
+    # The following function opens the journal.
 
     def _read(self) -> int:
-        """Stores the places of the records. Returns the end of the last complete line."""
+        """Finds the places of all records. Returns the end of the last complete line."""
         scan = _Scan()
         keys, places = [], []
         place, rest, size = 0, b"", 0
@@ -293,8 +294,8 @@ class Journal:
 
 
 class _Scan:
-    """Reads the lines of a journal: their keys, places and builds, with checks. Lines of this version are read with
-    NumPy, all other lines one by one."""
+    """Reads the keys, places and builds of a journal's lines, and checks the lines. Reads lines of this version with NumPy, and all
+    others one by one."""
 
     def __init__(self) -> None:
         self.builds: collections.Counter[str] = collections.Counter()
@@ -305,7 +306,7 @@ class _Scan:
         """True after the first line with a checksum. Earlier versions wrote no checksums; this version always does."""
 
     def lines(self, text: bytes, place: int) -> tuple[np.ndarray, np.ndarray]:
-        """Returns the keys and places of the valid lines in a text that starts at ``place``."""
+        """Returns the keys and places of the valid lines in a text. ``place`` is the position of the text in the file."""
         data = np.frombuffer(text, np.uint8)
         ends = np.flatnonzero(data == ord("\n")) + 1
         begins = np.concatenate([[0], ends[:-1]])
@@ -328,8 +329,8 @@ class _Scan:
 
     @staticmethod
     def _usual(data: np.ndarray, begins: np.ndarray, ends: np.ndarray) -> np.ndarray:
-        """Returns the numbers of the lines that have the format of this version: all fixed characters are at their
-        places."""
+        """Returns the indices of the lines that have the format of this version, in which all fixed characters are at the expected
+        positions."""
         usual = np.flatnonzero(ends - begins > _BUILD_AT + _DIGEST + _SUM_BYTES)
         marks = ((begins, 0, _MISSION), (begins, len(_MISSION) + _DIGEST, _BUILD), (ends, -_SUM_BYTES, b',"crc32":"'), (ends, -3, b'"}\n'))
         for start, offset, mark in marks:
@@ -337,7 +338,7 @@ class _Scan:
         return usual
 
     def _count_builds(self, data: np.ndarray, begins: np.ndarray) -> None:
-        while len(begins):  # one iteration per build
+        while len(begins):  # one iteration for each build
             first = data[begins[0] + _BUILD_AT :][:_DIGEST]
             same = _have(data, begins + _BUILD_AT, first)
             self.builds[first.tobytes().decode("latin-1")] += int(same.sum())
@@ -362,7 +363,7 @@ class _Scan:
 
 
 def _have(data: np.ndarray, begins: np.ndarray, mark: np.ndarray) -> np.ndarray:
-    """Returns for each place whether it contains these bytes."""
+    """Returns, for each position, whether these bytes are there."""
     same = np.ones(len(begins), bool)
     for offset, byte in enumerate(mark.tolist()):
         same &= data[begins + offset] == byte
@@ -370,7 +371,7 @@ def _have(data: np.ndarray, begins: np.ndarray, mark: np.ndarray) -> np.ndarray:
 
 
 def _hex(data: np.ndarray, begins: np.ndarray, digits: int) -> np.ndarray:
-    """Returns the numbers written in hexadecimal digits at these places."""
+    """Returns the numbers that are written in hexadecimal digits at these positions."""
     result = np.zeros(len(begins), np.uint64)
     for offset in range(digits):
         result = (result << np.uint64(4)) | _DIGITS[data[begins + offset]]
@@ -378,7 +379,7 @@ def _hex(data: np.ndarray, begins: np.ndarray, digits: int) -> np.ndarray:
 
 
 def _identity(line: bytes) -> tuple[str, str]:
-    """Returns the mission, and the build that ran it. Raises an error if the line is not a record."""
+    """Returns the mission of a line, and the build that ran the mission. Raises an error if the line is not a record."""
     record = json.loads(line)
     texts = (record["mission"], record["outcome"], record["error"])
     parts = (record.get("values", {}), record.get("finals", {}), record.get("series", {}))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""live.html: the report of a running study. It reloads itself, and redirects to report.html when the study is done."""
+"""Writes live.html, the report of a running study. The page reloads itself, and redirects to report.html when the study is done."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _SHARE = 20.0
 
 
 class LivePage:
-    """Writes the page, but at most every five seconds."""
+    """Writes the page, but at most once in five seconds."""
 
     def __init__(self, folder: pathlib.Path, space: Space, evidence: Evidence, units: Units) -> None:
         self._file = folder / NAME
@@ -56,7 +56,7 @@ class LivePage:
         self._next_s = time.monotonic() + max(_EVERY_S, _SHARE * (time.monotonic() - begun_s))
 
     def end(self, *, is_done: bool) -> None:
-        """Redirects a browser that shows the page to the report, or removes the page of an interrupted study."""
+        """Ends the page. If the study is done, makes the page redirect browsers to the report. Otherwise, removes the page."""
         if is_done and self._file.exists():
             write_whole(self._file, [_TO_THE_REPORT])
         else:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A mission as an order: everything that a worker needs, and the hash of all inputs of the mission.
+"""Creates missions as orders. An order contains everything that a worker needs, and the hash of all inputs of the mission.
 
-An order refers to files (FMUs, firmware, networks, cells) by their hashes, so that it is valid on every machine. Their paths
+An order refers to files (FMUs, firmware, networks, cells) by their hashes, so that it is valid on every machine. The paths of these files
 on this machine are stored separately.
 """
 
@@ -35,9 +35,8 @@ Course = tuple["Turn", ...]
 
 @dataclasses.dataclass(frozen=True)
 class Turn:
-    """A ``place`` at which values of inputs and tunable parameters are written. The place is the first communication
-    point at or after a time (``{"at": s}``), or at which a variable reaches a level (``{"score": [name, sign], "level":
-    value}``)."""
+    """Describes values of inputs and tunable parameters that are written at a ``place``. The place is the first communication point at
+    or after a time (``{"at": s}``), or the first one at which a variable reaches a level (``{"score": [name, sign], "level": value}``)."""
 
     place: Values
     writes: Values
@@ -59,18 +58,19 @@ def digest_of(value: Any) -> str:
 
 @functools.cache
 def build() -> str:
-    """Returns a hash of the program that runs missions, because version numbers stay the same during development."""
+    """Returns a hash of the program that runs missions. Version numbers are not sufficient, because they do not change during
+    development."""
     return digest_of_file(_mebots.__file__)
 
 
 def without_paths(text: str) -> str:
-    """Returns a message with paths replaced by file names."""
+    """Returns a message in which paths are replaced by file names."""
     return _PATH.sub(r"\1", text)
 
 
 @dataclasses.dataclass
 class _Variant:
-    """The mission's config, with the values of factors that are keys of the config."""
+    """Contains the config of the mission, in which factors that are keys of the config have their values."""
 
     config: str
     digest: str
@@ -82,7 +82,7 @@ class _Variant:
 
 
 class Missions:
-    """Creates orders from designs and draws. Hashes each file once."""
+    """Creates orders from designs and draws. Computes the hash of each file only once."""
 
     def __init__(self, study: Study) -> None:
         self._study = study
@@ -106,8 +106,8 @@ class Missions:
         """Folder of the results, with 256 folders for the first two digits of the mission's hash."""
 
     def order(self, values: Values) -> Order:
-        """Returns the mission with these values of factors and draws. Raises InputError if a JSON pointer refers to no value, or if a
-        fork is after the end."""
+        """Returns the order of the mission that has these values of factors and draws. Raises InputError if a JSON pointer refers to no
+        value, or if a fork is after the end."""
         fork = self._study.fork
         if fork is None:
             return self._order(values, ())
@@ -123,8 +123,8 @@ class Missions:
         return self._order(before, (Turn({"at": fork.at_s}, later),))
 
     def order_until(self, place: Values, values: Values, course: Course) -> Order:
-        """Returns the mission that follows this course up to a place. Other missions with the same course start from
-        its state there."""
+        """Returns the order of the mission that follows this course up to a place. Other missions with the same course start from its
+        state at this place."""
         order = self._order(values, course)
         order["until"] = place
         order["keeps"] = self._past(order["mission"], place)
@@ -132,7 +132,7 @@ class Missions:
         return order
 
     def _past(self, mission: str, place: Values) -> str:
-        """Returns the hash of a state at a place, which includes the recorded variables."""
+        """Returns the hash of the state at a place. The recorded variables are part of the hash."""
         return digest_of([mission, place, self._series])
 
     def _order(self, values: Values, course: Course) -> Order:
@@ -142,7 +142,7 @@ class Missions:
         for name, value in settings.items():
             if isinstance(value, str):
                 settings[name] = self._portable(name, value, files)
-        # This equals digest_of() of a dict of these four members.
+        # The result equals digest_of() of a dict that has these four members.
         text = f'{self._hash_begin}{variant.digest}","settings":{self._canonical(settings)}{self._hash_end}'
         digest = hashlib.sha256(text.encode()).hexdigest()
         turns = []
@@ -166,7 +166,7 @@ class Missions:
         return order
 
     def orders(self, fixed: Values, drawn: Sequence[Values]) -> Orders:
-        """Returns the missions with these values of factors, each with its own draws."""
+        """Returns the orders of the missions that have these values of factors. Each mission has its own draws."""
         if not drawn or not self._are_columns(fixed, drawn[0]):
             return Orders.of([self.order(fixed | draws) for draws in drawn])
         common = self._order(fixed | drawn[0], ())
@@ -186,8 +186,8 @@ class Missions:
         return bool(draws) and numbers and self._study.fork is None and self.folder is None and self._is_plain((*fixed, *draws))
 
     def _pieces(self, common: Order, columns: dict[str, list[Any]]) -> tuple[list[bytes], list[list[bytes]]]:
-        """Returns the members of ``settings`` as texts for a hash, with ``%b`` in place of each value that differs
-        between missions. Also returns the texts of these values."""
+        """Returns the members of ``settings`` as texts that are hashed. They contain ``%b`` in place of each value that differs between
+        missions. Also returns the texts of these values."""
         pieces, texts = [], []
         for name in sorted(common["settings"]):
             title = f"{canonical(name)}:".replace("%", "%%").encode()
@@ -199,22 +199,21 @@ class Missions:
         return pieces, texts
 
     def _texts(self, name: str, values: list[Any]) -> list[bytes]:
-        """Returns ``canonical`` texts. Caches the texts of the last draws, because all designs share them."""
+        """Returns the ``canonical`` texts of values. Caches the texts of the last draws, because all designs use the same draws."""
         known = self._drawn.get(name)
         if known is None or known[0] != values:
             known = self._drawn[name] = values, [_canonical_of(value).encode() for value in values]
         return known[1]
 
     def shell_line(self, values: Values, out: str) -> str:
-        """Returns the command that repeats the mission with all its results and pictures; "" if that requires
-        another config."""
+        """Returns the command that repeats the mission with all results and pictures. Returns "" if this requires another config."""
         settings = self.settings_words(values)
         if settings is None:
             return ""
         return " ".join(filter(None, (shlex.join(["mebots", "run", str(self._study.mission), "--out", out]), settings)))
 
     def settings_words(self, values: Values) -> str | None:
-        """Returns the options of `mebots run` that set these values; None if that requires another config."""
+        """Returns the options of `mebots run` that set these values. Returns None if this requires another config."""
         pointers, settings = self._divide(values)
         stop_time = pointers.pop("/stop_time", None)
         if pointers or self._study.fork is not None:
@@ -225,8 +224,8 @@ class Missions:
         return shlex.join(words)
 
     def replay(self, values: Values, folder: pathlib.Path, name: str, text: str, scenario: list[Values]) -> str:
-        """Writes the mission's course as a scenario into the folder. Returns the command that repeats the mission
-        with it; "" if that requires another config."""
+        """Writes the course of the mission as a scenario into the folder. Returns the command that repeats the mission with this
+        scenario. Returns "" if this requires another config."""
         command = self.shell_line(values, str(folder / name))
         if command:
             folder.mkdir(exist_ok=True)
@@ -236,14 +235,12 @@ class Missions:
         return command
 
     def settings(self, name: str, value: Any) -> Values:
-        """Returns the settings that a factor or draw with this value makes: the value itself, or the settings of the
-        option.
-        """
+        """Returns the settings that a factor or draw with this value results in: the value itself, or the settings of the option."""
         options = self._options.get(name)
         return {name: value} if options is None else options[value]
 
     def _divide(self, values: Values) -> tuple[Values, Values]:
-        """Divides values into keys of the config and parameters; replaces options by their settings."""
+        """Divides values into keys of the config and parameters. Replaces options by their settings."""
         if self._is_plain(tuple(values)):
             return {}, {name: self._located(name, value) if isinstance(value, str) else value for name, value in values.items()}
         pointers, settings = {}, {}
@@ -254,14 +251,13 @@ class Missions:
         return pointers, settings
 
     def _is_plain(self, names: tuple[str, ...]) -> bool:
-        """True if each name is a parameter."""
+        """True if all names are parameters."""
         if names not in self._plain:
             self._plain[names] = not any(name.startswith("/") or name in self._options for name in names)
         return self._plain[names]
 
     def _located(self, name: str, value: str) -> str:
-        """Returns a text that names an input in a folder of the study as an absolute path, and any other text
-        unchanged."""
+        """Returns an absolute path if the text names an input in a folder of the study. Otherwise, returns the text unchanged."""
         if (name, value) not in self._found:
             paths = (str(folder / value) for folder in self._study.folders)
             relative = value and not os.path.isabs(value)
@@ -279,7 +275,7 @@ class Missions:
         return FILE_MARK + digest
 
     def _canonical(self, settings: Values) -> str:
-        """Returns ``canonical(settings)``, faster for numbers."""
+        """Returns ``canonical(settings)``. Is faster if the values are numbers."""
         names = tuple(settings)
         if names not in self._names:
             self._names[names] = [(name, f"{canonical(name)}:") for name in sorted(names)]
@@ -320,14 +316,14 @@ def _canonical_of(value: Any) -> str:
 
 
 def _signals(config: dict[str, Any]) -> list[dict[str, Any]]:
-    """Returns the parts of a config that name a signal file."""
+    """Returns those parts of a config that name a signal file."""
     inputs = config.get("inputs", [])
     entries = [inputs] if isinstance(inputs, dict) else inputs
     return entries + [entry for entry in config.get("scenario", []) if "file" in entry]
 
 
 def _put(config: dict[str, Any], pointer: str, value: Any) -> None:
-    """Sets the value at a JSON pointer (RFC 6901). Only the last member of the pointer may be new."""
+    """Sets the value to which a JSON pointer (RFC 6901) refers. Only the last member of the pointer may be new."""
     steps = [step.replace("~1", "/").replace("~0", "~") for step in pointer.split("/")[1:]]
     place: Any = config
     for number, step in enumerate(steps):

@@ -22,15 +22,15 @@ Measures = tuple[float | None, ...]
 
 
 class Measurer:
-    """Computes the numbers of a mission. ``labels`` are the labels of the mission's summary. Raises InputError if an
-    objective refers to something that does not exist."""
+    """Computes the numbers of missions. ``labels`` are the labels in the missions' summaries. Raises InputError if an objective refers
+    to something that does not exist."""
 
     def __init__(self, study: Study, labels: Iterable[str]) -> None:
         self._objectives = study.objectives
         self._place = study.place
         self._formulas: dict[str, Callable[[Mapping[str, Any]], float]] = {}
         self._sound = 0  # number of missions
-        self._valued: set[str] = set()  # objectives that had a value
+        self._valued: set[str] = set()  # objectives that have had a value
         self._mistakes: dict[str, tuple[int, str]] = {}  # the arithmetic error of an expression, in the first mission
                                                          # outcome of the mission that had it
         labels = list(labels)
@@ -44,9 +44,9 @@ class Measurer:
             known.add(one.label)
 
     def __call__(self, record: Record, number: int = 0) -> Measures:
-        """Returns the measures of a mission. ``number`` is its place in the study's order."""
+        """Returns the measures of a mission. ``number`` is the index of the mission in the order of the study."""
         values: dict[str, Any] = record.get("values", {})
-        if self._formulas:  # they may use other objectives
+        if self._formulas:  # expressions may use other objectives
             values = dict(values)
         sound = not record["error"]
         self._sound += sound
@@ -66,7 +66,7 @@ class Measurer:
         return tuple(measured[one.label] for one in self._objectives)
 
     def columns(self, reply: Reply) -> np.ndarray:
-        """Returns the measures of missions, one row each, with NaN for missing values."""
+        """Returns the measures of missions, one row for each. NaN marks a missing value."""
         if self._formulas:
             rows = [self(record, index) for record, index in zip(reply.records(), reply.indices, strict=True)]
             return np.array([[math.nan if one is None else one for one in row] for row in rows], float).reshape(len(rows), -1)
@@ -93,8 +93,8 @@ class Measurer:
         return reply.numbers.get(keys[one.source], none)
 
     def without_value(self) -> list[str]:
-        """Returns a message for each expression that had no value in any mission so far because of an arithmetic error.
-        Skips expressions of values that a mission may lack, and expressions that ``where`` restricts."""
+        """Returns a message for each expression that has had no value in any mission because of an arithmetic error. Skips expressions
+        of values that a mission may lack, and expressions that ``where`` restricts."""
         return [
             f"{self._place}: the objective '{label}' has no value in any of {self._sound} missions: '{what}': {why}"
             for label, what, why in (
@@ -129,7 +129,7 @@ class Measurer:
 
 
 def _share_of(one: Objective, reply: Reply) -> np.ndarray:
-    """Returns 1 for each mission with one of the outcomes or end reasons, and 0 for the others."""
+    """Returns 1 for each mission that has one of the outcomes or end reasons, and 0 for all others."""
     if one.source == "outcome":
         return np.array([name in one.what for name in reply.outcome_names], float)[reply.outcomes]
     return np.array([_ending(record, one) in one.what for record in reply.records()], float)
@@ -141,7 +141,7 @@ def _ending(record: Record, one: Objective) -> str:
 
 
 def has_all(record: Record, order: Mapping[str, Any]) -> bool:
-    """True if a record, possibly of another study, contains everything that the order requests."""
+    """True if a record, possibly of another study, contains all values that the order requests."""
     if record["error"]:
         return True
     if "out" in order and not os.path.exists(os.path.join(order["out"], "summary.json")):
@@ -172,8 +172,8 @@ _FUNCTIONS: dict[str, Callable[..., float]] = {"abs": abs, "min": min, "max": ma
 
 
 def formula(text: str, known: Iterable[str], place: str) -> Callable[[Mapping[str, Any]], float]:
-    """Returns a function that evaluates an expression of +, -, *, /, abs, min, max, sqrt, numbers and names. It
-    takes values by name. A name may contain dots. Raises InputError."""
+    """Returns a function that evaluates an expression. The expression may contain +, -, *, /, abs, min, max, sqrt, numbers and names,
+    which may contain dots. The argument of the function maps names to values. Raises InputError if the expression is invalid."""
     known = set(known)
 
     def compiled(node: ast.AST) -> Callable[[Mapping[str, Any]], float]:
@@ -201,7 +201,7 @@ def formula(text: str, known: Iterable[str], place: str) -> Callable[[Mapping[st
         raise too_long
     try:
         tree = ast.parse(text, mode="eval").body
-    except (SyntaxError, ValueError, MemoryError):  # also parentheses nested too deep
+    except (SyntaxError, ValueError, MemoryError):  # also raised if parentheses are nested too deeply
         raise InputError(f"{place}: '{text}' is not an expression", "syntax_error") from None
     if _depth(tree) > _MOST_LEVELS:
         raise too_long

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Distinguishes the outcome of a mission from a fault that the mission did not cause. An outcome is the same wherever
-the mission runs: an error or a crash of an FMU, or a limit of the study. A full disk, too little memory, or a killed
-process is not an outcome."""
+"""Distinguishes the outcome of a mission from a fault that the mission did not cause. An outcome is the same wherever the mission runs:
+an error or a crash of an FMU, or a limit of the study. A full disk, too little memory or a killed process is no outcome."""
 
 from __future__ import annotations
 
@@ -20,22 +19,22 @@ _TEXTS = (*(os.strerror(number) for number in _ERRORS), "bad_alloc", "Resource t
 
 
 def is_outside_signal(number: int) -> bool:
-    """True for signals with which other programs end a process."""
+    """True for signals by which other programs end a process."""
     return number in _SIGNALS
 
 
 def describes_system_error(text: str) -> bool:
-    """True if a text contains the system's message for a full disk, too little memory or similar."""
+    """True if the text contains a message of the operating system about a full disk, too little memory or a similar fault."""
     return any(words in text for words in _TEXTS)
 
 
 def is_outside(error: BaseException) -> bool:
-    """True if an exception in a mission process is not an outcome of its mission."""
+    """True if an exception in a mission process is no outcome of its mission."""
     if isinstance(error, (OSError, MemoryError)):
         return True
     return isinstance(error, Error) and (error.code in _CODES or describes_system_error(str(error)))
 
 
 def text_of(error: BaseException) -> str:
-    """Returns a text for the user."""
+    """Returns the text of an exception for the user."""
     return str(error) or ("out of memory" if isinstance(error, MemoryError) else type(error).__name__)

@@ -14,10 +14,9 @@ _BLOCK = 256
 
 
 def front(points: np.ndarray) -> list[int]:
-    """Returns the numbers of the rows that no other row dominates. A row dominates another one if it is greater or
-    equal in all columns, and not equal. Equal rows do not dominate each other. Rows may contain infinities, but no
-    NaN."""
-    points = points + 0.0  # -0.0 becomes 0.0
+    """Returns the indices of the rows that no other row dominates. A row dominates another one if it is greater or equal in all columns,
+    and greater in at least one. Equal rows do not dominate each other. Rows may contain infinities, but no NaN."""
+    points = points + 0.0  # converts -0.0 to 0.0
     if points.shape[1] == 1:
         return np.flatnonzero(points[:, 0] == points[:, 0].max()).tolist()
     if moocore is not None and np.isfinite(points).all():
@@ -26,8 +25,8 @@ def front(points: np.ndarray) -> list[int]:
 
 
 def _front_by_blocks(points: np.ndarray) -> list[int]:
-    """Compares each block of points with the front so far, in the order of the sums: no point dominates an earlier
-    one."""
+    """Compares each block of points with the front so far. The points are in the order of their sums; therefore no point dominates an
+    earlier one."""
     distinct, origin = np.unique(points, axis=0, return_inverse=True)
     order = np.lexsort(distinct.T)[::-1]
     order = order[np.argsort(-distinct[order].sum(axis=1), kind="stable")]
@@ -44,7 +43,7 @@ def _front_by_blocks(points: np.ndarray) -> list[int]:
 
 
 def _dominated(points: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """Returns for each point whether another point is at least as great in all columns. All points must differ."""
+    """Returns, for each point, whether another point is at least as great in all columns. All points must differ."""
     result = np.zeros(len(points), bool)
     for at, point in enumerate(points):
         better = (others >= point).all(axis=1)

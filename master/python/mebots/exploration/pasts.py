@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Saved states from which other missions start, by hash. The latest states are in memory. Further states are on disk,
-where all mission processes of the same parent can read them. If a state was deleted, one process computes it again, and
-other processes that need this state wait.
+"""Stores states from which other missions start, indexed by hash. The latest states are in memory. All others are on disk, where all
+mission processes of the same parent can read them. If a state was deleted, one process computes it again, and other processes that need
+this state wait.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class Pasts:
     def keep(self, name: str, state: bytes) -> None:
         self._remember(name, state)
         beside = self._folder / f"{name}.{os.getpid()}"
-        with contextlib.suppress(OSError):  # a full disk costs time, but no mission
+        with contextlib.suppress(OSError):  # a full disk costs time, but no mission is lost
             try:
                 beside.write_bytes(state)
                 beside.replace(self._folder / name)
@@ -58,12 +58,12 @@ class Pasts:
 
     @contextlib.contextmanager
     def flown_by_me(self, name: str, waiting: Callable[[], None]) -> Iterator[None]:
-        """Excludes other processes. A later process waits, calls ``waiting`` repeatedly, and finds the state when the first process has
-        saved it. If the first process is killed, the next one continues."""
+        """Lets one process at a time compute a state. Other processes wait, call ``waiting`` repeatedly, and find the state when the
+        first process has saved it. If the first process is killed, the next one computes the state."""
         file = self._folder / f"{name}.flying"
         try:
             lock = os.open(file, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
-        except OSError:  # computing it twice is better than failing
+        except OSError:  # computing the state twice is better than failing
             yield
             return
         try:
@@ -87,7 +87,7 @@ class Pasts:
     def _make_room(self) -> None:
         kept = []
         for file in os.scandir(self._folder):
-            with contextlib.suppress(FileNotFoundError):  # another process is deleting it too
+            with contextlib.suppress(FileNotFoundError):  # another process is deleting the file, too
                 stat = file.stat()
                 kept.append((stat.st_mtime_ns, stat.st_size, file.path))
         total = sum(size for _, size, _ in kept)
@@ -104,6 +104,6 @@ def _locked(descriptor: int) -> bool:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         return False
-    except OSError:  # a file system without locks
+    except OSError:  # the file system does not support locks
         pass
     return True

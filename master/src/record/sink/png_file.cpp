@@ -51,7 +51,7 @@ std::string differences(std::span<const std::uint8_t> pixels, std::size_t width)
 
 }  // namespace
 
-/// Libpng is not used, because it compresses row by row with zlib, which is 15 % slower. One picture per second would
+/// libpng is not used, because it compresses row by row with zlib, which is 15 % slower. One picture per second would
 /// then take more time than all other recording. Higher levels of compression have no benefit, because noise has no
 /// patterns.
 std::string png_of(std::span<const std::uint8_t> pixels, std::size_t width) {
