@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Packages of the extras ``mebots[sweep]``, ``mebots[flight]``, ``mebots[deploy]`` and ``mebots[gym]``, which are
-imported where they are needed."""
+"""Imports packages of the extras ``mebots[sweep]``, ``mebots[flight]``, ``mebots[deploy]`` and ``mebots[gym]`` only where they are
+needed."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from mebots.errors import InputError
 
 
 def extra(module: str, what: str, package: str, group: str = "sweep") -> Any:
-    """Returns a module of an extra. Raises InputError with the line that installs it."""
+    """Returns a module of an extra. If it is missing, raises InputError with the command that installs it."""
     try:
         return importlib.import_module(module)
     except ImportError as error:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tables as objects of pandas, polars and xarray, if these are installed."""
+"""Converts tables to objects of pandas, polars and xarray, if these are installed."""
 
 from __future__ import annotations
 
@@ -18,27 +18,27 @@ _UNIT = re.compile(r" \[([^]]+)\]")
 
 
 def pandas_frame(columns: Mapping[str, Any], times: npt.NDArray[np.float64] | None = None) -> Any:
-    """Returns a pandas.DataFrame; the index is the times if there are any."""
+    """Returns a pandas.DataFrame. Its index contains the times, if given."""
     pandas = _package("pandas", "to_pandas()")
     return pandas.DataFrame(dict(columns), index=None if times is None else pandas.Index(times, name="time [s]"))
 
 
 def polars_frame(columns: Mapping[str, Any], times: npt.NDArray[np.float64] | None = None) -> Any:
-    """Returns a polars.DataFrame; its first column is the times if there are any."""
+    """Returns a polars.DataFrame. Its first column contains the times, if given."""
     first = {} if times is None else {"time [s]": times}
     return _package("polars", "to_polars()").DataFrame(first | dict(columns))
 
 
 def time_series(columns: Mapping[str, Any], units: Mapping[str, str], times: npt.NDArray[np.float64]) -> Any:
-    """Returns an xarray.Dataset over the times, with units as attributes."""
+    """Returns an xarray.Dataset over the times. Its attributes contain the units."""
     xarray = _package("xarray", "to_xarray()")
     variables = {name: ("time", values, _units(units.get(name, ""))) for name, values in columns.items()}
     return xarray.Dataset(variables, coords={"time": ("time", times, {"units": "s"})})
 
 
 def mission_cube(missions: Mapping[str, Sequence[Any]], designs: Mapping[str, Sequence[Any]], factors: Sequence[str], draws: Sequence[str]) -> Any:
-    """Returns an xarray.Dataset over design and replicate, with factors and draws as coordinates; NaN marks a
-    mission that was not run. ``missions`` and ``designs`` are the columns of missions.csv and designs.csv."""
+    """Returns an xarray.Dataset over design and replicate. Factors and draws are coordinates. NaN marks a mission that was not run.
+    ``missions`` and ``designs`` must be the columns of missions.csv and designs.csv."""
     import numpy as np
 
     xarray = _package("xarray", "to_xarray()")

@@ -47,7 +47,7 @@ _ENDS = ("stop_condition", "terminated")
 
 @dataclasses.dataclass(frozen=True)
 class State:
-    """A point of an episode: the values set so far, and the state of all FMUs. It can be pickled."""
+    """Describes a point of an episode: the values that were set so far, and the state of all FMUs. Can be pickled."""
 
     settings: dict[str, Scalar]
     data: bytes
@@ -98,7 +98,7 @@ class MissionEnv(gymnasium.Env):
         self._values: Values = {}
         self.action_space = _action_space(self._actions)
         self.observation_space = _observation_space(observations)
-        # The run records nothing, because agents need only present values.
+        # The run records nothing, because agents need only current values.
         self.mission = Mission(config, in_memory=False, isolate=isolate, uncertainty="none")
         for name, values in self._actions.items():
             self.mission.set(name, values[0])  # raises InputError for an unknown name; reset() drops the value
@@ -128,8 +128,7 @@ class MissionEnv(gymnasium.Env):
         return self._observation(), self._info()
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        """Writes the action and simulates one period. Raises InputError if a step of ``step_control`` ends after the
-        period."""
+        """Writes the action and simulates one period. Raises InputError if ``step_control`` performs a step that ends after the period."""
         for name, value in zip(self._actions, self._inputs(action), strict=True):
             self.mission.write(name, value)
         self._steps += 1
@@ -140,7 +139,7 @@ class MissionEnv(gymnasium.Env):
         return self._observation(), float(self._reward(before, self._values)), terminated, truncated, self._info()
 
     def save_state(self) -> State:
-        """Returns the state of the episode, from which ``reset`` can continue."""
+        """Returns the current state of the episode. ``reset`` can continue from it."""
         return State(dict(self._settings), self.mission.save_state())
 
     def close(self) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The files that come with MEbots."""
+"""Finds the files that are installed together with MEbots."""
 
 import pathlib
 
@@ -7,7 +7,7 @@ from mebots.errors import InputError
 
 
 def data_folder() -> pathlib.Path:
-    """Returns the folder of this installation that holds configs and fmu_soc."""
+    """Returns the folder of this installation that contains configs and fmu_soc."""
     here = pathlib.Path(__file__).resolve().parent
     for place in (here / "share/mebots", here.parents[1], here.parents[3] / "share/mebots"):
         if (place / "configs/boards").is_dir():

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes pages that consist of one file. Their numbers are JSON in the page, which the script of web/src/report
-draws."""
+"""Writes pages that consist of one file. The page contains its numbers as JSON, which the script of web/src/report draws."""
 
 from __future__ import annotations
 
@@ -15,8 +14,8 @@ from mebots.exploration.files import write_whole
 
 
 def write_page(file: pathlib.Path, title: str, data: dict[str, Any], provenance: dict[str, str], answer: str) -> None:
-    """Writes a page. ``provenance`` describes its inputs; ``answer`` is the result as text. If MEbots was built without pages, the page
-    contains only the text of ``answer``."""
+    """Writes a page. ``provenance`` describes the inputs of its content. ``answer`` is the result as text. If MEbots was built without
+    web pages, the page contains only this text."""
     content = data | {"title": title, "provenance": provenance | {"MEbots": _mebots.__version__}}
     try:
         page = _mebots.data_page(title, json.dumps(content, separators=(",", ":"), allow_nan=False))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Collects the cases of FMUs for pytest: files named ``*.mebots-test.json`` or ``CASES.json``, one test per case.
+"""Collects test cases of FMUs for pytest. Each case in a file named ``*.mebots-test.json`` or ``CASES.json`` is a test.
 
 The FMU is named in the file, or by the option ``--mebots-fmu``. See docs/testing-fmus.md. The fixture ``chip`` runs
 programs on boards: mebots.testing.
@@ -39,7 +39,7 @@ class CaseFile(pytest.File):
 
 
 class Diverged(Exception):
-    """Raised for a case that did not pass. The message contains the place of the case."""
+    """Raised if a case did not pass. The message contains the place of the case in its file."""
 
 
 class Case(pytest.Item):

@@ -26,7 +26,7 @@ class Results:
     """
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
-        """Reads summary.json and results.csv. Raises InputError."""
+        """Reads summary.json and results.csv. Raises InputError if this fails."""
         self.folder = pathlib.Path(folder)
         if not self.folder.is_dir():
             raise InputError(f"{folder}: there is no such folder", "file_not_found")
@@ -40,7 +40,7 @@ class Results:
         return f"<mebots.Results of {self.folder}: {len(self._columns)} variables, {len(self.times)} rows>"
 
     def __getitem__(self, variable: str) -> npt.NDArray[np.float64] | list[str]:
-        """Returns the recorded values of a variable. Raises KeyError with the nearest names."""
+        """Returns the recorded values of a variable. Raises KeyError with similar names if the variable is not recorded."""
         self._require(variable)
         return self._columns[variable]
 
@@ -48,13 +48,13 @@ class Results:
         return variable in self._columns
 
     def unit(self, variable: str) -> str:
-        """Returns the unit of a variable; "" if it has none."""
+        """Returns the unit of a variable, or "" if it has none."""
         self._require(variable)
         return self._units[variable]
 
     @property
     def variables(self) -> list[str]:
-        """The names of the recorded variables, in the order of the file."""
+        """Returns the names of the recorded variables, in the order of the file."""
         return list(self._columns)
 
     @property
@@ -63,15 +63,15 @@ class Results:
         return self.summary.get("outcome", "")
 
     def to_pandas(self):
-        """Returns all columns as a pandas.DataFrame with the times as index. Needs pandas."""
+        """Returns all columns as a pandas.DataFrame. The times are the index. Requires pandas."""
         return frames.pandas_frame(self._columns, self.times)
 
     def to_polars(self):
-        """Returns all columns as a polars.DataFrame whose first column is the times. Needs polars."""
+        """Returns all columns as a polars.DataFrame. The times are the first column. Requires polars."""
         return frames.polars_frame(self._columns, self.times)
 
     def to_xarray(self):
-        """Returns all columns as an xarray.Dataset over the times, with units. Needs xarray."""
+        """Returns all columns and their units as an xarray.Dataset over the times. Requires xarray."""
         return frames.time_series(self._columns, self._units, self.times)
 
     def show(self, height: int = 800):
@@ -89,7 +89,7 @@ def read(folder: str | os.PathLike[str]) -> Results:
 
 
 def not_recorded(variable: str, recorded: Iterable[str]) -> KeyError:
-    """Returns the error for a name that is not recorded, with the nearest recorded ones."""
+    """Returns the error for a variable that is not recorded. It suggests the most similar recorded names."""
     nearest = difflib.get_close_matches(variable, list(recorded), n=3, cutoff=0.4)
     hint = f"; nearest: {', '.join(nearest)}" if nearest else ""
     return KeyError(f"'{variable}' is not recorded{hint}")
@@ -116,8 +116,8 @@ def _texts(folder: pathlib.Path) -> set[str]:
 
 
 def _columns(folder: pathlib.Path) -> tuple[dict[str, str], dict[str, Any]]:
-    """Returns units and values by name. Columns of Strings and Binaries are lists of texts, also if all texts are numbers.
-    Their types are in system.json; without that file, a column that does not consist of numbers only is one of texts."""
+    """Returns units and values, indexed by name. Columns of Strings and Binaries are lists of texts, even if all texts are numbers.
+    system.json contains the types. Without this file, a column is a list of texts unless all of its cells are numbers."""
     import numpy as np
 
     file = folder / "results.csv"

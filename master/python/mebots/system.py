@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The class System."""
+"""Builds systems of FMUs in Python."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from mebots.mission import Mission, Path, Scalar
 
 @dataclasses.dataclass(frozen=True)
 class Variable:
-    """A variable of an instance, such as ``battery["bus.voltage"]``."""
+    """A variable of an instance. An instance returns it, as in ``battery["bus.voltage"]``."""
 
     instance: str
     name: str
@@ -29,7 +29,7 @@ class Variable:
 
 @dataclasses.dataclass(frozen=True)
 class Instance:
-    """An instance of a system; ``instance[name]`` is one of its variables."""
+    """An instance of a system. ``instance[name]`` returns one of its variables."""
 
     name: str
 
@@ -61,24 +61,24 @@ class System:
         self._config: dict[str, Any] = {"step": shown, "stop_time": stop_time, "instances": {}, "connections": [], **copy.deepcopy(keys)}
 
     def add(self, name: str, fmu: Path, parameters: Mapping[str, Scalar] | None = None, **keys: Any) -> Instance:
-        """Adds an instance of an FMU: the name of a shipped FMU, or a file. ``keys`` are further keys of an instance in
-        a config."""
+        """Adds an instance of an FMU. ``fmu`` is the name of a shipped FMU, or a file. ``keys`` are further keys that an instance in a
+        config may have."""
         if name in self._config["instances"]:
             raise InputError(f"add('{name}'): the system has an instance with this name", "duplicate_name")
         self._config["instances"][name] = {"fmu": os.fspath(fmu), **({"parameters": dict(parameters)} if parameters else {}), **keys}
         return Instance(name)
 
     def connect(self, source: Variable | str, target: Variable | str, **keys: Any) -> None:
-        """Connects an output with an input. ``keys`` are further keys of a connection, such as ``sum`` or ``map``."""
+        """Connects an output to an input. ``keys`` are further keys that a connection may have, such as ``sum`` or ``map``."""
         self._config["connections"].append({"from": str(source), "to": str(target), **keys})
 
     @property
     def config(self) -> dict[str, Any]:
-        """A copy of the config, for ``mebots.Mission`` and ``mebots.gym.MissionEnv``. Files are relative to the working folder."""
+        """Returns a copy of the config, for ``mebots.Mission`` and ``mebots.gym.MissionEnv``. Paths are relative to the working folder."""
         return copy.deepcopy(self._config)
 
     def write(self, file: Path) -> pathlib.Path:
-        """Writes the config, for ``mebots run`` and for studies. Paths of FMUs become absolute."""
+        """Writes the config to a file, for ``mebots run`` and for studies. Makes paths of FMUs absolute."""
         content = self.config
         for instance in content["instances"].values():
             if os.path.isfile(instance["fmu"]):
@@ -88,5 +88,5 @@ class System:
         return path
 
     def mission(self, **options: Any) -> Mission:
-        """Returns a mission of the system, with options of ``mebots.Mission``."""
+        """Returns a mission that runs the system. ``options`` are options of ``mebots.Mission``."""
         return Mission(self.config, **options)

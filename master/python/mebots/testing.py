@@ -28,11 +28,11 @@ from mebots.errors import Error, InputError
 
 Bounds = tuple[float, float]
 
-_BAD_INPUT = 102  # exit code of mebots-soc
+_BAD_INPUT = 102  # exit code of mebots-soc for invalid input
 
 
 def _program() -> str:
-    """Returns the path of mebots-soc: $MEBOTS_SOC, or the program in the package, or that in PATH."""
+    """Returns the path of mebots-soc: $MEBOTS_SOC, otherwise the program in the package, otherwise that in PATH."""
     own = pathlib.Path(__file__).with_name("bin") / "mebots-soc"
     found = os.environ.get("MEBOTS_SOC") or (str(own) if own.exists() else shutil.which("mebots-soc"))
     if not found:
@@ -72,11 +72,10 @@ class Board:
         self.close()
 
     def close(self) -> None:
-        """Ends the run and completes its files, such as that of ``--report``. Raises InputError if a file cannot be
-        written."""
+        """Ends the run and completes its files, such as that of ``--report``. Raises InputError if a file cannot be written."""
         if self._errors.closed:
             return
-        told = self._process.poll() is not None  # by the call after which it ended
+        told = self._process.poll() is not None  # the end was already reported by an earlier call
         if not told:
             self._process.communicate()
         program_ended_so = self.exit_code is not None and self.exit_code & 0xFF == _BAD_INPUT
@@ -87,7 +86,7 @@ class Board:
             raise refusal
 
     def run(self, seconds: float) -> str:
-        """Runs for a time. Returns the text that the program printed during this time."""
+        """Runs the board for a time. Returns the text that the program has printed during this time."""
         return self._ask({"run": seconds})["console"]
 
     def wait_for(self, text: str, *, within: float) -> str:
@@ -103,8 +102,7 @@ class Board:
         return reply["console"]
 
     def wait_for_end(self, *, within: float) -> int:
-        """Runs until the program ends. Returns its exit code. Raises AssertionError if the program does not end itself
-        in time."""
+        """Runs the board until the program ends, and returns its exit code. Raises AssertionError if the program does not end in time."""
         reply = self._ask({"run": within})
         if self.exit_code is None:
             raise AssertionError(f"the program did not end itself within {within:g} s{self._fault(reply)}")
@@ -115,7 +113,8 @@ class Board:
         self._ask({"send": text})
 
     def get(self, variable: str) -> float:
-        """Returns the value of a device's variable, such as ``led.level``. The variable is an output, or an input that was set."""
+        """Returns the value of a device's variable, such as ``led.level``. The variable must be an output, or an input that was set
+        before."""
         return self._ask({"get": variable})["value"]
 
     def set(self, variable: str, value: float) -> None:
@@ -123,7 +122,7 @@ class Board:
         self._ask({"set": variable, "value": float(value)})
 
     def press(self, variable: str, seconds: float = 0.01) -> None:
-        """Holds a button for a time: sets an input to 1, runs, and sets it back to 0."""
+        """Presses a button for a time: sets an input to 1, runs the board, and sets the input back to 0."""
         self.set(variable, 1)
         self.run(seconds)
         self.set(variable, 0)
@@ -144,7 +143,7 @@ class Board:
         return int.from_bytes(bytes_, "little", signed=signed)
 
     def read_bytes(self, symbol: str | int, size: int | None = None) -> bytes:
-        """Returns the memory at a symbol or address. Without a size, returns all bytes of the symbol."""
+        """Returns the bytes of memory at a symbol or address. Without ``size``, returns all bytes of the symbol."""
         command: dict[str, Any] = {"read": symbol}
         if size is not None:
             command["size"] = size
@@ -152,17 +151,17 @@ class Board:
 
     @property
     def report(self) -> dict[str, Any]:
-        """Counts, times and energies of the run so far, in the format of ``--json``."""
+        """Returns the counts, times and energies of the run so far, in the format of ``--json``."""
         return self._ask({"report": True})["report"]
 
     @property
     def joules(self) -> float:
-        """Energy of the chip so far [J]."""
+        """Returns the energy that the chip has used so far [J]."""
         return self.report["chip_j"]
 
     @property
     def cycles(self) -> int:
-        """Active cycles of the core, or of the fabric controller, so far."""
+        """Returns the active cycles of the core, or of the fabric controller, so far."""
         return self.report["controller"]["cycles"]
 
     def expect(self, *, joules: Bounds | None = None, cycles: Bounds | None = None, seconds: Bounds | None = None, **variables: Bounds) -> None:

@@ -13,7 +13,7 @@ from mebots.deploy.model_file import Model, label, onnx_package
 
 OP = "Requantise"
 _CHAIN = ("Mul", "Add", "Cast", "Div", "Floor", "Clip")
-_BITS = {"weight_bits", "bias_bits", "mult_bits", "add_bits", "out_bits"}  # of the backend MATCH of PLiNIO; the graph determines the same numbers
+_BITS = {"weight_bits", "bias_bits", "mult_bits", "add_bits", "out_bits"}  # attributes of PLiNIO, which the graph already determines
 _SMALLEST_OF_NEMO = 1 << 16  # a divisor 2^n - 1 of at least this size is NEMO's form of 2^n; in DORY's examples, n is 18 to 24
 
 

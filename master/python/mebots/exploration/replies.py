@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A worker's result for a batch: lines for the journal, and the values for the tables as columns, so that the
-study's process need not read the lines again."""
+"""Contains a worker's result for a batch: lines for the journal, and values for the tables as columns, so that the process of the study
+need not read the lines again."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def number_of(value: Any) -> float:
 
 @dataclasses.dataclass
 class Reply:
-    """Results of finished missions, in the order of the batch."""
+    """Contains the results of finished missions, in the order of the batch."""
 
     digests: list[bytes]
     lines: bytes
@@ -57,7 +57,7 @@ class Reply:
 
 
 def reply_of(records: Sequence[Record]) -> dict[str, Any]:
-    """Returns the parts of a reply, for an executor."""
+    """Returns the parts of a reply, which an executor can transfer."""
     lines = [line_of(record) for record in records]
     names = {outcome: number for number, outcome in enumerate(dict.fromkeys(record["outcome"] for record in records))}
     keys = dict.fromkeys((part, label) for record in records for part in PARTS for label in record.get(part, ()))
@@ -78,7 +78,7 @@ def reply_of(records: Sequence[Record]) -> dict[str, Any]:
 
 
 def reply_from(parts: dict[str, Any]) -> Reply:
-    """Returns the reply of a worker. Raises ValueError if its lines were damaged during the transfer."""
+    """Creates the reply from the parts that a worker has sent. Raises ValueError if its lines were damaged during the transfer."""
     if zlib.crc32(parts["lines"]) != parts["lines_crc32"]:
         raise ValueError("the checksum of a worker's answer is wrong")
     chosen = {key: parts[key] for key in ("lines", "lengths", "outcome_names", "outcomes", "failed", "times_s", "numbers")}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""report.html of a study that compares designs: all its numbers as one JSON, which the page of web/src/report draws."""
+"""Writes report.html of a study that compares designs. All of its numbers are in one JSON, which the page of web/src/report draws."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ _POINTS_OF_CURVES = 14
 
 @dataclasses.dataclass(frozen=True)
 class Content:
-    """Results of a study. ``places`` (on the Pareto front), ``status`` and ``failed`` (the number of failed missions) are lists by design.
-    ``outcomes`` has all names, and by design the number of each mission's outcome; None while the study runs.
-    ``refresh_s`` is set while the study runs. The page reloads after this time."""
+    """Contains the results of a study. ``places`` (on the Pareto front), ``status`` and ``failed`` (numbers of failed missions) have one
+    entry for each design. ``outcomes`` contains all names, and for each design the numbers of its missions' outcomes; None while the
+    study runs. ``refresh_s`` is the time after which the page reloads while the study runs."""
 
     study: Study
     factors: Sequence[str]
@@ -153,7 +153,7 @@ def _indices(content: Content) -> dict[str, Any] | None:
 
 
 def _courses(content: Content) -> list[dict[str, Any]]:
-    """Returns how the estimates of the best designs changed with the number of missions."""
+    """Returns how the estimates of the best designs have changed with the number of missions."""
     result = []
     for row in content.answer.rows[:_MOST_CURVES]:
         count = content.evidence.counts[row.design]
@@ -171,12 +171,12 @@ def _courses(content: Content) -> list[dict[str, Any]]:
 
 
 def _points_up_to(count: int) -> list[int]:
-    """Returns numbers of missions from 2 to ``count``, at equal ratios."""
+    """Returns numbers of missions from 2 to ``count``. Consecutive numbers have equal ratios."""
     return sorted({round(one) for one in np.geomspace(2, count, _POINTS_OF_CURVES)}) if count >= 2 else []
 
 
 def _best(content: Content) -> list[int]:
-    """Returns the designs of a search that are better than all earlier designs, by the final ranking."""
+    """Returns those designs of a search that are better than all earlier designs, according to the final ranking."""
     if content.study.design["kind"] != "search":
         return []
     ranks = {row.design: row.rank for row in content.answer.rows if row.rank is not None}

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""State of each mission of a study: whether it has a result, and its row of missions.csv. Memory: 42 bytes per
-mission, in addition to its measures (``comparison.Evidence``)."""
+"""Stores the state of each mission of a study: whether it has a result, and its row of missions.csv. Needs 42 bytes for each mission, in
+addition to its measures (``comparison.Evidence``)."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _MISSING = 0
 
 @dataclasses.dataclass
 class Rows:
-    """Cells of consecutive missions of a design, with one list per column."""
+    """Contains the cells of consecutive missions of a design, with one list for each column."""
 
     missions: list[str | None]
     """Hashes; None for a mission without a result."""
@@ -40,7 +40,7 @@ class Rows:
 
 
 class Results:
-    """Missions of all rounds so far. For each mission of the current round, records whether it has a result."""
+    """Contains the missions of all rounds so far. Stores, for each mission of the current round, whether it has a result."""
 
     def __init__(self, evidence: Evidence, measurer: Measurer, replicates: int) -> None:
         self.evidence = evidence
@@ -49,7 +49,7 @@ class Results:
         """Failed missions of earlier rounds."""
         self._measurer = measurer
         self._replicates = replicates
-        # For each mission, by design: 32 bytes of its hash, the number of its outcome, and its simulated time.
+        # These bytes contain, for each mission of a design, 32 bytes of its hash, the number of its outcome, and its simulated time.
         self._hashes: collections.defaultdict[int, bytearray] = collections.defaultdict(bytearray)
         self._outcomes: collections.defaultdict[int, array.array[int]] = collections.defaultdict(lambda: array.array("H"))
         self._times_s: collections.defaultdict[int, array.array[float]] = collections.defaultdict(lambda: array.array("d"))
@@ -59,7 +59,7 @@ class Results:
         self.begin(Flights([], 0, 0))
 
     def begin(self, flights: Flights) -> None:
-        """Starts a round. All missions of the previous round are in the evidence."""
+        """Starts a round. All missions of the previous round must be in the evidence."""
         self.flights = flights
         self._states = bytearray(len(flights))
         self.open = len(flights)
@@ -68,7 +68,7 @@ class Results:
         """The number of failures, including the failures of this round before the first mission without a result."""
 
     def note(self, index: int, record: Record, place: int) -> None:
-        """Stores the result of a mission of this round."""
+        """Stores the result of a mission in the current round."""
         design, replicate = self.flights[index]
         self.evidence.put(design, replicate, self._measurer(record, design * self._replicates + replicate))
         self._store(design, replicate, record)
@@ -78,12 +78,12 @@ class Results:
         self._states[index] = _FAILED if record["error"] else _SOUND
 
     def note_all(self, reply: Reply, places: np.ndarray) -> None:
-        """Stores results of missions of this round."""
+        """Stores the results of several missions in the current round."""
         indices = np.array(reply.indices, np.int64)
         measures = self._measurer.columns(reply)
         numbers = np.array([self._number_of(name) for name in reply.outcome_names], np.uint16)[reply.outcomes]
         each = max(1, self.flights.end - self.flights.begin)
-        # Each part has consecutive missions of one design.
+        # Each part contains consecutive missions of one design.
         cuts = np.flatnonzero((np.diff(indices) != 1) | (indices[1:] % each == 0)) + 1
         for begin, end in itertools.pairwise([0, *cuts.tolist(), len(indices)]):
             index = int(indices[begin])
@@ -115,7 +115,7 @@ class Results:
         times[replicate:end] = array.array("d", times_s.tobytes())
 
     def _extend(self, design: int, replicates: int) -> None:
-        """Extends the tables to this number of missions of a design."""
+        """Extends the tables so that they have space for this number of missions of a design."""
         lacking = replicates - len(self._outcomes[design])
         if lacking > 0:
             self._hashes[design].extend(bytes(DIGEST_BYTES * lacking))
@@ -127,7 +127,7 @@ class Results:
         self._store_rows(design, replicate, bytes.fromhex(record["mission"]), numbers, times_s)
 
     def rows(self, design: int, begin: int, end: int) -> Rows:
-        """Returns the cells of the replicates from ``begin`` to ``end`` of a design."""
+        """Returns the cells of a design's replicates from ``begin`` to ``end``."""
         self._extend(design, end)
         digests = self._hashes[design][DIGEST_BYTES * begin : DIGEST_BYTES * end].hex()
         numbers = self._outcomes[design][begin:end]
@@ -147,8 +147,8 @@ class Results:
         return self._names, [np.array(self._outcomes[design]) for design in range(len(self.evidence.counts))]
 
     def settle(self, most_failures: int | None) -> int:
-        """Counts further missions of the round: up to the first mission without a result, or up to the mission with
-        which there are too many failures. Returns the number of failures before the end."""
+        """Counts further missions of the round: up to the first mission without a result, or up to the mission that exceeds the
+        permitted number of failures. Returns the number of failures before this end."""
         end = self._states.find(_OPEN, self._settled)
         end = len(self._states) if end < 0 else end
         if most_failures is None:
@@ -168,8 +168,7 @@ class Results:
         return self._settled < len(self._states)
 
     def end_unfinished(self) -> int:
-        """Counts the missions of this round that have a result, and records the others as missing. Returns their
-        number."""
+        """Counts the missions of this round that have a result. Records all others as missing, and returns their number."""
         missing = 0
         for index, state in enumerate(self._states):
             if state == _OPEN:

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Chooses the next missions. Decisions are made between rounds and depend only on the missions of earlier rounds.
-Therefore they are the same for any number of workers and after any interruption."""
+"""Chooses the next missions. Decisions are made between rounds, and depend only on missions of earlier rounds. Therefore they are the
+same for any number of workers and after any interruption."""
 
 from __future__ import annotations
 
@@ -17,9 +17,8 @@ FLYING = "flying"
 
 
 class Flights(Sequence[Flight]):
-    """Missions with the same replicates of several designs, in the study's order. The missions are not stored as a
-    list.
-    """
+    """A sequence of missions: the same replicates of several designs, in the order of the study. It does not store the missions as a
+    list."""
 
     def __init__(self, designs: Sequence[int], begin: int, end: int) -> None:
         self.designs = designs
@@ -29,7 +28,7 @@ class Flights(Sequence[Flight]):
     def __len__(self) -> int:
         return len(self.designs) * (self.end - self.begin)
 
-    def __getitem__(self, index):  # no slices
+    def __getitem__(self, index):  # slices are not supported
         at, replicate = divmod(index, self.end - self.begin)
         return self.designs[at], self.begin + replicate
 
@@ -38,7 +37,7 @@ class Flights(Sequence[Flight]):
 
 
 class Rounds:
-    """Runs every design of a list with as many replicates as it needs.
+    """Runs as many replicates of every design as it needs.
 
     Every round adds the same replicates to each active design. After a round, a design is done if the condition of ``stop`` is met or
     racing drops the design.
@@ -56,21 +55,20 @@ class Rounds:
         return [design for design, status in enumerate(self.status) if status == FLYING]
 
     def next(self) -> Flights:
-        """Returns the missions of the next round in the study's order; an empty list if the study is done."""
+        """Returns the missions of the next round, in the order of the study. Returns an empty list if the study is done."""
         return self._missions(self._flown)
 
     def ahead(self) -> Flights:
-        """Returns the missions of the round after this one, for workers that would otherwise wait. Assumes that all
-        designs continue."""
+        """Returns the missions of the round after the current one, for workers that would otherwise wait. Assumes that all designs
+        continue."""
         return self._missions(self._flown + self._size)
 
     def most_left(self) -> int:
-        """Returns the number of missions left if no design is done before its last replicate."""
+        """Returns how many missions are left if no design is done before its last replicate."""
         return len(self.flying()) * (self._study.replicates - self._flown)
 
     def likely_left(self) -> float:
-        """Returns the number of missions left if every future round ends the same share of the designs as the rounds so
-        far."""
+        """Returns how many missions are left if every future round ends the same share of the designs as the rounds so far."""
         if self._decided == 0:
             return self.most_left()
         going_on = (len(self.flying()) / len(self.status)) ** (1 / self._decided)
@@ -81,7 +79,7 @@ class Rounds:
         return left
 
     def decide(self) -> None:
-        """Ends the round, after all its missions were added to the evidence."""
+        """Ends the round. All of its missions must have been added to the evidence."""
         self._flown = min(self._flown + self._size, self._study.replicates)
         self._decided += 1
         last = self._flown == self._study.replicates

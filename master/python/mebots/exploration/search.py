@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Designs proposed by a sampler of Optuna, round by round, in place of a grid. The sampler gets the results in the
-study's order, so its proposals are the same for any number of workers and after an interruption."""
+"""Chooses designs by a sampler of Optuna, round by round, instead of a grid. The sampler receives the results in the order of the study.
+Therefore its proposals are the same for any number of workers and after an interruption."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from mebots.extras import extra
 
 
 class Search:
-    """Requests designs from the sampler and appends them to ``designs``. Has the interface of Rounds."""
+    """Requests designs from the sampler and appends them to ``designs``. Has the same interface as Rounds."""
 
     def __init__(self, study: Study, evidence: Evidence, designs: list[Values]) -> None:
         self._study = study
@@ -37,7 +37,7 @@ class Search:
         return [design for design, status in enumerate(self.status) if status == FLYING]
 
     def next(self) -> Flights:
-        """Returns all replicates of the next round's designs."""
+        """Returns all replicates of the designs in the next round."""
         if self._round == self._study.design["rounds"]:
             return Flights([], 0, 0)
         first = len(self._designs)
@@ -77,7 +77,7 @@ class Search:
             self.status[design] = reason
 
     def _broken(self, design: int) -> list[float]:
-        """Returns the amount by which each constraint is violated; at most 0 if the constraint is satisfied."""
+        """Returns by how much each constraint is violated. The value is at most 0 if the constraint is satisfied."""
         found = []
         for one in self._study.constraints:
             mean = self._evidence.shown(design, self._study.objective(one.label)).mean

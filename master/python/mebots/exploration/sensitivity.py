@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The influence of factors: Sobol indices and Morris' elementary effects, by SALib."""
+"""Computes the influence of factors by SALib: Sobol indices and Morris' elementary effects."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _COLUMNS = {"sobol": ("S1", "S1_conf", "ST", "ST_conf"), "morris": ("mu", "mu_st
 
 
 def sample(study: Study) -> Any:
-    """Returns points on the unit cube, one row per design."""
+    """Returns points of the unit cube, one row for each design."""
     method, count, seed = study.design["method"], study.design["points"], study.design.get("seed", 0)
     module = extra(f"SALib.sample.{method}", "a design 'sensitivity'", "SALib")
     more = {"calc_second_order": False} if method == "sobol" else {}
@@ -24,12 +24,12 @@ def sample(study: Study) -> Any:
 
 
 def write(file: pathlib.Path, study: Study, evidence: Evidence) -> None:
-    """Writes ``rows`` as CSV."""
+    """Writes the result of ``rows`` as a CSV file."""
     write_csv(file, rows(study, evidence))
 
 
 def rows(study: Study, evidence: Evidence) -> list[list[str]]:
-    """Returns titles, and a row per objective and factor. Leaves out an objective if a design has no value for it."""
+    """Returns the titles, and one row for each objective and factor. Leaves out an objective if a design has no value for it."""
     method = study.design["method"]
     found = [["objective", "factor", *_COLUMNS[method]]]
     points = sample(study)

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The probability of rare events, by multilevel splitting with fixed effort (Garvels 2000; Cérou, Guyader 2007). The
-score of a mission rises towards the event. Levels divide the range of the score, so that missions often reach a level
-from the previous level.
+"""Estimates the probability of rare events by multilevel splitting with fixed effort (Garvels 2000; Cérou, Guyader 2007). The score of a
+mission rises towards the event. Levels divide the range of the score, so that missions often reach a level from the previous one.
 
 N missions start at t = 0. The states in which missions reach the first level are its entrances. N missions continue from them with new
 draws: the same number from each entrance, with the remainder assigned at random. This is repeated up to the last level. If r_k of N
@@ -34,8 +33,8 @@ Bring = Callable[[list[Order], int], Journal]
 
 @dataclasses.dataclass(frozen=True)
 class Way:
-    """The origin of a mission: the number of its random draw, the earlier missions from whose states it started, and
-    the times of these states [s]."""
+    """Describes the origin of a mission: the number of its random draw, the earlier missions from whose states it started, and the times
+    of these states [s]."""
 
     draw: int
     course: Course = ()
@@ -44,8 +43,8 @@ class Way:
 
 @dataclasses.dataclass
 class Estimate:
-    """An estimate of a design's probability: its missions that reached the last level so far, and their number at
-    each level."""
+    """Contains an estimate of a design's probability: the missions that reached the last level so far, and the number of missions that
+    reached each level."""
 
     design: int
     run: int
@@ -58,7 +57,7 @@ class Estimate:
 
     def probability(self, study: Study) -> float:
         if len(self.reached) < len(self.levels):
-            return 0.0  # no mission was left
+            return 0.0  # no mission reached this level
         return math.prod(count / study.rare.missions for count in self.reached)
 
     def count(self, record: Record) -> None:
@@ -91,14 +90,14 @@ def fly(space: Space, folder: pathlib.Path, bring: Bring, units: Units) -> tuple
 
 
 def most_missions(study: Study) -> int:
-    """Returns the maximum number of missions for one design."""
+    """Returns the maximum number of missions that one design can need."""
     if study.rare.levels:
         return study.replicates * len(study.rare.levels) * study.rare.missions
     return (study.replicates + 1) * MOST_LEVELS * study.rare.missions
 
 
 def trial_course(study: Study) -> Course:
-    """Returns the course with which the check at t = 0 is made."""
+    """Returns the course of the mission that checks the study at t = 0."""
     return (Turn(_place(study.rare, study.rare.goal), _writes(study, 1, 0)),)
 
 
@@ -118,7 +117,7 @@ def _fly_level(space: Space, estimates: Sequence[Estimate], number: int, bring: 
 def _flown_to(
     space: Space, estimates: Sequence[Estimate], level: Callable[[Estimate], float], number: int, bring: Bring
 ) -> list[tuple[Estimate, list[tuple[Way, Record]]]]:
-    """Returns the missions of each estimate from one level to the next, with their records."""
+    """Runs the missions of each estimate from one level to the next. Returns the missions and their records."""
     study = space.study
     flights = [(one, [(way, _order(space, one, way, level(one))) for way in _ways(study, one, number)]) for one in estimates]
     journal = bring([order for _, own in flights for _, order in own], _most_later(space, estimates, number))
@@ -136,9 +135,9 @@ def _flown_to(
 
 
 def _most_later(space: Space, estimates: Sequence[Estimate], number: int) -> int:
-    """Returns the maximum number of missions that follow the missions to a level, from the maximum number of levels."""
+    """Returns how many missions can at most follow after the missions to a level, according to the maximum number of levels."""
     study, designs = space.study, len(space.designs)
-    if estimates[0].run == study.replicates:  # pilots, which precede all estimates
+    if estimates[0].run == study.replicates:  # pilot missions, which precede all estimates
         return ((MOST_LEVELS - number - 1) + study.replicates * MOST_LEVELS) * designs * study.rare.missions
     return sum(len(one.levels) - number - 1 for one in estimates) * study.rare.missions
 
@@ -148,7 +147,7 @@ def _place(splitting: Splitting, level: float) -> Values:
 
 
 def _ways(study: Study, estimate: Estimate, number: int) -> Iterator[Way]:
-    """Yields missions to the next level: from t = 0, or from all missions that reached the previous one."""
+    """Yields the missions to the next level. They start at t = 0, or from all missions that reached the previous level."""
     count, first = study.rare.missions, estimate.run * study.rare.missions
     if number == 0:
         yield from (Way(first + index) for index in range(count))
@@ -169,7 +168,7 @@ def _ways(study: Study, estimate: Estimate, number: int) -> Iterator[Way]:
 
 
 def _writes(study: Study, number: int, index: int) -> Values:
-    """Returns the draws that are repeated at a level."""
+    """Returns the draws that are drawn again at a level."""
     return {
         name: chance.value(study.draws[name], chance.unit(study.draws_seed, f"{name}/level {number}", index))
         for name in study.rare.reseed
@@ -181,7 +180,7 @@ def _order(space: Space, estimate: Estimate, way: Way, level: float) -> Order:
     return space.missions.order_until(_place(space.study.rare, level), values, way.course)
 
 
-# Functions for levels that the study does not state.
+# The following functions find levels that the study does not state.
 
 SHARE = 0.2
 """The share of missions that should reach the next level. With fixed effort, the work for a given error has
@@ -191,10 +190,10 @@ MOST_LEVELS = 20
 
 
 def _find_levels(space: Space, pilots: list[Estimate], bring: Bring) -> bool:
-    """Runs pilot missions of each design to their end or to the goal. The next level is the level that the best fifth
-    of them reached (adaptive multilevel splitting: Cérou, Guyader 2007). The missions of this fifth are its entrances.
-    The pilots determine only the levels: estimates use their own draws, so levels that suit the pilots by chance cause
-    no bias. Returns False if too many missions failed."""
+    """Runs pilot missions of each design to their end or to the goal. The next level is the level that the best fifth of them reached
+    (adaptive multilevel splitting: Cérou, Guyader 2007). These missions are the entrances of the level. The pilots determine only the
+    levels. Estimates use their own draws; therefore levels that suit the pilots by chance cause no bias. Returns False if too many
+    missions failed."""
     goal = space.study.rare.goal
     flying = pilots
     while flying:
@@ -217,26 +216,25 @@ def _set_level(splitting: Splitting, pilot: Estimate, flown: list[tuple[Way, Rec
     pilot.ways = [way for way, _ in entrances]
     pilot.reached.append(len(entrances))
     if level != splitting.goal:
-        # When these missions ran, the level was unknown, so no state was saved at the level. Each mission runs to the
-        # level once more.
+        # When these missions ran, the level was unknown; therefore no state was saved at it. Each mission runs to the level once more.
         pilot.simulated_s += [record["simulated_time"] for _, record in entrances]
 
 
 def next_level(bests: Sequence[float], floor: float | None, goal: float, found: int) -> float:
-    """Chooses the next level, after missions from the level ``floor`` (None: from the start). Returns the score that
-    the best fifth of these missions reached. Returns the goal if this score reaches it, if no mission got beyond
-    ``floor``, or if ``found`` levels are enough."""
+    """Chooses the next level after missions from the level ``floor`` (None: from the start). Returns the score that the best fifth of
+    these missions reached. Returns the goal if this score reaches it, if no mission went beyond ``floor``, or if ``found`` levels are
+    enough."""
     if not bests or found + 1 >= MOST_LEVELS:
         return goal
     beyond = min(bests) if floor is None else floor
     ranked = sorted(bests, reverse=True)
     level = ranked[max(1, round(SHARE * len(ranked))) - 1]
-    if level <= beyond:  # ties: most made no progress
+    if level <= beyond:  # most missions made no progress
         level = min((best for best in bests if best > beyond), default=goal)
     return min(level, goal)
 
 
-# Results.
+# The following functions write results.
 
 
 def _write(space: Space, folder: pathlib.Path, estimates: list[Estimate], units: Units, *, answered: bool) -> None:
@@ -273,7 +271,7 @@ def _write(space: Space, folder: pathlib.Path, estimates: list[Estimate], units:
 
 
 def _answer(study: Study, estimates: list[Estimate]) -> list[float | None]:
-    """Returns mean, its interval, and its relative standard error."""
+    """Returns the mean, the ends of its interval, and its relative standard error."""
     moments = Moments().add(one.probability(study) for one in estimates)
     low, high = student(moments, study.error)
     relative = moments.deviation / math.sqrt(moments.count) / moments.mean if moments.mean > 0 and moments.count > 1 else None
@@ -281,8 +279,8 @@ def _answer(study: Study, estimates: list[Estimate]) -> list[float | None]:
 
 
 def _write_replay(space: Space, folder: pathlib.Path, design: int, estimates: list[Estimate]) -> str:
-    """Writes a scenario with which a single run repeats the first mission that reached the last level. Returns the
-    command; "" if no mission reached it."""
+    """Writes a scenario by which a single run repeats the first mission that reached the last level. Returns the command, or "" if no
+    mission reached it."""
     way = next((way for one in estimates if len(one.reached) == len(one.levels) for way in one.ways), None)
     if way is None:
         return ""

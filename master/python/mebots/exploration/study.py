@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads the study file. It is read and checked in C++ (master/src/io/study); defaults are filled in here."""
+"""Reads study files. C++ code reads and checks them (master/src/io/study); this module adds defaults."""
 
 from __future__ import annotations
 
@@ -42,18 +42,18 @@ class Objective:
 
     @property
     def is_share(self) -> bool:
-        """True if the objective's values are 0 and 1, so that its mean is a share of missions."""
+        """True if the objective has only the values 0 and 1, so that its mean is a share of missions."""
         return self.source in ("outcome", "end_reason")
 
     @property
     def statistic(self) -> str:
-        """Returns the name of the statistic that gives a design's value."""
+        """Returns the name of the statistic that determines the value of a design."""
         return "mean" if self.percentile is None else f"percentile {self.percentile:g}"
 
 
 @dataclasses.dataclass(frozen=True)
 class Constraint:
-    """A design is feasible if its share or mean of ``label`` is on this side of ``bound``."""
+    """States that a design is feasible only if its share or mean of ``label`` is on this side of ``bound``."""
 
     label: str
     above: bool
@@ -62,8 +62,7 @@ class Constraint:
 
 @dataclasses.dataclass(frozen=True)
 class Stop:
-    """A rule that ends a design: no more missions are needed if the objective ``label`` is known with this
-    precision."""
+    """States when a design needs no more missions: when the objective ``label`` is known with this precision."""
 
     label: str
     width: float | None = None
@@ -73,8 +72,8 @@ class Stop:
 
 @dataclasses.dataclass(frozen=True)
 class Fork:
-    """Factors and draws that apply from this time on. The part of the mission before this time is run once for all
-    missions that share it."""
+    """Contains factors and draws that apply from a certain time. The part before this time is run only once for all missions that have
+    it in common."""
 
     at_s: float
     variables: tuple[str, ...]
@@ -82,9 +81,9 @@ class Fork:
 
 @dataclasses.dataclass(frozen=True)
 class Splitting:
-    """The estimation of the probability that ``score`` reaches ``goal``, upwards (``sign`` +1) or downwards (-1).
-    ``levels`` end with the goal; if empty, they are determined automatically. ``missions`` is the number of missions
-    from each level to the next, for one estimate. The draws of ``reseed`` are repeated at each level."""
+    """Describes how the probability is estimated that ``score`` reaches ``goal``, upwards (``sign`` +1) or downwards (-1). ``levels``
+    end with the goal; if empty, they are determined automatically. ``missions`` is the number of missions from each level to the next in
+    one estimate. The draws in ``reseed`` are drawn again at each level."""
 
     score: str
     levels: tuple[float, ...]
@@ -96,8 +95,8 @@ class Splitting:
 
 @dataclasses.dataclass(frozen=True)
 class Study:
-    """A checked study. ``place`` names it in messages. Files of its factors and draws are searched in ``folders``.
-    ``text`` is its JSON with absolute paths."""
+    """Contains a study that was checked. ``place`` names it in messages. Files of its factors and draws are searched in ``folders``.
+    ``text`` is its JSON, in which paths are absolute."""
 
     place: str
     folders: tuple[pathlib.Path, ...]
@@ -124,14 +123,14 @@ class Study:
         write_whole(folder / NAME, [(self.text + "\n").encode()])
 
     def is_another_in(self, folder: pathlib.Path) -> bool:
-        """True if the folder has the results of another study."""
+        """True if the folder contains the results of another study."""
         try:
             return (folder / NAME).read_text(encoding="utf-8") != self.text + "\n"
         except (OSError, ValueError):
             return False
 
     def on(self, mission: pathlib.Path) -> Study:
-        """Returns the same study with another mission."""
+        """Returns a copy of the study that has another mission."""
         path = mission.absolute()
         content = {**json.loads(self.text), "mission": str(path)}
         return dataclasses.replace(self, mission=path, text=_written(content), draws=_draws_of(content))
@@ -141,19 +140,19 @@ class Study:
 
     @property
     def rare(self) -> Splitting:
-        """Returns the splitting of a study of a rare event."""
+        """Returns the splitting settings of a study of a rare event."""
         assert self.splitting is not None
         return self.splitting
 
     @property
     def looks(self) -> bool:
-        """True if the number of missions depends on their results. In this case, only confidence sequences have their confidence level."""
+        """True if the number of missions depends on their results. In this case, only confidence sequences have their stated confidence
+        level."""
         return self.racing or self.stop is not None
 
 
 def read_study(source: str | os.PathLike[str] | dict[str, Any]) -> Study:
-    """Reads the study from a file, or from a dict whose paths are relative to the working folder. Raises InputError
-    with all mistakes."""
+    """Reads a study from a file, or from a dict whose paths are relative to the working folder. Raises InputError with all mistakes."""
     if isinstance(source, dict):
         return _from_dict(source)
     try:
@@ -165,7 +164,7 @@ def read_study(source: str | os.PathLike[str] | dict[str, Any]) -> Study:
 
 
 def _refuse_config(source: str | os.PathLike[str]) -> None:
-    """If the file is a config of a run, raises InputError with one sentence, instead of an error for each key of the config."""
+    """Raises InputError with one sentence if the file is the config of a run. Otherwise, each key of the config would cause an error."""
     try:
         content = json.loads(pathlib.Path(source).read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -210,7 +209,7 @@ def _study(place: str, folder: pathlib.Path, content: dict[str, Any]) -> Study:
 
 
 def _draws_of(content: dict[str, Any]) -> dict[str, dict[str, Any]]:
-    """Returns the drawn variables. "uncertainty" adds the mission's calibration parameters."""
+    """Returns the variables that are drawn. If the study has "uncertainty", adds the mission's calibration parameters."""
     drawn = dict(content.get("draws", {}).get("variables", {}))
     if "uncertainty" in content:
         given = {*drawn, *content["design"].get("factors", {})}
@@ -229,7 +228,7 @@ def _written(content: dict[str, Any]) -> str:
 
 
 def _with_absolute_files(content: dict[str, Any], folder: pathlib.Path) -> dict[str, Any]:
-    """Returns the content with absolute paths of the files of factors and draws, so that it can be read from any
+    """Returns the content of the study, in which paths of the files of factors and draws are absolute. Therefore it can be read in any
     folder."""
 
     def absolute(value: Any, name: str = "") -> Any:

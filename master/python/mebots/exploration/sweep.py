@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The result of ``mebots.sweep``: its tables as data frames, its answer (which design is best, in words) and its HTML
-page."""
+"""Contains the result of ``mebots.sweep``: tables as data frames, the answer in words (which design is best), and the HTML report."""
 
 from __future__ import annotations
 
@@ -17,7 +16,7 @@ from mebots.exploration.answer import Answer
 
 @dataclasses.dataclass(frozen=True)
 class Sweep:
-    """The result of a study: number of counted missions, number of failed missions, and the folder with the tables."""
+    """Contains the result of a study: the numbers of counted and of failed missions, and the folder that contains the tables."""
 
     folder: pathlib.Path
     missions: int
@@ -37,20 +36,19 @@ class Sweep:
         return [dict(zip(titles, row, strict=True)) for row in rows]
 
     def to_pandas(self, table: str = "designs") -> Any:
-        """Returns designs.csv ("designs") or missions.csv ("missions") as a pandas.DataFrame. Needs pandas."""
+        """Returns designs.csv ("designs") or missions.csv ("missions") as a pandas.DataFrame. Requires pandas."""
         return frames.pandas_frame(self._columns(table))
 
     def to_polars(self, table: str = "designs") -> Any:
-        """Returns designs.csv ("designs") or missions.csv ("missions") as a polars.DataFrame. Needs polars."""
+        """Returns designs.csv ("designs") or missions.csv ("missions") as a polars.DataFrame. Requires polars."""
         return frames.polars_frame(self._columns(table))
 
     def to_xarray(self) -> Any:
-        """Returns the missions as an xarray.Dataset over design and replicate, with factors and draws as coordinates. Needs
-        xarray."""
+        """Returns the missions as an xarray.Dataset over design and replicate. Factors and draws are coordinates. Requires xarray."""
         return frames.mission_cube(self._columns("missions"), self._columns("designs"), self.factors, self.draws)
 
     def show(self, height: int = 800) -> Any:
-        """Shows report.html inside a notebook. Needs IPython."""
+        """Shows report.html inside a notebook. Requires IPython."""
         return notebook.show(self.folder / "report.html", height)
 
     def _repr_html_(self) -> str:

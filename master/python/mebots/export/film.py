@@ -24,8 +24,8 @@ from mebots.errors import Error, InputError
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 WIDTH, HEIGHT = 1280, 720
-PATIENCE_S = 120  # until the page is drawn
-ABOVE = 10  # file descriptors from here on are free: Chromium uses 3 and 4
+PATIENCE_S = 120  # maximum time until the page is drawn
+ABOVE = 10  # file descriptors from this number on are used, because Chromium requires 3 and 4
 
 # Waits for two animation frames, after which the page shows the new time.
 SHOW = """new Promise((done) => {
@@ -76,7 +76,7 @@ def _program(what: str, named: str | None, names: tuple[str, ...], place: str) -
 
 
 class _Tab:
-    """A page in Chromium, controlled by the DevTools protocol: JSON texts that end in a zero byte."""
+    """Controls a page in Chromium by the DevTools protocol. Its messages are JSON texts that end with a zero byte."""
 
     def __init__(self, to: Any, answers: Any) -> None:
         self._to, self._answers = to, answers
@@ -88,7 +88,7 @@ class _Tab:
         self._call("Emulation.setDeviceMetricsOverride", width=WIDTH, height=HEIGHT, deviceScaleFactor=1, mobile=False)
 
     def open(self, page: pathlib.Path) -> float:
-        """Waits until the page is drawn completely. Returns the end time of the run [s]."""
+        """Waits until the page is completely drawn. Returns the end time of the run [s]."""
         self._call("Page.navigate", url=page.resolve().as_uri() + "#t=0")
         deadline = time.monotonic() + PATIENCE_S
         while (end := self.evaluate(READY)) is None:
@@ -118,7 +118,7 @@ class _Tab:
         while True:
             answer = self._next()
             if answer.get("id") != self._number:
-                continue  # an event, not the reply
+                continue  # an event, which is not the reply
             if "error" in answer:
                 raise Error(f"Chromium rejects {method}: {answer['error'].get('message')}", "system_failure")
             return answer["result"]
@@ -139,7 +139,7 @@ def _chromium(program: str) -> Iterator[_Tab]:
                "--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
     if os.geteuid() == 0:
         options.append("--no-sandbox")  # Chromium's sandbox does not run as root
-    ours, theirs = os.pipe(), os.pipe()  # they occupy the low numbers until Chromium has its own
+    ours, theirs = os.pipe(), os.pipe()  # these pipes occupy the low numbers until Chromium has its own pipes
     reads, writes = fcntl.fcntl(ours[0], fcntl.F_DUPFD, ABOVE), fcntl.fcntl(theirs[1], fcntl.F_DUPFD, ABOVE)
 
     def give() -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Computes the errors of the model: computed minus measured values."""
+"""Computes the errors of the model, which are computed minus measured values."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ PERCENTILES = (5, 50, 95)
 
 @dataclasses.dataclass(frozen=True)
 class ErrorRow:
-    """Statistics of one quantity. ``model`` describes the inputs of the model. ``excluded`` is the number of samples
-    in the compared time that were left out: by the rules of ``quality``, near gaps, or in windows with a gap."""
+    """Contains statistics of the errors of one quantity. ``model`` describes the inputs of the model. ``excluded`` is the number of
+    samples in the compared time that were left out: by the rules of ``quality``, near gaps, or in windows that contain a gap."""
 
     quantity: str
     unit: str
@@ -35,7 +35,7 @@ class ErrorRow:
 
     @property
     def relative(self) -> float:
-        """The mean error divided by the mean measured value."""
+        """Returns the mean error divided by the mean measured value."""
         return self.mean / self.measured if self.measured else np.nan
 
 
@@ -43,7 +43,7 @@ COMMANDS_ONLY, MEASURED_VOLTAGE, MEASURED_SPEEDS = "commands", "commands, measur
 
 
 def row(quantity: str, unit: str, model: str, computed: Array, measured: Array, excluded: int) -> ErrorRow | None:
-    """Returns the errors of a quantity; None if there is nothing to compare."""
+    """Returns the errors of a quantity. Returns None if there is nothing to compare."""
     if not len(measured):
         return None
     error = computed - measured
@@ -64,8 +64,8 @@ def errors(raw: FlightLog, log: FlightLog, traces: Traces, motion: Motion | None
 
 
 def thrusts(traces: Traces, log: FlightLog) -> Iterator[tuple[str, Array, Mask]]:
-    """Yields the thrust of all rotors at the traces' times by three methods (by the commands, at the measured
-    voltage, and by the measured speeds), and the times at which the thrust is known."""
+    """Yields the thrust of all rotors at the times of the traces, and the times at which it is known. Uses three methods: the thrust by
+    the commands, at the measured voltage, and by the measured speeds."""
     everywhere = np.ones(len(traces.times), bool)
     yield COMMANDS_ONLY, traces.thrust_n(), everywhere
     if traces.has_measured_voltage:
@@ -76,7 +76,7 @@ def thrusts(traces: Traces, log: FlightLog) -> Iterator[tuple[str, Array, Mask]]
 
 
 def _at_measured_speed(traces: Traces, speed: Signal, rotor: int) -> Array:
-    """Returns the thrust of a rotor: proportional to the square of its speed, with the model's factor at that time."""
+    """Returns the thrust of a rotor. It is the square of its measured speed, multiplied by the model's factor at that time."""
     own = f"{'motors_at_measured' if traces.has_measured_voltage else 'motors'}.rotor[{rotor}]"
     turning = np.maximum(traces[f"{own}.speed"], 1.0)
     return traces[f"{own}.thrust"] * (np.interp(traces.times, speed.times, speed.values) / turning) ** 2
@@ -96,7 +96,7 @@ def _signal(raw: FlightLog, log: FlightLog, traces: Traces, name: str, variable:
 
 
 def _compared(traces: Traces) -> tuple[float, float]:
-    """Returns the time from the first good point to the last; an empty interval if there is none."""
+    """Returns the times of the first and the last good point. Returns an empty interval if there is none."""
     times = traces.times[traces.good]
     return (float(times[0]), float(times[-1])) if len(times) else (np.inf, -np.inf)
 

@@ -40,8 +40,8 @@ _BLOCK_WINDOWS = 5
 
 @dataclasses.dataclass(frozen=True)
 class Estimate:
-    """A fitted value with its 95 % interval, and the base's value. If there is no base, the value is an assumption with
-    assumed bounds."""
+    """Contains a fitted value with its 95 % interval, and the value of the base. If there is no base, the value is an assumption and the
+    bounds are assumed."""
 
     name: str
     unit: str
@@ -54,7 +54,7 @@ class Estimate:
 
 @dataclasses.dataclass(frozen=True)
 class Identified:
-    """The result of a fit. ``residuals`` are sentences. ``files`` are the written files, the airframe first."""
+    """Contains the result of a fit. ``residuals`` contains sentences. ``files`` contains the written files; the airframe is the first."""
 
     estimates: list[Estimate]
     residuals: list[str]
@@ -154,8 +154,8 @@ def _hash(file: str | os.PathLike[str]) -> str:
 
 @dataclasses.dataclass(frozen=True)
 class _Balance:
-    """Vertical forces in windows of all flights: the forces of the base's rotors, and the forces that the motion
-    requires with the base's mass."""
+    """Contains vertical forces in windows of all flights: the forces of the base's rotors, and the forces that the motion requires if
+    the drone has the base's mass."""
 
     model_n: np.ndarray
     needed_n: np.ndarray
@@ -187,7 +187,7 @@ def _balance(flown: Sequence[_Flown]) -> _Balance:
 
 
 def _ratio(x: np.ndarray, y: np.ndarray, clusters: np.ndarray) -> Fit:
-    """Returns the least-squares factor of y over x."""
+    """Returns the factor of y to x that least squares determine."""
     return solve(
         lambda values: values[0] * x - y, lambda values: x[:, None], np.array([1.0]), np.array([0.2]), np.array([5.0]), clusters
     )
@@ -206,7 +206,7 @@ def _describe(balance: _Balance, fit: Fit, result: Identified) -> None:
 
 
 def _widened(low: float, high: float, value: float, quantity: dict[str, Any]) -> tuple[float, float]:
-    """Returns the interval widened by the relative uncertainty of a known quantity that all flights share."""
+    """Widens the interval by the relative uncertainty of a known quantity that is the same in all flights."""
     if "interval" not in quantity:
         return low, high
     below = (quantity["value"] - quantity["interval"][0]) / quantity["value"]
@@ -215,7 +215,7 @@ def _widened(low: float, high: float, value: float, quantity: dict[str, Any]) ->
 
 
 def _mass_of(base: Airframe) -> dict[str, Any]:
-    """Returns the mass of the whole drone, with the interval of the weighing or of the airframe's file."""
+    """Returns the mass of the whole drone. Its interval is that of the weighing, or that in the airframe's file."""
     if base.weighed_kg is not None:
         below = above = SCALE_KG
     else:
@@ -267,7 +267,7 @@ def _fit_thrust(
 
 def _fit_mass(base: Airframe, flown: Sequence[_Flown], source: str, new: dict[str, Any], result: Identified) -> None:
     balance = _balance(flown)
-    # In the equation F - c v = m (g + a), `needed` - c v is the right-hand side with the mass of the base airframe.
+    # In the equation F - c v = m (g + a), `needed` - c v is the right-hand side if the mass is that of the base airframe.
     fit = _ratio(balance.needed_n - balance.drag_n, balance.model_n - balance.drag_n, balance.clusters)
     factor = float(fit.values[0])
     low, high = _widened(*fit.interval(0), factor, base.data("rotor")["thrust_coefficient"])
@@ -314,7 +314,7 @@ def _fit_cell(
 
 
 def fitted_cell(base: dict[str, Any], found: CellFit, source: str) -> dict[str, Any]:
-    """Returns the content of a cell file with the fitted factors."""
+    """Returns the content of a cell file that contains the fitted factors."""
     cell = scaled_cell(base, {name: value for name, (value, _, _) in found.factors.items()})
     cell.pop("$schema", None)
     cell["name"] = f"{base['name']}, fitted"
@@ -329,7 +329,7 @@ def fitted_cell(base: dict[str, Any], found: CellFit, source: str) -> dict[str, 
             cell["resistance_factor"] |= {"interval": [factor * low / value, factor * high / value], "fitted_on": source}
             cell["resistance_factor"]["source"] += "; interval: 95 % of the series resistance, by mebots identify"
         if name == "capacity":
-            charge = base["capacity"]["value"]  # capacity_factor is kept, and also multiplies the interval
+            charge = base["capacity"]["value"]  # capacity_factor does not change, and also multiplies the interval
             cell.get("capacity_factor", {}).pop("interval", None)
             cell["capacity"] |= {"interval": [low * charge, high * charge], "fitted_on": source, "source": "mebots identify, least squares of voltages; interval: 95 %"}
     return cell

@@ -41,7 +41,7 @@ UNITS: dict[str, str] = dict(_mebots.log_signals())
 
 @dataclasses.dataclass(frozen=True)
 class Signal:
-    """A column of a log. ``times`` has one entry per value, in seconds since the log's start."""
+    """Contains a column of a log. ``times`` contains the time of each value in seconds since the start of the log."""
 
     name: str
     unit: str
@@ -54,18 +54,18 @@ class Signal:
         return len(self.values)
 
     def keep(self, good: npt.NDArray[np.bool_]) -> Signal:
-        """Returns the signal with only the samples for which ``good`` is true."""
+        """Returns a signal that contains only the samples for which ``good`` is true."""
         return dataclasses.replace(self, times=self.times[good], values=self.values[good])
 
     @property
     def interval_s(self) -> float:
-        """The median time between two samples; 0 for fewer than two."""
+        """Returns the median time between two samples. Returns 0 for fewer than two samples."""
         return float(np.median(np.diff(self.times))) if len(self) > 1 else 0.0
 
 
 @dataclasses.dataclass(frozen=True)
 class FlightLog:
-    """The content of a log file. ``notes`` list the parts that the reader left out."""
+    """Contains the content of a log file. ``notes`` states which parts the reader left out."""
 
     file: pathlib.Path
     kind: str
@@ -79,11 +79,11 @@ class FlightLog:
         return self.signals[name]
 
     def has(self, names: Iterable[str]) -> bool:
-        """True if all these signals are in the log, with two samples or more."""
+        """True if the log contains all these signals with at least two samples."""
         return all(name in self.signals and len(self.signals[name]) > 1 for name in names)
 
     def require(self, names: Iterable[str], purpose: str) -> None:
-        """Raises InputError if a signal is missing."""
+        """Raises InputError if the log lacks one of these signals."""
         absent = [name for name in names if not self.has([name])]
         emptied = [name for name in absent if name in self.signals]
         if emptied:
@@ -107,7 +107,7 @@ class FlightLog:
 
 
 def log_of(file: pathlib.Path, kind: str, signals: Iterable[Signal], notes: Iterable[str] = ()) -> FlightLog:
-    """Creates a log whose times start at 0. Raises InputError if it has no samples."""
+    """Creates a log whose times start at 0. Raises InputError if there are no samples."""
     filled = [one for one in signals if len(one)]
     # Messages without a known signal are left out, because they may have another clock.
     clocks = [one for one in filled if one.name in UNITS] or filled

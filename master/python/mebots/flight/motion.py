@@ -30,7 +30,7 @@ _SLOPE_S = 0.1
 
 @dataclasses.dataclass(frozen=True)
 class Motion:
-    """The measured vertical motion at ``times``. ``start`` and ``end`` are indices of each window."""
+    """Contains the measured vertical motion at ``times``. ``start`` and ``end`` contain the indices of each window."""
 
     times: Array
     upright: Array
@@ -74,8 +74,8 @@ class Motion:
 
 
 def motion_of(log: FlightLog, airframe: Airframe, times: Array, good: Mask, window_s: float, hover: bool) -> Motion | None:
-    """Returns the motion at ``times``, in windows of ``window_s`` for which all signals were logged. Returns None if
-    the log has no height and no vertical speed, and ``hover`` is False."""
+    """Returns the motion at ``times``. Its windows have the length ``window_s``, and contain only times at which all signals were
+    logged. Returns None if the log has neither a height nor a vertical speed, and ``hover`` is False."""
     notes: list[str] = []
     speed = vertical_speed(log, notes)
     if speed is None and hover:
@@ -98,9 +98,8 @@ def motion_of(log: FlightLog, airframe: Airframe, times: Array, good: Mask, wind
 
 
 def _on_ground(log: FlightLog, times: Array) -> Mask:
-    """True at times at which the drone may be on the ground, and for ``GROUND_MARGIN_S`` before and after. The drone
-    may be on the ground if the rotors turn too slowly to fly, and if the height, if known, is the lowest of the log.
-    """
+    """True at times at which the drone may be on the ground, and for ``GROUND_MARGIN_S`` before and after. The drone may be on the
+    ground if the rotors turn too slowly to fly. If the height is known, it must also be the lowest in the log."""
     command = np.mean([mean_over(log[name], times) for name in COMMANDS], axis=0)
     driven = command[command > DRIVEN]
     ground = command < LEAST_COMMAND * (np.median(driven) if len(driven) else 1.0)
@@ -128,8 +127,7 @@ def vertical_speed(log: FlightLog, notes: list[str]) -> Signal | None:
 
 
 def _windows(times: Array, good: Mask, window_s: float) -> tuple[np.ndarray, np.ndarray, int]:
-    """Returns consecutive windows from the first good time to the last. Windows that contain a bad time are
-    rejected."""
+    """Returns consecutive windows from the first good time to the last. Leaves out windows that contain a bad time."""
     places = np.flatnonzero(good)
     if len(places) < 2:
         return np.zeros(0, int), np.zeros(0, int), 0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rules that find bad samples of a log, exclude them, and count them.
+"""Finds bad samples of a log by rules, excludes them, and counts them.
 
 Every rule checks one signal. The rules are applied in this order. All rules exclude the samples that they find, except ``at_limit`` and
 ``gap``, which only count them.
@@ -91,13 +91,13 @@ class _Cleaner:
             self.findings.append(Finding(name, rule, int(found.sum()), len(self.log[name]), first_s, excluded))
 
     def known(self) -> Iterator[str]:
-        """Yields the known signals that have samples."""
+        """Yields the names of known signals that have samples."""
         return (name for name, signal in list(self.signals.items()) if _limits(name) is not None and len(signal))
 
 
 def clean(log: FlightLog, cells: int | None = None) -> tuple[FlightLog, list[Finding]]:
-    """Returns the log without its bad samples, and the findings. ``cells`` is the number of LiPo cells in series, if
-    known. Raises InputError if the clock jumps back permanently, or if most samples of a signal are impossible."""
+    """Returns the log without its bad samples, and what the rules found. ``cells`` is the number of LiPo cells in series, if known.
+    Raises InputError if the clock jumps back permanently, or if most samples of a signal are impossible."""
     work = _Cleaner(log)
     for name in work.known():
         _check_times(work, name)
@@ -122,12 +122,12 @@ def clean(log: FlightLog, cells: int | None = None) -> tuple[FlightLog, list[Fin
 
 
 def gap_limit_s(signal: Signal) -> float:
-    """Returns the time between two samples above which it is a gap."""
+    """Returns the maximum time between two samples that does not count as a gap."""
     return max(GAP_S, 5 * signal.interval_s)
 
 
 def covered(signal: Signal, times: Array) -> Mask:
-    """True for times that lie between two samples without a gap."""
+    """True for times between two samples that have no gap between them."""
     if len(signal) < 2:
         return np.zeros(len(times), bool)
     after = np.clip(np.searchsorted(signal.times, times, side="right"), 1, len(signal) - 1)
@@ -136,7 +136,7 @@ def covered(signal: Signal, times: Array) -> Mask:
 
 
 def counts(findings: list[Finding]) -> dict[str, int]:
-    """Returns the number of samples by rule, over all signals."""
+    """Returns the number of bad samples that each rule found in all signals."""
     found: collections.Counter[str] = collections.Counter()
     for one in findings:
         found[one.rule] += one.count
@@ -175,7 +175,7 @@ def _beyond(signal: Signal, cells: int | None) -> Mask:
 
 
 def _require_possible(log: FlightLog, signal: Signal, bad: Mask, cells: int | None) -> None:
-    """Raises InputError if most samples are bad, because the column then has another unit or is another quantity."""
+    """Raises InputError if most samples are bad. In this case, the column has another unit or is another quantity."""
     if not bad.size or bad.mean() <= MOST_IMPOSSIBLE:
         return
     low, high = _bounds(signal, cells)
@@ -187,7 +187,7 @@ def _require_possible(log: FlightLog, signal: Signal, bad: Mask, cells: int | No
 
 
 def _runs(same: Mask) -> Iterator[tuple[int, int]]:
-    """Yields the first and last sample of each run of true entries. Entry i compares samples i and i + 1."""
+    """Yields the first and the last sample of each run of true entries. Entry i compares the samples i and i + 1."""
     edges = np.flatnonzero(np.diff(np.r_[False, same, False].astype(np.int8)))
     return zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
 
@@ -201,7 +201,7 @@ def _stuck(signal: Signal, longest_s: float) -> Mask:
 
 
 def _straight(signal: Signal) -> Mask:
-    """True for samples on rising or falling straight lines, within the rounding of the file's digits."""
+    """True for samples on straight rising or falling lines. The accuracy is the rounding of the digits in the file."""
     bad = np.zeros(len(signal), bool)
     if len(signal) < 4:
         return bad
@@ -215,7 +215,7 @@ def _straight(signal: Signal) -> Mask:
 
 
 def mean_over(signal: Signal, times: Array) -> Array:
-    """Returns the mean of a signal over the ``AVERAGE_S`` before each time."""
+    """Returns the mean of a signal over the time ``AVERAGE_S`` before each time."""
     if len(signal) < 2:
         return np.full(len(times), signal.values[0] if len(signal) else np.nan)
     total = np.r_[0.0, np.cumsum((signal.values[1:] + signal.values[:-1]) / 2 * np.diff(signal.times))]
@@ -225,7 +225,7 @@ def mean_over(signal: Signal, times: Array) -> Array:
 
 
 def _driven(signals: dict[str, Signal], times: Array) -> Mask:
-    """True if a motor is driven. If no command is known, always true."""
+    """True at times at which a motor is driven. Always true if no command is known."""
     commands = [signals[name] for name in COMMANDS if name in signals and len(signals[name]) > 1]
     if not commands:
         return np.ones(len(times), bool)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads flight logs of all kinds."""
+"""Reads flight logs of all supported formats."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``mebots.replay``: runs a recorded flight on the models and computes the errors of the models."""
+"""Implements ``mebots.replay``: runs a recorded flight on the models, and computes the errors of the models."""
 
 from __future__ import annotations
 
@@ -85,8 +85,7 @@ _FILES = ("mission.json", "inputs.csv", "errors.csv", "replay.json", "traces.csv
 
 
 def _make(folder: pathlib.Path) -> None:
-    """Creates the folder. If no file can be written there, raises an error before the replay, because a replay takes
-    minutes."""
+    """Creates the folder. Raises an error if no file can be written there, before the replay starts, because a replay takes minutes."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -144,7 +143,7 @@ def _write(folder: pathlib.Path, result: Replay, mission: dict[str, bytes]) -> N
 
 
 def _finite(value: Any) -> Any:
-    """Replaces NaN, which JSON cannot represent."""
+    """Replaces NaN by None, because JSON cannot represent NaN."""
     if isinstance(value, dict):
         return {key: _finite(inner) for key, inner in value.items()}
     if isinstance(value, list):

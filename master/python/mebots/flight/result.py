@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The result of a replay: errors, findings and curves, and its table for a terminal."""
+"""Contains the result of a replay: errors, findings and curves. Formats its table for a terminal."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ FIELDS = ("quantity", "unit", "model", "n", "excluded", "measured", "mean", "rms
 
 @dataclasses.dataclass(frozen=True)
 class Replay:
-    """A replayed flight. ``errors`` has a row for each measured quantity and each method by which it is computed.
-    ``findings`` are the bad samples of the log. ``summary`` contains the model's energy and charge, and notes on what
-    the log lacks."""
+    """Contains a replayed flight. ``errors`` contains a row for each measured quantity and each method by which it is computed.
+    ``findings`` contains the bad samples of the log. ``summary`` contains the energy and charge of the model, and notes on data that the
+    log lacks."""
 
     log: FlightLog
     airframe: Airframe
@@ -35,7 +35,7 @@ class Replay:
     motion: Motion | None
 
     def error(self, quantity: str, model: str) -> ErrorRow:
-        """Returns the row of a quantity. Raises KeyError."""
+        """Returns the row of a quantity. Raises KeyError if there is none."""
         for one in self.errors:
             if (one.quantity, one.model) == (quantity, model):
                 return one
@@ -43,7 +43,7 @@ class Replay:
 
 
 def table(rows: Sequence[ErrorRow]) -> list[list[str]]:
-    """Returns the rows as texts, after their titles."""
+    """Returns the titles, followed by the rows as texts."""
     return [list(FIELDS), *([_text(getattr(one, field)) for field in FIELDS] for one in rows)]
 
 
@@ -72,7 +72,8 @@ TRACE_INTERVAL_S = 0.02
 
 
 def curves(result: Replay) -> dict[str, np.ndarray]:
-    """Returns curves of model and measurement, every ``TRACE_INTERVAL_S``; NaN if nothing was measured."""
+    """Returns the curves of the model and of the measurement at intervals of ``TRACE_INTERVAL_S``. NaN marks times at which nothing was
+    measured."""
     traces = result.traces
     stride = max(1, round(TRACE_INTERVAL_S / float(traces.times[1] - traces.times[0])))
     times = traces.times[::stride]

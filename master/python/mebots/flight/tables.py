@@ -44,8 +44,7 @@ def read_table(file: pathlib.Path, mapping: dict[str, Any], meanings: dict[str, 
 
 
 def _numbers(file: pathlib.Path, rows: list[list[str]], place: int, needed: bool) -> Array | None:
-    """Returns a column's values, with NaN for an empty cell. Returns None for a column of texts that no signal
-    needs."""
+    """Returns the values of a column. An empty cell becomes NaN. Returns None if the column contains texts and no signal needs it."""
     cells = [row[place].strip() or "nan" for row in rows]
     try:
         return np.array(cells, dtype=np.float64)
@@ -84,7 +83,7 @@ def _clock(file: pathlib.Path, column: str, columns: dict[str, Array | None]) ->
 
 
 def _without_drift(file: pathlib.Path, times: Array, other: Array) -> tuple[Array, list[str]]:
-    """Converts times to the rate of the reference clock, by a line fitted to pairs of times of the two clocks."""
+    """Converts times to the rate of the reference clock. The conversion is a line that is fitted to pairs of times of the two clocks."""
     good = np.isfinite(times) & np.isfinite(other)
     if good.sum() < 2 or np.ptp(times[good]) <= 0:
         raise InputError(f"{file}: the reference clock has fewer than two times", "invalid_value")

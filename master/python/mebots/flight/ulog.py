@@ -87,8 +87,8 @@ def _columns(parsed: Any) -> Iterator[tuple[str, Array, Array]]:
 
 
 def _attitude(times: Array, q: list[Array]) -> Iterator[tuple[str, Array, Array]]:
-    """Converts attitudes from (body forward-right-down to north-east-down) to (forward-left-up to east-north-up): a
-    half turn about the body's x axis first, the exchange of the world's axes last."""
+    """Converts attitudes from (body forward-right-down to north-east-down) to (body forward-left-up to east-north-up). First applies a
+    half turn about the x axis of the body, and last exchanges the axes of the world."""
     w, x, y, z = q
     w, x, y, z = -x, w, z, -y  # q * i
     half = np.sqrt(0.5)  # (i + j) / sqrt(2) rotates north-east-down to east-north-up

@@ -40,7 +40,7 @@ class _Kind:
 
 
 class _Reader:
-    """Reads numbers and names in order and keeps the position."""
+    """Reads numbers and names in their order. Stores the current position."""
 
     def __init__(self, file: pathlib.Path, data: bytes) -> None:
         self.file, self.data, self.at = file, data, 0
@@ -76,8 +76,8 @@ def read_usd(file: pathlib.Path, meanings: Mapping[str, Meaning] = {}) -> Flight
 
 
 def read_events(file: pathlib.Path) -> dict[str, dict[str, Array]]:
-    """Returns the unchanged columns of each kind of event, by the event's name. ``time`` is in seconds. Raises
-    InputError."""
+    """Returns the unchanged columns of each kind of event, indexed by the name of the event. ``time`` is in seconds. Raises InputError
+    if the file is not a valid log."""
     return {event: {"time": times, **columns} for event, times, columns in _tables(_parse(file))}
 
 
@@ -136,7 +136,7 @@ def _field(reader: _Reader) -> tuple[str, str]:
 
 
 def _walk(reader: _Reader, kinds: dict[int, _Kind], end: int, whole: bool) -> int:
-    """Stores the start of each record. Returns the end of the last complete record."""
+    """Stores the position of each record. Returns the end of the last complete record."""
     data, at = reader.data, reader.at
     while at + 2 <= end:
         (number,) = struct.unpack_from("<H", data, at)
@@ -155,7 +155,7 @@ def _walk(reader: _Reader, kinds: dict[int, _Kind], end: int, whole: bool) -> in
 
 
 def _tables(log: _Log) -> Iterator[tuple[str, Array, dict[str, Array]]]:
-    """Yields name, times and columns of each kind of event that has records."""
+    """Yields the name, times and columns of each kind of event that has records."""
     raw = np.frombuffer(log.data, np.uint8)
     for kind in log.kinds.values():
         if not kind.offsets:

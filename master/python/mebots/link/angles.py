@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 
-_QUARTER_HIGH = 1.5707963267341256  # pi / 2 to 33 bits, so that its small multiples are exact
+_QUARTER_HIGH = 1.5707963267341256  # pi / 2, rounded to 33 bits, so that its small multiples are exact
 _QUARTER_LOW = 6.077100506506192e-11
 
 
@@ -28,12 +28,13 @@ def sine_and_cosine(angle: float) -> tuple[float, float]:
 
 
 def arc_tangent(y: float, x: float) -> float:
-    """Returns the angle of the direction (x, y) [rad], by Newton's method on its sine; each step doubles the number of digits."""
+    """Returns the angle of the direction (x, y) [rad]. Applies Newton's method to the sine of the angle; each step doubles the number of
+    digits."""
     length = math.sqrt(x * x + y * y)
     if length == 0.0:
         return 0.0
     x, y = x / length, y / length
-    if x < 0.0:  # turned by half a turn, for a start within pi / 2
+    if x < 0.0:  # starts with half a turn less, so that the angle is within pi / 2
         turned = arc_tangent(-y, -x)
         return turned + math.pi if y >= 0.0 else turned - math.pi
     angle = y / (0.5 + 0.5 * x)  # 2 tan(angle / 2), at most 27 % above

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Implements ``mebots link``: the program is replaced by this module, which parses the command line."""
+"""Implements ``mebots link``. The program is replaced by a Python interpreter, which runs this module. Parses the command line."""
 
 from __future__ import annotations
 
@@ -99,8 +99,8 @@ def _replay(given: argparse.Namespace) -> None:
 
 
 def repeat(session: Session, recording: Recording, file: pathlib.Path) -> None:
-    """Passes recorded packets to a session at the times at which they were recorded. Raises InputError for a drone that the config does
-    not have."""
+    """Passes recorded packets to a session at the times at which they were recorded. Raises InputError if a packet belongs to a drone
+    that the config does not have."""
     for event in recording.events:
         if event.drone >= len(session.drones):
             raise InputError(f"{file}: a packet is for drone {event.drone + 1}, and the config has {len(session.drones)}", "invalid_value")
@@ -116,8 +116,7 @@ def _advance_to(session: Session, time_ms: int) -> None:
 
 
 def _stop_requests():
-    """Returns a function that returns True if SIGINT, SIGTERM or SIGHUP has arrived since this call. Signals that are
-    ignored stay ignored (nohup)."""
+    """Returns a function that returns True after SIGINT, SIGTERM or SIGHUP has arrived. Signals that are ignored (nohup) stay ignored."""
     requests = []
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) is not signal.SIG_IGN:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The commander: stores the present set-point, and decides by priority which new set-point may replace it."""
+"""Stores the current set-point, and decides by priority which new set-point may replace it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Commander:
         self._stamp_ms = 0
 
     def set(self, setpoint: Setpoint, priority: Priority, now_ms: int) -> bool:
-        """Replaces the present set-point. If the present set-point has a higher priority, has no effect and returns False."""
+        """Replaces the current set-point. If the current set-point has a higher priority, has no effect and returns False."""
         if priority < self.priority:
             return False
         self.setpoint = setpoint
@@ -30,7 +30,7 @@ class Commander:
         return True
 
     def relax(self) -> None:
-        """Lowers the priority of the present set-point, so that the high-level commander can replace it."""
+        """Lowers the priority of the current set-point, so that the high-level commander can replace it."""
         self.priority = Priority.HIGH_LEVEL
 
     def age_ms(self, now_ms: int) -> int:

@@ -24,11 +24,11 @@ PERIOD_MS = 10
 _YAW_PER_S = 3.0
 _MOST_YAW_RATE_RAD_PER_S = 4.0
 _LIMIT_FACTOR = 1.1
-_MOST_LEAD_M = 0.55  # limit of the wanted altitude minus the present one: the cascade's 1.1 m/s divided by its 2 1/s
+_MOST_LEAD_M = 0.55  # maximum distance between the wanted and the current altitude: the cascade's 1.1 m/s divided by its 2 1/s
 
 
 class Mode(enum.IntEnum):
-    """Values of ``setpoint.mode``."""
+    """The values of ``setpoint.mode``."""
 
     OFF = 0
     FLY = 2

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A drone's firmware between the link and the simulated controller.
+"""Simulates the part of a drone's firmware that is between the link and the simulated controller.
 
 Its behaviour depends only on packets, readings and simulated time, so that a recorded run can be repeated.
 """
@@ -57,7 +57,7 @@ class Drone:
 
     @property
     def is_powered(self) -> bool:
-        """False after the battery's protection has opened. The drone then does not answer."""
+        """Returns False if the protection of the battery has opened. In this case, the drone does not answer."""
         return self.now.bus_voltage_v >= _LEAST_SUPPLY_V
 
     @property
@@ -70,7 +70,7 @@ class Drone:
         return self.supervisor.info(self._planner.is_active, finished, self._planner.state == PlannerState.DISABLED)
 
     def handle(self, packet: Packet) -> list[Packet]:
-        """Returns the answers to a packet that arrives now."""
+        """Returns the answers of the drone to a packet that arrives now."""
         if not self.is_powered:
             return []
         if packet == _NULL:
@@ -93,7 +93,7 @@ class Drone:
         return self._loop.update(self.setpoint if allowed else OFF, self.now, self.supervisor.state == supervisor.State.LEVEL_OUT)
 
     def advance(self, now: Readings) -> list[Packet]:
-        """Stores the readings at the end of the period. Returns the packets that the drone sends on its own."""
+        """Stores the readings at the end of the period. Returns the packets that the drone sends without a request."""
         self.now = now
         self.now_ms += PERIOD_MS
         if not self.is_powered:
@@ -159,9 +159,9 @@ class Drone:
             self._planner.stop()
 
     def _is_farewell(self, packet: Packet) -> bool:
-        """True for the set-points of zeros that cflib sends when it closes a link. With a real radio, the driver closes
-        before they are sent. A drone under the high-level commander would interpret them as new set-points, and lock
-        itself because no further set-points follow."""
+        """True for the set-points of zeros that cflib sends when it closes a link. With a real radio, the driver closes before they are
+        sent. A drone under the high-level commander would treat them as new set-points, and would lock itself because no further
+        set-points follow."""
         return packet.port == Port.SETPOINT and not any(packet.data) and self._commander.priority != Priority.CLIENT
 
     def _follow_planner(self) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Handles commands to the high-level commander (port 8)."""
+"""Handles commands that a client sends to the high-level commander (port 8)."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _IN_MEMORY, _POLYNOMIALS = 1, 0
 
 
 class _Trajectory(NamedTuple):
-    place: int = 0  # 0 = not defined
+    place: int = 0  # 0: no trajectory is defined
     kind: int = 0
     offset: int = 0
     pieces: int = 0
@@ -55,7 +55,7 @@ class HighLevel:
         return work(self, values, time_s)
 
     def _fly(self, group: int) -> Errno | None:
-        """Executes a command. Returns an error if the command is not executed; otherwise None."""
+        """Executes a command. Returns None on success. Returns an error if the command is not executed."""
         if not self._supervisor.can_fly:
             return Errno.BUSY
         return None if self._is_in(group) else Errno.NONE
@@ -93,7 +93,7 @@ class HighLevel:
         return self._vertical(self._timed(values, -1.0, "vland"), time_s, self._planner.land)
 
     def _timed(self, values: tuple, direction: float, default: str) -> tuple:
-        """Returns the values of a command, with a duration in place of a speed."""
+        """Returns the values of a command in which the speed is replaced by a duration."""
         group, height_m, relative, yaw_rad, keeps_yaw, speed_m_per_s = values
         now_m = self._planner.last.position_m[2]
         if relative:
@@ -134,7 +134,7 @@ class HighLevel:
         if refused is not None:
             return refused
         if number >= _DEFINITIONS or self._trajectories[number].place != _IN_MEMORY:
-            return Errno.NONE  # as the firmware
+            return Errno.NONE  # the same answer as that of the firmware
         trajectory = self._trajectories[number]
         pieces = self._pieces(trajectory)
         if trajectory.kind != _POLYNOMIALS or not pieces or not time_scale > 0.0:
@@ -143,7 +143,7 @@ class HighLevel:
         return Errno.NONE
 
     def _pieces(self, trajectory: _Trajectory) -> list[Piece]:
-        """If the trajectory is not inside the memory, returns no pieces."""
+        """Returns the pieces of a trajectory. Returns no pieces if the trajectory is not inside the memory."""
         end = trajectory.offset + trajectory.pieces * PIECE_BYTES
         if end > len(self._memory):
             return []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Handles memories that a client reads and writes (port 4). The drone has one memory, for uploaded trajectories."""
+"""Handles memories that a client reads and writes (port 4). A drone has one memory, which contains uploaded trajectories."""
 
 from __future__ import annotations
 

@@ -32,12 +32,12 @@ class Parameter:
 
     @property
     def kind(self) -> int:
-        """The type byte in the table of contents."""
+        """Returns the type byte in the table of contents."""
         return self.scalar.parameter_number | (_READ_ONLY if self.read_only else 0) | (_HAS_EXTENDED if self.persistent else 0)
 
 
 class Parameters:
-    """The parameters of one drone.
+    """Contains the parameters of one drone.
 
     :param changed: called with the full name after a client has written a value.
     """
@@ -56,7 +56,7 @@ class Parameters:
         return self._parameters[number].scalar.unpack(self._bytes[number])
 
     def set(self, full_name: str, value: float) -> None:
-        """Changes a value from the drone's side. ``updates`` then notifies the client."""
+        """Changes a value without a request of the client. ``updates`` then returns a notification for the client."""
         number = self._numbers[full_name]
         self._bytes[number] = self._parameters[number].scalar.pack(value)
         self._updates.append(Packet(Port.PARAMETERS, _OTHER_CHANNEL, bytes([_UPDATED]) + number.to_bytes(2, "little") + self._bytes[number]))
@@ -83,7 +83,7 @@ class Parameters:
         return [packet.answer(head + self._bytes[number]), *self._notify(number)]
 
     def _write(self, number: int, value: bytes) -> bool:
-        """Writes a value. Returns False if there are too few bytes."""
+        """Writes a value. Returns False if the client has sent too few bytes."""
         size = self._parameters[number].scalar.size
         if len(value) < size:
             return False

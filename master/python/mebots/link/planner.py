@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The planner of the high-level commander: converts take-off, landing, go-to, spiral and trajectory commands to a goal at each
-time."""
+"""Implements the planner of the high-level commander. Converts commands for take-off, landing, go-to, spiral and trajectory to a goal at
+each time."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from mebots.link.trajectories import ZERO, Ends, Goal, Path, Piece, Vector, betw
 
 
 class State(enum.Enum):
-    IDLE = enum.auto()  # motors off
+    IDLE = enum.auto()  # the motors are off
     FLYING = enum.auto()
     LANDING = enum.auto()
     DISABLED = enum.auto()
 
 
 class Planner:
-    """The state of the planner, and the last goal, from which new paths start. While no path is active, ``rest`` sets the goal to
-    the drone's present state."""
+    """Contains the state of the planner, and the last goal, at which new paths start. While no path is active, ``rest`` sets the goal to
+    the current state of the drone."""
 
     def __init__(self) -> None:
         self.state = State.IDLE
@@ -42,7 +42,8 @@ class Planner:
         self.last = Goal(position_m, velocity_m_per_s, ZERO, yaw_rad, 0.0)
 
     def goal(self, time_s: float) -> Goal | None:
-        """Returns the goal of the active path at this time; None if no path is active. Sets the state to IDLE if a landing has ended."""
+        """Returns the goal of the active path at this time. Returns None if no path is active. Sets the state to IDLE if a landing has
+        ended."""
         if self.state == State.LANDING and self.has_finished(time_s):
             self.state = State.IDLE
         if not self.is_active or self._path is None:
@@ -55,7 +56,7 @@ class Planner:
         return goal
 
     def take_off(self, height_m: float, yaw_rad: float, duration_s: float, time_s: float) -> bool:
-        """Starts a take-off. Returns False if a path is being flown."""
+        """Starts a take-off. Returns False if another path is active."""
         if self.state != State.IDLE:
             return False
         self._climb(height_m, yaw_rad, duration_s, time_s)
@@ -97,7 +98,7 @@ class Planner:
         yaw_rad = wrapped(begin.yaw_rad)
         turn_rad_per_s = -sense * angle_rad / duration_s
         growth_m_per_s = (last_m - first_m) / duration_s
-        # The angle from the nose to the direction from the centre to the drone.
+        # This is the angle from the nose to the direction from the centre to the drone.
         lead_rad = (math.pi if clockwise else 0.0) if sideways else 0.5 * math.pi * sense
         ends = []
         for radius_m, heading_rad in ((first_m, yaw_rad), (last_m, yaw_rad - sense * angle_rad)):
@@ -152,6 +153,5 @@ class Planner:
 
 
 def _nearest(angle_rad: float, to_rad: float) -> float:
-    """Adds full turns to the first angle, so that the result is as near as possible to the second angle. Returns the
-    result."""
+    """Returns the first angle, changed by full turns so that it is as near as possible to the second angle."""
     return to_rad + wrapped(angle_rad - to_rad)

@@ -20,14 +20,14 @@ _ROTORS = range(1, 5)
 
 @dataclasses.dataclass(frozen=True)
 class Parts:
-    """Names of the instances that one drone consists of."""
+    """Contains the names of the instances that form one drone."""
 
     world: str
     battery: str
 
 
 def find_drones(config: Mapping[str, Any], file: str) -> list[Parts]:
-    """Returns the drones of a config: each ``fmu_world``, and the battery that feeds the motors of its rotors."""
+    """Returns the drones in a config. Each consists of an ``fmu_world`` and of the battery that feeds the motors of its rotors."""
     feeds = {end["to"]: end["from"] for end in config.get("connections", [])}
     targets = collections.defaultdict(list)
     for end in config.get("connections", []):
@@ -52,13 +52,12 @@ def find_drones(config: Mapping[str, Any], file: str) -> list[Parts]:
 
 
 def _instance_of(variable: str | None, names: list[str]) -> str | None:
-    """Returns the instance of a variable. Names may contain dots, but no instance's name is the beginning of another's.
-    """
+    """Returns the instance to which a variable belongs. Names may contain dots, but no instance's name is the beginning of another name."""
     return next((name for name in names if variable is not None and variable.startswith(name + ".")), None)
 
 
 class Plant:
-    """A drone in a mission that has already started."""
+    """Accesses a drone in a mission that has already started."""
 
     def __init__(self, mission: Mission, parts: Parts) -> None:
         self._mission = mission

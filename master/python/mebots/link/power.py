@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Computes the battery's state: its voltage, warnings, and the time without supply."""
+"""Computes the state of the battery: its voltage, its warnings, and the time without supply."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _CHARGE_CURVE_V = (3.00, 3.78, 3.83, 3.87, 3.89, 3.92, 3.96, 4.00, 4.04, 4.10)  
 
 
 class State(enum.IntEnum):
-    """Values of ``pm.state``."""
+    """The values of ``pm.state``."""
 
     BATTERY = 0
     LOW_POWER = 3
@@ -25,11 +25,11 @@ class Power:
 
     @property
     def level(self) -> int:
-        """Returns the charge in % for a voltage, in steps of 10."""
+        """Returns the state of charge in % for a voltage, in steps of 10."""
         return 10 * min(sum(self.voltage_v > one for one in _CHARGE_CURVE_V), 9)
 
     def update(self, voltage_v: float, low_v: float, now_ms: int) -> str | None:
-        """Measures the voltage. After a change of the state, returns a text for the console."""
+        """Measures the voltage. Returns a text for the console if the state has changed."""
         before = self.state
         self.voltage_v = voltage_v
         if voltage_v > low_v:

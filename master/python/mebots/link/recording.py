@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Recordings: the packets that drones received, with simulated time, from which a run can be repeated.
+"""Reads and writes recordings. A recording contains the packets that drones received and their simulated times, so that the run can be
+repeated.
 
 A recording has one line of JSON for the settings, one for each packet, and one for the end:
 
@@ -27,7 +28,7 @@ MOST_BYTES = 1 << 30
 
 class Event(NamedTuple):
     time_ms: int
-    drone: int  # index, from 0
+    drone: int  # index, starting at 0
     packet: Packet
 
 
@@ -35,7 +36,7 @@ class Event(NamedTuple):
 class Recording:
     settings: Settings
     events: list[Event]
-    end_ms: int | None  # None: the run was killed
+    end_ms: int | None  # None if the run was killed
     bits: str | None
 
 
@@ -70,7 +71,7 @@ class Recorder:
 
 
 def read_recording(file: pathlib.Path) -> Recording:
-    """Reads a recording. Raises InputError with the line that is wrong."""
+    """Reads a recording. Raises InputError that names the wrong line."""
     try:
         lines = file.read_text(encoding="ascii").splitlines()
     except (OSError, UnicodeDecodeError) as error:
@@ -104,7 +105,7 @@ class _Reader:
                 self.events.append(self._event(content))
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             if is_last and isinstance(error, json.JSONDecodeError) and self.settings is not None:
-                return  # the run was killed while it wrote
+                return  # the run was killed while it wrote this line
             reason = f"key {error} is missing" if isinstance(error, KeyError) else error
             raise InputError(f"{self._file}:{number}: this is no line of a recording by `mebots link`: {reason}", "invalid_value") from None
 

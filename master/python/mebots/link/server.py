@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The server: a UDP port for each drone, and simulated time that follows the wall clock."""
+"""Serves a UDP port for each drone. Simulated time follows the wall clock."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from mebots.link.recording import Event, Recorder
 from mebots.link.session import Session
 
 _PERIOD_S = PERIOD_MS / 1000.0
-_MOST_BEHIND_S = 0.4  # less than the 0.5 s after which old set-points level a drone out
+_MOST_BEHIND_S = 0.4  # less than the 0.5 s after which a drone without new set-points levels out
 _REPORT_S = 5.0
 _FLUSH_MS = 1000
 _WAIT_S = 0.2
-_MOST_IN_PERIOD = 64  # for a drone; a radio carries about 10
+_MOST_IN_PERIOD = 64  # for each drone; a radio transfers about 10
 _DATAGRAM_BYTES = 2048
 
 
 class Pace:
-    """Determines the wall-clock time of each period. After a delay of up to 0.4 s, the simulation catches up. After a longer
-    delay, later periods are delayed as well."""
+    """Determines at which wall-clock time each period starts. After a delay of up to 0.4 s, the simulation catches up. After a longer
+    delay, all later periods are delayed, too."""
 
     def __init__(self, clock: Callable[[], float], report: Callable[[str], None]) -> None:
         self._clock = clock
@@ -67,7 +67,7 @@ class Server:
         self._selector = selectors.DefaultSelector()
         self._sockets: list[socket.socket | None] = []
         self._clients: list[tuple | None] = [None] * len(session.drones)
-        self._left = [_MOST_IN_PERIOD] * len(session.drones)  # packets that a drone still takes in this period
+        self._left = [_MOST_IN_PERIOD] * len(session.drones)  # number of packets that each drone may still receive in this period
         self._own_ports = range(port, port + len(session.drones))
         self._heard_s = time.monotonic()
         for index in range(len(session.drones)):
@@ -118,7 +118,7 @@ class Server:
             self._left[index] = _MOST_IN_PERIOD
 
     def _receive(self, deadline_s: float) -> None:
-        """Answers datagrams until the deadline. A flood of datagrams therefore does not stop simulated time."""
+        """Answers datagrams, but only until the deadline. Therefore a flood of datagrams does not stop simulated time."""
         while True:
             ready = self._selector.select(max(deadline_s - time.monotonic(), 0.0))
             for key, _ in ready:
@@ -132,10 +132,10 @@ class Server:
         while self._left[index] > 0:
             try:
                 datagram, client = opened.recvfrom(_DATAGRAM_BYTES)
-            except OSError:  # no more
+            except OSError:  # there are no more datagrams
                 return
             self._left[index] -= 1
-            if self._left[index] == 0:  # more packets wait in the socket for the next period
+            if self._left[index] == 0:  # remaining packets stay in the socket until the next period
                 self._selector.unregister(opened)
             packet = Packet.parse(datagram)
             if packet is None or self._is_own(client):
@@ -148,8 +148,8 @@ class Server:
                 self._send(index, answer)
 
     def _is_own(self, client: tuple) -> bool:
-        """True if the sender's address is one of this server's own addresses. Such an address is forged. If the server answered it, two
-        drones would answer each other without end."""
+        """True if the sender's address is an address of this server. Such an address is forged. If the server answered it, two drones
+        would answer each other without end."""
         return client[1] in self._own_ports and _is_local(client[0])
 
     def _send(self, index: int, packet: Packet) -> None:
@@ -159,7 +159,7 @@ class Server:
         try:
             opened.sendto(packet.encode(), client)
         except OSError:
-            pass  # a full buffer loses a packet, as a radio does
+            pass  # if the buffer is full, the packet is lost, as with a radio
 
     def _close_unpowered(self) -> None:
         for index, drone in enumerate(self._session.drones):
@@ -179,7 +179,7 @@ class Server:
 
 @functools.lru_cache(maxsize=64)
 def _is_local(address: str) -> bool:
-    """True if the address belongs to this computer. The test is that a socket can only be bound to such an address."""
+    """True if the address belongs to this computer. Tries to bind a socket to it, which is possible only for such an address."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
             probe.bind((address, 0))

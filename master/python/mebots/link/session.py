@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A run with linked drones: missions, and the drones' firmware between packets and missions."""
+"""Runs linked drones: connects the simulated firmware of drones to their missions."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ MOST_DRONES = 100
 
 @dataclasses.dataclass(frozen=True)
 class Settings:
-    """Settings of a run. A recording of the run contains them.
+    """Contains the settings of a run, which are also part of its recording.
 
     :param drones: number of runs of the config, each with its own world.
     :param spacing: distance between the starts of these runs along y [m].
@@ -51,7 +51,8 @@ class Settings:
 
 
 class Session:
-    """Drones on a common clock. Only ``handle`` and ``advance`` change the state of a session, so equal calls give equal bits.
+    """Simulates drones on a common clock. Only ``handle`` and ``advance`` change the state of a session; therefore equal calls result in
+    equal bits.
 
     :param out: folder for the results; None = no files. If there are several runs, each has a folder in it: "drone1"
     and so on.
@@ -78,17 +79,17 @@ class Session:
             raise
         self.drones = [Drone(settings.decks, plant.read()) for plant in self._plants]
         self._start_s = self._missions[0].time
-        self.time_ms = 0  # since the start
+        self.time_ms = 0  # simulated time since the start
         self._hash = hashlib.sha256()
 
     @property
     def fingerprint(self) -> str:
-        """A hash of all readings, inputs and packets so far."""
+        """Returns a hash of all readings, inputs and packets so far."""
         return self._hash.hexdigest()[:16]
 
     @property
     def ended(self) -> bool:
-        """True if a mission has ended, or no drone has power."""
+        """Returns True if a mission has ended, or if no drone has power."""
         return any(mission.ended for mission in self._missions) or not any(drone.is_powered for drone in self.drones)
 
     @property
@@ -123,7 +124,7 @@ class Session:
         return sent
 
     def close(self) -> None:
-        """Ends the missions at the present point, and writes their reports."""
+        """Ends the missions at the current point, and writes their reports."""
         for mission in self._missions:
             mission.close()
 
@@ -141,13 +142,13 @@ def _flat(now: Readings) -> tuple[float, ...]:
 
 
 def _offsets(config: Mapping[str, Any], worlds: list[str], distance_m: float) -> dict[str, Scalar]:
-    """Returns the start offsets that place the drones of these worlds next to the drones of the first run."""
+    """Returns start offsets that place the drones of these worlds next to those of the first run."""
     name = "start.offset.y"
     return {f"{world}.{name}": config["instances"][world].get("parameters", {}).get(name, 0) + distance_m for world in worlds}
 
 
 def _check_step(mission: Mission, file: str) -> None:
-    """Checks that each period of the link ends at a communication point."""
+    """Raises InputError unless each period of the link ends at a communication point."""
     steps = PERIOD_MS / 1000.0 / mission.step_size
     if abs(steps - round(steps)) > 1e-9 or round(steps) < 1:
         raise InputError(

@@ -18,13 +18,13 @@ _FULL_CLIMB = 32767.0
 
 @dataclasses.dataclass(frozen=True)
 class Setpoint:
-    """A set-point for the drone. If position, height or yaw is given, it takes precedence over velocity, climb rate or yaw
-    rate."""
+    """Contains a set-point for the drone. If the position, height or yaw is given, it takes precedence over the velocity, climb rate or
+    yaw rate."""
 
     motors: bool = True
-    position_m: tuple[float, float] | None = None  # level
-    velocity_m_per_s: tuple[float, float] = (0.0, 0.0)  # level
-    along_heading: bool = False  # the velocity is in this frame; else in the world frame
+    position_m: tuple[float, float] | None = None  # horizontal position
+    velocity_m_per_s: tuple[float, float] = (0.0, 0.0)  # horizontal velocity
+    along_heading: bool = False  # true: the velocity is relative to the heading; false: in the world frame
     height_m: float | None = None
     climb_m_per_s: float = 0.0
     yaw_rad: float | None = None
@@ -90,17 +90,15 @@ def _position(values: tuple) -> Setpoint:
 
 
 def _full_state(values: tuple) -> Setpoint:
-    """Decodes position, velocity and acceleration in mm, attitude, and rates. The PID controller uses position and yaw.
-    """
+    """Decodes position, velocity and acceleration in mm, attitude, and rates. The PID controller uses only position and yaw."""
     w, x, y, z = _quaternion(values[9])
     yaw_rad = arc_tangent(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
     return Setpoint(position_m=(values[0] / 1000.0, values[1] / 1000.0), height_m=values[2] / 1000.0, yaw_rad=yaw_rad)
 
 
 def _quaternion(packed: int) -> tuple[float, float, float, float]:
-    """Decodes a quaternion of 32 bits; returns w, x, y, z. Two bits are the number of the largest component, in the
-    order x, y, z, w. This component is positive. Each other component has a sign and nine bits, in units of 1 / (511
-    sqrt 2)."""
+    """Decodes a quaternion of 32 bits. Returns w, x, y, z. Two bits contain the number of the largest component, in the order x, y, z,
+    w. This component is positive and is not stored. Each other component has a sign and nine bits, in units of 1 / (511 sqrt 2)."""
     largest = packed >> 30
     components = [0.0, 0.0, 0.0, 0.0]
     for index in (3, 2, 1, 0):

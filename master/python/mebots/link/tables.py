@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The parameters and log variables of the simulated drone, under the firmware's names."""
+"""Lists the parameters and log variables of the simulated drone. They have the same names as in the firmware."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ FIXED = {
 
 
 def parameters(decks: Iterable[str]) -> list[Parameter]:
-    """Returns the parameters with the firmware's defaults."""
+    """Returns the parameters. Their values are the defaults of the firmware."""
     carried = set(decks)
     return [
         Parameter("stabilizer", "estimator", UINT8, KALMAN),
@@ -77,7 +77,7 @@ def parameters(decks: Iterable[str]) -> list[Parameter]:
 
 
 class Source(Protocol):
-    """The source of the log variables: a drone."""
+    """The interface of a drone that provides the values of log variables."""
 
     now: Readings
     power: Power
@@ -142,6 +142,6 @@ def _vector(read: Callable[[], tuple[float, ...]], names: str, factor: float = 1
 
 
 def _attitude(drone: Source, names: tuple[str, str, str]) -> list:
-    """Returns variables of the attitude in degrees. The firmware's pitch is positive with the nose up."""
+    """Returns the log variables of the attitude in degrees. In the firmware, the pitch is positive if the nose is up."""
     reads = (lambda: drone.now.roll_rad, lambda: -drone.now.pitch_rad, lambda: drone.now.yaw_rad)
     return [(name, FLOAT, lambda read=read: _DEGREES * read()) for name, read in zip(names, reads, strict=True)]

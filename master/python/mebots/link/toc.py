@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tables of contents of log variables and parameters, from which a client learns names, types and numbers."""
+"""Implements the tables of contents from which a client reads the names, types and numbers of log variables and parameters."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from mebots.link.crtp import Packet
 
 CHANNEL = 0
 _ITEM, _INFO = 2, 3
-_MOST_LETTERS = 24  # of group and name together
+_MOST_LETTERS = 24  # maximum length of group and name together
 
 
 class Toc:

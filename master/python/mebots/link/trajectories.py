@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Paths of polynomials of degree 7 over time for x, y, z and yaw (Mellinger and Kumar, ICRA 2011)."""
+"""Computes paths. They consist of polynomials of degree 7 over time for x, y, z and yaw (Mellinger and Kumar, ICRA 2011)."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Goal(NamedTuple):
 
 
 class Ends(NamedTuple):
-    """The value and two derivatives at an end of a polynomial."""
+    """Contains the value and the first two derivatives of a polynomial at one of its ends."""
 
     value: float
     rate: float = 0.0
@@ -67,7 +67,7 @@ def between(start: Ends, end: Ends, duration_s: float) -> list[float]:
 
 
 def _evaluate(coefficients: Sequence[float], t: float) -> tuple[float, float, float]:
-    """Returns value, rate and acceleration, by Horner's rule."""
+    """Returns the value and its first two derivatives, by Horner's rule."""
     value = rate = half_acceleration = 0.0
     for coefficient in reversed(coefficients):
         half_acceleration = half_acceleration * t + rate
@@ -77,14 +77,14 @@ def _evaluate(coefficients: Sequence[float], t: float) -> tuple[float, float, fl
 
 
 class Piece(NamedTuple):
-    """Polynomials of x, y, z and yaw for a duration."""
+    """Contains polynomials of x, y, z and yaw, and their duration."""
 
     axes: tuple[Sequence[float], Sequence[float], Sequence[float], Sequence[float]]
     duration_s: float
 
     @staticmethod
     def unpack(data: bytes) -> Piece:
-        """Returns the piece in ``PIECE_BYTES`` of an uploaded trajectory."""
+        """Returns the piece that ``PIECE_BYTES`` of an uploaded trajectory contain."""
         numbers = struct.unpack(f"<{4 * COEFFICIENTS + 1}f", data)
         x, y, z, yaw = (numbers[COEFFICIENTS * i : COEFFICIENTS * (i + 1)] for i in range(4))
         return Piece((x, y, z, yaw), numbers[-1])
@@ -111,7 +111,7 @@ class Path:
         self._shift_m = ZERO
 
     def move(self, turn_rad: float, to_m: Vector) -> None:
-        """Rotates the path about the vertical axis through the origin, then moves its first point."""
+        """Rotates the path about the vertical axis through the origin. Then shifts it so that it starts at this point."""
         self._turn_rad = turn_rad
         self._shift_m = ZERO
         x, y, z = self.at(self._begin_s).position_m
