@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Implements `mebots validate`, which reads files without using their content.
+// Implements `mebots validate`, which only reads and checks files.
 #include "command.hpp"
 
 #include "cases/case_file.hpp"

@@ -305,7 +305,7 @@ struct CouplingDescription {
   std::vector<BondDescription> bonds;
 };
 
-/// Selects the log categories of an instance whose messages are shown; "*" selects all.
+/// Selects the log categories of an instance whose ordinary messages are shown; "*" selects all.
 struct LogDescription {
   std::string instance;
   std::vector<std::string> categories;

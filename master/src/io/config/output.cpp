@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the sections `record`, `pictures`, `log`, `view` (the initial content of a run's page) and `summary`. The
-// section `summary` contains labels, which may be nested. A label refers to a variable, to a variable with conditions,
-// or to a group of variables.
+// Reads the sections `record`, `pictures`, `log`, and `view` (the first content of a run's page). Also reads the
+// section `summary`, which has labels, possibly nested. A label refers to a variable, a variable with conditions, or a
+// group of variables.
 #include "sections.hpp"
 
 #include "model/name_pattern.hpp"
@@ -21,7 +21,7 @@ std::vector<RecordPattern> read_patterns(const Node& node) {
   })(node);
 }
 
-/// Reads which parameters are recorded: `true` for all, or patterns.
+/// Reads the parameters to record: `true` for all, or patterns.
 std::vector<RecordPattern> read_recorded_parameters(const Node& node) {
   if (!node.is(data::Kind::boolean)) return read_patterns(node);
   return node.flag() ? std::vector<RecordPattern>{{"*", node.place()}} : std::vector<RecordPattern>{};
@@ -117,7 +117,7 @@ PanelDescription read_panel(const Node& node, const SystemDescription& system) {
   return panel;
 }
 
-/// Adds the instance that has this name, or all instances that match a pattern.
+/// Adds the instance of this name, or all instances that fit a pattern.
 void add_mark(const Node& node, const SystemDescription& system, std::vector<std::string>& marks) {
   const auto name = node.readable_text();
   const bool selects_several = is_pattern(name) && system.find_instance(name) == nullptr;
@@ -156,8 +156,7 @@ ConditionDescription read_final_condition(const Node& node, const SystemDescript
   return condition;
 }
 
-/// Reads a summary entry that has conditions. Its value is valid only if these conditions are true at the end of the
-/// run.
+/// Reads a summary entry with conditions: its value is valid only if these conditions are true at the end of the run.
 SummaryEntry read_conditional(const Node& node, const std::vector<std::string>& path, const SystemDescription& system) {
   Object object(node);
   SummaryEntry entry{path, {}, {}, node.place()};
@@ -168,8 +167,8 @@ SummaryEntry read_conditional(const Node& node, const std::vector<std::string>& 
   return entry;
 }
 
-/// Reads a list of variables of similar things, such as drones. A member without a name is named by its position in the
-/// list, starting at 1.
+/// Reads a list of variables of similar things, such as drones. If a member has no name, its name is its position in
+/// the list, from 1.
 std::vector<GroupMember> read_group(const Node& node, const SystemDescription& system) {
   std::vector<GroupMember> group;
   std::set<std::string> names;
@@ -194,7 +193,7 @@ bool is_conditional(const Node& node) {
   return node.has("variable") && when && when->is(data::Kind::list);
 }
 
-// Reads nested labels. The recursion is limited, because the document limits the depth of nesting.
+// Reads nested labels. The recursion is bounded, because the document limits the depth.
 void read_labels(const Node& node, const std::vector<std::string>& path, SystemDescription& system) {
   for (const auto& [label, value] : node.members()) {
     value.attempt([&, &label = label, &value = value] {
