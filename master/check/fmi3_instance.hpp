@@ -80,7 +80,7 @@ class Fmi3Instance {
   void exit_initialization();
   /// Enters and exits initialization mode.
   void start();
-  /// Performs the steps with the numbers `first` to `last`.
+  /// Performs the steps `first` to `last` - 1, counted from 0.
   void run(int first, int last);
   void step(double time_s, double step_s);
   /// True if the FMU requested the end of the simulation in its last step.

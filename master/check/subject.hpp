@@ -124,7 +124,7 @@ class Instance final : private master::CallbackListener {
   /// fmi2Terminated, ended() becomes true.
   void step(double point_s, double step_s);
   bool ended() const { return ended_; }
-  /// Performs the target's steps with the numbers `from` to `to`. Stops early if the FMU ends the run.
+  /// Performs the steps `from` to `to` - 1, counted from 0. Stops early if the FMU ends the run.
   void run(int from, int to);
   Outputs outputs();
   void set_state(fmi2FMUstate state);

@@ -17,7 +17,7 @@ namespace mebots::master {
 /// step.
 class CouplingMeasure {
  public:
-  /// All arguments must outlive this object. Must be called before Ensemble::initialize(). Throws the same errors as
+  /// All arguments must outlive this object. Must be created before Ensemble::initialize(). Throws the same errors as
   /// PowerBond.
   CouplingMeasure(const ResolvedSystem& system, Ensemble& ensemble);
 
