@@ -15,10 +15,10 @@
 /// Reads types of values that occur often in a board file. Each reader reports an invalid value.
 namespace mebots::soc {
 
-/// Reads a 32-bit number, which may be a text of hexadecimal digits. Error messages call the number `what`.
+/// Reads a 32-bit number from a text, which may be hexadecimal (0x...). Error messages call the number `what`.
 std::uint32_t read_number(const data::Node& node, std::string_view what);
 std::uint32_t read_address(const data::Node& node);
-/// Reads a size in bytes, which must fit in the address space.
+/// Reads a size in bytes: a multiple of 4, at most 1 GiB.
 std::uint32_t read_bytes(const data::Node& node);
 
 /// Returns the name if it is a valid name in C and C++. Otherwise reports it.

@@ -49,8 +49,8 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   unsigned cores() const { return static_cast<unsigned>(cores_.size()); }
   bool powered() const { return powered_.runs(); }
 
-  /// power_off() clears the state of all cores and devices. power_on() starts the cluster in the first tick at or after
-  /// `now`. The cluster's registers determine the start address of each core. On a board with MEbots' own devices, all
+  /// power_off() ends all activity. power_on() resets all cores and devices, and starts the cluster in the first tick
+  /// at or after `now`. The cluster's registers determine the start address of each core. With MEbots' own devices, all
   /// cores start at `boot`.
   void power_off(Picoseconds now);
   void power_on(Picoseconds now, std::uint32_t boot);
@@ -171,7 +171,7 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   std::int32_t core_stopped_by_observer_ = -1;  // not part of a state
   Picoseconds fabric_event_time_ = 0;
   Stopwatch busy_;
-  std::uint64_t last_asleep_ = 0;  // tick in which the last awake core fell asleep, since the cluster became busy
+  std::uint64_t last_asleep_ = 0;  // tick in which a core last fell asleep or a transfer last ended
 };
 
 }  // namespace mebots::soc

@@ -58,8 +58,8 @@ class EventUnit {
     std::uint32_t mask = 0;
     std::uint32_t buffer = 0;
     Wait waits_for = Wait::nothing;
-    std::uint32_t barrier_open = 0;  // cores for which the barrier is complete
-    std::uint32_t dispatched = 0;    // cores that a fork has selected and that have not read their entry yet
+    std::uint32_t barrier_open = 0;  // 1 if the barrier is complete and the core has not read that yet
+    std::uint32_t dispatched = 0;    // 1 if a fork has selected the core and the core has not read its entry yet
     std::uint32_t argument = 0;
 
     void visit(state::Visitor& v) {

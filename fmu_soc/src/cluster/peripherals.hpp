@@ -11,12 +11,12 @@
 
 namespace mebots::soc {
 
-/// Number the requesters: 0 to 7 are the cluster's cores, and 8 is the fabric controller.
+/// Numbers of the requesters: 0 to 7 are the cluster's cores, and 8 is the fabric controller.
 inline constexpr unsigned kMostClusterCores = 8;
 inline constexpr unsigned kFabricController = kMostClusterCores;
 inline constexpr unsigned kRequesters = kMostClusterCores + 1;
 
-// Number the harts of the chip: 0 is the fabric controller, and n + 1 is core n of the cluster. Within the cluster,
+// Numbers of the chip's harts: 0 is the fabric controller, and n + 1 is core n of the cluster. Within the cluster,
 // core n has the number n. On GAP8, mhartid contains other values.
 
 inline constexpr unsigned kFabricControllerHart = 0;

@@ -25,7 +25,7 @@ class ClusterEvents {
   /// Ends every DMA transfer whose last tick is reached.
   virtual void transfers_end(std::uint64_t tick) = 0;
   /// Called if a core stopped before its limit for another reason than the order of cores. If the function returns
-  /// false, the run of the chip ends and no core runs again.
+  /// false, the run of the chip ends after the cores that are queued in this quantum.
   virtual bool core_stopped(ClusterCore& core, Stop stop) = 0;
 };
 

@@ -71,8 +71,8 @@ struct Block {
   /// Value of `pc` in an invalidated block. No valid pc is odd.
   static constexpr std::uint32_t kInvalid = 1;
   bool valid() const { return pc != kInvalid; }
-  /// True if translated code should test in its hot path whether the lines of the block are present. The first absences
-  /// do not count, because each line is absent at its first use.
+  /// True if translated code should contain the refill of the block's lines in its hot path. The first absences do not
+  /// count, because each line is absent at its first use.
   bool is_often_absent() const { return 2 * absences > heat + kFewAbsences; }
   /// Number of absences that do not count, of the 64 runs after which a block is hot.
   static constexpr int kFewAbsences = 8;
@@ -194,8 +194,8 @@ class BlockCache {
   }
   /// Returns a number that increases whenever blocks become invalid.
   std::uint64_t generation() const { return generation_; }
-  /// Returns the number of instructions decoded since construction, including instructions that were decoded
-  /// repeatedly.
+  /// Returns the number of instructions decoded into blocks since construction. An instruction that is decoded again
+  /// counts again.
   std::uint64_t decoded() const { return decoded_; }
 
   /// Returns the instruction word at `pc`. If the word cannot be fetched, returns nullopt.

@@ -11,7 +11,7 @@
 namespace mebots::soc {
 
 /// Divides the cycles of a core among their causes, instruction by instruction, and counts RI5CY's events. Only cores
-/// that that are observed or that count events use this class.
+/// that are observed or that count events use this class.
 ///
 /// The cycles from one retired instruction to the next have five parts: waits for cache lines; entries of traps; a
 /// cycle for an unaligned target; the cycles known from decoding, with stalls; and the cycles that depend on the

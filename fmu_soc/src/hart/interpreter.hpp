@@ -61,7 +61,7 @@ class Interpreter {
   /// BlockWalk.
   void step();
   /// Executes a block to the limit or to the block's end. The first instruction stalls for `stall` cycles because of a
-  /// load before it. Does not use the BlockWalk.
+  /// load before it. No BlockWalk may be set.
   void run_to_limit(const Block& block, std::uint32_t stall);
   /// Continues a block that the last limit has cut, and executes it up to the new limit. If the core is no longer at
   /// the instruction of the cut, returns false without effect.
@@ -70,7 +70,7 @@ class Interpreter {
   /// false without effect.
   bool run(const Block& block, std::uint32_t stall);
   /// Executes a block and then the blocks that are linked to it, until a check between two blocks requires a return.
-  /// Does not use the BlockWalk.
+  /// If the first block might reach the limit, returns false without effect. No BlockWalk may be set.
   bool run_linked(const Block& block, std::uint32_t stall, const Csrs& csrs);
   /// Resumes a block that translated code has left after it waited for `wait_cycles` cycles. `fetches` must be true if
   /// lines may be absent from the instruction cache.

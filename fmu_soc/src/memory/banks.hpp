@@ -126,7 +126,7 @@ class Banks {
   static constexpr std::uint64_t kRows = kTurn + kReach + kLongestBlock;
 
   /// Returns the claims from the start of the table to the last claim. The result is short, because nearly all of the
-  /// table is free. of the table is free.
+  /// table is free.
   std::vector<std::uint8_t> taken_from_start() const {
     const auto begin = std::min<std::uint64_t>((start_ - base_) * count_, taken_.size());
     MEBOTS_ASSERT(start_ >= base_, "the table begins before what it shows");

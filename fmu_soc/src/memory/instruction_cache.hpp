@@ -45,7 +45,7 @@ class InstructionCache {
   InstructionCache(const InstructionCache&) = delete;
   InstructionCache& operator=(const InstructionCache&) = delete;
 
-  /// Adds a memory that contains code. The memory must outlive the cache.
+  /// Covers all regions of the memory. Throws Error if two of them share a line.
   void cover(const Memory& memory);
 
   std::uint32_t line_of(std::uint32_t address) const { return address >> line_bits_; }

@@ -91,7 +91,8 @@ class AdvancedTimer final : public Device {
   std::array<Counter, kTimers> counters_;
   std::uint32_t events_ = 0;
   std::uint32_t enabled_ = 0;
-  /// Pads already reported; not part of a state, so that a restored run reports them again.
+  /// True for counters whose use of an input pad was reported; not part of a state, so that a restored run reports
+  /// again.
   std::array<bool, kTimers> warned_pads_{};
 };
 

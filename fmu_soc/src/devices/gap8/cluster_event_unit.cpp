@@ -252,8 +252,8 @@ void ClusterEventUnit::raise(std::uint32_t cores, unsigned event) {
   }
 }
 
-/// Must be called after the masks or the buffer of a core have changed. Records
-/// that the core wakes, if an event ends its wait, and that its interrupt lines may have changed.
+/// Must be called after the masks or the buffer of a core have changed. Records that the core wakes, if an event ends
+/// its wait, and that its interrupt lines may have changed.
 void ClusterEventUnit::update(unsigned core) {
   const auto& self = of_[core];
   if (self.waits_for != Wait::nothing && (self.buffer & self.event_mask) != 0) woken_ |= 1U << core;

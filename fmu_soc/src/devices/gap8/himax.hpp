@@ -26,7 +26,7 @@ class I2cDevice {
 
 /// Describes the window, the step and the orientation of a frame.
 struct FrameFormat {
-  std::uint32_t window_height = 0;  // number of rows of the sensor array
+  std::uint32_t window_height = 0;  // number of rows in the window of the sensor array
   std::uint32_t row_step = 1;       // 1: every row is read out; 2: every second row
   std::uint32_t column_step = 1;
   std::uint32_t binning = 0;

@@ -11,13 +11,13 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// Number the events of the fabric controller; each number is a bit of its event unit. Source:
+/// Numbers of the fabric controller's events; each number is a bit of its event unit. Source:
 /// archi/chips/gap/properties.h of pulp-platform's and GreenWaves' archi headers.
 inline constexpr unsigned kTimerLowEvent = 10;
 inline constexpr unsigned kTimerHighEvent = 11;
 inline constexpr unsigned kSocEvent = 27;
 
-/// Number the events of the SoC, which enter the queue of kSocEvent. Source: as for the events above.
+/// Numbers of the SoC's events, which enter the queue of kSocEvent. Source: as for the events above.
 inline constexpr unsigned kClusterPowerChanged = 31;
 inline constexpr unsigned kClusterClockChanged = 35;
 inline constexpr unsigned kScuOk = 37;

@@ -44,7 +44,7 @@ class TimerCounters {
   /// load() and store() return false if there is no such register.
   bool load(std::uint32_t offset, std::int64_t now, std::uint32_t& value);
   bool store(std::uint32_t offset, std::int64_t now, std::uint32_t value);
-  /// Updates the counts to `now`. Must be called before the clock changes. advance() calls it at a match.
+  /// Updates the counts to `now`. Must be called before the clock changes. The other functions with `now` also call it.
   void count(std::int64_t now);
   void advance(std::int64_t now);
   std::int64_t next_event() const;
@@ -59,7 +59,7 @@ class TimerCounters {
     std::uint32_t compare = 0;
     std::uint64_t value = 0;        // count at `since`; for a 64-bit counter, the low counter stores all bits
     std::uint64_t compared_at = 0;  // count at the last match
-    bool met = false;               // true from a match until the counter changes
+    bool met = false;               // true from a match until the count or the compare value changes
     std::int64_t since = 0;
 
     void visit(state::Visitor& v) {

@@ -44,8 +44,8 @@ class UdmaCamera final : public UdmaPeripheral {
   Picoseconds end_time(const UdmaTransfer& transfer, Picoseconds start) override;
   void end(const UdmaTransfer& transfer) override;
   void cancel(const UdmaTransfer& transfer, Picoseconds now) override;
-  /// Returns the time of the next event. If a transfer waits for a frame, this is the start of the frame; otherwise it
-  /// is the end of the frame.
+  /// Returns the time at which the exposure of the transfer's frame starts. After the picture has arrived, returns the
+  /// end of the transfer. While neither time is known, returns kNever.
   Picoseconds next_event() const;
   void advance(Picoseconds now);
   void registers_changed(std::uint32_t offset, Picoseconds now) override;

@@ -12,10 +12,10 @@
 namespace mebots::soc::gap8_devices {
 
 /// Models an SPI master of the uDMA with a slave that only receives. The sending channel fetches command words and,
-/// after a command that sends, data. Received data are zeros. A bit takes twice the divider in clocks of the SoC, or
-/// one clock if the divider is
-/// 0. The command that ends a transaction raises the event of the master. Source:
-/// archi/udma/spim/udma_spim_v2.h.
+/// after a command that sends, data. Received data are zeros. A bit takes twice the divider in clocks of the SoC. With
+/// divider 0, a bit takes one clock. The command that ends a transaction raises the event of the master.
+///
+/// Source: archi/udma/spim/udma_spim_v2.h.
 ///
 /// Its variables are those of the entry that begin with its name, spim0 or spim1. .transactions counts transactions
 /// that sent data. .sent[0] to .sent[3] are the first 16-bit words of the last such transaction, signed, low byte
