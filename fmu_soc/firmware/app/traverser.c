@@ -41,8 +41,8 @@
 #define LEAST_SIZE 8
 // Yaw rate of a search, in 127ths of the mission's yaw rate scale.
 #define SEARCH_YAW 64
-// Angles around a heading that led to an object, in which gates are ignored, and half the view of the longest lens,
-// from which the heading of a gate is computed.
+// Angle on both sides of a heading that led to an object, within which a search ignores gates, and half the view of the
+// longest lens, from which the heading of a gate is computed.
 #define DEAD_END_URAD 450000
 #define HALF_VIEW_URAD 410000
 #define HALF_TURN_URAD 3141593

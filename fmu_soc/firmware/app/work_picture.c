@@ -11,7 +11,7 @@
 static inline __attribute__((always_inline)) void sum_row(const uint32_t* above, uint32_t* row,
                                                           const uint8_t* block_row, int blocks, int pitch,
                                                           int reduction) {
-  // Constants for a rounded division by the 1, 4, 9 or 16 pixels of a block, which is exact for 8-bit pixels.
+  // The mean over the 1, 4, 9 or 16 pixels of a block is rounded: half of their number is added before the division.
   const uint32_t area = (uint32_t)(reduction * reduction);
   uint32_t sum = 0;
   row[0] = 0;

@@ -17,7 +17,7 @@ static uint8_t buffers[2][BUFFER_BYTES] __attribute__((aligned(4), section(".noi
 // picture.
 static unsigned filling;
 static bool is_requested;
-// Value of STATUS at the last interrupt.
+// Bits READY and REFUSED that interrupts have reported since the last request.
 static volatile uint32_t outcome;
 
 // Handles the interrupt. Either a picture has arrived, or a picture was dropped because it does not fit in the buffer.

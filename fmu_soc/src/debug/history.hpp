@@ -39,7 +39,7 @@ class History {
   void restart(Soc& soc);
   /// Returns false if the start of the program was not recorded, or was discarded by clear().
   bool has_start() const { return !start_.state.empty(); }
-  /// Discards the saved states, because gdb has changed the chip and a replay would not reach the present state.
+  /// Discards all states except the start. Called after a change by gdb: a replay would not reach the present state.
   void cut();
   /// Discards all states including the start, because the co-simulation has restored a state that may belong to another
   /// run.

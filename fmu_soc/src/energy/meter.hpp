@@ -15,7 +15,7 @@ namespace mebots::soc {
 
 /// Lists the parts into which the chip's energy is divided.
 enum class Part : std::uint8_t {
-  fabric_controller,   // instructions of the fabric controller, and its clock while it sleeps
+  fabric_controller,   // instructions of the fabric controller, and its sleep with a gated clock
   cluster_cores,       // instructions and sleep of all cluster cores together
   fc_memory,           // accesses of the fabric controller to its near memory
   l2,                  // accesses to L2

@@ -8,8 +8,8 @@
 
 namespace mebots::soc {
 
-/// Names the extension that a core must have for a row in the tables of instructions. The last two values are
-/// properties of a core that add no instructions.
+/// Names the extension that a core must have for a row in the tables of instructions. The last value is a
+/// property of a core that adds no instructions.
 enum class Extension : std::uint8_t {
   standard,  // RV32IMC_Zicsr_Zifencei with machine mode
   xpulp,     // Xpulp v2 as in RI5CY

@@ -58,8 +58,8 @@ class ProgramHost {
   /// Returns the value of the watched word, including the upper half if the program has one. 0 means that there is no
   /// command.
   std::uint64_t command() const;
-  /// Returns true if the program has stored only one half of this command, and is about to store the other half. A
-  /// 32-bit core may store the two halves in either order.
+  /// Returns true if the program is about to store the other half of this command, and if this store changes the
+  /// command. A 32-bit core may store the two halves in either order.
   bool is_half_stored(std::uint64_t command) const;
   /// Serves a command. Returns true if the command ends the program.
   bool serve_command(std::uint64_t command);

@@ -25,8 +25,8 @@
 /// source.
 namespace mebots::soc {
 
-/// Stores the times at which a picture was requested, its first row was exposed, its read-out began, and its last pixel
-/// was written into the chip's memory. The times increase in this order.
+/// Stores the times at which a picture was requested, the exposure of its first row began, its read-out began, and its
+/// last pixel was written into the chip's memory. The times must not decrease in this order.
 struct PictureTimes {
   Picoseconds asked = 0;
   Picoseconds exposed = 0;

@@ -12,7 +12,7 @@ inline constexpr double kMicro = 1e6;
 inline constexpr double kMilli = 1e3;
 
 /// Returns the register word that represents a value in SI units. A value that does not fit in 32 signed bits becomes
-/// the nearest limit, because a sensor saturates. NaN becomes 0.
+/// the nearest limit, as in a sensor that saturates. NaN becomes 0.
 inline std::uint32_t to_register(double value, double units_per_si) {
   const double scaled = std::round(value * units_per_si);
   if (std::isnan(scaled)) return 0;
