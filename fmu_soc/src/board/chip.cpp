@@ -20,7 +20,7 @@
 namespace mebots::soc {
 namespace {
 
-/// Limits the energy of an instruction, so that the sum over a block fits in 32 bits of femtojoules.
+/// Limits the energy of an instruction relative to the reference, so that a block's sum fits in 32 bits of femtojoules.
 constexpr double kMostWeight = 100;
 
 /// Returns the class of instructions that has the same energy as the operation. A floating-point operation has the

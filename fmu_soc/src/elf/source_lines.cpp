@@ -258,7 +258,7 @@ class LineProgram {
 
  private:
   enum class Event { none, row, end };
-  static constexpr unsigned kNamedOpcodes = 12;  // number of opcodes that this reader interprets, including 0
+  static constexpr unsigned kNamedOpcodes = 12;  // highest standard opcode that this reader interprets
 
   Event next() {
     const auto opcode = cursor_.number(1);

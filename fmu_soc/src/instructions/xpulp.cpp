@@ -382,7 +382,7 @@ constexpr Word execute_p_ff1(Word a) {
 constexpr Word execute_p_fl1(Word a) {
   return a == 0 ? 32U : 31U - static_cast<Word>(std::countl_zero(a));
 }
-/// Returns the number of bits after the sign bit that are equal to it. Returns 0 for the word 0.
+/// Returns the number of consecutive bits after the sign bit that are equal to it. Returns 0 for the word 0.
 constexpr Word execute_p_clb(Word a) {
   if (a == 0) return 0;
   return static_cast<Word>(as_signed(a) < 0 ? std::countl_one(a) : std::countl_zero(a)) - 1U;
@@ -398,8 +398,8 @@ constexpr Word execute_p_ror(Word a, Word b) {
 struct Field {
   unsigned position = 0;
   unsigned width = 0;
-  std::uint32_t low = 0;   // bits at the lower end of the word, one for each bit of the field
-  std::uint32_t mask = 0;  // bits at the position of the field
+  std::uint32_t low = 0;   // ones at the lower end of the word, one for each bit of the field
+  std::uint32_t mask = 0;  // ones at the position of the field
 };
 /// Returns the bit field that an immediate describes, without bits beyond the end of the word. If a register contains
 /// the field, which is rare, returns nullopt.

@@ -464,8 +464,8 @@ constexpr Word execute_pv_insert(Word into, Word a, Word index) {
   const auto place = index % kParts<T>;
   return (into & ~at_part<T>(static_cast<T>(-1), place)) | at_part<T>(static_cast<T>(a), place);
 }
-/// Returns a word whose parts are copies of parts of `a`. Each part of `selectors` contains the number of the part to
-/// copy.
+/// Returns a word whose parts are copies of parts of `a`. Each part of `selectors` contains the number of the part that
+/// is copied to its position.
 template <Op kOp>
 constexpr Word execute_pv_shuffle(Word a, Word selectors) {
   return on_parts<Unsigned<kOp>>(selectors, 0, [a](auto selector, auto) {

@@ -12,8 +12,8 @@ constexpr auto kEncodings = std::to_array<Encoding>({
 #include "fmu_soc_isa/encodings.inc"
 });
 
-/// Returns the third register that an instruction reads. This is the destination register of an accumulation, or the
-/// register that contains the offset of a store, whose number may be in the field of rd.
+/// Returns the third register that an instruction reads. For an accumulation, it is the destination register. For a
+/// store, it is the register that contains the offset, whose number may be in the field of rd.
 std::uint8_t third_register(const Encoding& encoding, std::uint32_t w) {
   const auto& format = row_of(encoding.format);
   return (reads_rd(encoding.op) ? format.rd : format.rs3).of(w);

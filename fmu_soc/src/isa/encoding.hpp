@@ -39,7 +39,7 @@ struct Decoded {
   std::uint8_t rd = 0;
   std::uint8_t rs1 = 0;
   std::uint8_t rs2 = 0;
-  std::uint8_t rs3 = 0;  // third source register: rd of an accumulation, or the offset of a store
+  std::uint8_t rs3 = 0;  // third source register: rd of an accumulation, offset of a store, rs3 of a fused multiply-add
   Operand operand = Operand::reg;
   std::uint8_t length = 4;  // bytes
   std::int32_t imm = 0;

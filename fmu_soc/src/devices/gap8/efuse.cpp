@@ -11,10 +11,10 @@
 namespace mebots::soc::gap8_devices {
 namespace {
 
-/// Models GAP8's fuses: 128 registers of eight bits, which are 0 at the start. A programmed bit stays 1. A command
-/// first selects the mode:
-/// read, program or sleep. In program mode, a store into a register programs one of its bits. The time that silicon
-/// needs to program a bit is not modelled. Source: archi/efuse/efuse_v1.h, hal/efuse/efuse_v1.h.
+/// Models GAP8's fuses: 128 registers of eight bits, which are 0 at the start. A programmed bit stays 1. First, a
+/// command selects one of the modes read, program and sleep. In program mode, a store into a register programs one of
+/// its bits. The time that silicon needs to program a bit is not modelled.
+/// Source: archi/efuse/efuse_v1.h, hal/efuse/efuse_v1.h.
 class Efuse final : public Device {
  public:
   static constexpr std::size_t kFuses = 128;

@@ -58,7 +58,7 @@ constexpr std::uint32_t kChannelSize = 0x4;
 constexpr std::uint32_t kChannelConfig = 0x8;
 constexpr std::uint32_t kChannelBytes = 0xC;
 constexpr std::uint32_t kRun = 1U << 4;     // store: starts a transfer; load: a transfer runs
-constexpr std::uint32_t kQueued = 1U << 5;  // store: clears the queue; load: another transfer is queued
+constexpr std::uint32_t kQueued = 1U << 5;  // store: cancels the transfers; load: another one is queued
 constexpr std::size_t kMostInQueue = 2;     // transfers of a channel, including the one that runs
 
 /// Returns the channel to which the register at this offset belongs. If it belongs to no channel, returns
