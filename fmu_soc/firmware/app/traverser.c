@@ -46,8 +46,8 @@
 #define DEAD_END_URAD 450000
 #define HALF_VIEW_URAD 410000
 #define HALF_TURN_URAD 3141593
-// Distance that the drone flies in a free direction after a full turn without success. It then deletes the stored
-// headings that need not be kept, and turns again.
+// Distance that the drone flies in a free direction after a full turn without success. Then it turns again, without the
+// stored headings that need not be kept.
 #define ELSEWHERE_UM 1000000
 
 static int32_t limited(int32_t value, int32_t low, int32_t high) {
@@ -131,7 +131,7 @@ static int32_t farthest_um(int32_t size_q8) {
   return (int32_t)((int64_t)GATE_OUTER_MM * LONGEST_FOCAL_MILLI * 127 * 256 / (2 * SIGHT_MOST_SIZE * divisor_q8));
 }
 
-// Must be called when the frame leaves the picture. From this call on, only the flown distance is used.
+// Begins to fly through the gate, whose frame has left the picture. From then on, only the flown distance is used.
 static traverser_command_t enter(traverser_t* t) {
   t->phase = TRAVERSER_THROUGH;
   t->left_um = farthest_um(t->most_q8) + PILOT_BEHIND_MM * 1000;
@@ -211,8 +211,8 @@ static void fly_on(traverser_t* t, const traverser_state_t* state) {
   }
 }
 
-// Must be called if there was no gate. The drone flies straight back by the distance of the approach, and then searches
-// again.
+// Ends an approach at whose end there was no gate. The drone flies straight back by the distance of the approach, and
+// then searches again.
 static traverser_command_t leave(traverser_t* t) {
   remember_dead_end(t, t->way_urad);
   return t->flown_um > 0 ? go_elsewhere(t, -t->flown_um) : search_again(t);

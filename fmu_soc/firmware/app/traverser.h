@@ -64,11 +64,11 @@ typedef struct {
   int32_t ordered_um_s;                         // velocity of the last command
   int32_t flown_um;                             // distance flown forwards since the last search
   int32_t way_urad;                             // heading at the last mark, before an object can turn the drone
-  int32_t marks;                                // number of marks passed in that direction
+  int32_t marks;                                // number of marks passed since the last search
   int32_t marked_q8[TRAVERSER_MARKS];           // sizes at the last marks, the latest first
   int32_t dead_ends_urad[TRAVERSER_DEAD_ENDS];  // headings that led against an object
   int dead_ends;
-  int kept_dead_ends;   // number of first headings that are never removed; they lead back through the previous gate
+  int kept_dead_ends;   // number of headings kept until the next gate; they lead back through the previous one
   int32_t turned_urad;  // angle turned in this search; positive = left
   int32_t yaw_urad;     // heading at the last picture
   int gates;            // gates left to fly through

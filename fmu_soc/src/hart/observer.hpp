@@ -28,7 +28,7 @@ struct Retired {
   Decoded decoded;
   Access access;
   std::uint32_t stored = 0;  // value that a store has written, in the low bytes
-  CycleShares cycles = {};   // only set for an observer whose quiet() is empty
+  CycleShares cycles = {};   // only valid for an observer that needs each instruction
 };
 
 /// Describes an exception or interrupt that the hart has taken. At the call, the hart's pc is the address of the

@@ -77,7 +77,7 @@ void CoreProfile::start_stack() {
 
 void CoreProfile::charge(const Cost& now) {
   auto cost = now;
-  // The cluster's clock has become faster in its last block, so that the time may have decreased.
+  // If the cluster's clock became faster in its last block, the time may have decreased.
   cost.time_ps = std::max(cost.time_ps, charged_.time_ps);
   tree_.node(stack_.back().node).self += cost - charged_;
   charged_ = cost;

@@ -67,7 +67,7 @@ void PowerTrace::note_states(Picoseconds time) {
 }
 
 void PowerTrace::changed(Picoseconds time) {
-  // The time is before the last time in the file, after an earlier state was restored.
+  // After an earlier state was restored, the time may be before the last time in the file.
   if (time < span_start_) return;
   if (time - span_start_ >= kShortest) close_span(time);
   note_states(time);

@@ -61,9 +61,9 @@ class DeviceSet {
   /// Return the storage of a device's variable, or null if no device has it. See mebots/soc/device.hpp.
   double* input(std::string_view variable) const;
   const double* output(std::string_view variable) const;
-  /// Returns the present state of each device that has more than one state.
+  /// Returns the present state of each device that has states.
   std::vector<State> states() const;
-  /// True while a camera waits for a picture that it has requested.
+  /// True while a picture that the program has requested is not in memory yet.
   bool wait_for_picture() const;
   std::vector<Device*> made() const;
 

@@ -161,7 +161,7 @@ void Soc::advance_cluster(Picoseconds until, Picoseconds last, std::uint64_t cyc
   auto* cluster = hardware_.cluster();
   do {
     cluster->advance(until, last, cycle_limit);
-    // A cluster core has accessed devices of GAP8's SoC.
+    // If a cluster core has accessed devices of GAP8's SoC, their effects apply now.
     if (devices_.event_unit() != nullptr && !devices_.power_is_applied()) {
       apply_power_settings(cluster->fabric_event_time());
       if (devices_.signals().exit_code && running()) {

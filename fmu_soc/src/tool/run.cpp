@@ -128,7 +128,7 @@ class LimitedRun {
       if (left > cluster_lead) {
         piece = std::min(piece, left - cluster_lead);
       } else {
-        // From here, the observer counts instructions, and the length of a piece does not depend on cycles.
+        // A cluster core is so far ahead that cycles cannot limit a piece. The observer counts instructions instead.
         session_.add(last_.emplace(*limits_.instructions));
       }
     }

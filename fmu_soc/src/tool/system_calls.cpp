@@ -128,7 +128,8 @@ constexpr std::uint64_t kMicroseconds = 1'000'000;
 constexpr std::uint64_t kNanoseconds = 1'000'000'000;
 constexpr std::uint32_t kAlignment = 16;  // alignment of the stack
 constexpr unsigned kStackPointer = 2;
-/// Limits the space that is kept free for the stack. It is a quarter of the RAM, but at most Linux's default.
+/// Limits the space that is kept free for the stack: a quarter of the RAM after the program, but at most Linux's
+/// default.
 constexpr std::uint32_t kMostStack = 8U << 20;
 /// Exit code of a program that a signal ended. A shell adds the number of the signal to it.
 constexpr std::uint32_t kSignalled = 128;

@@ -39,7 +39,7 @@ class DescribedDevice final : public Device {
   DescribedDevice(const BoardDevice& entry, DeviceHost& host);
 
   double* input(std::string_view variable) override;
-  /// Returns the value of a variable that a register has sent. Before the first store, the value is 0.
+  /// Returns the value of a variable that a register sends. Before the first store, it is the variable's start value.
   const double* output(std::string_view variable) const override;
   double energy_j(Picoseconds now) const override;
 
