@@ -10,8 +10,8 @@ extern "C" {
 #endif
 
 // Reduces the camera's picture to the size of the network's input, and computes the `count` outputs of the network. The
-// outputs are in 127ths, limited to [-127, 127]. Returns false if the picture is smaller than the network's input, or
-// if the chip has no cluster.
+// outputs are in 127ths, limited to [-127, 127]. Returns false if the picture is smaller than the network's input or
+// wider than 324 pixels, or if the chip has no cluster of eight cores.
 bool deployed_look(const uint8_t* frame, int width, int height, int8_t* values, int count);
 
 #ifdef __cplusplus

@@ -32,7 +32,7 @@
 
 // Outer edges of the tested templates in work pixels, in steps of about a fifth. A template that is half a step larger
 // or smaller than a frame still covers two thirds of the frame's border. This is not true for borders of one or two
-// pixels, so that every edge is tested for such borders.
+// pixels. Therefore the edges up to 13 are one pixel apart.
 static const uint8_t kEdges[] = {7, 8, 9, 10, 11, 12, 13, 15, 18, 21, 25, 30, 36, 43, 52, 62, 74, 89, 104};
 #define EDGE_COUNT ((int)(sizeof(kEdges) / sizeof(kEdges[0])))
 
@@ -55,8 +55,8 @@ typedef struct {
 
 // Describes how well a template matches a frame, in sixteenths of a grey level. All values are 0 if there is no frame.
 typedef struct {
-  int weakest_q4;  // contrast of the beam with the least contrast
-  int sum_q4;      // sum of the contrasts of all beams
+  int weakest_q4;  // least contrast of a beam, except for one with the surroundings
+  int sum_q4;      // sum of all contrasts, except for those of the opposite sign
   int spread_q4;   // brightness of the brightest beam minus that of the darkest beam
 } fit_t;
 

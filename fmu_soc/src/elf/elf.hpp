@@ -38,8 +38,8 @@ struct ElfSymbol {
 /// Stores a program that was read from its file and checked.
 class Elf {
  public:
-  /// Throws Error if the bytes are not a complete ELF32 little-endian executable for RISC-V (RV32, without
-  /// floating-point registers). Error messages name the file `origin`.
+  /// Throws Error if the bytes are not a complete ELF32 little-endian executable for RISC-V (RV32, without registers
+  /// for double precision). Error messages name the file `origin`.
   static Elf parse(std::span<const std::uint8_t> file, const std::string& origin);
   static Elf read(const std::filesystem::path& path);
 
@@ -56,7 +56,7 @@ class Elf {
   /// Returns all symbols that have an address, sorted by address. Excludes mapping symbols ($x, $d, $xrv32imc...) and
   /// the compiler's local labels (.L...).
   const std::vector<ElfSymbol>& symbols() const { return symbols_; }
-  /// Returns the function that contains an address. If no function contains it, returns the label that contains it. If
+  /// Returns the function or object that contains an address. If neither contains it, returns the label that does. If
   /// there is no such label, returns null.
   const ElfSymbol* covering(std::uint32_t address) const;
   /// Returns a text such as "camera_handler+0x12 (camera.c:41)". If the program was compiled without -g, the text has

@@ -34,7 +34,7 @@ class Model {
 
   /// Writes the initial outputs.
   void start(std::int64_t start_ns);
-  /// Advances the chip from start_ns to start_ns + duration_ns (> 0). Throws Error if an input is not a number.
+  /// Advances the chip from start_ns to start_ns + duration_ns (> 0). Throws Error if an input is not finite.
   void step(std::int64_t start_ns, std::int64_t duration_ns);
 
   void visit(state::Visitor& v);

@@ -34,7 +34,7 @@ class VariableFields {
   /// the board file contains it, but the FMU or the kind of the device does not.
   VariableFields(Soc& soc, void* variables);
 
-  /// Passes the parameters and inputs to the devices. Throws Error if an input is not a number.
+  /// Passes the parameters and inputs to the devices. Throws Error if a number is not finite.
   void take();
   /// Returns the values that take() has just passed to the devices. `before` contains the inputs of the previous step,
   /// or is null.

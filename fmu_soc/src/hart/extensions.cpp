@@ -156,7 +156,7 @@ struct RegisterGroup {
   std::string_view extension;
 };
 
-/// Lists control and status registers that the core lacks, sorted by number.
+/// Lists control and status registers that a core may lack, and what they belong to.
 constexpr auto kRegisterGroups = std::to_array<RegisterGroup>({
     {0x001, 0x003, "F"},
     {0x008, 0x00f, "V"},

@@ -29,7 +29,7 @@ struct RamPlace {
   return {};
 }
 
-/// Counts an access that lies within one word. Does not claim the bank of the word.
+/// Counts an access as if it lay within one word. Does not claim the bank of the word.
 [[gnu::always_inline]] inline RamAccess count_access(Execution& e, const RamPlace& place) {
   MEBOTS_ASSERT(place.region != nullptr && place.offset < place.region->span);
   const auto& ram = *place.region;

@@ -136,8 +136,8 @@ constexpr Word execute_clmul(Word a, Word b) {
 constexpr Word execute_clmulh(Word a, Word b) {
   return static_cast<Word>(carryless_product(a, b) >> 32);
 }
-/// Returns the upper bits of a product without carries: reverses the bits of both words, multiplies, and reverses the
-/// bits of the product.
+/// Returns bits 62 to 31 of the product without carries. They are equal to the lower word of the product of the words
+/// with reversed bits, with its bits reversed again.
 constexpr Word execute_clmulr(Word a, Word b) {
   return static_cast<Word>(carryless_product(a, b) >> 31);
 }

@@ -179,8 +179,8 @@ HostReply HostServices::semihosting(std::uint32_t operation, std::uint32_t param
 }
 
 /// Serves a system call. If openat is called through `tohost`, the arguments contain the length of the name before the
-/// flags. Source:
-/// riscv-isa-sim, fesvr/syscall.cc.
+/// flags.
+/// Source: riscv-isa-sim, fesvr/syscall.cc.
 HostReply HostServices::system_call(std::uint32_t number, std::span<const std::uint32_t> arguments) {
   if (number == SystemCalls::kOpenAt) {
     return calls_.serve(number, std::array{arguments[0], arguments[1], arguments[3], arguments[4]});

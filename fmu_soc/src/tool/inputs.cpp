@@ -103,7 +103,7 @@ namespace {
   throw Error(fmt::format("--ram {}: {}; give an address and a size, such as 0x80000000:64M", text, why));
 }
 
-/// Parses a number, which may be hexadecimal, with a suffix K, M or G. Returns nullopt if the text has another form.
+/// Parses a decimal or hexadecimal number with an optional suffix K, M or G. Returns nullopt for any other text.
 std::optional<std::uint64_t> read_size(std::string_view text) {
   std::uint64_t unit = 1;
   constexpr std::string_view kSuffixes = "KMG";

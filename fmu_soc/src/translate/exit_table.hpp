@@ -77,7 +77,7 @@ class ExitTable {
   void patch(std::uint32_t patch_point, const std::uint8_t* target) {
     std::memcpy(place_of(patch_point), &target, sizeof target);
   }
-  /// Sets the target of a patch point that is not chained to a block. This target is outside translated code.
+  /// Sets the target that a patch point has while it is not chained to a block. It must be outside translated code.
   void set_unpatched(std::uint32_t patch_point, const std::uint8_t* target) {
     unpatched_[patch_point >> kIndexBits][(patch_point & kIndexMask) - 1] = target;
     patch(patch_point, target);

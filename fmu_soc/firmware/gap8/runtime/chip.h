@@ -23,6 +23,6 @@ void chip_start(void);
 
 // Returns the output frequency of a loop [Hz].
 uint32_t loop_hz(unsigned loop);
-// Sets a loop to the nearest possible frequency not above `hz`. Returns 0, or -1 if the chip's voltage does not allow
-// this frequency.
+// Sets a loop to the nearest possible frequency not above `hz`. Returns 0. If `hz` is below the reference clock or
+// above what the voltage allows, has no effect and returns -1.
 int loop_set(unsigned loop, uint32_t hz);

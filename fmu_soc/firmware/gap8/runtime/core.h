@@ -14,7 +14,7 @@ extern "C" {
 
 // Returns the present clock frequency [Hz].
 uint32_t core_clock_hz(void);
-// Sets the loop to the nearest possible frequency. If a peripheral is sending at a bit rate that is derived from this
+// Sets the loop as loop_set() does (runtime/chip.h). If a peripheral is sending at a bit rate that is derived from this
 // clock, ignores a lower frequency. The interrupt at the end of the transfer wakes the core. The end of the last byte
 // raises no interrupt, so that the clock stays unchanged until the next sleep.
 void core_clock_set(uint32_t hz);

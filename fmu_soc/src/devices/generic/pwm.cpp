@@ -55,7 +55,7 @@ class Pwm final : public Device {
   std::uint32_t status_ = 0;
   std::uint32_t stored_period_ = 256;
   std::array<std::uint32_t, kOutputs> stored_duty_{};
-  std::uint32_t period_ = 256;    // length of the present period
+  std::uint32_t period_ = 256;    // length of the present period [ticks]
   Picoseconds period_since_ = 0;  // start of a period that has the present length, as all later ones
   // Start of the period that uses the stored values; kNever if the present period already uses them.
   Picoseconds next_period_ = kNever;
