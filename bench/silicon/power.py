@@ -20,7 +20,7 @@ HERE = pathlib.Path(__file__).parent
 MODELS = ("gap8", "gap8_silicon")
 TOP = (1.2, 250, 175)
 CAMERA_W = 1.75e-3 * 2.8  # power of the camera in configs/boards/gap8.json
-# Repeats each program few and many times, so that one-time costs cancel in the difference.
+# Numbers of pictures in two runs of PULP-Dronet. One-time costs cancel in the difference of the runs.
 FEW, MANY = 2, 6
 
 
@@ -50,7 +50,7 @@ def joules(phase):
 
 
 class Model:
-    """Measures a chip that has one set of energies. Each phase is measured when it is first used."""
+    """Measures a chip that has one set of energies. The phases at a point are measured when the point is first used."""
 
     def __init__(self, build, name):
         self.build, self.name, self.at = build, name, {}
@@ -77,7 +77,7 @@ class Model:
 
 
 def of_dronet(build, model, folder):
-    """Returns the energy per picture and the mean power of the board with PULP-Dronet at 100 MHz."""
+    """Returns the time per picture of PULP-Dronet, and the energies of the chip and of the devices per picture."""
     dronet = folder / "pulp-dronet/pulp-dronet-v1"
     frames = sorted((folder / "Himax_Dataset/test_2").glob("frame_2[2-9].pgm"))
     found = []

@@ -70,8 +70,8 @@ def flown(archive, unpacked, times, asked, lag):
 
 
 def delay(times, asked, place):
-    """Returns the delay between the requested velocity and the velocity. It is the shift with the least sum of squares.
-    """
+    """Returns the delay of the flown velocity relative to the requested velocity. It is the shift with the least sum of
+    squares."""
     speed = np.gradient(place, times)
     shifts = np.arange(0.0, LONGEST_DELAY, 0.01)
     inner = times > shifts[-1]

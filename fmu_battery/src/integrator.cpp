@@ -40,7 +40,8 @@ constexpr double kEnergyTolerance = 1e-10;
 // limit of evaluations.
 constexpr long kMaxSteps = 1'000'000;
 constexpr long kMaxEvaluations = 5 * kMaxSteps;
-// If a piece of the duration cannot be integrated, a tenth of the piece is tried, down to kShortestPiece [s].
+// If a piece of the duration cannot be integrated, a piece of a tenth of its length is tried. The integration fails if
+// this piece is shorter than kShortestPiece [s].
 constexpr double kPieceFactor = 10;
 constexpr double kShortestPiece = 1e-15;
 // Hysteresis of the detector of a low voltage. It must exceed the tolerance with which events are located.

@@ -175,9 +175,9 @@ bool Model::over_current(double current_a) const {
   return std::abs(current_a) > cell_.continuous_current_a;
 }
 
-// Computes the mean of the squared current with the thermal model of IEC 60255-149, without the margin of that
-// standard. The mean is a first-order lag of the squared current. It starts at 0 (a cold cell) and is integrated by the
-// implicit Euler method.
+// Updates the record of the current, and warns once if the current overheats the cell. The mean of the squared current
+// follows the thermal model of IEC 60255-149, without the margin of that standard. It is a first-order lag of the
+// squared current, starts at 0 (a cold cell), and is integrated by the implicit Euler method.
 void Model::watch_current(double current_a, std::int64_t now_ns, std::int64_t duration_ns) {
   const double duration_s = seconds(duration_ns);
   mean_square_a2_ += (current_a * current_a - mean_square_a2_) * duration_s / (kHeatingTimeConstant_s + duration_s);

@@ -22,6 +22,7 @@ CONTACT = json.loads((PARAMS / "scenes/gate_easy.json").read_text())["contact"]
 rng = np.random.default_rng(7)
 
 
+# Functions that draw pictures.
 
 
 def value_noise(size, cells, octaves=4):
@@ -72,7 +73,7 @@ def crate():
 
 
 def sign():
-    """Returns the picture of an arrow on a board."""
+    """Draws an arrow on a board, and saves the picture."""
     width, height = 128, 64
     picture = np.full((height, width), 225.0)
     y, x = np.mgrid[:height, :width]

@@ -24,8 +24,8 @@ void read_copies(data::Object& object, Field& field, const Description& descript
 /// all variables were read.
 void check_repeat(const data::Node& node, const Description& description);
 
-/// Sets the FMI names of all fields for `count` copies. Throws mebots::Error if the description has no `repeat`, or if
-/// two variables would have the same name.
+/// Sets the FMI names of all fields for `count` copies. Throws mebots::Error if `count` is not 1 and the description
+/// has no `repeat`, or if two variables would have the same name.
 void make_copies(Description& description, std::size_t count);
 
 /// Returns the name that the variable `name` has in copy number `copy`, counted from 0. The description must have a

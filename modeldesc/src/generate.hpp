@@ -39,7 +39,7 @@ std::string token_of(const std::string& text);
 struct GenerateOptions {
   std::vector<FmiVersion> fmi;  ///< versions of FMI to generate; empty: those of the description
   bool has_icon = false;        ///< the archive contains a picture
-  /// Contain the paths of the source files in the archive, relative to sources/. Empty if the archive has no sources.
+  /// Both lists contain paths of source files in the archive, relative to sources/. Empty if it has no sources.
   std::vector<std::string> fmi2_sources = {};
   std::vector<std::string> fmi3_sources = {};
 };

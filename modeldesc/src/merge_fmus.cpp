@@ -51,7 +51,7 @@ class Build {
  private:
   fs::path archive_;
   TemporaryFolder folder_;
-  std::map<std::string, fs::path> files_;  // maps an entry of the merged archive to its file
+  std::map<std::string, fs::path> files_;  // maps each entry of the archive to its unpacked file
   std::set<std::string> platforms_;
 };
 

@@ -21,7 +21,7 @@ enum class Fault : fmi3Int32 {
   growing,     // `blob` has twice as many bytes after each step
   huge,        // `bulk` reports a size of 2^31 bytes
   unreadable,  // `bulk` is at an address without memory
-  more,        // returns one element of `y` too many
+  more,        // writes one element of `y` too many
   fewer,       // expects one element of `y` fewer than `n`
 };
 

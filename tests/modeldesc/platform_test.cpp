@@ -40,7 +40,7 @@ class PlatformTest : public testing::Test {
     return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
   }
 
-  /// Copies the library of the test FMU, and writes this ELF machine into its header. Returns the copy's path.
+  /// Returns the bytes of the test FMU's library, with this ELF machine in the header.
   std::string library_for(std::uint16_t machine) {
     auto bytes = bytes_of(MEBOTS_BINARY_DIR "/fmu_binaries/lag.so");
     bytes[offsetof(Elf64_Ehdr, e_machine)] = static_cast<char>(machine);

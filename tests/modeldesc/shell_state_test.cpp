@@ -116,7 +116,7 @@ TEST(ShellState, CanBeSavedAndRestoredInEveryPhase) {
   lag.start();
   drive(lag, 0, 3);
   ASSERT_EQ(library().set_fmu_state(lag.component(), state), fmi2OK);
-  EXPECT_EQ(lag.step(0, 0.1), fmi2Error);  // the new instance is not initialised
+  EXPECT_EQ(lag.step(0, 0.1), fmi2Error);  // the restored instance is not initialised
   lag.start();
   EXPECT_EQ(lag.integer("steps"), 0);
   ASSERT_EQ(library().free_fmu_state(lag.component(), &state), fmi2OK);

@@ -88,7 +88,7 @@ TEST_F(Restore, StateAsBytesContinuesInNewInstancesWithTheSameBits) {
   Mission second(config_, folder_ / "second.csv");
   second.step(1);
   const auto kept = second.simulation().save_state();  // enables the FMUs to restore an earlier state
-  second.step(1259);  // the recorder truncates its file to the saved length, so the file must have this length
+  second.step(1259);  // the recorder truncates its file to the saved length, so it must be this long
   second.simulation().restore_state(second.simulation().deserialize(bytes));
   second.finish();
   EXPECT_TRUE(read_file(folder_ / "second.csv") == straight());

@@ -75,7 +75,7 @@ def fly(mebots, folder, name, *options, scenario=None):
 
 
 def fly_with_a_kill(mebots, folder):
-    """Kills a run after its checkpoint at 2 s, and resumes the run."""
+    """Kills a run after its second checkpoint, and resumes the run."""
     out = folder / "killed"
     run = subprocess.Popen([mebots, "run", str(config_file(folder, "killed")), "--out", str(out), "--quiet", "--stop-time", "6",
                             "--checkpoint-every", "2"])

@@ -21,15 +21,15 @@ struct GateFrame {
   /// Converts a point from world coordinates to the gate's coordinates.
   Eigen::Vector3d in_gate(const Eigen::Vector3d& p_W_m) const { return R_WG.transpose() * (p_W_m - p_WG_m); }
 
-  /// Return whether a point of the gate's plane, in the gate's coordinates, is in the opening, or in the outline of its
-  /// border.
+  /// These functions return whether a point of the gate's plane, in the gate's coordinates, is in the opening, or in
+  /// the outline of its border.
   bool within_opening(const Eigen::Vector3d& p_G_m) const { return within(p_G_m, inner_m); }
   bool within_outline(const Eigen::Vector3d& p_G_m) const { return within(p_G_m, outer_m); }
 
   Eigen::Vector3d p_WG_m;
   Eigen::Matrix3d R_WG;
   Eigen::Vector2d inner_m;  ///< width and height of the opening
-  Eigen::Vector2d outer_m;  ///< width and height of the gate's border
+  Eigen::Vector2d outer_m;  ///< outer width and height of the gate's border
   double thickness_m;       ///< thickness of the border along x
   /// For a polygon: y and z of the outward normals of its sides. All sides have the same distance from the centre.
   std::vector<Eigen::Vector2d> sides;

@@ -22,7 +22,7 @@ PageParts read_page_parts(const std::filesystem::path& folder, const std::string
 /// compressed (RFC 1950) and encoded in base64.
 std::string fill_page(const PageParts& parts, const std::string& title, std::string_view data);
 
-/// Returns the document of fill_page() without data. The page fetches the data from the server that serves the page.
+/// Returns the document of fill_page() without data. The page fetches the data only from the server that serves it.
 std::string fill_live_page(const PageParts& parts, const std::string& title);
 
 }  // namespace mebots

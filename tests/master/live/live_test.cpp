@@ -112,7 +112,7 @@ TEST_F(LiveClients, HaveAnAnswerOnlyAfterAllOfItWasSent) {
   const int line = connect_slowly("GET " + path() + "data HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port()) +
                                   "\r\nConnection: close\r\n\r\n");
   char byte = 0;
-  ASSERT_EQ(recv(line, &byte, 1, 0), 1);  // the server has sent its reply
+  ASSERT_EQ(recv(line, &byte, 1, 0), 1);  // the server has sent the start of its reply
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   EXPECT_FALSE(is_sent_);
   std::vector<char> rest(std::size_t{1} << 20);

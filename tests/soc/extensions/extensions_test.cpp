@@ -258,7 +258,7 @@ TEST(Floats, UseIntegerRegistersWithZfinx) {
 TEST(Floats, TakeTheCyclesOfTheManual) {
   const auto cycles = [](const std::string& body) {
     auto machine = run("rv32imfc_zicsr", std::string(kFloatsOn) + "csrr a1, mcycle\n" + body + "\n csrr a0, mcycle\n");
-    return machine->reg(10) - machine->reg(11) - 4;  // the address of the first access
+    return machine->reg(10) - machine->reg(11) - 4;  // without the 4 cycles of the first access
   };
   EXPECT_EQ(cycles("fadd.s fa0, fa1, fa2"), 1U);
   EXPECT_EQ(cycles("fmadd.s fa0, fa1, fa2, fa3\n fmul.s fa0, fa0, fa0"), 2U);

@@ -227,7 +227,7 @@ core: csrr a0, mhartid
 
 TEST(Model, PictureByPointerAndByBase64GiveTheSame) {
   const std::vector<std::uint8_t> picture(128, 200);
-  std::string text;  // 128 bytes of the 200: groups of "yMjI", then two bytes
+  std::string text;  // 128 bytes of the value 200: groups of "yMjI", then two bytes
   for (int i = 0; i < 42; ++i) text += "yMjI";
   text += "yMg=";
   std::vector<double> answered_at;

@@ -33,6 +33,6 @@ export function readMessages(log: string): Message[] {
 /** Returns the text of an event without its time and place, because the position of its mark shows them. */
 export function shortText(message: Message): string {
   const text = message.text.replace(/^t = [\d.]+ s(, at \([^)]*\) m)?: /, "");
-  const said = /^([\d.]+) s /.exec(text); // removes the clock time that firmware prints
+  const said = /^([\d.]+) s /.exec(text); // the clock time that some firmware prints
   return said && message.time !== null && Math.abs(Number(said[1]) - message.time) < 0.01 ? text.slice(said[0].length) : text;
 }

@@ -140,7 +140,7 @@ export class Run {
     return this.times.length > 0 ? this.times[this.times.length - 1] : 0;
   }
 
-  /** The number n if the recording contains one picture of n. */
+  /** The number n if the page contains one picture of n. */
   get pictureEvery(): number {
     return this.header.pictures.find(({ name }) => name === this.camera)?.every ?? 1;
   }

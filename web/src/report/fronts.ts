@@ -228,8 +228,8 @@ function choicesOf(study: Study): Choice[] {
   return [...all, place];
 }
 
-/** Returns the default axes. The first axis is the first minimised or maximised objective. The second is the first
- * share, or else the next objective, or else a factor. */
+/** Returns the default axes. The first is the first minimised or maximised objective. The second is the next such
+ * objective, or else the first share, or else another objective, or else a factor. */
 function firstChoices(study: Study): [number, number] {
   const { objectives } = study;
   const sorted = objectives.map((_, i) => i).sort((a, b) => Math.abs(objectives[b].sense) - Math.abs(objectives[a].sense));

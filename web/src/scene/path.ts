@@ -41,7 +41,7 @@ export class Path {
     this.flown.geometry.setColors(colours);
   }
 
-  /** Shows the path up to `row`, the last row at or before the shown time. */
+  /** Draws the path strongly up to the row with index `row`. If `row` is 0, hides this part. */
   show(row: number): void {
     this.flown.geometry.instanceCount = Math.min(row, this.segments);
     this.flown.visible = row > 0;

@@ -30,7 +30,8 @@ export function makePicture(run: Run, clock: Clock): HTMLElement {
   return figure;
 }
 
-/** Returns a text if the pictures of a long run are smaller. It also says if there are fewer pictures. */
+/** Returns a note if the shown picture has a reduced size, as in a long run: this size, and the share of pictures that
+ * the page contains. Empty for a picture of full size. */
 function detail(run: Run, picture: Picture): string {
   const size = picture.shrunk > 1 ? `, 1/${picture.shrunk} size` : "";
   return picture.shrunk > 1 && run.pictureEvery > 1 ? `${size}, 1 of ${run.pictureEvery}` : size;

@@ -17,8 +17,8 @@ namespace mebots::motor_thermal {
 /// For constant inputs, these equations are linear in (T_w, T_c), so a step of any length is the exact solution.
 class Model {
  public:
-  /// Creates the model. `resources` is not used. Throws an error if a parameter is outside its limits in the
-  /// description.
+  /// Creates the model. `resources` is not used. The FMI functions have checked each parameter against its limits in
+  /// the description.
   Model(const Parameters& parameters, const std::filesystem::path& resources);
 
   /// Sets the outputs to their values at the start.

@@ -46,7 +46,7 @@ enum class Causality : std::uint8_t {
 enum class Variability : std::uint8_t { constant, fixed, tunable, discrete, continuous };
 enum class Initial : std::uint8_t { exact, approx, calculated };
 
-// List the words of each enumeration in modelDescription.xml, in the order of the enumeration's values.
+// Each list contains the words of one enumeration in modelDescription.xml, in the order of the enumeration's values.
 inline constexpr std::string_view kTypeWords2[] = {"Real", "Integer", "Boolean", "String", "Enumeration"};
 inline constexpr std::string_view kTypeWords3[] = {"Float64", "Int32", "Boolean", "String", "Enumeration",
                                                    "Float32", "Int8",  "UInt8",   "Int16",  "UInt16",
@@ -55,7 +55,7 @@ inline constexpr std::string_view kCausalityWords3[] = {
     "parameter", "calculatedParameter", "input", "output", "local", "independent", "structuralParameter", "dependent"};
 inline constexpr std::span<const std::string_view> kCausalityWords2 = std::span(kCausalityWords3).first(6);
 inline constexpr std::string_view kVariabilityWords[] = {"constant", "fixed", "tunable", "discrete", "continuous"};
-// List the words of FMI 1.0. The reader converts these words to the words of FMI 2.0.
+// These lists contain the words of FMI 1.0. The reader converts them to the words of FMI 2.0.
 inline constexpr std::string_view kCausalityWords1[] = {"input", "output", "internal", "none"};
 inline constexpr std::string_view kVariabilityWords1[] = {"constant", "parameter", "discrete", "continuous"};
 inline constexpr std::string_view kAliasWords1[] = {"noAlias", "alias", "negatedAlias"};

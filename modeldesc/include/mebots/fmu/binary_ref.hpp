@@ -20,7 +20,7 @@ struct BinaryRef {
             static_cast<std::int32_t>(bytes.size())};
   }
 
-  /// Returns the bytes; empty if the pointer is null or the size is 0.
+  /// Returns the bytes; empty if the pointer is null, or if the size is not positive.
   std::span<const std::uint8_t> bytes() const {
     const auto address =
         (static_cast<std::uint64_t>(static_cast<std::uint32_t>(base_hi)) << 32) | static_cast<std::uint32_t>(base_lo);

@@ -37,7 +37,7 @@ struct Variable {
   Type type;
   Causality causality;
   Variability variability;
-  std::size_t offset;  // offset in the instance's variables; kNoField for an on-demand String
+  std::size_t offset;  // offset in bytes in the instance's variables; kNoField for an on-demand String
   double min;
   double max;
   std::string_view unit;

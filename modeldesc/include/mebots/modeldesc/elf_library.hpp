@@ -15,7 +15,7 @@ struct ElfSymbol {
   bool weak = false;         ///< an undefined weak symbol may stay undefined
   bool unique = false;       ///< STB_GNU_UNIQUE: the loader keeps one definition for the whole process
   bool bound = false;        ///< true: a relocation of the library names the symbol, so the loader looks it up
-  bool preemptible = false;  ///< true: default visibility, so a lookup may find another library's definition
+  bool preemptible = false;  ///< true: defined here, but a lookup may find another library's definition first
   std::string constant;      ///< the bytes of a unique symbol in read-only memory; otherwise empty
 };
 

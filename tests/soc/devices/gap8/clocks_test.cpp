@@ -82,7 +82,7 @@ TEST_F(Gap8Rtc, AlarmRaisesItsEventOnceOrWheneverItsFieldsMatch) {
 }
 
 TEST_F(Gap8Rtc, CountdownTakesOneTickMoreThanItsValueAndCanBeMasked) {
-  set(0x28, 32, 0);  // the next tick is 1/1024 s after the restart
+  set(0x28, 32, 0);  // after the restart, a tick takes 1/1024 s
   set(0x01, 1, 0);
   set(0x01, 0, 0);
   set(0x21, 9, 0);
