@@ -46,7 +46,7 @@ struct Ledger {
   }
 };
 
-/// Contains the powers of the loads and of the source on the bus. They are constant during a step.
+/// Contains the powers of the loads and of the source on the bus. They are constant during a call of advance().
 struct Demand {
   double delivered_w = 0;   // sum of the powers at the outputs of the loads' converters
   double drawn_w = 0;       // sum of the powers at the inputs of the loads' converters

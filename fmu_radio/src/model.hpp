@@ -12,7 +12,7 @@ namespace mebots::radio {
 /// when the channel is free. The outputs contain the result of a request after the step in which it completes.
 class Model {
  public:
-  /// The variables must outlive the model. Throws mebots::Error if there are more nodes than variables.
+  /// The variables must outlive the model. Throws mebots::Error if there is no node, or no variables for a node.
   Model(const Parameters& parameters, std::span<NodeVariables> nodes, std::int64_t start_ns, const Log& log = {});
 
   void step(std::int64_t start_ns, std::int64_t duration_ns);

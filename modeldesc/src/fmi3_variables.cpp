@@ -22,8 +22,8 @@ std::string common_stem(const Group& group) {
   return std::ranges::all_of(group.words, has_stem) ? stem : "";
 }
 
-/// Returns the field's name with {group} replaced by the common stem of its words. If there is no stem, omits {group}:
-/// the result is drone.position for drone.position.{axis}.
+/// Returns the field's name with {group} replaced by the common stem of its words. If there is no stem, omits {group}
+/// (drone.position for drone.position.{axis}), but replaces {group} at the start by the group's name.
 std::string array_name(const Field& field, const Group& group) {
   std::string name = field.name;
   const auto open = name.find('{');

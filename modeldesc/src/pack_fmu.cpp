@@ -76,7 +76,7 @@ Subject read_subject(const fs::path& file) {
           root.attribute("version").value(), co_simulation.attribute("modelIdentifier").value()};
 }
 
-/// Adds the folders and files whose paths in the archive depend on the version of FMI to `files`.
+/// Adds the icon, whose path in the archive depends on the version of FMI, and the terminals to `files`.
 void add_versioned(const FmuParts& parts, const Subject& subject, std::vector<PackedFile>& files) {
   if (!parts.icon.empty()) files.push_back({subject.is_fmi3 ? "terminalsAndIcons/icon.png" : "model.png", parts.icon});
   std::error_code error;

@@ -156,8 +156,8 @@ void release_free_memory();
 /// Returns the default of the attribute `initial` (FMI 2.0.4, table on page 51; FMI 3.0.2, section 2.4.7.5).
 std::optional<Initial> default_initial(Causality causality, Variability variability);
 
-/// Returns the value of the attribute modelIdentifier, which becomes part of a path. Throws Error if it is not a C
-/// name.
+/// Returns the value of the attribute modelIdentifier, which becomes part of a path. Throws Error if it is empty, or
+/// contains a slash or backslash.
 std::string model_identifier(const Element& element);
 
 /// Reads the attributes of the root element that all versions of FMI have into `result`. `guid` is the name of the

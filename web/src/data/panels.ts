@@ -66,7 +66,7 @@ function joined(run: Run, instance: string, names: string[]): CurveInfo[] {
   return found.map(({ variable, alike }) => ({ variable, label: shortName(variable, instance) + (alike > 0 ? `, and ${alike} alike` : "") }));
 }
 
-/** Orders the panels: the first panel of each instance, then the second panel of each instance, and so on. */
+/** Returns at most MOST_PANELS panels: the first of each instance, then the second of each instance, and so on. */
 function taken(panels: (PanelInfo & { instance: string })[]): PanelInfo[] {
   const seen = new Map<string, number>();
   const round = panels.map(({ instance }) => {

@@ -14,7 +14,7 @@ namespace mebots::data {
 
 /// Reads a table in CSV (RFC 4180) row by row. Commas separate the cells, the decimal separator is a point, and one
 /// header row names the columns. Accepts a byte order mark, CR LF and CR as line ends, quoted cells, and blanks around
-/// names and numbers. Skips empty lines. Throws an Error that names file, line and column if the table is wrong.
+/// names and numbers. Skips empty lines. Throws an Error that names file and line, and for a cell the column.
 class CsvReader {
  public:
   /// Reads the header. `text` must outlive the reader; `name` is the file's name in errors. Throws Error if the text is

@@ -17,8 +17,8 @@ struct Mistake {
   std::size_t offset = 0;  // byte offset in the file
 };
 
-/// Contains all errors of a file, in the order of their places in the file. The message has one line per error. The
-/// code is the code of the first error.
+/// Contains all errors of a file, in the order of their places in the file. The message has one line for each of
+/// the first 20 errors. The code is the code of the first error.
 class Mistakes : public Error {
  public:
   /// `mistakes` must not be empty.

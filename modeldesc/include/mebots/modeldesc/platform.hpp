@@ -44,9 +44,9 @@ bool is_built_for(const Platform& platform, const std::filesystem::path& library
 const Platform& platform_of(const std::filesystem::path& library);
 
 /// Returns the folder of an unpacked FMU that contains the libraries for this machine: `binaries/` and the platform's
-/// name. If this folder does not exist, but the library `file` in `binaries/linux64` is for this machine, returns
-/// `binaries/linux64`. Reason: FMI 2.0 has no name for Linux on processors other than x86, and some tools use `linux64`
-/// for all processors.
+/// name. For FMI 1.0 and 2.0, returns `binaries/linux64` if this folder does not exist, but the library `file` in
+/// `binaries/linux64` is for this machine. Reason: FMI 2.0 has no name for Linux on processors other than x86, and some
+/// tools use `linux64` for all processors.
 std::filesystem::path binaries_folder(const std::filesystem::path& fmu, bool is_fmi3, std::string_view file);
 
 }  // namespace mebots::modeldesc
