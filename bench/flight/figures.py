@@ -79,8 +79,8 @@ def thrust(axis, folder):
 
 
 def voltage_errors(axis, title, flights):
-    """Draws the share of flights whose error is below a limit, for both cells: without a fit, and with a fit to the
-    first seconds."""
+    """Draws the share of flights whose error is below a limit: for three cells without a fit, and for one of them with a
+    fit to the first seconds."""
     flown = Set(flights, Rotors())
     curves = [(name, colour, "-", rms(flown.errors(Cell.load(name), 1.0)), "blind") for name, colour in CELLS]
     curves.append((CHARGED, style.PALETTE[3], "-", rms(flown.errors(Cell.load(CHARGED), 1.0)), "blind"))

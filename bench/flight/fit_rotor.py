@@ -85,8 +85,8 @@ def simulated_speed(flight, drag, law, inertia):
 
 
 def fit_inertia(flights, drag, law):
-    """Returns the inertia J with the least variance of the speed error. The mean error of each rotor is attributed to
-    differences between motors."""
+    """Returns the inertia J with the least variance of the speed error, and this variance relative to that of the speed.
+    The mean error of each rotor is attributed to differences between motors."""
     def variance(logarithm):
         found = []
         for flight in flights:

@@ -26,7 +26,7 @@ SAG_AT_S = 5.0
 
 
 def spread(values):
-    """Returns the median, mean, 90th percentile and largest of the values [mV]."""
+    """Returns a text with the median, mean, 90th percentile and largest of the values [mV]. The values are in V."""
     mv = 1e3 * np.asarray(values)
     return f"{np.median(mv):.0f}, {mv.mean():.0f}, {np.percentile(mv, 90):.0f}, {mv.max():.0f}"
 
@@ -46,7 +46,8 @@ def before(flights, judged):
 
 
 def sag_and_slope(voltage, rest):
-    """Returns the voltage drop from rest to 5 s after the start [V], and the slope from 10 s to the end [V/s]."""
+    """Returns a text with two medians: the voltage drop from rest to 5 s after the start [mV], and the slope from 10 s to
+    the end [mV/s]."""
     sag = rest - voltage[:, round(SAG_AT_S / data.STEP_S)]
     slopes = []
     for row in voltage:

@@ -59,7 +59,7 @@ class World:
         return self.slave.getReal([self.at[n] for n in names])
 
     def step(self, k):
-        """Performs step number k: sets the inputs, steps the FMU, and advances the rotors. Returns the mode."""
+        """Performs step number k: sets the inputs, steps the FMU, and advances the rotors."""
         mode, forward, yaw_rate = wish(k * STEP)
         command = np.array(self.real([f"rotor[{i}].command" for i in (1, 2, 3, 4)]))
         self.slave.setReal([self.at[f"rotor[{i}].{what}"] for what in ("thrust", "torque") for i in (1, 2, 3, 4)],

@@ -63,8 +63,8 @@ def read_layers(name):
 
 
 def scaled(layer, step_in, step_out):
-    """Returns the layer's weights and bias in float. An input and an output have the given step sizes. The biases
-    include half a unit for rounding."""
+    """Returns the layer's weights and bias in float. An input and an output have the given step sizes. The biases of the
+    file include half a unit for rounding, and the result does not."""
     weights, biases, shifts = layer
     factor = 2.0 ** -shifts.astype(float) * step_out
     half = 2.0 ** (shifts.astype(float) - 1)

@@ -99,7 +99,7 @@ def content(out):
 
 
 def torn(out, whole):
-    """Returns the files that are incomplete."""
+    """Returns the files that are incomplete, and temporary files that remain."""
     found = []
     for path in out.iterdir() if out.exists() else ():
         name, bytes_ = path.name, path.read_bytes() if path.is_file() else b""

@@ -205,7 +205,7 @@ def robustness(name, flights, summaries):
 
 
 def start_way(name, summary):
-    """Returns the path and the end of a flight from a random start, and the time just before the gate."""
+    """Returns the path and the outcome of a flight from a random start, and the duration of its last stretch."""
     trace = Trace(summary["folder"])
     return {"name": name, **trace.way(WAY_POINTS["start"]), "outcome": summary["outcome"],
             "crossed": bool(summary["gate"]["crossed"]), "last_stretch_s": trace.last_stretch_s()}
@@ -245,8 +245,8 @@ def flown_again(name, part, summaries):
 
 
 def failure(flight, summary):
-    """Returns a picture and the path of a flight. The picture is from a metre before the gate, or from the end if the
-    drone did not get that close."""
+    """Returns the outcome, the start and a picture of a flight. The picture is from a metre before the gate, or from the
+    end if the drone did not get that close."""
     trace = Trace(summary["folder"])
     near = trace.first(trace["world.gate.distance"] < 1.0)
     when = trace.time[-1] if near is None else near

@@ -196,7 +196,7 @@ def crossings(axes, part, gate):
 
 
 def failures(found):
-    """Draws one picture for each flight that did not pass, taken a metre before the gate."""
+    """Draws one picture for each flight that did not pass, taken a metre before the gate or at the end."""
     columns = min(6, len(found))
     rows = -(-len(found) // columns)
     figure, axes = plt.subplots(rows, columns, figsize=(10, 2.3 * rows), constrained_layout=True, squeeze=False)

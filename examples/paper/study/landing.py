@@ -25,7 +25,7 @@ def opening_charge(summary):
 
 
 class Search:
-    """Searches for one cell and one motor model. The search counts STEPs from its first landing."""
+    """Searches the lowest landing charge of one cell with one motor model. Changes the charge by one STEP per flight."""
 
     def __init__(self, motors, battery, empty):
         self.motors, self.battery = motors, battery

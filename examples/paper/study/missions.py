@@ -67,7 +67,7 @@ def lens(field_of_view, chip):
 
 
 def scene(name):
-    """Returns the scene file of this name, from which fmu_world builds its world."""
+    """Returns the content of the scene file of this name, from which fmu_world builds its world."""
     return json.loads((ROOT / f"fmu_world/params/scenes/{name}.json").read_text())
 
 
