@@ -12,7 +12,7 @@ cd "$(dirname "$0")/.."
 packages=(
   build-essential cmake ninja-build pkg-config ccache git ca-certificates
   clang-14 clang-format-14                                        # fuzzing; checking the format, as in CI
-  libeigen3-dev libsundials-dev libode-dev libccd-dev             # models of battery, world and physics
+  libeigen3-dev libsundials-dev libode-dev libccd-dev             # linear algebra, integration, physics, collisions
   musl-dev                                                        # sin(), exp() and so on with the same bits on every machine
   libzip-dev libpugixml-dev nlohmann-json3-dev                    # reading FMU archives, XML, JSON
   libcli11-dev libfmt-dev                                         # reading the command line, formatting text

@@ -56,8 +56,8 @@ export function makeDistributions(study: Study, selection: Selection, shown: Sho
     context.globalAlpha = 1;
   }
 
-  /** Draws bands from the 5 to the 95 % quantile and from the 25 to the 75 % quantile. A pixel shows the outermost
-   * values of the designs in it. */
+  /** Draws bands from the least to the greatest value, from the 5 to the 95 % quantile and from the 25 to the 75 %
+   * quantile, and the median as a line. A pixel shows the outermost values of the designs in it. */
   function drawBands(own: number[][]): void {
     const { context } = spread;
     const columns = Math.min(own.length, Math.floor(spread.box.right - spread.box.left));

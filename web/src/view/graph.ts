@@ -153,7 +153,8 @@ function makeInstances(system: SystemInfo, names: string[]): HTMLElement[] {
     element("table", {}, element("thead", {}, element("tr", {}, ...["instance", "model", "what it is", "step"].map((head) => element("th", { class: "whole" }, head)))), element("tbody", {}, ...rows))];
 }
 
-/** Adds a table of connections to `into`. Returns the function that updates the values to the shown time. */
+/** Replaces the content of `into` by `before` and a table of connections. Returns the function that updates the values
+ * to the shown time. */
 function showConnections(run: Run, clock: Clock, into: HTMLElement, bundles: Bundle[], title: string, before: HTMLElement[]): () => void {
   const rows = bundles.flatMap((bundle) => bundle.connections);
   const body = element("tbody", {});
