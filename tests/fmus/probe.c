@@ -310,7 +310,7 @@ static void take_all_memory(void) {
   }
 }
 
-// Calls the logger with any environment and name. FMUs of some tools pass an environment that is not the instance's.
+// Calls the logger with an environment that may not be the instance's, as the FMUs of some tools do.
 static void say_for(Probe* p, void* environment, const char* name, const char* text) {
   p->callbacks.logger(environment, name, fmi2Warning, "logStatusWarning", text);
 }

@@ -39,7 +39,7 @@ class ChangedFmu {
   modeldesc::TemporaryFolder folder_{"mebots-test"};
 };
 
-/// Returns the message of the InputError that `work` throws; fails the test if it throws none.
+/// Returns the message of the InputError that `work` throws; "no InputError was thrown" if it throws none.
 template <typename Work>
 std::string input_error(Work work);
 
@@ -59,7 +59,7 @@ class Messages final : public master::MessageSink {
   std::vector<Severity> severities;
 };
 
-/// Performs a complete run in memory, from the text of a config to the text of results.csv.
+/// Performs a complete run in this process, from the text of a config to the text of results.csv.
 class TestRun {
  public:
   explicit TestRun(const std::string& config);

@@ -126,7 +126,7 @@ class ClusterAuthor : RandomText {
     return fmt::format("    {} {}, {}({})\n", any(kStores), source(), offset, base);
   }
 
-  /// Returns a branch over some code. The branch is taken at random, never, always, or rarely.
+  /// Returns a branch over some code. The branch is taken at random, never, rarely, or mostly.
   std::string forward(int depth) {
     const auto label = labels_++;
     const auto body = items(1 + (below(4) == 0 ? below(50) : below(6)), depth - 1);

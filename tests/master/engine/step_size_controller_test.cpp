@@ -20,7 +20,7 @@ StepControlDescription description(std::int64_t most = 1'000'000) {
   return result;
 }
 
-/// Controls steps whose errors are (length / wanted)^order, until the length no longer changes. Returns this length.
+/// Controls 2000 steps whose errors are (length / wanted)^order. Returns the last length, which no longer changes.
 std::int64_t settled(const StepControlDescription& description, double wanted, int order) {
   StepSizeController controller(description);
   std::int64_t steps = 0;

@@ -17,7 +17,7 @@ struct Case {
   double cycles;     // cycles of one repetition
 };
 
-/// Returns the cycles from one read of mcycle to the next, minus those of the first read.
+/// Returns the cycles of one repetition of `body`: the mean of kRepeats repetitions between two reads of mcycle.
 double cycles_of(const std::string& body, CoreKind kind) {
   const auto program = fmt::format(R"(
 _start: .option norvc

@@ -90,7 +90,7 @@ std::uint32_t word_at(const std::uint8_t* bytes) {
   return value;
 }
 
-/// Describes the first difference between the logs: the record before it, and the difference.
+/// Returns the record, the word and both values of the first difference between the logs; "none" if they are equal.
 std::string first_difference(const std::uint8_t* ours, const std::uint8_t* theirs, std::uint32_t bytes) {
   for (std::uint32_t at = 0; at < bytes; at += 4) {
     if (word_at(ours + at) == word_at(theirs + at)) continue;

@@ -148,7 +148,7 @@ class Generator {
     return words;
   }
 
-  /// Returns true for standard arithmetic instructions without a jump.
+  /// Returns true for standard arithmetic instructions of 32 bits, without jumps and accesses to memory or CSRs.
   static bool computes_in_32_bits(const Encoding& row) {
     return row.extension == Extension::standard && (row.match & 3U) == 3 && !ends_block(row.op) && !is_load(row.op) &&
            !is_store(row.op) && !is_branch(row.op) && !is_csr(row.op);

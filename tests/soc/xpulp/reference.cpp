@@ -219,7 +219,7 @@ bool XpulpReference::alu(std::uint32_t word) {
             if (bits_of(a, i, i) == 1) result = i;
           }
           break;
-        case 2:  // counts the bits that are equal to the sign
+        case 2:  // counts the leading bits that repeat the sign
           result = 0;
           if (a != 0) {
             while (result < 31 && bits_of(a, 30 - result, 30 - result) == bits_of(a, 31, 31)) ++result;

@@ -2,7 +2,8 @@
 // Formats numbers for readers.
 import type { Factor, Objective } from "./content";
 
-/** Formats a number with at most `most` significant digits, without trailing zeros, and with a real minus sign. */
+/** Formats a number with at most `most` significant digits and a real minus sign. There are no trailing zeros, except
+ * before an exponent. */
 export function digits(value: number, most = 4): string {
   if (value === 0) return "0";
   const size = Math.abs(value);

@@ -79,8 +79,8 @@ function meanNote(window: Window): HTMLElement {
   return note;
 }
 
-/** Returns the curves of each run. If several runs have stacked parts or many lanes, returns only the sum of each
- * run. */
+/** Returns the curves of each run. If there are several runs, and the panel shows stacked parts or lanes of rates,
+ * returns only the sum of each run. */
 function curvesOf(info: PanelInfo, runs: Run[]): RunCurve[] {
   const curves: RunCurve[] = [];
   const isParts = info.kind === "stack" || (info.kind === "lanes" && info.curves.every(({ rate_of }) => rate_of !== undefined));

@@ -15,7 +15,7 @@ function firstTrue(run: Run, ending: string): number | null {
   return row > 0 ? run.times[row] : null;
 }
 
-/** Returns a text such as "Crossed the gate 1.4 cm off its middle after 23.5 s"; empty if no gate was crossed. */
+/** Returns a text such as "crossed the gate 1.4 cm off its middle after 23.5 s"; empty if no gate was crossed. */
 function crossing(run: Run): string {
   const time = firstTrue(run, ".gate.crossed");
   if (time === null) return "";
