@@ -189,8 +189,8 @@ class ElfImage {
     return values_.contains(DT_GNU_HASH) ? gnu_hashed_symbols(pointer(DT_GNU_HASH)) : 0;
   }
 
-  /// Returns the number of symbols in a GNU hash table. The table consists of counts, a bloom filter, the first symbol
-  /// of each bucket, and one word per symbol. The lowest bit of a word is 1 if its symbol is the last one of a bucket.
+  /// Returns the number of dynamic symbols up to the last one in a GNU hash table (counts, bloom filter, first symbol
+  /// of each bucket, one word per symbol). The lowest bit of a word is 1 if its symbol is the last one of a bucket.
   std::uint64_t gnu_hashed_symbols(std::uint64_t table) const {
     constexpr std::uint64_t kWord = sizeof(std::uint32_t);
     const auto word = [&](std::uint64_t i) { return std::uint64_t{at<std::uint32_t>(table + i * kWord)}; };

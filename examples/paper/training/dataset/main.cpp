@@ -292,7 +292,7 @@ double hidden_part(const std::vector<mebots::world::scene::Box>& things, const m
 /// Maximum hidden share of a gate that the sight network must detect.
 constexpr double kMostHidden = 0.35;
 
-/// Returns true if the drone can be at `p`, and the gate to detect is not hidden.
+/// Returns true if the drone can be at `p`, and at most kMostHidden of the gate to detect is hidden.
 bool has_answer(const mebots::world::scene::Scene& scene, const std::vector<mebots::world::scene::Box>& things,
                 const Sight& seen, const Vector3d& p_W) {
   if (std::any_of(things.begin(), things.end(), [&](const auto& box) { return inside(box, p_W, 0.1); })) return false;
