@@ -63,8 +63,8 @@ def voltage(axis, flights):
 
 
 def thrust(axis, folder):
-    """Draws two thrusts over time: one computed from the measured rotor speeds, one from weight and measured
-    acceleration."""
+    """Draws the thrust over time: from weight and measured acceleration, and from the measured rotor speeds with the
+    coefficient of each rotor file."""
     flight = data.flight(folder, THRUST_FLIGHT)
     pulls = [np.mean((flight.speed_rad_per_s[:, s]**2).sum(axis=0) * flight.upright[s]) for s in flight.blocks()]
     times = [flight.time_s[s].mean() for s in flight.blocks()]
