@@ -54,7 +54,8 @@ set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
 endfunction()
 
 # _mebots_other_builds(<variable> <fmu target>)
-# Adds a build of the project for each platform other than this machine's. Returns the archives that they make of one FMU.
+# Adds a build of the project for each platform in MEBOTS_PLATFORMS other than this machine's. Sets <variable> to the paths
+# of the archives of <fmu target> in these builds.
 function(_mebots_other_builds variable fmu)
   if(NOT mebots_DIR)
     message(FATAL_ERROR "MEBOTS_PLATFORMS works in a project of your own that uses an installed MEbots by find_package(mebots); "

@@ -257,7 +257,7 @@ def finer(what, parts):
 
 
 def compare_with_truths(row, what, known):
-    """Sets the deviation of mebots' run from each truth."""
+    """Stores in the row how far the outputs of mebots deviate from each known solution."""
     row["truths"] = []
     for truth in known:
         ratio, error, place = truths.compare(truth, times_of(what), what["step_ns"] / 1e9, row["ours"].get("columns", {}))

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Implements the navigator with the gate finder. It steers to the middle of the frame, and computes the distance from
-// the frame's height.
+// Implements the navigator with the gate finder. It steers towards the centre of the gate in the picture, and computes
+// the distance from the gate's height in the picture.
 #include "app/calibration.h"
 #include "app/gate_finder.h"
 #include "app/navigator.h"

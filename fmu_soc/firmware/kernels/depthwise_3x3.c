@@ -12,7 +12,8 @@
 #define ROWS 4
 #define WORDS_PER_COLUMN 4  // one for each channel
 
-// Input rows of a unit. The step of a row outside the input is 0, and its pointer points to a constant word.
+// The input rows that a unit of work reads. The step of a row outside the input is 0, and its pointer points to a
+// constant word.
 typedef struct {
   const uint8_t* at[ROWS];
   int32_t step[ROWS];

@@ -58,8 +58,8 @@ void emit_csr_state(Assembler& c, Label& rare) {
 }
 
 /// Sets rax to the number of cycles or retired instructions since reset, before this instruction. rdx points to the
-/// core's CsrState. Changes rcx. If the counter does not run, or if the first instruction of a block may have stalled,
-/// jumps to `rare`.
+/// core's CsrState. Changes rcx. Jumps to `rare` if the counter is stopped. Also jumps there if `at` reads the cycle
+/// counter, is the first instruction of its block, and may have stalled because of a load before the block.
 void emit_count(Assembler& c, const Instruction* at, bool instret, Label& rare) {
   c.test(csr_word(csr::slot_of(csr::kMcountinhibit)), instret ? Csrs::kInhibitInstret : Csrs::kInhibitCycle);
   c.jnz(rare, kNear);

@@ -22,7 +22,7 @@ namespace mebots::soc {
 class Banks {
  public:
   static constexpr unsigned kMost = 32;
-  /// When the time has advanced by this number of rows, the table should be started again.
+  /// Number of ticks after which the scheduler must move the rows in use to the front of the table.
   static constexpr std::uint64_t kTurn = 4096;
   /// Maximum number of ticks of one run of translated code, and maximum number of ticks by which the last block of the
   /// run can exceed this limit.

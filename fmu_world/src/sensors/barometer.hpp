@@ -25,7 +25,7 @@ class Barometer {
  public:
   Barometer(const scene::BarometerData& data, const Air& air, std::uint64_t seed);
 
-  /// Sets the seed. It is not part of the state: its owner sets it before every step.
+  /// Sets the seed. Saved states do not contain it, so DroneSensors sets it before every step.
   void reseed(std::uint64_t seed) { seed_ = seed; }
 
   /// Takes a sample if one is due at time_ns.

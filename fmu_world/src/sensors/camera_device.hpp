@@ -35,8 +35,8 @@ class CameraDevice {
 
   CameraDevice(const std::shared_ptr<const camera::Scenery>& scenery, const Settings& settings);
 
-  /// Sets the seed for the noise of later pictures. The seed is not part of the state: its owner sets it before every
-  /// step.
+  /// Sets the seed for the noise of later pictures. Saved states do not contain it, so DroneSensors sets it before
+  /// every step.
   void reseed(std::uint64_t seed) { settings_.seed = seed; }
 
   /// Takes a picture from the body's pose at a time if `count` is new. A count of 0 requests no picture. `others` are

@@ -16,7 +16,7 @@ class ContactSensor {
   /// A period without a noise has exact forces.
   ContactSensor(double period_s, double noise_n, std::uint64_t seed);
 
-  /// Sets the seed. It is not part of the state: its owner sets it before every step.
+  /// Sets the seed. Saved states do not contain it, so DroneSensors sets it before every step.
   void reseed(std::uint64_t seed) { seed_ = seed; }
 
   /// Adds an inner step of dt that ends at time_ns, and takes a sample if one is due. `force_B_n` is the sum of all

@@ -29,7 +29,7 @@ class FlowSensor {
 
   FlowSensor(const scene::FlowData& data, std::uint64_t seed, std::int64_t start_ns);
 
-  /// Sets the seed. It is not part of the state: its owner sets it before every step.
+  /// Sets the seed. Saved states do not contain it, so DroneSensors sets it before every step.
   void reseed(std::uint64_t seed) { seed_ = seed; }
 
   /// Updates the sensor: the body was at `state` for dt until time_ns, `distance_m` along -z from the next surface

@@ -31,7 +31,7 @@ class Imu {
   /// Throws mebots::Error for a standard deviation that is negative or not finite.
   Imu(const Settings& settings, std::uint64_t seed);
 
-  /// Sets the seed. It is not part of the state: its owner sets it before every step.
+  /// Sets the seed. Saved states do not contain it, so DroneSensors sets it before every step.
   void reseed(std::uint64_t seed) { seed_ = seed; }
 
   /// Updates the sensors: the body moved from one state to the other within dt, up to time_ns.

@@ -29,7 +29,8 @@ class RangeSensor {
   RangeSensor(std::shared_ptr<const RayCaster> rays, const scene::Drone& drone, const Settings& settings,
               std::uint64_t seed);
 
-  /// Sets the seed for the noise of later samples. It is not part of the state: its owner sets it before every step.
+  /// Sets the seed for the noise of later samples. Saved states do not contain it, so DroneSensors sets it before
+  /// every step.
   void reseed(std::uint64_t seed) { seed_ = seed; }
 
   /// Updates the sensor with the body at `state` at time_ns; takes a sample when one is due.

@@ -162,8 +162,8 @@ enum class Risk { refuse, accept };
 
 /// Loads an FMU's library into this process. Does not load it if the FMU's ELF files show that it would share libraries
 /// or symbols with the program or with other FMUs. The result depends on the libraries that the process has already
-/// loaded. If `risk` is Risk::accept, only certain sharing prevents loading. Throws InputError if the library cannot be
-/// loaded at all. May be called from any thread.
+/// loaded. If `risk` is Risk::accept, sharing that is merely possible does not prevent loading: see Admission::certain.
+/// Throws InputError if the library cannot be loaded at all. May be called from any thread.
 Admission load_into_this_process(const std::shared_ptr<Fmu>& fmu, Risk risk);
 
 }  // namespace mebots::master

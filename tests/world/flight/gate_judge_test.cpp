@@ -318,7 +318,8 @@ TEST(GateJudge, ASceneWithoutGatesIsNeverPassed) {
 }
 
 TEST(GateJudge, ARestoredOneContinuesUnchanged) {
-  // The state is saved during a long contact, while the drone is in the plane and has reversed once.
+  // The state is saved after the drone has crossed the gate, 9.6 s after the start of a contact. After 10 s of contact
+  // the drone is stuck. Then it flies back through the gate.
   const auto second_half = [](GateJudge& judge) {
     const auto stuck = judge.touch(0, 12 * kSecond_ns);
     const auto turned_back = judge.move(state_at(2.01, 0.05, 1.0), state_at(1.9, 0.05, 1.0));

@@ -59,8 +59,8 @@ function shareText(share: number): string {
   return `${(100 * share).toFixed(1)} %`;
 }
 
-/** Creates the table of energies. It contains the parts that consumed energy, the greatest first, then their sum,
- * and the devices of the board. */
+/** Creates the table of energies. Its first rows are the parts of the chip, with the largest energy first, and their
+ * sum. The devices of the board follow; the sum does not include them. Parts and devices without energy are omitted. */
 function makeEnergy(chip: Json): HTMLElement {
   const used = (list: Record<string, number>) => Object.entries(list).filter(([, joules]) => joules !== 0).sort(([, a], [, b]) => b - a);
   const row = (name: string, joules: number, text: string, share?: number) => element("tr", {},

@@ -104,8 +104,8 @@ class Model:
         return rest
 
     def _dequantise(self, node: Any) -> None:
-        """Computes weights that the model stores as bytes, and stores their scales. The evaluator of onnx does not support old versions
-        of this operator."""
+        """Computes the real values of a constant that the model stores as integers. If they are int8 with zero point 0, also stores
+        their scales. The evaluator of onnx does not support old versions of this operator."""
         whole = self.constants[node.input[0]]
         step = np.asarray(self.constants[node.input[1]], dtype=np.float64)
         zero = self.constants[node.input[2]].astype(np.float64) if len(node.input) > 2 and node.input[2] else np.zeros_like(step)

@@ -27,7 +27,8 @@ class Crop:
 
 
 class Pictures:
-    """Contains the inputs from a folder of pictures, or from a .npy file of vectors (number, *shape). They are bytes in stored order."""
+    """Contains the inputs from a folder of pictures, or from a .npy file of vectors with shape (number, *shape). ``one`` and ``bytes``
+    return inputs as bytes in the order rows, columns, channels."""
 
     def __init__(self, path: pathlib.Path, tensor: Tensor, crop: Crop | None, whole: Tensor | None = None) -> None:
         """Finds the inputs. If ``whole`` is given, they have its size and are reduced to the size of ``tensor``."""

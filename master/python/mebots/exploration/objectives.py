@@ -141,7 +141,8 @@ def _ending(record: Record, one: Objective) -> str:
 
 
 def has_all(record: Record, order: Mapping[str, Any]) -> bool:
-    """True if a record, possibly of another study, contains all values that the order requests."""
+    """Returns True if a stored mission need not run again. Its record must contain all final and series values that ``order``
+    requests, and its results folder, if ``order`` names one, must contain summary.json. A failed mission needs no values."""
     if record["error"]:
         return True
     if "out" in order and not os.path.exists(os.path.join(order["out"], "summary.json")):

@@ -26,8 +26,8 @@ class ConnectorWriter {
   /// `system` must outlive this object.
   explicit ConnectorWriter(const ResolvedSystem& system);
 
-  /// Returns the pairs of ends for a connection of the config: three pairs if both ends are OSMP binaries, otherwise
-  /// one pair. Stores the connectors for write().
+  /// Returns the SSP connections, as pairs of source and target, that replace a connection of the config. A connection
+  /// of two OSMP binaries becomes three, one for each of their Integers. Stores the connectors for write().
   std::vector<std::pair<WrittenEnd, WrittenEnd>> ends(const ConnectionDescription& connection);
   /// Appends the element <Connectors>, which contains the connectors of an instance, sorted by name.
   void write(pugi::xml_node component, std::size_t instance, DefinitionsWriter& definitions) const;
