@@ -772,6 +772,11 @@ class Arrays(StudyCase):
                 mission.set(name, value)
             mission.run()
             self.assertEqual([mission.value(f"a.line.u[{line}]") for line in range(1, 5)], [7, 7, 7, 9])
+        with mebots.Mission(self.folder / "mission.json", set={"a.lines": 4, "a.*.u[4]": 9}) as mission:
+            with self.assertRaisesRegex(mebots.InputError, r"no variable fits 'a\.\*\.u\[4\]'.* Set the sizes of arrays before"):
+                mission.set("a.lines", 2)
+            mission.run()
+            self.assertEqual(mission.value("a.line.u[4]"), 9)  # the failed call has no effect
         with self.assertRaisesRegex(mebots.InputError, r"no variable fits 'a\.line\.v\*'\. Did you mean .*'a\.line\.u\[\*\]'"):
             mebots.Mission(self.folder / "mission.json", set={"a.line.v*": 7})
 

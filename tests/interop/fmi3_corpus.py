@@ -359,9 +359,11 @@ def entry_of(table, fmu):
 
 def compare_with_equations(what, ours):
     """Returns the largest difference from the exact solution as text, and false if it is too large."""
+    if "columns" not in ours:
+        return "", True
     model = fmpy.read_model_description(what["fmu"], validate=False)
     exact = fmi3_exact.exact_columns(model, what["kind"], corpus.times_of(what), what["inputs"])
-    if exact is None or "columns" not in ours:
+    if exact is None:
         return "", True
     gap, place = corpus.difference(exact, {name: ours["columns"][name] for name in exact})
     return f"{gap:.1e} ({place})", gap <= MOST_ERROR

@@ -48,7 +48,10 @@ ResultFiles::ResultFiles(const RunOptions& options, const ResolvedSystem& system
   if (resumed == nullptr) {
     refuse_as_input(options.out, system.description->file, "config");
     for (const auto& file : options.scenarios) refuse_as_input(options.out, file, "scenario");
-    for (const auto& file : options.inputs) refuse_as_input(options.out, file, "input");
+    for (const auto& input : system.description->inputs) refuse_as_input(options.out, input.file.path, "input");
+    for (const auto& change : system.description->scenario) {
+      if (change.file) refuse_as_input(options.out, change.file->path, "input");
+    }
     if (system.description->record.csv) results_ = &folder_.create("results.csv");
     log_ = &folder_.create("log.txt");
     logging_ = true;

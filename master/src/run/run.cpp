@@ -148,7 +148,15 @@ void Run::set(const Setting& written) {
   add_assignments(checked);
   options_.settings.push_back(setting);
   const bool resizes = std::ranges::any_of(checked, &CheckedSetting::is_size);
-  if (resizes && std::ranges::any_of(options_.settings, is_pattern, &Setting::variable)) assign_again();
+  if (!resizes || std::ranges::none_of(options_.settings, is_pattern, &Setting::variable)) return;
+  try {
+    assign_again();
+  } catch (...) {  // the failed setting has no effect
+    options_.settings.pop_back();
+    setting_changes_.resize(setting_changes_.size() - checked.size());
+    for (const auto& one : checked) one.located.instance->parameters.pop_back();
+    throw;
+  }
 }
 
 void Run::add_assignments(const std::vector<CheckedSetting>& checked) {
@@ -158,7 +166,8 @@ void Run::add_assignments(const std::vector<CheckedSetting>& checked) {
   }
 }
 
-/// Assigns all settings again after a size has changed, so that patterns match the elements that exist now.
+/// Assigns all settings again after a size has changed, so that patterns match the elements that exist now. Has no
+/// effect if it throws.
 void Run::assign_again() {
   std::vector<CheckedSetting> checked;
   for (const auto& setting : options_.settings)
@@ -477,9 +486,12 @@ void Run::step_until(std::int64_t until_ns) {
 /// Sets values that a user set by hand between the checkpoint and the end of the killed process.
 void Run::set_again() {
   if (!live_scenario_) return;
-  for (const auto& [variable, value] : live_scenario_->due(time_ns())) {
-    at_point([&] { write_variable(*this, variable, value, "set by hand"); });
-  }
+  at_point([&] { write_due(); });
+}
+
+void Run::write_due() {
+  for (const auto& [variable, value] : live_scenario_->due(time_ns()))
+    write_variable(*this, variable, value, "set by hand");
 }
 
 void Run::advance(std::int64_t until_ns, std::string_view what) {
@@ -723,6 +735,7 @@ void Run::report_uncertainty(const nlohmann::ordered_json& uncertainty) {
 }
 
 void Run::set_by_hand(std::string_view variable, double value) {
+  write_due();  // values that the killed process set at this time come first
   const auto written = write_variable(*this, variable, value, "set by hand");
   live_scenario_->add(variable, written, time_ns());
 }

@@ -201,6 +201,7 @@ class Run {
   void note_slaves(Ensemble& ensemble);
   void step_until(std::int64_t until_ns);
   void set_again();
+  void write_due();
   std::int64_t next_point_ns() const;
   void finish();
   void fail(ErrorCode code, const std::string& what) noexcept;

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <set>
 #include <utility>
@@ -72,6 +73,16 @@ std::vector<std::string> matching_variables(const SystemDescription& system, Fmu
 
 namespace {
 
+/// True if the FMU of an instance has structural parameters, which can change the sizes of arrays.
+bool has_sizes(const SystemDescription& system, FmuLibrary& library) {
+  return std::ranges::any_of(system.instances, [&](const InstanceDescription& instance) {
+    const auto fmu = open_fmu(instance, library);
+    return std::ranges::any_of(fmu->description().variables, [](const modeldesc::Variable& variable) {
+      return variable.causality == modeldesc::Causality::structural_parameter;
+    });
+  });
+}
+
 /// Returns one setting for each variable that matches the name. A name without `*` and `?` is returned unchecked.
 std::vector<Setting> single_settings(const SystemDescription& system, FmuLibrary& library, const Setting& setting) {
   if (!is_pattern(setting.variable)) return {setting};
@@ -79,9 +90,11 @@ std::vector<Setting> single_settings(const SystemDescription& system, FmuLibrary
   for (auto& name : matching_variables(system, library, setting.variable))
     settings.push_back({std::move(name), setting.value, setting.place});
   if (!settings.empty()) return settings;
-  throw InputError(ErrorCode::unknown_name,
-                   fmt::format("{}: no variable fits '{}'. {}", setting.place, setting.variable,
-                               suggest(setting.variable, settable_groups(system, library))));
+  throw InputError(
+      ErrorCode::unknown_name,
+      fmt::format("{}: no variable fits '{}'. {}{}", setting.place, setting.variable,
+                  suggest(setting.variable, settable_groups(system, library)),
+                  has_sizes(system, library) ? ". Set the sizes of arrays before a pattern of their elements" : ""));
 }
 
 }  // namespace

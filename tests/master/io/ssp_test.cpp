@@ -981,6 +981,9 @@ TEST_F(SspIndices, ValuesOfAnArrayConnectorAreThoseOfItsElements) {
             nlohmann::ordered_json::parse(R"({"line.u[1]": 6, "line.u[2]": 8})"));
   loaded = load(system(connection("- u 2", "c line.u 1"), "", values("u")));
   EXPECT_EQ(loaded.config["instances"]["sub.c"]["parameters"], nlohmann::ordered_json::parse(R"({"line.u[1]": 4})"));
+  loaded = load(system(connection("- u", "a line.u"), connection("b line.y 1", "sub u 2"), values("u")));
+  EXPECT_EQ(loaded.config["instances"]["sub.a"]["parameters"], nlohmann::ordered_json::parse(R"({"line.u[1]": 3})"));
+  EXPECT_THAT(connections(loaded.system), testing::ElementsAre("b.line.y[1] -> sub.a.line.u[2] 1"));
   // Connected outside: the values have no effect.
   loaded = load(system(scaled, connection("b line.y", "sub u"), values("a.line.u")));
   EXPECT_FALSE(loaded.config["instances"]["sub.a"].contains("parameters"));

@@ -18,10 +18,11 @@ Content = bytes | dict[str, bytes]
 
 def is_input(name: str, path: str | os.PathLike[str]) -> bool:
     """True if a value names a file, or the folder of a deployed network. ``name`` is the parameter, or the key of a config as a JSON
-    pointer. Other folders do not count, because the value may be a name inside the FMU that is also, by chance, the name of a folder."""
+    pointer, or a pattern. Other folders do not count, because the value may be a name inside the FMU that is also, by chance, the name of a folder."""
     if not os.fspath(path):
         return False
-    return os.path.isfile(path) or (re.split(r"[./]", name)[-1] == "network" and os.path.isfile(os.path.join(path, "network.json")))
+    may_be_network = re.split(r"[./]", name)[-1] == "network" or "*" in name or "?" in name
+    return os.path.isfile(path) or (may_be_network and os.path.isfile(os.path.join(path, "network.json")))
 
 
 def digest_of_file(path: str | os.PathLike[str]) -> str:

@@ -17,7 +17,7 @@ import os
 import pathlib
 import re
 import shlex
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from mebots import _mebots
@@ -183,7 +183,7 @@ class Missions:
     def _are_columns(self, fixed: Values, draws: Values) -> bool:
         """True if missions that differ only in their draws have the same config, files and course."""
         numbers = all(isinstance(value, (int, float)) for value in draws.values())
-        return bool(draws) and numbers and self._study.fork is None and self.folder is None and self._is_plain((*fixed, *draws))
+        return bool(draws) and numbers and not _has_pattern((*fixed, *draws)) and self._study.fork is None and self.folder is None and self._is_plain((*fixed, *draws))
 
     def _pieces(self, common: Order, columns: dict[str, list[Any]]) -> tuple[list[bytes], list[list[bytes]]]:
         """Returns the members of ``settings`` as texts that are hashed. They contain ``%b`` in place of each value that differs between
@@ -278,7 +278,8 @@ class Missions:
         """Returns ``canonical(settings)``. Is faster if the values are numbers."""
         names = tuple(settings)
         if names not in self._names:
-            self._names[names] = [(name, f"{canonical(name)}:") for name in sorted(names)]
+            ordered = names if _has_pattern(names) else sorted(names)  # with patterns, the order of settings has an effect
+            self._names[names] = [(name, f"{canonical(name)}:") for name in ordered]
         return "{" + ",".join([title + _canonical_of(settings[name]) for name, title in self._names[names]]) + "}"
 
     def _variant(self, pointers: Values) -> _Variant:
@@ -307,6 +308,11 @@ class Missions:
         if self._study.results:
             config |= {section: shown[section] for section in _OF_RESULTS if section in shown}
         return _Variant(json.dumps(config), digest, files, ground.last_point_s, ground.stop_time_s, ground)
+
+
+def _has_pattern(names: Iterable[str]) -> bool:
+    """True if a name of a setting can match several variables."""
+    return any("*" in name or "?" in name for name in names)
 
 
 def _canonical_of(value: Any) -> str:

@@ -208,7 +208,6 @@ const Hop* Network::into(const Endpoint& endpoint) const {
   return hop == hops_.end() ? nullptr : &hop->second;
 }
 
-/// Returns the indices of the elements of a system's array connector that have a source each.
 std::vector<std::string> Network::connected_elements(const Endpoint& array) const {
   std::vector<std::string> elements;
   const auto stem = array.connector + "[";
@@ -269,7 +268,6 @@ std::vector<Way> Network::ways() const {
       const auto& source = way.back().from;
       const auto elements = is_component(source.element) ? std::vector<std::string>() : connected_elements(source);
       for (const auto& indices : elements) found.push_back(element_of(way, indices));
-      if (!elements.empty()) continue;
       std::ranges::reverse(way);
       ways.push_back(std::move(way));
     }

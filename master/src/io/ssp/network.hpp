@@ -75,11 +75,14 @@ class Network {
   std::vector<Endpoint> find(const std::string& path, const std::string& name) const;
   /// Returns the indices of an element of an array, such as "[2]"; empty for a connector or variable of its own.
   std::string indices_of(const Endpoint& endpoint) const;
+  /// Returns the indices of the elements of a system's array connector that have a source each.
+  std::vector<std::string> connected_elements(const Endpoint& array) const;
   /// Returns the hop that ends at the endpoint; null if there is none.
   const Hop* into(const Endpoint& endpoint) const;
   /// Returns the chains of connections to all components' variables, in the order of the connections. Elements of a
-  /// system's array connector may be connected on one side of the system, and the whole array on the other side. Throws
-  /// InputError for a cycle.
+  /// system's array connector may be connected on one side of the system, and the whole array on the other side. Then
+  /// the result contains the chain of the whole array, which begins at this connector, and a chain for each connected
+  /// element. Throws InputError for a cycle.
   std::vector<Way> ways() const;
 
  private:
@@ -91,7 +94,6 @@ class Network {
   Flow flow(const Endpoint& endpoint, bool is_own) const;
   bool has(const Endpoint& endpoint) const;
   const Connector* connector(const Endpoint& endpoint) const;
-  std::vector<std::string> connected_elements(const Endpoint& array) const;
   void check_elements() const;
   std::optional<Hop> hop_into(const Endpoint& endpoint) const;
   void follow(Way& way) const;

@@ -197,16 +197,18 @@ class ConfigMaker {
     return elements;
   }
 
-  /// Returns the chains for those elements of an array that have a value at a system's connector; if no element has
-  /// one, the chain itself.
+  /// Returns the chains for those elements of an array that have a value at a system's connector and no connection of
+  /// their own. If no element has a value or a connection, returns the chain itself.
   std::vector<Way> parts_with_values(const Way& way, const StartingValues& values) const {
     std::set<std::string> elements;
     for (const auto& hop : way) {
       for (auto& indices : elements_with_values(values, hop.from)) elements.insert(std::move(indices));
     }
+    const auto connected = network_.connected_elements(way.front().from);
+    for (const auto& indices : connected) elements.erase(indices);
     std::vector<Way> parts;
     for (const auto& indices : elements) parts.push_back(element_of(way, indices));
-    if (parts.empty()) parts.push_back(way);
+    if (parts.empty() && connected.empty()) parts.push_back(way);
     return parts;
   }
 
