@@ -169,6 +169,8 @@ void emit_quiet_load(Assembler& c, const Instruction* at, unsigned size, const B
   c.sub(r15, rax);
   c.cmp(r15, c.blocks.fetch_bound(block));
   c.jle(too_late);
+  // The end of the block counts the wait of an access to the first memory, which this access is not.
+  if (c.ram[0].wait_cycles != 0) c.add(r15, c.ram[0].wait_cycles);
   c.inc(qword[rbx + static_cast<int>(offsetof(Execution, counters.device_accesses))]);
   take();
   c.jmp(done, kNear);

@@ -50,7 +50,6 @@ void emit_next_core(Assembler& a, const Label& next_core, const Label& done) {
 /// Calls Options::perform for exit eax, after the counts and guest registers were stored, and jumps to the code of the
 /// next block.
 void emit_perform(Assembler& a, const Label& begin, const Label& done) {
-  Label left;
   a.mov(rdi, rbx);
   a.mov(esi, eax);
   a.mov(rax, reinterpret_cast<std::uint64_t>(a.options.perform));
