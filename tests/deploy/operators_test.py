@@ -93,6 +93,12 @@ class Convolutions(OperatorCase):
             maker.output(first, maker.node("MaxPool", second, kernel_shape=[2, 2], strides=[2, 2]))
         deployed = self.check(maker, steps=4)
         self.assertGreater(sum(gathers(one) and not has_outer_columns(one) for one in deployed.network.layers), 1)
+        # A pool of 3 that leaves out columns; a pool of 2 of which only the first column is inside the input.
+        for shape, pads, pool in (((3, 7, 11), [1, 1, 1, 1], 3), ((3, 6, 3), [0, 0, 1, 1], 2)):
+            maker = Maker(17, shape)
+            convolved = maker.conv("x", 3, 16, (3, 3), pads=pads)
+            maker.output(maker.node("MaxPool", convolved, kernel_shape=[pool, pool], strides=[pool, pool]))
+            self.check(maker, steps=4)
 
     def test_transposed_convolutions(self):
         maker = Maker(12, (6, 5, 7))

@@ -91,17 +91,17 @@ static void fill_outside(const layer_t* layer, int32_t x, int32_t columns, int i
   }
 }
 
-// Columns of first positions from which four positions are inside the input.
+// Columns of first positions from which four positions are inside the input, and in one row.
 typedef struct {
   int32_t first, last;
 } columns_t;
 
-static columns_t columns_inside(const layer_t* layer, int is_pooled) {
+static columns_t columns_inside(const layer_t* layer, int32_t columns, int is_pooled) {
   const int32_t each = is_pooled ? 2 : 1;
   const int32_t stride = layer->stride_columns;
   const int32_t last = (layer->in_columns + layer->outside_left - layer->kernel_columns) / stride;
   const columns_t inside = {(layer->outside_left + each * stride - 1) / (each * stride),
-                            (last - (is_pooled ? 1 : 3)) / each};
+                            is_pooled ? (last + 1) / 2 - 1 : smaller(last - 3, columns - 4)};
   return inside;
 }
 
@@ -203,7 +203,7 @@ static inline __attribute__((always_inline)) void convolve(const layer_step_t* s
   const int has_sides = layer->outside_left + layer->outside_right > 0;
   columns_t inside = {0, 0};
   if (has_sides) {
-    inside = columns_inside(layer, is_pooled);
+    inside = columns_inside(layer, columns, is_pooled);
   }
   block_t block = {layer->runs_y, layer->run_words, layer->step_y, layer->low, layer->high, channels, 0, to, {0}};
   for (; unit < end; place += each, to += each * channels, number = 0) {
