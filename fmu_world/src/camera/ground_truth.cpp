@@ -96,11 +96,13 @@ std::vector<SeenObject> GroundTruth::objects(const PoseAt& pose_at, double after
     object.visible_box.add(column, row);
     ++object.visible_pixels;
   });
-  const double middle_s = after_s + 0.5 * line_time_s_ * (intrinsics_.height - 1);
+  const Pose middle = pose_at(after_s + 0.5 * line_time_s_ * (intrinsics_.height - 1));
   for (std::size_t i = 0; i < objects.size(); ++i) {
     seen[i].kind = objects[i].kind;
     seen[i].name = objects[i].name;
-    seen[i].distance_m = distance_m(objects[i], pose_at(middle_s));
+    seen[i].distance_m = distance_m(objects[i], middle);
+  }
+  for (std::size_t i = 0; i < objects.size(); ++i) {
     look(pose_at, after_s, static_cast<std::uint32_t>(i));
     for_each_pixel([](SeenObject& object, int column, int row) {
       object.box.add(column, row);

@@ -47,6 +47,10 @@ std::vector<Eigen::Vector3d> Ranging::rays_around(const Eigen::Vector3d& directi
   if (!cone_) return {direction_B};
   std::vector<Eigen::Vector3d> rays_B = rays_of_cone(0.5 * cone_->field_of_view_rad);
   if (direction_B == -Eigen::Vector3d::UnitZ()) return rays_B;
+  if (direction_B == Eigen::Vector3d::UnitZ()) {  // FromTwoVectors() has no defined axis for opposite vectors
+    for (Eigen::Vector3d& ray_B : rays_B) ray_B.z() = -ray_B.z();
+    return rays_B;
+  }
   const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(-Eigen::Vector3d::UnitZ(), direction_B);
   for (Eigen::Vector3d& ray_B : rays_B) ray_B = turn * ray_B;
   return rays_B;
