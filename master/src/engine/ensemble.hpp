@@ -139,7 +139,7 @@ class Ensemble {
     bool add;
   };
 
-  /// Sets an Integer, Enumeration or Boolean input to the value to which the map assigns the output's value.
+  /// Sets an Integer, Enumeration or Boolean input to the value that the map assigns to the output's value.
   struct Mapping {
     Copy<std::int64_t> copy;
     ValueKind kind;  // kind of the input

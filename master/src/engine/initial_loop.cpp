@@ -119,7 +119,7 @@ class SharedFollowers {
   }
   void enter(std::size_t output) {
     const auto place = place_of(output);
-    // The dependencies of this output are listed.
+    // An output whose dependencies are listed is not one of `outputs_`.
     if (place == outputs_->size() || (*outputs_)[place] != output) return;
     next_[place] = place + 1;
     open_.insert(output);

@@ -87,9 +87,9 @@ class Fmu {
   /// Returns the descriptors that were open before the FMU's library was loaded. The FMU must not close these
   /// descriptors, but may close all others.
   const OpenFiles& files_of_others() const { return files_of_others_; }
-  /// Counts a new instance. Returns true for the first few instances; after each call to these, the process is checked
-  /// for changes. Calls to other instances are not checked individually, because a check takes as long as a thousand
-  /// small calls. May be called from any thread.
+  /// Counts a new instance. Returns true for the first few instances, whose calls are checked for changes of the
+  /// process. Calls to other instances are not checked individually, because a check takes as long as a thousand small
+  /// calls. May be called from any thread.
   bool enter() {
     ++instances_;
     return watched_++ < kMostWatched;

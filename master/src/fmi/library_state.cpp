@@ -145,8 +145,8 @@ bool for_each_block(std::uintptr_t address, std::size_t size,
   return true;
 }
 
-/// True if all bytes of the block are zero. Compares the block with itself, shifted by one byte, because equal halves
-/// mean equal bytes.
+/// True if all bytes of the block are zero. Compares the block with itself, shifted by one byte: if both are equal,
+/// all bytes are equal to the first one.
 bool is_zero(std::span<const std::byte> block) {
   return block.empty() ||
          (block[0] == std::byte{0} && std::memcmp(block.data(), block.data() + 1, block.size() - 1) == 0);

@@ -63,7 +63,7 @@ void SignalCoverage::check_rows(const ResolvedVariable& variable, const Signal& 
     if (signal.linear() ? jump : signal.differ(row - 1, row)) {
       if (changes.late++ == 0) changes.first_ns = time_ns;
     } else if (grid.point_at(times.ns(row - 1)) / steps == point / steps) {
-      ++changes.skipped;  // both rows are between the same communication points, so that the previous row is never used
+      ++changes.skipped;  // the interval between two communication points contains both rows
     }
   }
   auto& most = changes_[variable.instance];

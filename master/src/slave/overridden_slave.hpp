@@ -23,7 +23,7 @@ class OverriddenSlave final : public AccessSlave {
   void enter_initialization() override;
   void exit_initialization() override;
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
-  /// Returns the derivatives of the overridden outputs: 0 for a constant, and the slope for a ramp.
+  /// Gets derivatives of outputs after the overrides: 0 for a constant, and the slope for a ramp.
   void get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
                               std::span<double> values) override;
   void set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Formulates the answer of a study that compares designs. It names the best design, other designs that may be as good, and the number of
-missions that would separate them."""
+"""Formulates the answer of a study that compares designs. It names the best design, other designs that may be as good, and how many more
+missions would separate them."""
 
 from __future__ import annotations
 

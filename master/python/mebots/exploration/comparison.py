@@ -35,8 +35,8 @@ from mebots.exploration.study import Constraint, Objective, Study
 
 @dataclasses.dataclass
 class Estimate:
-    """Contains the estimate of one objective for one design: the number of counted missions, the mean and the interval. For a share, the
-    mean is the number of successes; for a percentile, it is the percentile."""
+    """Contains the estimate of one objective for one design: the number of counted missions, the mean, the interval, and for a share the
+    number of successes. For a percentile, ``mean`` is the percentile."""
 
     count: int
     mean: float | None

@@ -138,8 +138,8 @@ class MissionProcess:
         return json.loads(line)
 
     def _processor_time_s(self) -> float:
-        """Returns the processor time of the process and of its descendants. Descendants are included, because the process forks to run
-        the mission and to start the processes of isolated instances."""
+        """Returns the processor time of the process and of its descendants. Descendants are included, because a fork of the
+        process runs the mission and starts the processes of isolated instances."""
         return _ticks_of_all(self._process.pid) / _TICKS
 
     def _lost(self) -> Lost:
@@ -151,7 +151,7 @@ class MissionProcess:
         size = self._last_words.seek(0, os.SEEK_END)
         self._last_words.seek(max(0, size - _MOST_WORDS))
         words = self._last_words.read().decode(errors="replace").strip().splitlines()
-        if words:  # these words are the same on every machine and in every process
+        if words:  # without paths and addresses, the text is the same on every machine
             text = f"{text}: {_ADDRESS.sub('0x...', without_paths(words[-1]))}"
         return Lost(text, is_outcome=not outcomes.is_outside_signal(-code) and not outcomes.describes_system_error("\n".join(words)))
 

@@ -131,9 +131,9 @@ class Jacobi final : public Algorithm {
   SlaveSteps* slaves_;
   OrderedMessages* messages_;
   std::vector<std::vector<std::size_t>> groups_;  // the members of a group step in order on one thread
-  // Results of pending steps in the current communication step.
+  // Results of the slaves whose step was not completed by the call: pending, discarded, or ended by the slave.
   std::vector<std::pair<std::size_t, StepResult>> unfinished_;
-  // The following members are used for parallel stepping. The pointer is null if there is only one thread.
+  // The following members are used for parallel stepping. The pointers are null if there is only one thread.
   unsigned threads_ = 1;
   std::unique_ptr<ThreadPolicy> policy_;
   std::unique_ptr<StepPool> pool_;

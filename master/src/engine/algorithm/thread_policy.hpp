@@ -58,9 +58,8 @@ class ThreadPolicy {
   bool parallel_ = false;
   std::int64_t left_ = kFirstWindows;  // number of windows until the other mode is tried
   std::int64_t pause_ = kFirstPause;   // number of serial windows after a failed trial
-  double serial_s_ =
-      // Wall time of the fastest serial window in the current or last serial run.
-      std::numeric_limits<double>::infinity();
+  // Wall time of the fastest serial window in the current or last serial run.
+  double serial_s_ = std::numeric_limits<double>::infinity();
   std::array<double, kRemembered> earlier_s_ = all_unknown();  // wall times of earlier serial runs, stored as a ring
   std::size_t turn_ = 0;
   int steps_ = 0;

@@ -48,11 +48,11 @@ bool end_by_signal(int signal);
 /// none. The thread that steps calls this function between two calls to FMUs.
 std::optional<std::string> take_kept_signal();
 
-/// Installs handlers for SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP and SIGSYS. If a signal occurs inside an
-/// FMU, a handler reports the crash on standard error with instance, call and time. After that, the signal's default
-/// action follows. If a timer or the process itself sent the signal, the busy runs fail (see end_by_signal()). Existing
-/// handlers are not replaced. SIGALRM receives no handler while the embedding program has a timer. Must be called once,
-/// from any thread.
+/// Installs a handler for SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP and SIGSYS. It reports a crash on standard
+/// error, inside an FMU with instance, call and time. After that, the signal's default action follows. Also installs a
+/// handler for signals that timers and the process itself may send, such as SIGALRM: if one of them has sent the
+/// signal, the busy runs fail (see end_by_signal()). Existing handlers are not replaced. SIGALRM receives no handler if
+/// the embedding program has a timer. Must be called once, from any thread.
 void install_crash_notice();
 
 /// Returns true if the signal would end the process, because it has no handler except that of install_crash_notice().

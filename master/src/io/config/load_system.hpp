@@ -38,7 +38,6 @@ LoadedSystem load_system(const std::filesystem::path& path, const GivenTimes& ti
 /// Reads a system as load_system() does, but does not return the JSON, which is faster.
 SystemDescription read_config(const std::filesystem::path& path, const GivenTimes& times = {});
 
-/// Reads a system from a text in memory. `file` names the text in messages; paths of FMUs are relative to it.
 namespace config {
 
 /// Checks a config file without opening its FMUs. Throws data::Mistakes with all mistakes.
@@ -47,6 +46,7 @@ void check(const std::filesystem::path& file);
 /// data::Mistakes with all mistakes.
 void check_scenario(const std::filesystem::path& file);
 
+/// Reads a system from a text in memory. `file` names the text in messages; paths of FMUs are relative to it.
 LoadedSystem load_text(std::string text, const std::filesystem::path& file);
 LoadedSystem load_ssp_config(SspConfig ssp, const std::filesystem::path& file, const GivenTimes& times);
 

@@ -9,7 +9,7 @@ namespace mebots::master {
 
 /// Reads an OspSystemStructure.xml of the Open Simulation Platform: simulators, initial values, steps, functions, and
 /// connections of variables and of variable groups. The groups are defined in <modelName>_OspModelDescription.xml in
-/// the folder of the system or in the FMU. Also reads the modelDescription.xml of each FMU, because in OSP the FMUs
+/// the folder of the system or of the FMU. Also reads the modelDescription.xml of each FMU, because in OSP the FMUs
 /// determine which end of a connection is the output. Throws InputError with file, line and element if there is a
 /// mistake.
 SspConfig read_osp(const std::filesystem::path& file);

@@ -129,7 +129,7 @@ class OspReader {
     const auto step = file_.number(node, "stepSize", 0);
     if (!result_.config.contains("step")) return step;
     const auto base = result_.config["step"].get<double>();
-    constexpr double kRounding = 1e-9;  // relative rounding error of decimal numbers stored as doubles
+    constexpr double kRounding = 1e-9;  // permits rounding errors of decimal numbers stored as doubles
     const auto multiple = std::max(1.0, std::floor(step / base + kRounding));
     if (!(step > 0) || !(base > 0) || std::abs(step - multiple * base) <= kRounding * base) return step;
     result_.notices.push_back(

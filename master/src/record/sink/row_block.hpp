@@ -58,7 +58,7 @@ class RowSink {
   /// Writes all rows that were received so far to the file.
   virtual void flush() = 0;
 
-  /// Visits the state that the sink needs to continue from a saved state.
+  /// Visits the state that the sink needs to continue from a saved state. A restore resets the sink to this state.
   virtual void visit(state::Visitor& /*v*/) {}
   /// Returns the name under which the sink's state is saved. Returns an empty name if there is no state; such a sink
   /// may be absent in a resumed run.

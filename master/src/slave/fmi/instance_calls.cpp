@@ -241,7 +241,7 @@ void InstanceCalls::fail(const char* function, std::string_view what) {
     return std::ranges::find(last_messages_, indented_lines(held.text)) != last_messages_.end();
   };
   const auto first_quoted = std::find_if_not(held_.rbegin(), held_.rend(), is_quoted).base();
-  // The exception contains the remaining messages.
+  // The exception quotes the messages that are dropped here.
   deliver_all_but(static_cast<std::size_t>(held_.end() - first_quoted));
   throw SlaveError(
       fmt::format("instance '{}' at {} s: {} {}. {}", name_, to_seconds(time_ns_), function, what, last_messages()));

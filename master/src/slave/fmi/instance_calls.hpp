@@ -166,7 +166,8 @@ class InstanceCalls final : public CallbackListener {
   StatusName status_name_;
   void* instance_ = nullptr;
   std::int64_t time_ns_ = 0;
-  // True if no call is permitted, not even to free the instance: after a fatal status, or if a step does not end.
+  // True if no call is permitted, not even to free the instance: after a fatal status or an exception of the FMU, or if
+  // a step does not end.
   bool unusable_ = false;
   bool is_watched_ = false;        // true if changes of the process by calls are reported and reverted
   bool freed_ = false;             // true after free_instance()

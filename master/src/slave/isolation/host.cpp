@@ -271,8 +271,8 @@ class Host {
   }
 
   /// Frees the instance. Returns the differences between the memory of the FMU's libraries and its content after
-  /// loading. Returns nullopt if there are none. Throws SlaveError if freeing fails. Afterwards, the host ends in any
-  /// case.
+  /// loading. Returns an empty text if there are none. Throws SlaveError if freeing fails. Afterwards, the host ends in
+  /// any case.
   std::string close() {
     closed_ = true;
     states_.clear();

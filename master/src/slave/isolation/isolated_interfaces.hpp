@@ -14,7 +14,7 @@
 
 namespace mebots::master::isolation {
 
-/// An instance in a separate process that has clocks.
+/// An instance that has clocks and runs in a separate process.
 class IsolatedClocks : public IsolatedSlave, public ClockInstance {
  public:
   using IsolatedSlave::IsolatedSlave;
@@ -70,7 +70,7 @@ class IsolatedModelExchange final : public IsolatedClocks, public ContinuousInst
   ContinuousStates continuous_;
 };
 
-/// A co-simulation instance in a separate process that has clocks.
+/// A co-simulation instance that has clocks and runs in a separate process.
 class IsolatedEventSlave final : public IsolatedClocks, public EventInstance {
  public:
   using IsolatedClocks::IsolatedClocks;

@@ -47,7 +47,7 @@ std::string system_text() {
   return std::strerror(errno);
 }
 
-/// Returns the path of bubblewrap: that in $MEBOTS_BUBBLEWRAP, or of the program in the folders of the system.
+/// Returns $MEBOTS_BUBBLEWRAP, or the name of bubblewrap, which is then searched in the folders of the system.
 std::string bubblewrap() {
   const char* chosen = std::getenv("MEBOTS_BUBBLEWRAP");
   return chosen == nullptr ? "bwrap" : chosen;
