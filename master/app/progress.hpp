@@ -47,8 +47,8 @@ std::string duration_text(double seconds);
 /// Throws InputError if a run of this system cannot end with one of the expected outcomes.
 void check_expected(const master::SystemDescription& system, const std::vector<std::string>& expected);
 
-/// Returns the reason why the outcome of the run is not one of `expected`. Returns an empty text if the outcome is one
-/// of them, or if `expected` is empty.
+/// Returns the reason why the run did not end as expected: an error after its end, or an outcome that is not one of
+/// `expected`. If `expected` is empty, accepts all outcomes. Returns an empty text if there is no such reason.
 std::string why_unexpected(const master::Run& run, const std::vector<std::string>& expected);
 
 /// Returns the text as one word of a POSIX shell; adds quotes if necessary.

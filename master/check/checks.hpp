@@ -64,8 +64,8 @@ void check_symbols(const modeldesc::ModelDescription& model, master::FmuKind kin
 void check_other_symbols(const std::filesystem::path& library, Findings findings);
 /// True if the library exports all functions that the experiments call on an FMU of this kind.
 bool can_be_run(const modeldesc::ModelDescription& model, master::FmuKind kind, const std::filesystem::path& library);
-/// Checks that the dynamic loader finds every library that this library needs, directly or indirectly. Libraries in the
-/// same folder count as found.
+/// Checks that the dynamic loader finds every library that this library needs, directly or through needed libraries in
+/// the same folder.
 void check_needed_libraries(const std::filesystem::path& library, Findings findings);
 
 /// Returns the path at which the shared library for this machine must be.

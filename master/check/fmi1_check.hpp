@@ -9,7 +9,7 @@
 /// Declares checks of FMI 1.0 co-simulation FMUs. They cover what every tool needs in order to run such an FMU.
 namespace mebots::check {
 
-/// Checks the names, start values and value references of the variables.
+/// Checks that names are unique, that dependencies name variables, and that inputs and constants have start values.
 void check_fmi1_variables(const modeldesc::ModelDescription& model, Findings findings);
 /// Checks that the library exports the functions of FMI 1.0 with the model's identifier as prefix.
 void check_fmi1_symbols(const modeldesc::ModelDescription& model, const std::filesystem::path& library,

@@ -11,7 +11,7 @@ namespace mebots::check {
 /// they need.
 struct PlatformNeeds {
   std::string folder;  ///< name of the folder, such as win64
-  /// Oldest version of the GNU C library that defines all used symbols. Empty if no library uses such a symbol.
+  /// Machine of the libraries, such as "x86-64 Windows"; empty if no library in the folder is of a known platform.
   std::string machine;
   /// Oldest version of the GNU C library that defines all used symbols; empty if no such symbol is used.
   std::string glibc;

@@ -28,7 +28,7 @@ struct TraceFiles {
 /// Returns the traces of an unpacked FMU. Returns nullopt if it has none.
 std::optional<TraceFiles> find_traces(const std::filesystem::path& folder);
 
-/// The number of columns of the reference traces that can be compared with a run.
+/// States which part of the reference traces can be compared with a run.
 struct TraceScope {
   std::string obstacle = {};  ///< why nothing can be compared; empty if at least one column can be compared
   std::size_t columns = 0;    ///< number of output columns; 0 if there is an obstacle

@@ -21,7 +21,7 @@ class Connections {
   /// The maximum number of connections that are served at the same time.
   static constexpr std::size_t kMost = 32;
 
-  /// Adds a connection that the server has accepted. If there are more than kMost, closes the oldest connection whose
+  /// Counts a connection that the server has accepted. If there are more than kMost, closes all connections whose
   /// request is incomplete.
   void accept();
   /// Must be called when a connection from accept() has ended.

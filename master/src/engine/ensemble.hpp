@@ -115,8 +115,8 @@ class Ensemble {
   /// Returns an order of steps in which the reader of a buffer steps before the owner of the buffer.
   const std::vector<std::size_t>& step_order() const { return step_order_; }
 
-  /// Visits the outputs that were read last, because an instance with a longer step keeps its outputs between its
-  /// steps.
+  /// Visits the outputs that were read last and the inputs that were set last, because an instance with a longer step
+  /// keeps its outputs between its steps.
   void visit(state::Visitor& v);
 
  private:

@@ -111,7 +111,7 @@ class MessageLimit {
     return true;
   }
 
-  /// Resets the counts. Must be called after each call to an FMU. Returns a notice if messages were dropped.
+  /// Resets the counts, after one or several calls to an FMU. Returns a notice if messages were dropped.
   std::optional<std::string> restart() {
     bytes_ = 0;
     const auto dropped = std::exchange(dropped_, 0);

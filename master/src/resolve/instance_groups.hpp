@@ -37,8 +37,8 @@ struct GroupWords {
   std::string_view group;   ///< such as "continuous system"
 };
 
-/// Checks that the members of a group can step together. Throws InputError if members run in separate processes, have
-/// different steps, divide discarded steps, or may fail without ending the run.
+/// Checks that the members of a group can step together. Throws InputError if members have different steps or divide
+/// discarded steps, or if a member of several may fail without ending the run.
 void check_members(const ResolvedSystem& system, const std::vector<std::size_t>& members, const GroupWords& words);
 
 }  // namespace mebots::master

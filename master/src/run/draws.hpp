@@ -65,12 +65,12 @@ class DrawnFlights {
   bool interrupted_ = false;
 };
 
-/// True if the options or the config request drawn runs, and `run` has ended without an interrupt.
+/// True if the options (otherwise the config) request drawn runs, and `run` was not interrupted.
 bool wants_draws(const Run& run);
 
-/// If drawn runs are requested and `run` has ended, performs them and adds the intervals of the results to the summary
-/// of `run`. Drawn runs start at t = 0 and use only the settings of `run`. Therefore none are performed if a program
-/// wrote variables or called start_from().
+/// If wants_draws() is true, performs the drawn runs and adds the intervals of the results to the summary of `run`,
+/// which must have ended. Drawn runs start at t = 0 and use only the settings of `run`. Therefore none are performed if
+/// a program wrote variables or called start_from().
 void add_draws(Run& run);
 
 }  // namespace mebots::master

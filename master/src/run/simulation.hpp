@@ -77,7 +77,7 @@ class Simulation {
 
   /// Returns the state at the current point. Throws Error if a slave cannot save its state.
   SimulationState save_state();
-  /// Visits the master's part of the state: the values that were read last, and the states of observers.
+  /// Visits the master's part of the state: the values that were read or set last, step control, and the observers.
   void visit(state::Visitor& v);
   /// Restores a state that save_state() returned, including the states of observers.
   void restore_state(const SimulationState& state);

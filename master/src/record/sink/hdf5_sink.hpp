@@ -23,7 +23,7 @@ class Hdf5Sink final : public RowSink {
   Hdf5Sink(const Hdf5Sink&) = delete;
   Hdf5Sink& operator=(const Hdf5Sink&) = delete;
 
-  /// Writes parameters as texts below `/parameters`, one row for each parameter, as in parameters.csv.
+  /// Writes each parameter and its unit below `/parameters`. Has no effect if the file already contains `/parameters`.
   void put_parameters(const std::vector<ParameterValue>& parameters);
   void write(const RowBlock& block) override;
   void flush() override;

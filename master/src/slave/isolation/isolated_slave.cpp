@@ -135,8 +135,8 @@ std::optional<std::string> IsolatedSlave::report_end() {
   return fmt::format("instance '{}': {}", name_, problem);
 }
 
-/// Returns the error that the host reported when it freed the instance, and logs it. If the memory of the FMU's
-/// libraries has changed, stores the host's description of the change.
+/// Returns the error that the host reported, and has already logged, when it freed the instance. If the memory of the
+/// FMU's libraries has changed, stores the host's description of the change.
 std::optional<std::string> IsolatedSlave::failure_of_close() {
   try {
     auto reader = answers();

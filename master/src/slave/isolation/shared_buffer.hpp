@@ -38,7 +38,7 @@ class SharedBuffer {
   std::byte* data() { return data_; }
   std::size_t size() const { return mapped_; }
   int descriptor() const { return descriptor_; }
-  /// Closes the descriptor after the other process has received it. The file cannot become longer afterwards.
+  /// Closes the descriptor after the other process has received it. This object then ignores growth of the file.
   void close_descriptor();
 
   /// Makes the first `size` bytes usable. Extends the file if necessary. Addresses in the buffer may change.
