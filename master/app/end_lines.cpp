@@ -63,7 +63,7 @@ std::string short_text(const Json& value) {
   return value.is_number_float() ? fmt::format("{:.4g}", value.get<double>()) : value_text(value);
 }
 
-/// Describes the values of a group, such as "least 0.21 (7), mean 0.5, most 0.93 (2)" or "14 of 16 (not 3, 9)".
+/// Describes the values of a group, such as "0.21 (7) to 0.93 (2), mean 0.5" or "14 of 16 (not 3, 9)".
 std::string group_text(const Json& group, const Json& units) {
   if (group.contains("least") && short_text(group["least"]) == short_text(group["most"])) {
     return fmt::format("{}{} each", short_text(group["mean"]), unit_text(member_of(units, "mean")));
@@ -136,7 +136,7 @@ class ValueLine {
 };
 
 /// Appends lines in which the values that belong to no group share lines, and one line for each group. If values are
-/// left out, the last line states their number.
+/// left out, the last line names the option that prints all values.
 void append_shared(const Json& values, const Json& units, const Json& intervals, std::vector<std::string>& lines) {
   std::vector<ValueLine> own;
   bool is_cut = false;

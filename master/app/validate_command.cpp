@@ -84,7 +84,7 @@ std::vector<std::string> known_kinds() {
   return names;
 }
 
-/// Returns the file name in "$schema", such as "mebots-cell.schema.json", without its folder.
+/// Returns the kind of file that the file name in "$schema" states: "cell" for ".../mebots-cell.schema.json".
 std::string named_kind(const data::Node& schema) {
   const auto name = Path(schema.text()).filename().string();
   for (const auto& kind : known_kinds()) {
@@ -111,7 +111,7 @@ Likeness likeness(const master::Schema& schema, const data::Node& root) {
 }
 
 /// Returns the kind whose schema defines most of the file's keys. If several schemas define equally many, returns the
-/// one that has the fewest other keys. This distinguishes the kinds of converters, because their keys differ.
+/// one that has the fewest other keys. A file of converters is recognised by its members, because its keys are names.
 std::string kind_by_content(const data::Node& root) {
   std::string best;
   Likeness most;

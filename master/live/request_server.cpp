@@ -20,7 +20,7 @@ namespace {
 constexpr int kBacklog = 128;
 constexpr std::size_t kLargestBody = std::size_t{1} << 16;
 
-/// The threads of the server. Adds an accepted connection to `Connections` immediately, even if no thread is free to
+/// The threads of the server. Counts an accepted connection in `Connections` immediately, even if no thread is free to
 /// serve it.
 class Threads final : public httplib::TaskQueue {
  public:

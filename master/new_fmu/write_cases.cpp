@@ -23,8 +23,8 @@ std::string cell(const std::string& name) {
   return quoted + '"';
 }
 
-/// Returns an example value for an input. It is within the input's limits and differs from the value at which the
-/// outputs do not change.
+/// Returns an example value for an input: the middle between its limits. If one limit is missing, the value differs
+/// from the other limit by 1. Without limits, the value is 1.
 double example_value(const Field& input) {
   const double least = input.min.value_or(input.max.value_or(2) - 2);
   return input.max ? 0.5 * (least + *input.max) : least + 1;

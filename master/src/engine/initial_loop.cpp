@@ -152,8 +152,8 @@ class Search {
   }
 
   /// Calls back(from, to) for each edge that closes a loop. After the first such edge of an input, leaves out the
-  /// input's edges to outputs on the path that depend on all inputs. During a call, path() is the path from `to` to
-  /// `from`. Stops if `back` returns false.
+  /// input's edges to outputs on the path that depend on all inputs. During a call, path_from(to) is the path from
+  /// `to` to `from`. Stops if `back` returns false.
   template <typename Back>
   void run(Back back) {
     for (std::size_t start = 0; start < graph_.nodes.size(); ++start) {

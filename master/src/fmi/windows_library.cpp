@@ -412,7 +412,7 @@ struct Stub<member, Result (*Table::*)(Arguments...)> {
   }
 };
 
-/// Returns a table of stubs. `exported` contains the digit 1 for each function that the library exports.
+/// Returns a table of stubs. `exported` contains the byte 1 for each function that the library exports.
 template <typename Table, typename ForEach>
 Table make_table(ForEach for_each_function, std::string_view exported) {
   Table table;

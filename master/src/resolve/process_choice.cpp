@@ -31,8 +31,8 @@ bool demands_shared(const ResolvedInstance* instance) {
   return instance->description->isolation.process == ProcessKind::shared;
 }
 
-/// Returns the instances, grouped by FMU. The largest groups come first, because the later one of two FMUs that cannot
-/// share a process is moved to separate processes.
+/// Returns the instances of the master's process, grouped by FMU. The largest groups come first, because the later one
+/// of two FMUs that cannot share a process is moved to separate processes.
 std::vector<Group> groups_by_size(ResolvedSystem& system) {
   std::vector<Group> groups;
   std::map<const Fmu*, std::size_t> places;
@@ -55,7 +55,7 @@ std::string listed_names(const std::vector<ResolvedInstance*>& instances) {
   return fmt::format("{}{}", fmt::join(names, ", "), more == 0 ? "" : fmt::format(" and {} more", more));
 }
 
-/// Moves instances to separate processes, except those for which the config demands the master's process.
+/// Moves all of these instances to separate processes, and adds a notice that states the reason.
 void isolate(ResolvedSystem& system, const std::vector<ResolvedInstance*>& instances, const std::string& reason) {
   for (auto* instance : instances) {
     instance->isolation.process = ProcessKind::own;

@@ -100,7 +100,7 @@ class Formatter {
   char peek(std::size_t at) const { return at < format_.size() ? format_[at] : '\0'; }
 
   /// Reads a width or precision at the index `at`, and moves `at` to the character after it. Returns nullopt if the
-  /// number is negative.
+  /// number is missing or negative.
   std::optional<int> number(std::size_t& at) {
     if (peek(at) == '*') {
       ++at;

@@ -119,8 +119,8 @@ std::string read_variant(const data::Node& root);
 /// Applies the changes to `base` and returns the merged config. The variant's `text` replaces that of the base.
 nlohmann::ordered_json merged(nlohmann::ordered_json base, const nlohmann::ordered_json& variant);
 
-/// Maps each part of the merged config to the file that defines it, for data::Document. `base` is the content of the
-/// extended file.
+/// Maps parts of the merged config to their places for data::Document: the key `changes`, or otherwise `extends` with
+/// the name of the extended file. `base` is the content of the extended file.
 std::map<std::string, std::string> places_of(const nlohmann::ordered_json& variant, const nlohmann::ordered_json& base);
 
 }  // namespace mebots::master::config

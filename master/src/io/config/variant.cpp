@@ -24,7 +24,7 @@ std::string name_beside(const data::Node& node) {
   return name;
 }
 
-/// Stores the name of the variant's file for each changed part. `base` is the value that `change` changes, or null. If
+/// Stores the key `changes` as the place of each changed part. `base` is the value that `change` changes, or null. If
 /// the base lacks an object, the whole object counts as a change. Therefore an error about a missing key in it refers
 /// to the changes, not to the base.
 void mark(const Json& change, const Json* base, const Json::json_pointer& at,

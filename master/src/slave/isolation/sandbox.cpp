@@ -132,7 +132,7 @@ std::vector<char*> pointers_to(std::vector<std::string>& words) {
 }
 
 /// Runs a program and reads its output through a pipe. Returns nullopt if the exit code is 0. Otherwise, returns the
-/// last part of the output.
+/// last line of the output, or another text that states the problem.
 std::optional<std::string> failure_of(std::vector<std::string> words) {
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) return system_text();
@@ -160,8 +160,8 @@ std::optional<std::string> failure_of(std::vector<std::string> words) {
   return text.empty() ? "it ended without a message" : text.substr(text.rfind('\n') + 1);
 }
 
-/// Limits the resources of this process: open files, size of files, and number of processes. The kernel counts
-/// processes for each user and user namespace.
+/// Limits the resources of this process: open files, size of files, and, inside namespaces, the number of processes,
+/// which the kernel counts for each user and user namespace.
 void set_limits(bool has_namespaces) {
   constexpr rlim_t kOpenFiles = 1024;
   constexpr rlim_t kFileBytes = rlim_t{1} << 30;
