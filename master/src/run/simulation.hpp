@@ -22,7 +22,7 @@ namespace mebots::master {
 struct SimulationState {
   std::int64_t step = 0;
   std::vector<std::unique_ptr<SlaveState>> slaves;
-  std::vector<std::byte> master;  ///< the values that were read last, and the states of observers
+  std::vector<std::byte> master;  ///< the data of visit(): last values, step control, observers
   std::uint64_t layout = 0;       ///< hash of the structure of `master`
 };
 

@@ -62,7 +62,8 @@ def _pairs(graph: Graph) -> Iterator[_Pair]:
 
 
 def _collect(graph: Graph, tensor: Tensor, pair: _Pair) -> bool:
-    """Adds a tensor, and all nodes that use it, to a pair. Returns False if a node other than a layer, Relu or pool uses the tensor."""
+    """Adds to a pair a tensor, the layers that use it, and the tensors after a Relu or pool. Returns False if an output of the graph is
+    among the tensors, or if another node uses one of them."""
     pair.between.append(tensor)
     if any(one is tensor for one in graph.outputs):
         return False

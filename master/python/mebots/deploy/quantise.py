@@ -213,8 +213,8 @@ def _weight_steps(node: Node, source: Scale) -> np.ndarray:
 
 
 def _least_step(node: Node, source: Scale) -> np.ndarray:
-    """Returns the smallest step for each channel. If a channel has small weights and a large bias, its step is larger, so that the bias
-    fits into 30 bits."""
+    """Returns 127 times the smallest step of the weights for each channel. With this step, the bias fits into 30 bits, even if the weights
+    are small and the bias is large."""
     return np.maximum(np.abs(node.bias) * 127 / (source.step * (1 << 30)), 1e-12)
 
 

@@ -132,8 +132,8 @@ class Judge:
         return rows
 
     def _key(self, design: int, found: Sequence[Estimate], at: int | None) -> tuple[float, ...]:
-        """Returns the sorting key of a design. Designs that can be ranked come first. They are sorted by the share of missions that
-        count for the main objective, then by the main objective, then by all other objectives."""
+        """Returns the sorting key of a design. Designs whose means satisfy the constraints come first, sorted by the share of missions that
+        count for the main objective, then by the main objective, then by all other objectives. Designs without a value come last."""
         if at is None or self._main is None or found[at].mean is None:
             return (2,)
         order = self._order(self._main, found)
@@ -144,8 +144,8 @@ class Judge:
         return 0, -(share_found or 0.0), *order
 
     def _order(self, first: Objective, found: Sequence[Estimate]) -> list[float]:
-        """Returns sorting keys, which are smaller for better designs. A key contains the values of an objective and of the objectives
-        after it, with signs according to their senses."""
+        """Returns sorting keys of a design, which are smaller for better designs: its value of the objective ``first``, then its values of
+        all other objectives with a sense. Their signs are according to the senses."""
         wanted = [first, *(one for one in self._senses if one is not first)]
         means = [(self._sign(one), found[self._evidence.index[one.label]].mean) for one in wanted]
         return [math.inf if mean is None else -sign * mean for sign, mean in means]

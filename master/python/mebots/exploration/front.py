@@ -17,7 +17,8 @@ ON, OFF, UNDECIDED, EXCLUDED, NONE = "on", "off", "undecided", "excluded", ""
 def places(evidence: Evidence) -> list[str]:
     """Returns a word for each design. ``excluded``: the design certainly violates a constraint. ``off``: another design that satisfies
     all constraints certainly dominates it. ``on``: the design certainly satisfies all constraints, and is certainly better than each
-    other design in at least one objective. ``undecided``: all other designs. Differences within the uncertainty are not ranked."""
+    other design in at least one objective. ``undecided``: all other designs. Differences within the uncertainty are not ranked.
+    If the study has no front, all words are empty."""
     designs = range(len(evidence.counts))
     if not evidence.has_front:
         return [NONE] * len(designs)

@@ -88,7 +88,7 @@ class _Tab:
         self._call("Emulation.setDeviceMetricsOverride", width=WIDTH, height=HEIGHT, deviceScaleFactor=1, mobile=False)
 
     def open(self, page: pathlib.Path) -> float:
-        """Waits until the page is completely drawn. Returns the end time of the run [s]."""
+        """Opens the page, and waits until it is completely drawn. Returns the end time of the run [s]."""
         self._call("Page.navigate", url=page.resolve().as_uri() + "#t=0")
         deadline = time.monotonic() + PATIENCE_S
         while (end := self.evaluate(READY)) is None:

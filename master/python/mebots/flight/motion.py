@@ -99,7 +99,8 @@ def motion_of(log: FlightLog, airframe: Airframe, times: Array, good: Mask, wind
 
 def _on_ground(log: FlightLog, times: Array) -> Mask:
     """True at times at which the drone may be on the ground, and for ``GROUND_MARGIN_S`` before and after. The drone may be on the
-    ground if the rotors turn too slowly to fly. If the height is known, it must also be the lowest in the log."""
+    ground if the rotors turn too slowly to fly. If the height is known, it must also be less than ``GROUND_HEIGHT_M`` above the lowest
+    one in the log."""
     command = np.mean([mean_over(log[name], times) for name in COMMANDS], axis=0)
     driven = command[command > DRIVEN]
     ground = command < LEAST_COMMAND * (np.median(driven) if len(driven) else 1.0)

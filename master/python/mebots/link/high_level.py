@@ -55,7 +55,8 @@ class HighLevel:
         return work(self, values, time_s)
 
     def _fly(self, group: int) -> Errno | None:
-        """Executes a command. Returns None on success. Returns an error if the command is not executed."""
+        """Returns None if a command for this group can be executed. Otherwise, returns its answer: BUSY if the drone cannot fly, NONE (no
+        error) if the drone is not in the group."""
         if not self._supervisor.can_fly:
             return Errno.BUSY
         return None if self._is_in(group) else Errno.NONE

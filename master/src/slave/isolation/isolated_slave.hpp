@@ -172,7 +172,7 @@ class IsolatedSlave : public Slave {
   // next step.
   std::vector<std::array<std::vector<std::uint8_t>, 2>> binaries_;
   std::size_t turn_ = 0;
-  std::uint64_t states_ = 0;  // number of states that were saved so far
+  std::uint64_t states_ = 0;  // number of states that were saved or deserialized so far
 };
 
 }  // namespace mebots::master::isolation
