@@ -6,7 +6,7 @@
 
 namespace mebots::master {
 
-/// Two times are considered equal if they differ by less than this. It is the resolution of the master's clock.
+/// Two times are considered equal if they differ by less than this. It is half the resolution of the master's clock.
 constexpr double kSameTime_s = 0.5e-9;
 
 /// The clocks of the members of a system (FMI 3.0). Clocks tick at instants in event mode. An instant begins with the

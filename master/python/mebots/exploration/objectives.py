@@ -29,7 +29,7 @@ class Measurer:
         self._objectives = study.objectives
         self._place = study.place
         self._formulas: dict[str, Callable[[Mapping[str, Any]], float]] = {}
-        self._sound = 0  # number of missions
+        self._sound = 0  # number of missions without an error
         self._valued: set[str] = set()  # objectives that have had a value
         self._mistakes: dict[str, tuple[int, str]] = {}  # the arithmetic error of an expression, in the first mission
                                                          # outcome of the mission that had it
