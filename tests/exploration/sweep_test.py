@@ -817,7 +817,8 @@ class Arrays(StudyCase):
                 mission.set("a.line.y[4]", 1)
 
     def test_a_factor_beyond_the_size_is_named(self):
-        self.study(design={"kind": "grid", "factors": {"a.line.u[4]": [5, 7]}}, objectives={"first": {"final": "a.line.y[1]"}})
+        self.study(design={"kind": "grid", "factors": {"a.line.u[4]": [5, 7]}}, draws=None,
+                   objectives={"first": {"final": "a.line.y[1]"}})
         error = self.sweep("--jobs", "1", code=2)
         self.assertIn("factor 'a.line.u[4]'", error)
         self.assertIn("no variable 'line.u[4]'", error)

@@ -165,6 +165,7 @@ TEST(Virt, TimerInterruptIsExactInTranslatedCodeToo) {
 /// Loads from devices, accesses to CSRs, and traps, some of them after loads that delay them. The timer interrupts
 /// every 3 us, and disabled interrupts wait.
 constexpr std::string_view kRareInstructions = R"(
+    .option arch, +f
 _start: la t0, handler
     csrw mtvec, t0
     li s0, COMPARE
