@@ -23,8 +23,13 @@ std::shared_ptr<const Scenery> scenery_of(const scene::Scene& scene) {
   return std::make_shared<const Scenery>(make_geometry(scene));
 }
 
+/// Returns the index of a pixel in the rows of a picture.
+std::size_t pixel_at(int column, int row) {
+  return static_cast<std::size_t>(row) * static_cast<std::size_t>(kFormat.width) + static_cast<std::size_t>(column);
+}
+
 /// Returns the camera's direction through a pixel of an undistorted picture, with a length of 1 along the axis.
-Eigen::Vector3d direction_W(const Pose& from, double right_px, double down_px) {
+Eigen::Vector3d direction_of(const Pose& from, double right_px, double down_px) {
   const double f = kFormat.focal_length_px();
   return from.R_WC * Eigen::Vector3d(1.0, -right_px / f, -down_px / f);
 }
@@ -70,9 +75,9 @@ TEST(GroundTruth, DepthsAreThoseOfRaysThroughThePixels) {
     const auto depths = depths_m(truth, from);
     for (int row = 0; row < kFormat.height; ++row) {
       for (int column = 0; column < kFormat.width; ++column) {
-        const auto ray_W = direction_W(from, column + 0.5 - 0.5 * kFormat.width, row + 0.5 - 0.5 * kFormat.height);
+        const auto ray_W = direction_of(from, column + 0.5 - 0.5 * kFormat.width, row + 0.5 - 0.5 * kFormat.height);
         const double expected_m = cast_m(rays, scene, from, ray_W);
-        const double depth_m = depths[static_cast<std::size_t>(row * kFormat.width + column)];
+        const double depth_m = depths[pixel_at(column, row)];
         ++compared;
         // Half a millimetre of rounding; the renderer's planes are in single precision.
         if (std::abs(depth_m - expected_m) > 0.0005 + 2e-5 * expected_m) ++different;
@@ -100,8 +105,8 @@ TEST(GroundTruth, DepthsFollowTheLens) {
       for (int i = 0; i < 200; ++i) r = at / (1.0 + r * r * (lens.k1 + lens.k2 * r * r));
       const double stretch = at > 0.0 ? r / at : 1.0;
       const double expected_m =
-          cast_m(rays, scene, kRoomPoses[0], direction_W(kRoomPoses[0], f * x * stretch, f * y * stretch));
-      const double depth_m = depths[static_cast<std::size_t>(row * kFormat.width + column)];
+          cast_m(rays, scene, kRoomPoses[0], direction_of(kRoomPoses[0], f * x * stretch, f * y * stretch));
+      const double depth_m = depths[pixel_at(column, row)];
       if (std::abs(depth_m - expected_m) > 0.0005 + 2e-5 * expected_m) ++different;
     }
   }

@@ -57,7 +57,7 @@ TEST(CameraTruth, DescribesTheLastPicture) {
   ASSERT_EQ(depth.size(), 2U * 64U * 48U);
   // The frame's left side is between the columns `left` and `right`; its front is 15 mm before the gate's middle.
   const int row = (gate["box"][1].get<int>() + gate["box"][3].get<int>()) / 2;
-  const std::size_t pixel = static_cast<std::size_t>(row * 64 + gate["box"][0].get<int>());
+  const std::size_t pixel = static_cast<std::size_t>(row) * 64 + gate["box"][0].get<std::size_t>();
   const double depth_m = 0.001 * (depth[2 * pixel] + 256 * depth[2 * pixel + 1]);
   EXPECT_NEAR(depth_m, scene.gates[0].p_W_m.x() - 0.015 - camera_W_m.x(), 0.0005 + 1e-4);
 }

@@ -18,7 +18,7 @@ using testing::ThrowsMessage;
 
 constexpr std::int64_t kMagnetometerPeriod_ns = 50'000'000;
 /// East, north, up.
-const Eigen::Vector3d kField_W_t{1.3e-6, 21.5e-6, -43.2e-6};
+const Eigen::Vector3d kWorldField{1.3e-6, 21.5e-6, -43.2e-6};
 
 /// Returns a magnetometer without bias, noise and rounding.
 scene::MagnetometerData exact_magnetometer() {
@@ -29,7 +29,7 @@ scene::MagnetometerData exact_magnetometer() {
 }
 
 Eigen::Vector3d reading(const scene::MagnetometerData& data, const Eigen::Quaterniond& q_WB) {
-  Magnetometer sensor(data, kField_W_t, 1);
+  Magnetometer sensor(data, kWorldField, 1);
   sensor.update(0, q_WB);
   return sensor.field_B_t();
 }
@@ -40,10 +40,10 @@ void expect_near(const Eigen::Vector3d& value, const Eigen::Vector3d& expected) 
 
 TEST(Magnetometer, MeasuresTheFieldAlongTheBodysAxes) {
   constexpr double kQuarter_rad = 0.5 * std::numbers::pi;
-  const double east = kField_W_t.x();
-  const double north = kField_W_t.y();
-  const double up = kField_W_t.z();
-  expect_near(reading(exact_magnetometer(), Eigen::Quaterniond::Identity()), kField_W_t);
+  const double east = kWorldField.x();
+  const double north = kWorldField.y();
+  const double up = kWorldField.z();
+  expect_near(reading(exact_magnetometer(), Eigen::Quaterniond::Identity()), kWorldField);
   // Nose to the north: x is north, y is west.
   expect_near(reading(exact_magnetometer(), yaw_rotation(kQuarter_rad)), {north, -east, up});
   // Nose down: x is down, z is east.
@@ -56,7 +56,7 @@ TEST(Magnetometer, GivesTheHeadingOfALevelDrone) {
   for (const double yaw_rad : {-3.0, -1.0, 0.2, 2.5}) {
     const Eigen::Vector3d field_B_t = reading(exact_magnetometer(), yaw_rotation(yaw_rad));
     // The horizontal field is atan2(north, east) to the left of the world's x axis.
-    const double heading_rad = std::atan2(kField_W_t.y(), kField_W_t.x()) - std::atan2(field_B_t.y(), field_B_t.x());
+    const double heading_rad = std::atan2(kWorldField.y(), kWorldField.x()) - std::atan2(field_B_t.y(), field_B_t.x());
     EXPECT_NEAR(wrapped_rad(heading_rad - yaw_rad), 0.0, 1e-12);
   }
 }
@@ -67,20 +67,20 @@ TEST(Magnetometer, RoundsToItsResolutionWithinItsRange) {
   data.limit_t = 3e-5;
   const Eigen::Vector3d field_B_t = reading(data, Eigen::Quaterniond::Identity());
   EXPECT_NEAR(std::remainder(field_B_t.y(), data.resolution_t), 0.0, 1e-18);
-  EXPECT_NEAR(field_B_t.y(), kField_W_t.y(), 0.5 * data.resolution_t);
+  EXPECT_NEAR(field_B_t.y(), kWorldField.y(), 0.5 * data.resolution_t);
   EXPECT_EQ(field_B_t.z(), -3e-5);
 }
 
 TEST(Magnetometer, NoiseOfEachAxisHasTheRequestedDeviation) {
   scene::MagnetometerData data = exact_magnetometer();
   data.noise_t = {3.2e-7, 3.2e-7, 4.1e-7};
-  Magnetometer sensor(data, kField_W_t, 9);
+  Magnetometer sensor(data, kWorldField, 9);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   Eigen::Vector3d squares = Eigen::Vector3d::Zero();
   constexpr int kCount = 20'000;
   for (int i = 0; i < kCount; ++i) {
     sensor.update(i * kMagnetometerPeriod_ns, Eigen::Quaterniond::Identity());
-    const Eigen::Vector3d error = sensor.field_B_t() - kField_W_t;
+    const Eigen::Vector3d error = sensor.field_B_t() - kWorldField;
     sum += error;
     squares += error.cwiseAbs2();
   }
@@ -98,12 +98,12 @@ TEST(Magnetometer, TheBiasOfEachAxisIsConstant) {
   Eigen::Vector3d squares = Eigen::Vector3d::Zero();
   constexpr int kCount = 4000;
   for (int seed = 0; seed < kCount; ++seed) {
-    Magnetometer sensor(data, kField_W_t, static_cast<std::uint64_t>(seed));
+    Magnetometer sensor(data, kWorldField, static_cast<std::uint64_t>(seed));
     sensor.update(0, Eigen::Quaterniond::Identity());
     const Eigen::Vector3d first_t = sensor.field_B_t();
     sensor.update(kMagnetometerPeriod_ns, Eigen::Quaterniond::Identity());
     EXPECT_EQ(sensor.field_B_t(), first_t);
-    squares += (first_t - kField_W_t).cwiseAbs2();
+    squares += (first_t - kWorldField).cwiseAbs2();
   }
   for (int axis = 0; axis < 3; ++axis)
     EXPECT_NEAR(std::sqrt(squares[axis] / kCount), 1e-4, 4.0 * 1e-4 / std::sqrt(2.0 * kCount));

@@ -114,8 +114,10 @@ std::int16_t Imu::counts(std::size_t axis) const {
 
 void Imu::begin_step(Picoseconds now) {
   const bool repeats = samples_of_step_ > 1 && inputs_ != last_inputs_;
-  if (repeats && repeating_steps_ < kRepeatingSteps && ++repeating_steps_ == kRepeatingSteps)
-    report_repeated_samples(now - step_began_);
+  if (repeats && repeating_steps_ < kRepeatingSteps) {
+    ++repeating_steps_;
+    if (repeating_steps_ == kRepeatingSteps) report_repeated_samples(now - step_began_);
+  }
   last_inputs_ = inputs_;
   step_began_ = now;
   samples_of_step_ = 0;
