@@ -96,12 +96,12 @@ World::World(scene::Scene scene, const Parameters& parameters, const Inputs& inp
     robots_.add_solids(boxes_);
     states_.resize(drones_.size() + robots_.count());
   }
-  move_robots(start_ns);
-  bodies_.find_touches(start_ns);
-  for (std::size_t i = 0; i < touched_.size(); ++i) touched_[i] = bodies_.robot_touches(i);
   take_states(start_ns);
+  move_robots();
+  bodies_.find_touches(start_ns);
+  note_touches();
   for_each_drone([&](Drone& drone, std::size_t i) { drone.start(start_ns, others_of(i)); });
-  write_outputs(start_ns);
+  write_robots(start_ns);
 }
 
 /// Calls `act`. If there are several drones, adds the drone's name to errors.
@@ -135,11 +135,10 @@ void World::step(std::int64_t start_ns, std::int64_t duration_ns) {
   }
   outputs_.wind_gust_m_per_s = {gust_W_m_per_s_.x(), gust_W_m_per_s_.y(), gust_W_m_per_s_.z()};
   for_each_drone([](Drone& drone, std::size_t) { drone.write_outputs(); });
-  write_outputs(start_ns + duration_ns);
+  write_robots(start_ns + duration_ns);
 }
 
-/// Writes the outputs of the robots.
-void World::write_outputs(std::int64_t end_ns) {
+void World::write_robots(std::int64_t end_ns) {
   robots_.write_outputs(end_ns, outputs_);
   for (std::size_t i = 0; i < touched_.size(); ++i) outputs_.robot_touched[i] = touched_[i];
 }
@@ -149,10 +148,10 @@ void World::inner_step(std::int64_t begin_ns, std::int64_t end_ns, double dt_s) 
   const Eigen::Vector3d wind_W_m_per_s = Eigen::Vector3d(inputs_.wind_velocity_m_per_s.data()) + gust_W_m_per_s_;
   if (in_.downwash_strength > 0.0) find_downwash();
   for_each_drone([&](Drone& drone, std::size_t i) { drone.push(wind_W_m_per_s, downwash_n_[i]); });
-  move_robots(begin_ns);
+  move_robots();
   bodies_.step(dt_s, begin_ns);
   for_each_drone([](Drone& drone, std::size_t) { drone.move(); });
-  for (std::size_t i = 0; i < touched_.size(); ++i) touched_[i] = touched_[i] || bodies_.robot_touches(i);
+  note_touches();
   take_states(end_ns);
   for_each_drone([&](Drone& drone, std::size_t i) {
     drone.judge(end_ns, dt_s);
@@ -170,8 +169,13 @@ void World::find_downwash() {
   }
 }
 
-void World::move_robots(std::int64_t time_ns) {
-  for (std::size_t i = 0; i < robots_.count(); ++i) bodies_.move_robot(i, robots_.at(i, time_ns));
+/// Passes the states that take_states() stored to the bodies.
+void World::move_robots() {
+  for (std::size_t i = 0; i < robots_.count(); ++i) bodies_.move_robot(i, states_[drones_.size() + i]);
+}
+
+void World::note_touches() {
+  for (std::size_t i = 0; i < touched_.size(); ++i) touched_[i] = touched_[i] || bodies_.robot_touches(i);
 }
 
 void World::take_states(std::int64_t time_ns) {

@@ -48,9 +48,10 @@ class World {
   void check_wind() const;
   void inner_step(std::int64_t begin_ns, std::int64_t end_ns, double dt_s);
   void find_downwash();
-  void move_robots(std::int64_t time_ns);
+  void move_robots();
+  void note_touches();
   void take_states(std::int64_t time_ns);
-  void write_outputs(std::int64_t end_ns);
+  void write_robots(std::int64_t end_ns);
   /// Returns the data of the other drones and of the robots for the sensors of a drone.
   Others others_of(std::size_t drone) const { return {boxes_, states_, drone}; }
 

@@ -24,8 +24,6 @@ class Robots {
 
   /// Reads the inputs. Throws mebots::Error if a value is not finite.
   void begin_step(std::int64_t start_ns);
-  /// Returns the state of a robot at a time in this step.
-  RigidState at(std::size_t robot, std::int64_t time_ns) const;
 
   /// Appends the parts of all robots as solids, in the order of the robots.
   void add_solids(std::vector<scene::Solid>& solids) const;
@@ -36,6 +34,8 @@ class Robots {
   void write_outputs(std::int64_t time_ns, Outputs& outputs) const;
 
  private:
+  /// Returns the state of a robot at a time in this step.
+  RigidState at(std::size_t robot, std::int64_t time_ns) const;
   double yaw_rad(std::size_t robot, std::int64_t time_ns) const;
   double since_start_s(std::int64_t time_ns) const { return static_cast<double>(time_ns - start_ns_) * 1e-9; }
 

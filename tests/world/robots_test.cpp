@@ -215,6 +215,19 @@ TEST(Robots, BadInputIsNamed) {
                 Fleet(shipped_scene("yard"), with_robots(1), {{0.6, 0.0, 0.06}});
               }),
               HasSubstr("deep in robot[1]"));
+  // ODE ends the process if a product of such numbers is not finite.
+  EXPECT_THAT(error_of([] {
+                Fleet fleet(shipped_scene("yard"), with_robots(2), {{}});
+                fleet.inputs.robot_yaw_rate_rad_per_s[0] = 1.7e308;
+                fleet.step();
+              }),
+              HasSubstr("an angular velocity of robot[1] [rad/s] is 1.7e+308, but must be below 1e+40"));
+  EXPECT_THAT(error_of([] {
+                Fleet fleet(shipped_scene("yard"), with_robots(2), {{}});
+                fleet.inputs.robot_velocity_z_m_per_s[1] = 1e200;
+                fleet.step();
+              }),
+              HasSubstr("a velocity of robot[2] [m/s] is 1e+200"));
 }
 
 TEST(Robots, TheViewNamesTheVariablesOfTheirPoses) {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camera/ground_truth.hpp"
 
+#include "math/checks.hpp"
 #include "mebots/assert.hpp"
-#include "mebots/error.hpp"
 
-#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -44,9 +43,7 @@ GroundTruth::GroundTruth(const std::shared_ptr<const Scenery>& scenery, const In
       renderer_(scenery, lens_.pinhole(), 0.0),
       workspace_(renderer_.make_workspace()),
       noise_(1.0) {
-  if (!(depth_noise_per_m >= 0.0 && std::isfinite(depth_noise_per_m))) {
-    throw Error(fmt::format("camera.depth_noise = {} must be a finite number >= 0", depth_noise_per_m));
-  }
+  require_at_least_zero(depth_noise_per_m, "camera.depth_noise");
   const Intrinsics& pinhole = lens_.pinhole();
   sights_.resize(static_cast<std::size_t>(pinhole.width) * static_cast<std::size_t>(pinhole.height));
   row_noise_.resize(static_cast<std::size_t>(intrinsics.width));

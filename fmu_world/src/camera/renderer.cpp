@@ -294,44 +294,42 @@ void Renderer::shade_row(int row, const std::int32_t* nearest, const Workspace& 
   }
 }
 
-template <typename Shaded>
-void Renderer::shade_rows(const Pose& pose, int first, int end, Workspace& workspace, Shaded&& shaded) const {
-  find_visible(pose, first, end, kEveryObject, workspace);
+template <typename Act>
+void Renderer::for_each_row(const Pose& pose, int first, int end, std::uint32_t only, Workspace& workspace,
+                            Act&& act) const {
+  find_visible(pose, first, end, only, workspace);
   const std::ptrdiff_t stride = intrinsics_.width + kSpareColumns;
   std::size_t strip = 0;
   for (int top = first; top < end; top += kStripRows) {
     const int bottom = std::min(top + kStripRows, end);
     see_strip(strip++, top, bottom, workspace);
-    for (int row = top; row < bottom; ++row) {
-      shade_row(row, workspace.nearest_.data() + stride * (row - top), workspace, workspace.grey_.data());
-      shaded(row);
-    }
+    for (int row = top; row < bottom; ++row) act(row, workspace.nearest_.data() + stride * (row - top));
   }
+}
+
+template <typename Shaded>
+void Renderer::shade_rows(const Pose& pose, int first, int end, Workspace& workspace, Shaded&& shaded) const {
+  for_each_row(pose, first, end, kEveryObject, workspace, [&](int row, const std::int32_t* nearest) {
+    shade_row(row, nearest, workspace, workspace.grey_.data());
+    shaded(row);
+  });
 }
 
 void Renderer::look(const Pose& pose, int first_row, int end_row, std::uint32_t only, std::span<Sight> sights,
                     Workspace& workspace) const {
-  find_visible(pose, first_row, end_row, only, workspace);
   const int width = intrinsics_.width;
   MEBOTS_ASSERT(sights.size() >= static_cast<std::size_t>(end_row) * static_cast<std::size_t>(width));
-  const std::ptrdiff_t stride = width + kSpareColumns;
-  std::size_t strip = 0;
-  for (int top = first_row; top < end_row; top += kStripRows) {
-    const int bottom = std::min(top + kStripRows, end_row);
-    see_strip(strip++, top, bottom, workspace);
-    for (int row = top; row < bottom; ++row) {
-      const std::int32_t* const nearest = workspace.nearest_.data() + stride * (row - top);
-      for (int column = 0; column < width; ++column) {
-        Sight& sight = sights[static_cast<std::size_t>(row) * width + column];
-        sight = {};
-        if (nearest[column] == kNothing) continue;
-        const auto& [outline, view, object] = workspace.faces_[static_cast<std::size_t>(nearest[column])];
-        const double x = column + 0.5 - 0.5 * width;
-        const double inverse = view.w_0 + view.w_x * x + view.w_y * below_middle(row, intrinsics_);
-        sight = {inverse, view.w_x, view.w_y, object};
-      }
+  for_each_row(pose, first_row, end_row, only, workspace, [&](int row, const std::int32_t* nearest) {
+    for (int column = 0; column < width; ++column) {
+      Sight& sight = sights[static_cast<std::size_t>(row) * width + column];
+      sight = {};
+      if (nearest[column] == kNothing) continue;
+      const auto& [outline, view, object] = workspace.faces_[static_cast<std::size_t>(nearest[column])];
+      const double x = column + 0.5 - 0.5 * width;
+      const double inverse = view.w_0 + view.w_x * x + view.w_y * below_middle(row, intrinsics_);
+      sight = {inverse, view.w_x, view.w_y, object};
     }
-  }
+  });
 }
 
 void Renderer::render_light(const Pose& pose, int first_row, int end_row, std::span<float> grey,

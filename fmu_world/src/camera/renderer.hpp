@@ -109,6 +109,10 @@ class Renderer {
   /// find_visible().
   void see_strip(std::size_t strip, int first, int end, Workspace& workspace) const;
   static void enter_strip(std::size_t strip, int first, Workspace& workspace);
+  /// Finds the visible faces and calls act(row, nearest) for each row. `nearest` contains the nearest face of each
+  /// pixel.
+  template <typename Act>
+  void for_each_row(const Pose& pose, int first, int end, std::uint32_t only, Workspace& workspace, Act&& act) const;
   /// Calls shaded(row) for each of the rows [first, end) when its light is in the workspace's `grey_`.
   template <typename Shaded>
   void shade_rows(const Pose& pose, int first, int end, Workspace& workspace, Shaded&& shaded) const;

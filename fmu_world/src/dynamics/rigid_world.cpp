@@ -13,6 +13,8 @@
 #include <cmath>
 #include <deque>
 #include <mutex>
+#include <string>
+#include <string_view>
 #include <utility>
 
 static_assert(sizeof(dReal) == sizeof(double), "ODE must be built with double precision");
@@ -144,11 +146,7 @@ class RigidWorld::Impl {
     Drone& drone = at(index);
     check(drone, state, force_W, torque_B);
     drone.state = state;
-    dQuaternion q;
-    dBodySetPosition(drone.body, state.p_WB_m.x(), state.p_WB_m.y(), state.p_WB_m.z());
-    dBodySetQuaternion(drone.body, to_ode(state.q_WB, q));
-    dBodySetLinearVel(drone.body, state.v_WB_m_per_s.x(), state.v_WB_m_per_s.y(), state.v_WB_m_per_s.z());
-    dBodySetAngularVel(drone.body, state.w_WB_W_rad_per_s.x(), state.w_WB_W_rad_per_s.y(), state.w_WB_W_rad_per_s.z());
+    set_state(drone.body, state);
     dBodySetForce(drone.body, 0.0, 0.0, 0.0);
     dBodySetTorque(drone.body, 0.0, 0.0, 0.0);
     dBodyAddForce(drone.body, force_W.x(), force_W.y(), force_W.z());
@@ -158,12 +156,9 @@ class RigidWorld::Impl {
   void move_robot(std::size_t index, const RigidState& state) {
     MEBOTS_ASSERT(index < robots_.size());
     Robot& robot = robots_[index];
+    check_motion(state, robot.name);
     robot.state = state;
-    dQuaternion q;
-    dBodySetPosition(robot.body, state.p_WB_m.x(), state.p_WB_m.y(), state.p_WB_m.z());
-    dBodySetQuaternion(robot.body, to_ode(state.q_WB, q));
-    dBodySetLinearVel(robot.body, state.v_WB_m_per_s.x(), state.v_WB_m_per_s.y(), state.v_WB_m_per_s.z());
-    dBodySetAngularVel(robot.body, state.w_WB_W_rad_per_s.x(), state.w_WB_W_rad_per_s.y(), state.w_WB_W_rad_per_s.z());
+    set_state(robot.body, state);
   }
 
   void step(double dt_s, std::int64_t time_ns) {
@@ -217,6 +212,7 @@ class RigidWorld::Impl {
   };
 
   struct Robot {
+    std::string name;
     dBodyID body = nullptr;
     RigidState state;
     bool touches = false;
@@ -233,9 +229,26 @@ class RigidWorld::Impl {
     dBodyID body = nullptr;  ///< of a moving obstacle or a robot
   };
 
-  static void require_moderate(const char* what, double value) {
+  static void set_state(dBodyID body, const RigidState& state) {
+    dQuaternion q;
+    dBodySetPosition(body, state.p_WB_m.x(), state.p_WB_m.y(), state.p_WB_m.z());
+    dBodySetQuaternion(body, to_ode(state.q_WB, q));
+    dBodySetLinearVel(body, state.v_WB_m_per_s.x(), state.v_WB_m_per_s.y(), state.v_WB_m_per_s.z());
+    dBodySetAngularVel(body, state.w_WB_W_rad_per_s.x(), state.w_WB_W_rad_per_s.y(), state.w_WB_W_rad_per_s.z());
+  }
+
+  /// `what` contains {} in place of the name of the body.
+  static void require_moderate(std::string_view what, std::string_view whose, double value) {
     if (value < kMost) return;
-    throw Error(fmt::format("{} is {}, but must be below {}; check inputs and parameters", what, value, kMost));
+    throw Error(fmt::format("{} is {}, but must be below {}; check inputs and parameters",
+                            fmt::format(fmt::runtime(what), whose), value, kMost));
+  }
+
+  static void check_motion(const RigidState& state, std::string_view whose) {
+    if (!state.is_finite()) throw Error(fmt::format("the motion of {} is not finite; check its inputs", whose));
+    require_moderate("a coordinate of {} [m]", whose, state.p_WB_m.cwiseAbs().maxCoeff());
+    require_moderate("a velocity of {} [m/s]", whose, state.v_WB_m_per_s.cwiseAbs().maxCoeff());
+    require_moderate("an angular velocity of {} [rad/s]", whose, state.w_WB_W_rad_per_s.cwiseAbs().maxCoeff());
   }
 
   static void check(const Drone& drone, const RigidState& state, const Eigen::Vector3d& force_W,
@@ -245,13 +258,12 @@ class RigidWorld::Impl {
     }
     dMass mass;
     dBodyGetMass(drone.body, &mass);
-    require_moderate("the drone's mass [kg]", mass.mass);
-    require_moderate("a moment of inertia of the drone [kg.m2]", std::max({mass.I[0], mass.I[5], mass.I[10]}));
-    require_moderate("a force on the drone [N]", force_W.cwiseAbs().maxCoeff());
-    require_moderate("a torque on the drone [N.m]", torque_B.cwiseAbs().maxCoeff());
-    require_moderate("a coordinate of the drone [m]", state.p_WB_m.cwiseAbs().maxCoeff());
-    require_moderate("a velocity of the drone [m/s]", state.v_WB_m_per_s.cwiseAbs().maxCoeff());
-    require_moderate("an angular velocity of the drone [rad/s]", state.w_WB_W_rad_per_s.cwiseAbs().maxCoeff());
+    constexpr std::string_view kDrone = "the drone";
+    require_moderate("{}'s mass [kg]", kDrone, mass.mass);
+    require_moderate("a moment of inertia of {} [kg.m2]", kDrone, std::max({mass.I[0], mass.I[5], mass.I[10]}));
+    require_moderate("a force on {} [N]", kDrone, force_W.cwiseAbs().maxCoeff());
+    require_moderate("a torque on {} [N.m]", kDrone, torque_B.cwiseAbs().maxCoeff());
+    check_motion(state, kDrone);
   }
 
   const Drone& at(std::size_t index) const {
@@ -296,31 +308,33 @@ class RigidWorld::Impl {
   }
 
   /// Creates a robot's body, to which its parts are fixed.
+  static int most_contacts(const scene::Solid& solid) {
+    return solid.shape == scene::Solid::Shape::mesh ? kMaxContactsPerMesh : kMaxContactsPerPair;
+  }
+
   void make_robot(std::size_t index) {
     Robot& robot = robots_[index];
+    robot.name = fmt::format("robot[{}]", index + 1);
     robot.body = dBodyCreate(world_);
     dBodySetKinematic(robot.body);
     for (const auto& part : parts_) {
-      const bool is_mesh = part.shape == scene::Solid::Shape::mesh;
       const dGeomID geom = make_geom(part);
       dQuaternion q;
       dGeomSetBody(geom, robot.body);
       dGeomSetOffsetPosition(geom, part.p_W_m.x(), part.p_W_m.y(), part.p_W_m.z());
       dGeomSetOffsetQuaternion(geom, to_ode(part.q_W, q));
-      obstacles_.push_back({geom, Touch::What::robot, index, part.p_W_m, &part,
-                            is_mesh ? kMaxContactsPerMesh : kMaxContactsPerPair, robot.body});
+      obstacles_.push_back({geom, Touch::What::robot, index, part.p_W_m, &part, most_contacts(part), robot.body});
     }
   }
 
   void add(const scene::Solid& solid, std::size_t index) {
     const bool of_gate = solid.gate != scene::Solid::kNoGate;
-    const bool is_mesh = solid.shape == scene::Solid::Shape::mesh;
     Obstacle obstacle{make_geom(solid),
                       of_gate ? Touch::What::gate : Touch::What::obstacle,
                       of_gate ? solid.gate : index,
                       solid.p_W_m,
                       &solid,
-                      is_mesh ? kMaxContactsPerMesh : kMaxContactsPerPair};
+                      most_contacts(solid)};
     if (solid.path.moves()) {
       obstacle.body = dBodyCreate(world_);
       dBodySetKinematic(obstacle.body);

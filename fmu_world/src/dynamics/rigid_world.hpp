@@ -58,7 +58,8 @@ class RigidWorld {
   void place(std::size_t drone, const RigidState& state, const Eigen::Vector3d& force_W_n = Eigen::Vector3d::Zero(),
              const Eigen::Vector3d& torque_B_n_m = Eigen::Vector3d::Zero());
 
-  /// Sets the state of a robot at the start of the next step.
+  /// Sets the state of a robot at the start of the next step. Throws mebots::Error with the robot's name if a number is
+  /// not finite, or too large for ODE.
   void move_robot(std::size_t robot, const RigidState& state);
 
   /// Finds the touches, and advances all drones by dt from `time_ns` under gravity, contact and their wrenches.

@@ -406,7 +406,7 @@ Scene read_scene(const Node& node, const File& folder) {
   MeshThing terrain;
   if (object.read_if("terrain", terrain, terrain_in(folder))) scene.meshes.push_back(terrain);
   object.read("gates", scene.gates, data::list_of(gate_in(folder)));
-  if (object.has("robot")) object.read("robot", scene.robot.emplace(), robot_in(folder));
+  object.visit_if("robot", [&](const Node& section) { scene.robot = robot_in(folder)(section); });
   object.read("lighting", scene.lighting, &read_lighting);
   object.read("contact", scene.contact, &read_contact);
   object.finish();

@@ -73,7 +73,7 @@ void CameraDevice::see_trigger(std::int32_t count, const RigidState& body, std::
   // The noise depends on the picture's number, not on the number of pictures before it.
   const std::uint64_t seed = noise::bits(settings_.seed, noise::Stream::camera, 0);
   const auto index = static_cast<std::uint32_t>(count);
-  const auto pose_at = [this](double after_s) { return pose_after(pictured_, after_s); };
+  const auto pose_at = [this](double after_s) { return pose_after(after_s); };
   if (sensor_) {
     exposure_s_ = sensor_->exposure_s();
     gain_ = sensor_->gain();
@@ -89,17 +89,17 @@ void CameraDevice::see_trigger(std::int32_t count, const RigidState& body, std::
   frame_id_ = count;
 }
 
-camera::Pose CameraDevice::pose_after(const Pictured& start, double after_s) const {
-  const RigidState then = continued(start.body, after_s);
-  bodies_.resize(start.others.size());
+camera::Pose CameraDevice::pose_after(double after_s) const {
+  const RigidState then = continued(pictured_.body, after_s);
+  bodies_.resize(pictured_.others.size());
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    const RigidState other = continued(start.others[i], after_s);
+    const RigidState other = continued(pictured_.others[i], after_s);
     bodies_[i] = {other.p_WB_m, other.rotation()};
   }
   auto pose = camera::camera_pose(settings_.mounting, then.p_WB_m, then.rotation());
-  pose.time_ns = start.time_ns + std::llround(after_s * 1e9);
+  pose.time_ns = pictured_.time_ns + std::llround(after_s * 1e9);
   pose.bodies = bodies_;
-  pose.own_body = start.own;
+  pose.own_body = pictured_.own;
   return pose;
 }
 
@@ -117,7 +117,7 @@ std::string CameraDevice::objects_text() const {
   if (!settings_.labels) return {};
   Json objects = Json::array();
   if (frame_id_ != 0) {
-    const auto pose_at = [this](double after_s) { return pose_after(pictured_, after_s); };
+    const auto pose_at = [this](double after_s) { return pose_after(after_s); };
     for (const auto& object : truth_->objects(pose_at, 0.5 * exposure_s_)) objects.push_back(json_of(object));
   }
   return Json{{"frame_id", frame_id_}, {"objects", objects}}.dump();

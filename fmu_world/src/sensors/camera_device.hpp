@@ -69,8 +69,8 @@ class CameraDevice {
     void visit(state::Visitor& v);
   };
 
-  /// Returns the camera's pose `after_s` after the start of a picture if all bodies continue their motion.
-  camera::Pose pose_after(const Pictured& start, double after_s) const;
+  /// Returns the camera's pose `after_s` after the start of the last picture if all bodies continue their motion.
+  camera::Pose pose_after(double after_s) const;
 
   Settings settings_;
   /// Either the renderer or the sensor is set. The sensor is set if a parameter needs it.

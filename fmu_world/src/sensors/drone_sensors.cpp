@@ -5,9 +5,9 @@
 #include "math/checks.hpp"
 #include "mebots/error.hpp"
 #include "noise/counter_noise.hpp"
-#include "sensors/described.hpp"
 
 #include <fmt/format.h>
+#include <string_view>
 
 namespace mebots::world {
 namespace {
@@ -46,14 +46,20 @@ CameraDevice::Settings camera_settings(const DroneParameters& parameters, std::u
   return settings;
 }
 
+/// Returns the data of a sensor that `needs` requires. Throws mebots::Error if the section is not in the drone's file.
+template <typename Data>
+const Data& described(const std::optional<Data>& data, const scene::Drone& drone, std::string_view needs,
+                      std::string_view section) {
+  if (data) return *data;
+  throw Error(fmt::format("{} needs {} in the drone file of \"{}\"; add it or leave the parameter out", needs, section,
+                          drone.name));
+}
+
 std::optional<FlowSensor> flow_sensor(const scene::Drone& drone, const DroneParameters& parameters, std::uint64_t seed,
                                       std::int64_t start_ns) {
   if (!parameters.flow_enabled && parameters.stabiliser_state == StateSource::truth) return std::nullopt;
-  if (!drone.flow) {
-    throw Error(fmt::format("{} needs flow_sensor in the drone file of \"{}\"; add it or leave the parameter out",
-                            parameters.flow_enabled ? "flow.enabled" : "stabiliser.state = estimate", drone.name));
-  }
-  return FlowSensor(*drone.flow, seed, start_ns);
+  const std::string_view needs = parameters.flow_enabled ? "flow.enabled" : "stabiliser.state = estimate";
+  return FlowSensor(described(drone.flow, drone, needs, "flow_sensor"), seed, start_ns);
 }
 
 /// Throws mebots::Error if a parameter is invalid. Returns the settings otherwise.
@@ -98,16 +104,17 @@ DroneSensors::DroneSensors(const Views& views, const scene::Drone& drone, const 
 void DroneSensors::enable(const Views& views, const scene::Drone& drone, const DroneParameters& parameters) {
   const std::uint64_t seed = seed_of(shared_, index_);
   if (parameters.multiranger_enabled) {
-    multiranger_.emplace(views.rays, drone, ranging_settings(parameters), seed);
-    power_w_ += drone.multiranger->power_w;
+    const auto& data = described(drone.multiranger, drone, "multiranger.enabled", "multiranger");
+    multiranger_.emplace(views.rays, drone, data, ranging_settings(parameters), seed);
+    power_w_ += data.power_w;
   }
   if (parameters.barometer_enabled) {
-    const auto& data = described(drone.barometer, drone, "barometer");
+    const auto& data = described(drone.barometer, drone, "barometer.enabled", "barometer");
     barometer_.emplace(data, air_of(shared_), seed);
     power_w_ += data.power_w;
   }
   if (parameters.magnetometer_enabled) {
-    const auto& data = described(drone.magnetometer, drone, "magnetometer");
+    const auto& data = described(drone.magnetometer, drone, "magnetometer.enabled", "magnetometer");
     magnetometer_.emplace(data, magnetic_field_of(shared_), seed);
     power_w_ += data.power_w;
   }

@@ -2,7 +2,6 @@
 #include "sensors/multiranger.hpp"
 
 #include "noise/counter_noise.hpp"
-#include "sensors/described.hpp"
 
 #include <cstddef>
 #include <utility>
@@ -25,18 +24,14 @@ Eigen::Vector3d unit_vector(std::size_t beam) {
   }
 }
 
-const scene::MultirangerData& data_of(const scene::Drone& drone) {
-  return described(drone.multiranger, drone, "multiranger");
-}
-
 }  // namespace
 
 Multiranger::Multiranger(std::shared_ptr<const RayCaster> rays, const scene::Drone& drone,
-                         const Ranging::Settings& settings, std::uint64_t seed)
-    : ranging_(std::move(rays), drone, settings), clock_(data_of(drone).period_s), seed_(seed) {
+                         const scene::MultirangerData& data, const Ranging::Settings& settings, std::uint64_t seed)
+    : ranging_(std::move(rays), drone, settings), clock_(data.period_s), seed_(seed) {
   for (std::size_t i = 0; i < beams_.size(); ++i) {
     const Eigen::Vector3d direction_B = unit_vector(i);
-    beams_[i] = {direction_B.cwiseProduct(data_of(drone).offset_m), ranging_.rays_around(direction_B)};
+    beams_[i] = {direction_B.cwiseProduct(data.offset_m), ranging_.rays_around(direction_B)};
   }
 }
 

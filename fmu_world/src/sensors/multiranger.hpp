@@ -22,9 +22,9 @@ class Multiranger {
  public:
   using Readings = std::array<double, direction::kCount>;
 
-  /// Throws mebots::Error if the drone's file has no multiranger, or no range sensor for a cone.
-  Multiranger(std::shared_ptr<const RayCaster> rays, const scene::Drone& drone, const Ranging::Settings& settings,
-              std::uint64_t seed);
+  /// Throws mebots::Error if the settings require a cone, and the drone's file has no range sensor.
+  Multiranger(std::shared_ptr<const RayCaster> rays, const scene::Drone& drone, const scene::MultirangerData& data,
+              const Ranging::Settings& settings, std::uint64_t seed);
 
   /// Sets the seed for the noise of later samples. Saved states do not contain it, so DroneSensors sets it before
   /// every step.

@@ -27,7 +27,8 @@ scene::Drone drone() {
 }
 
 Multiranger sensors_in(const scene::Scene& scene, const Ranging::Settings& settings = {}, std::uint64_t seed = 1) {
-  return {std::make_shared<const RayCaster>(scene), drone(), settings, seed};
+  const scene::Drone described = drone();
+  return {std::make_shared<const RayCaster>(scene), described, *described.multiranger, settings, seed};
 }
 
 RigidState at(const Eigen::Vector3d& p_W_m, double yaw_rad = 0.0, double pitch_rad = 0.0, double roll_rad = 0.0) {
