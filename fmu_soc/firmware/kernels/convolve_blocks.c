@@ -107,9 +107,9 @@ static columns_t columns_inside(const layer_t* layer, int32_t columns, int is_po
 
 // The next output positions of a core. Pooled: the next pooled position.
 typedef struct {
-  int32_t x, y;
+  int32_t x;
   int32_t columns;
-  const uint8_t* row;  // patch of the first position of row y
+  const uint8_t* row;  // patch of the first position of the row
   int32_t to_next;     // bytes from patch to patch
   int32_t to_lower;
 } places_t;
@@ -194,12 +194,8 @@ static inline __attribute__((always_inline)) void convolve(const layer_step_t* s
   const int32_t to_lower = layer->stride_rows * step->in_pitch;
   // Columns outside the input that the tile does not have are before its rows.
   const uint8_t* in = step->in - layer->outside_left * step->in_channels;
-  places_t at = {place - y * columns,
-                 y,
-                 columns,
-                 in + y * (is_pooled ? 2 : 1) * to_lower,
-                 layer->stride_columns * step->in_channels,
-                 to_lower};
+  places_t at = {place - y * columns, columns, in + y * (is_pooled ? 2 : 1) * to_lower,
+                 layer->stride_columns * step->in_channels, to_lower};
   const int has_sides = layer->outside_left + layer->outside_right > 0;
   columns_t inside = {0, 0};
   if (has_sides) {

@@ -146,8 +146,8 @@ struct HostState {
   std::uint32_t float_control_outside = 0;
   std::uint32_t float_control = kFloatControl;
   std::uint32_t float_control_after = kFloatControl;
-  CsrState* csrs = nullptr;                 // of the same core
-  std::array<std::uint64_t, 12> vectors{};  // low halves of the vector registers of a region, during a call
+  CsrState* csrs = nullptr;  // of the same core
+  std::uint32_t loaded = 0;  // the value of the last quiet load of translated code
   // The list of recorded steps from one function into another in translated code.
   Flow* flow = nullptr;              // next entry to write
   std::uint64_t position = 0;        // the cycle count at the end of the last run

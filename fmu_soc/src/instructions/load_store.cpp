@@ -149,7 +149,7 @@ void emit_far_wait(Assembler& c, const Instruction* at, Label& left) {
 }
 
 /// Performs a load at the address `ram[0].base + eax` if it is a quiet load of a device, and jumps to `done`.
-/// `take(from)` writes the value in register `from` to its place. Writes nothing else, so that the interpreter performs
+/// `take(from)` writes the value at address `from` to its place. Writes nothing else, so that the interpreter performs
 /// all other loads.
 template <typename Take>
 void emit_quiet_load(Assembler& c, const Instruction* at, unsigned size, const Block& block, Take take, Label& done) {
@@ -160,9 +160,7 @@ void emit_quiet_load(Assembler& c, const Instruction* at, unsigned size, const B
   c.lea(ecx, ptr[rax + static_cast<std::int32_t>(c.ram[0].base)]);
   c.mov(edx, at->cycles_before + c.cycles.waits_before(at));
   c.mov(eax, size);
-  c.registers.save_vectors();
   c.call(c.stubs.device);
-  c.registers.restore_vectors();
   c.test(rax, rax);
   c.js(rare);
   // The rest of the block must start before the limit.
@@ -172,7 +170,7 @@ void emit_quiet_load(Assembler& c, const Instruction* at, unsigned size, const B
   // The end of the block counts the wait of an access to the first memory, which this access is not.
   if (c.ram[0].wait_cycles != 0) c.add(r15, c.ram[0].wait_cycles);
   c.inc(qword[rbx + static_cast<int>(offsetof(Execution, counters.device_accesses))]);
-  take();
+  take(rbx + translate::offset_of_host(offsetof(HostState, loaded)));
   c.jmp(done, kNear);
   c.L(too_late);
   c.add(r15, rax);
@@ -206,19 +204,14 @@ bool emit_load(Assembler& c, const Instruction* at) {
   c.L(done);
   emit_increment(c, at);
   if (!into_vector) c.registers.finish(at->rd, to);
-  const auto take_edx = [&c, at, size, sign, to, into_vector] {
-    if (size == 2) sign ? c.movsx(edx, dx) : c.movzx(edx, dx);
-    if (size == 1) sign ? c.movsx(edx, dl) : c.movzx(edx, dl);
-    into_vector ? c.movd(c.registers.vector(at->rd), edx) : c.mov(to, edx);
-  };
   const auto& block = c.edges.block();
-  c.defer_cold([&c, &block, at, size, take, take_edx, other, claimed, done, inside]() mutable {
+  c.defer_cold([&c, &block, at, size, take, other, claimed, done, inside]() mutable {
     c.L(other);
     emit_middle_of_word(c, size, inside);
     emit_across_words(c, at, size, claimed, claimed);
     const auto& ram = c.ram[1];
     if (ram.span == 0) {
-      emit_quiet_load(c, at, size, block, take_edx, done);
+      emit_quiet_load(c, at, size, block, take, done);
       c.edges.resume(at);
       return;
     }
@@ -230,7 +223,7 @@ bool emit_load(Assembler& c, const Instruction* at) {
     take(rdx + rcx);
     c.jmp(done, kNear);
     c.L(neither);
-    emit_quiet_load(c, at, size, block, take_edx, done);
+    emit_quiet_load(c, at, size, block, take, done);
     c.edges.resume(at);
   });
   return true;

@@ -10,8 +10,6 @@
 #include "instructions/operation.hpp"
 #ifdef MEBOTS_TRANSLATES
 #include "instructions/lowering.hpp"
-
-#include <bit>
 #endif
 
 namespace mebots::soc::system {

@@ -66,9 +66,9 @@ struct Stubs {
   /// subroutine only sets eax to a negative value. Changes rdx. Null if no other core uses that memory.
   const std::uint8_t* far = nullptr;
   /// Subroutine (writable address). Performs a quiet load of eax bytes at address ecx: see Bus::load_quietly(). edx
-  /// holds the cycles of the block before the load. Sets rax to the cycles that the load waits, and edx to the value.
-  /// If the load is not quiet, sets rax to a negative value. Changes rcx, and vector registers of the region. Null if
-  /// Options::perform is null.
+  /// holds the cycles of the block before the load. Sets rax to the cycles that the load waits, and HostState::loaded
+  /// to the value. If the load is not quiet, sets rax to a negative value. Changes rdx. Null if Options::perform is
+  /// null.
   const std::uint8_t* device = nullptr;
 };
 

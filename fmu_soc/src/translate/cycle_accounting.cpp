@@ -76,8 +76,7 @@ void CycleAccounting::jump_at_limit(const Block& block, std::uint32_t stall, Lab
 }
 
 void CycleAccounting::jump_if_stalled(const Instruction* at, std::uint64_t stalled_by, Label& stalled) {
-  if (at->index != 0) return;
-  if (stalled_by == 0) return;
+  if (at->index != 0 || stalled_by == 0) return;
   // In the first block of a run, the last instruction is in Execution::pipeline.
   a_.movd(ecx, xmm15);
   a_.test(ecx, ecx);
@@ -90,7 +89,7 @@ void CycleAccounting::jump_if_stalled(const Instruction* at, std::uint64_t stall
   a_.jc(stalled, kNear);
 }
 
-void CycleAccounting::copy_start_of(const Instruction* at, const Xbyak::Reg64& to) {
+void CycleAccounting::copy_counted(const Xbyak::Reg64& to) {
   const auto begin = ptr[rbx + offset_of_host(offsetof(HostState, begin))];
   if (a_.options.banks != nullptr) {
     a_.mov(to, r15);
@@ -100,6 +99,10 @@ void CycleAccounting::copy_start_of(const Instruction* at, const Xbyak::Reg64& t
     a_.mov(to, begin);
     a_.sub(to, r15);
   }
+}
+
+void CycleAccounting::copy_start_of(const Instruction* at, const Xbyak::Reg64& to) {
+  copy_counted(to);
   a_.add(to, ptr[rbx + offset_of_counter(offsetof(Counters, cycles))]);
   if (const auto before = at->cycles_before + waits_before(at); before != 0) a_.add(to, before);
 }
@@ -182,12 +185,7 @@ void CycleAccounting::claim_bank(const Instruction* at, bool word_in_ecx) {
 /// Adds the counts of a run to the counters. The guest registers must already be stored. Changes rsi and rdx.
 void CycleAccounting::add_to_counters() {
   if (a_.options.flow != nullptr) a_.mov(ptr[rbx + offset_of_host(offsetof(HostState, position))], r15);
-  a_.mov(rdx, ptr[rbx + offset_of_host(offsetof(HostState, begin))]);
-  a_.sub(rdx, r15);
-  if (a_.options.banks != nullptr) {
-    a_.neg(rdx);
-    a_.shr(rdx, std::countr_zero(a_.options.banks->count()));
-  }
+  copy_counted(rdx);
   a_.add(ptr[rbx + offset_of_counter(offsetof(Counters, cycles))], rdx);
   a_.movq(rdx, xmm15);
   a_.mov(ptr[rbx + offset_of_host(offsetof(HostState, instructions))], rdx);

@@ -33,6 +33,8 @@ class CycleAccounting {
   /// Jumps to `stalled` if `at` is the first instruction of its block, and may have stalled for a load before the
   /// block. The cycle of this stall is already counted. `stalled_by` is Block::stalled_by. Changes rcx and rdx.
   void jump_if_stalled(const Instruction* at, std::uint64_t stalled_by, Xbyak::Label& stalled);
+  /// Copies the number of cycles that the run has counted so far.
+  void copy_counted(const Xbyak::Reg64& to);
   /// Copies the active cycle in which `at` starts. The instruction must not have stalled.
   void copy_start_of(const Instruction* at, const Xbyak::Reg64& to);
   /// Claims a bank for an access.

@@ -72,14 +72,6 @@ Registers allocate(const Region& region) {
 
 using namespace Xbyak::util;
 
-namespace {
-
-Xbyak::Address saved_vector(unsigned i) {
-  return qword[rbx + offset_of_host(offsetof(HostState, vectors) + sizeof(std::uint64_t) * i)];
-}
-
-}  // namespace
-
 Xbyak::Address RegisterMap::memory(unsigned reg) {
   return dword[rbx + static_cast<int>(offsetof(Execution, x) + sizeof(std::uint32_t) * reg)];
 }
@@ -105,15 +97,6 @@ void RegisterMap::store_all() {
     const auto guest = allocation_.vector_guest[i];
     if (allocation_.written[guest]) a_.movd(memory(guest), vector(guest));
   }
-}
-
-void RegisterMap::save_vectors() {
-  static_assert(std::tuple_size_v<decltype(HostState::vectors)> == kVectorRegisters);
-  for (unsigned i = 0; i < allocation_.vector_count; ++i) a_.movq(saved_vector(i), vector(allocation_.vector_guest[i]));
-}
-
-void RegisterMap::restore_vectors() {
-  for (unsigned i = 0; i < allocation_.vector_count; ++i) a_.movq(vector(allocation_.vector_guest[i]), saved_vector(i));
 }
 
 Xbyak::Reg32 RegisterMap::host(unsigned reg) const {

@@ -52,10 +52,6 @@ class RegisterMap {
   void load_all();
   void store_all();
 
-  /// Copy the vector registers to HostState::vectors before a call, and back after the call.
-  void save_vectors();
-  void restore_vectors();
-
   bool in_host(unsigned reg) const { return allocation_.host[reg] != Registers::kInMemory; }
   bool in_vector(unsigned reg) const { return allocation_.vector[reg] != Registers::kInMemory; }
   Xbyak::Xmm vector(unsigned reg) const;

@@ -98,48 +98,52 @@ void emit_fetch_stub(Assembler& a) {
   a.ret();
 }
 
-/// The result of a quiet load, in rax and rdx.
-struct QuietLoad {
-  std::int64_t wait;  // negative: the load is not quiet
-  std::uint64_t value;
-};
-
-[[gnu::sysv_abi]] QuietLoad load_quietly_from_code(Execution& execution, std::uint64_t cycle, std::uint32_t address,
-                                                   std::uint32_t size) noexcept {
-  constexpr QuietLoad kNone{-1, 0};
+/// Performs a quiet load, and stores its value in HostState::loaded. Returns the wait cycles; -1 if the load is not
+/// quiet.
+[[gnu::sysv_abi]] std::int64_t load_quietly_from_code(Execution& execution, std::uint64_t cycle, std::uint32_t address,
+                                                      std::uint32_t size) noexcept {
   auto& data_path = execution.units->data_path;
-  if (data_path.is_ram(address, size)) return kNone;
+  if (data_path.is_ram(address, size)) return -1;
   const auto reply = data_path.load_quietly(cycle, address, size);
-  return reply.is_quiet ? QuietLoad{reply.wait_cycles, reply.value} : kNone;
+  if (!reply.is_quiet) return -1;
+  execution.host.loaded = reply.value;
+  return reply.wait_cycles;
 }
 
-/// Calls DataPath::load_quietly(). The device may compute with floats.
-void emit_device_stub(Assembler& a, bool has_floats) {
-  const std::array saved{rsi, rdi, r8, r9, r10, r11};
-  constexpr int kRoom = 16 + 16;
-  static_assert((8 + 8 * std::tuple_size_v<decltype(saved)> + kRoom + kStackPadding) % 16 == 0);
-  const auto float_control = dword[rsp + 16];
+/// Calls `function(execution, cycle, ecx, eax)`, whose result is in rax. The cycle is that of the block's start plus
+/// rdx. Changes only rax and rdx. The function may compute with floats.
+template <typename Function>
+void emit_call(Assembler& a, Function* function) {
+  // Saves the registers that a called function may change (System V ABI). Their number keeps the stack aligned.
+  const std::array saved{rsi, rdi, r8, r9, r10, r11, rcx};
+  constexpr int kVectors = kVectorRegisters;
+  constexpr int kRoom = 16 + 8 * kVectors + 8;
+  static_assert((8 * std::tuple_size_v<decltype(saved)> + kRoom) % 16 == 0);
+  const bool has_floats = a.blocks.extensions().has_floats();
+  const int vectors = a.blocks.timing().has_xpulp() || has_floats ? kVectors : 0;
+  const auto slot = [](int i) { return ptr[rsp + (16 + 8 * static_cast<std::size_t>(i))]; };
+  const auto float_control = dword[rsp + (16 + 8 * kVectors)];
   for (const auto& reg : saved) a.push(reg);
   a.sub(rsp, kRoom);
   a.movdqu(ptr[rsp], xmm15);
+  for (int i = 0; i < vectors; ++i) a.movq(slot(i), Xbyak::Xmm(kFirstVector + i));
   if (has_floats) {
     a.stmxcsr(float_control);
     a.ldmxcsr(dword[rbx + offset_of_host(offsetof(HostState, float_control_outside))]);
   }
-  a.mov(rsi, ptr[rbx + offset_of_host(offsetof(HostState, begin))]);
-  a.sub(rsi, r15);
+  a.cycles.copy_counted(rsi);
   a.add(rsi, rdx);
   a.add(rsi, ptr[rbx + offset_of_counter(offsetof(Counters, cycles))]);
   a.mov(rdi, rbx);
   a.mov(edx, ecx);
   a.mov(ecx, eax);
-  a.mov(rax, reinterpret_cast<std::uint64_t>(&load_quietly_from_code));
+  a.mov(rax, reinterpret_cast<std::uint64_t>(function));
   a.call(rax);
   if (has_floats) a.ldmxcsr(float_control);
+  for (int i = 0; i < vectors; ++i) a.movq(Xbyak::Xmm(kFirstVector + i), slot(i));
   a.movdqu(xmm15, ptr[rsp]);
   a.add(rsp, kRoom);
   for (auto reg = saved.rbegin(); reg != saved.rend(); ++reg) a.pop(*reg);
-  a.ret();
 }
 
 /// Calls wait_for_far() and counts the returned cycles.
@@ -147,35 +151,12 @@ void emit_far_stub(Assembler& a) {
   MEBOTS_ASSERT(a.options.banks != nullptr, "a core whose second memory is shared shares the first one");
   static_assert(kOutsideBanks >> 63 == 1 && Banks::kReach < std::uint64_t{1} << 31,
                 "the sign distinguishes kOutsideBanks from a wait");
-  const auto bits = std::countr_zero(a.options.banks->count());
-  // Saves the registers that a called function may change (System V ABI). Their number keeps the stack aligned.
-  const std::array saved{rsi, rdi, r8, r9, r10, r11, rcx};
-  constexpr int kVectors = kVectorRegisters;
-  constexpr int kRoom = 16 + 8 * kVectors + 8;
-  static_assert((8 * std::tuple_size_v<decltype(saved)> + kRoom) % 16 == 0);
-  for (const auto& reg : saved) a.push(reg);
-  a.sub(rsp, kRoom);
-  a.movdqu(ptr[rsp], xmm15);
-  const auto slot = [](int i) { return ptr[rsp + (16 + 8 * static_cast<std::size_t>(i))]; };
-  for (int i = 0; i < kVectors; ++i) a.movq(slot(i), Xbyak::Xmm(kFirstVector + i));
-  a.mov(rsi, r15);
-  a.sub(rsi, ptr[rbx + offset_of_host(offsetof(HostState, begin))]);
-  a.shr(rsi, bits);
-  a.add(rsi, rdx);
-  a.add(rsi, ptr[rbx + offset_of_counter(offsetof(Counters, cycles))]);
-  a.mov(rdi, rbx);
-  a.mov(edx, ecx);
-  a.mov(rax, reinterpret_cast<std::uint64_t>(&wait_for_far_from_code));
-  a.call(rax);
-  for (int i = 0; i < kVectors; ++i) a.movq(Xbyak::Xmm(kFirstVector + i), slot(i));
-  a.movdqu(xmm15, ptr[rsp]);
-  a.add(rsp, kRoom);
-  for (auto reg = saved.rbegin(); reg != saved.rend(); ++reg) a.pop(*reg);
+  emit_call(a, &wait_for_far_from_code);
   Label left;
   a.test(rax, rax);
   a.js(left);
   a.mov(rdx, rax);
-  a.shl(rdx, bits);
+  a.shl(rdx, std::countr_zero(a.options.banks->count()));
   a.add(r15, rdx);
   a.L(left);
   a.ret();
@@ -239,7 +220,8 @@ Stubs emit_stubs(Assembler& a) {
     if (has_floats) leave_floats();
     emit_perform(a, next_core, done);
     stubs.device = a.getCurr();
-    emit_device_stub(a, has_floats);
+    emit_call(a, &load_quietly_from_code);
+    a.ret();
   }
   if (a.blocks.fetched() != nullptr && a.fetches.are_inline()) {
     stubs.fetch = a.getCurr();

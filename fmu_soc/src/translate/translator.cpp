@@ -14,7 +14,7 @@ namespace mebots::soc::translate {
 namespace {
 
 /// Upper bounds for a region. This much space must be free before a region is begun.
-constexpr std::size_t kMostRegionBytes = std::size_t{384} << 10;
+constexpr std::size_t kMostRegionBytes = std::size_t{256} << 10;
 constexpr std::size_t kMostRegionPatchPoints = 4096;
 
 const Xbyak::util::Cpu kProcessor;

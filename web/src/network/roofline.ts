@@ -14,12 +14,12 @@ export function makeRoofline({ network }: NetworkPage, measured: Measured): HTML
   const { macs_per_cycle: peak, bytes_per_cycle: bandwidth, hyper_bytes_per_cycle: hyper } = measured.roof;
   const points = network.layers.flatMap(({ name, macs, weights, l1 }, i) => {
     const cost = measured.layers[i];
-    return l1 && macs > 0 && l1.moved > 0 && cost.cycles > 0 ? [{ name, intensity: macs / l1.moved, speed: cost.macs_per_cycle, bound: macs / cost.bound, perWeight: macs / weights, roofline: cost.roofline, share: cost.cycles / measured.total.cycles }] : [];
+    return l1 && macs > 0 && l1.moved > 0 && cost.cycles > 0 ? [{ name, intensity: macs / l1.moved, speed: cost.macs_per_cycle, bound: macs / cost.bound, perWeight: hyper ? macs / weights : Infinity, roofline: cost.roofline, share: cost.cycles / measured.total.cycles }] : [];
   });
   const title = "Roofline";
   if (points.length === 0) return panel(title, "", element("p", { class: "empty" }, "No layer has products."));
   const ridge = peak / bandwidth;
-  const intensities = [...points.flatMap(({ intensity, perWeight }) => (hyper && perWeight < Infinity ? [intensity, perWeight] : [intensity])), ridge];
+  const intensities = [...points.flatMap(({ intensity, perWeight }) => (perWeight < Infinity ? [intensity, perWeight] : [intensity])), ridge];
   const xRange: [number, number] = [Math.min(...intensities) / 2, 2 * Math.max(...intensities)];
   const yRange: [number, number] = [Math.min(...points.map(({ speed }) => speed), bandwidth * xRange[0]) / 1.5, 2 * peak];
   const plot = new Plot("speed of each layer over its products per byte", (width) => Math.min(360, Math.max(260, 0.6 * width)), () => {
@@ -47,7 +47,7 @@ export function makeRoofline({ network }: NetworkPage, measured: Measured): HTML
       context.beginPath();
       plot.line([[plot.x(intensity), plot.y(speed)], [plot.x(intensity), plot.y(bound)]]);
       plot.line([[plot.x(intensity) - RADIUS, plot.y(bound)], [plot.x(intensity) + RADIUS, plot.y(bound)]]);
-      if (hyper && perWeight < Infinity) {
+      if (perWeight < Infinity) {
         context.moveTo(plot.x(perWeight) + RADIUS, plot.y(speed));
         context.arc(plot.x(perWeight), plot.y(speed), RADIUS, 0, 2 * Math.PI);
       }

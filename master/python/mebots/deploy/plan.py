@@ -191,7 +191,7 @@ def gathers(layer: Layer) -> bool:
     """True if patches are copied before they are used. Patches are copied if their runs of contiguous bytes are short
     and many channels share the copy, or if a row of the patch has several runs.
     """
-    if layer.kind != "convolution" or layer.groups > 1:
+    if not is_in_blocks(layer):
         return False
     rows, columns, run = _patch_runs(layer)
     runs, words = rows * columns, math.ceil(run / 4)
