@@ -28,6 +28,8 @@ class LiveScenario {
   void resume(std::int64_t time_ns);
   /// Adds a value and writes the file. Throws Error.
   void add(std::string_view variable, const nlohmann::ordered_json& value, std::int64_t time_ns);
+  /// True if a resumed run must still set values again.
+  bool is_pending() const { return done_ < entries_.size(); }
   /// Returns the values that a resumed run must set again at this time. Returns each value once.
   std::vector<Entry> due(std::int64_t time_ns);
 

@@ -485,8 +485,7 @@ void Run::step_until(std::int64_t until_ns) {
 
 /// Sets values that a user set by hand between the checkpoint and the end of the killed process.
 void Run::set_again() {
-  if (!live_scenario_) return;
-  at_point([&] { write_due(); });
+  if (live_scenario_ && live_scenario_->is_pending()) at_point([&] { write_due(); });
 }
 
 void Run::write_due() {
