@@ -36,7 +36,7 @@ esac
 # Deletes longer inputs, because libFuzzer would truncate them, and truncated JSON or XML is rarely useful.
 # ctest replays them complete.
 find "$build/kept/$name" -type f -size +"$longest"c -delete
-# With this folder, the readers unpack into memory instead of onto a disk.
+# If /dev/shm exists, the readers unpack archives into memory instead of onto a disk.
 if [[ -d /dev/shm ]]; then export TMPDIR=/dev/shm; fi
 export ASAN_OPTIONS=detect_leaks=1:quarantine_size_mb=1:malloc_context_size=1
 result=0

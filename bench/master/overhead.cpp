@@ -111,8 +111,8 @@ double by_master(const Shape& shape, const std::filesystem::path& fmu, FmuLibrar
   return time * 1e9 / static_cast<double>(steps * shape.instances);
 }
 
-/// Contains the times of a call of fmi2GetReal [ns]: the bare call; the call with the check of the floating-point
-/// environment; and the call by the master, which also sets the instance for callbacks and checks the result.
+/// Contains times of a call of fmi2GetReal [ns]. `watched` includes the check of the floating-point environment. In
+/// `by_master`, the master also sets the instance for callbacks and checks the result.
 struct CallCosts {
   double bare, watched, by_master;
 };

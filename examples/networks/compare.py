@@ -36,8 +36,8 @@ COLUMNS = ("network", "mission", "flights", "passed", "of them touched", "infere
 
 
 def study(mission, folder, flights):
-    """Returns the study of a mission. The empty network stands for the firmware's own network, with kernels scheduled
-    by hand.
+    """Returns the study of a mission. An empty name of a network selects the network in the firmware, with kernels
+    scheduled by hand.
     """
     settings, ranges = MISSIONS[mission]
     draws = {name: {"uniform": [-most, most]} for name, most in ranges.items()} | {"world.sensors.seed": {"integer": [1, 1_000_000]}}

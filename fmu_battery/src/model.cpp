@@ -56,9 +56,9 @@ void Model::start(const Inputs& inputs, std::int64_t start_ns, Outputs& outputs)
   if (state_.soc <= 0) {
     handle(Event::empty, seconds(start_ns));
   } else if (source_v < cell_.cut_off_voltage_v) {
-    // Without a load, the cell's voltage is already below the cut-off. If only a load lowers the voltage below the
-    // cut-off, the protection opens in the first step. If it opened here, the initial values might not converge,
-    // because the loads depend on the bus voltage, and the bus voltage depends on the loads.
+    // The cell's voltage is below the cut-off even without a load. If only a load lowers the voltage below the cut-off,
+    // the protection opens in the first step instead. If it opened here, the initial values might not converge, because
+    // the loads depend on the bus voltage, and the bus voltage depends on the loads.
     open(cut_off_text(), seconds(start_ns));
   } else if (now.terminal_w() > power_limit_w(source_v, circuit.series_ohm, source_v / 2)) {
     handle(Event::no_power, seconds(start_ns));

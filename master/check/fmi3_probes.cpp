@@ -15,8 +15,8 @@ namespace {
 constexpr int kSteps = 20;
 constexpr int kHalf = kSteps / 2;
 
-/// Returns the first element of a Float64 or Float32 that is infinite or NaN, as text. Returns an empty text if there
-/// is none.
+/// Returns the first element of a Float64 or Float32 that is infinite or NaN, as text. Returns an empty text if all
+/// elements are finite, and for other types.
 std::string not_finite(const Fmi3Value& value) {
   const auto look = [&]<typename T>(T number) -> std::string {
     constexpr std::size_t kSize = sizeof(T);

@@ -9,7 +9,7 @@
 namespace mebots::check {
 namespace {
 
-/// Returns the variable with this name. Returns null if there is none, or if its values are neither numbers nor
+/// Returns the variable with this name. Returns null if no variable has it, or if its values are neither numbers nor
 /// Booleans.
 const Fmi3Declared* find_number(const Fmi3Description& description, const std::string& name) {
   const auto found = std::ranges::find(description.variables(), name, &Fmi3Declared::name);

@@ -56,8 +56,8 @@ struct Trace {
 Trace read_trace(const std::filesystem::path& file, bool ignores_others,
                  const std::function<bool(const std::string& name)>& is_number);
 
-/// Reads the file of inputs. If there is none, returns a trace that has one row and no columns. Throws Error if a cell
-/// is not a number, or if a column is not a numeric variable of this FMU.
+/// Reads the file of inputs. If `files` has no inputs, returns a trace that has one row and no columns. Throws Error if
+/// a cell is not a number, or if a column is not a numeric variable of this FMU.
 Trace read_inputs(const TraceFiles& files, const std::function<bool(const std::string& name)>& is_number);
 
 /// The functions of an FMU's instance that replay() calls.

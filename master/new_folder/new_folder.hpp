@@ -43,7 +43,7 @@ using Files = std::vector<std::pair<std::filesystem::path, std::string>>;
 Files read_template(const std::string& name, const Words& words);
 
 /// Throws Error unless `name` can be the name of a C function, a device and a CMake target. Such a name consists of
-/// lower-case letters, digits and _, and is none of the templates' own words.
+/// lower-case letters, digits and _, starts with a letter, and is not in a list of words that C or the templates use.
 void require_name(const std::string& name);
 
 /// Writes the files into a new folder. Throws Error if the folder exists.

@@ -24,7 +24,7 @@ std::string with_word(std::string_view name, const Group& group, std::string_vie
   return result;
 }
 
-/// Returns the group whose name occurs as {name} in a terminal's name; null if there is none.
+/// Returns the group whose name is in braces in a terminal's name; null if the name has no braces.
 const Group* group_in(const Node& node, std::string_view name, const std::vector<Group>& groups) {
   const auto open = name.find('{');
   if (open == std::string_view::npos) return nullptr;

@@ -247,7 +247,7 @@ class Fmi3Reader {
     return *value;
   }
 
-  /// Returns the index of the variable that has this value reference. Throws if there is none; the message names
+  /// Returns the index of the variable that has this value reference. If no variable has it, throws an error that names
   /// `element`, which contains the reference.
   std::size_t index(const Element& element, std::uint32_t value_reference, std::string_view what) const {
     const auto found = by_reference_.find(value_reference);

@@ -70,7 +70,7 @@ constexpr Settings kFirmware{.rate = {0.2186, 0.4371, 0.002186, 0.58, kNone},
                              .period_ms = 1};
 
 /// The Crazyflie's published gains (platform_defaults_cf2.h, commit 2a18fc29), converted to the units of Settings.
-/// Without a set-point for the place, the place has no feedback, so its gain is 0.
+/// The gain of the place is 0, because fmu_world's cascade does not hold the place.
 constexpr Settings kCrazyflie{
     .rate = {250 / kFull / kDegree, 500 / kFull / kDegree, 2.5 / kFull / kDegree, 33.3 * kDegree, kNone},
     .angle = {6, 3, 0, 20 * kDegree, kNone},

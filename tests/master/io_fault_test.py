@@ -127,7 +127,7 @@ def torn(out, whole):
 
 
 def problem_of(case, out, fault, done, whole, preload):
-    """Checks the run after a fault. Returns a description of the problem; an empty text if there is none."""
+    """Checks the run after a fault. Returns a description of the problem; an empty text if all checks succeed."""
     told = done.stdout + done.stderr
     if fault.removesuffix(io_faults.STICKY) in io_faults.HARMLESS:
         if done.returncode != 0:

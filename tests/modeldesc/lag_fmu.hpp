@@ -61,7 +61,7 @@ class Lag {
 
   fmi2Component component() const { return component_; }
   const std::vector<Message>& messages() const { return messages_; }
-  /// Returns the text of the last message; empty if there is none.
+  /// Returns the text of the last message; empty if there was no message.
   std::string last_message() const { return messages_.empty() ? "" : messages_.back().text; }
 
   /// Calls the functions from the set-up of the experiment to the end of initialisation. Afterwards the instance can be

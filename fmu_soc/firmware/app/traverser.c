@@ -26,7 +26,7 @@
 // The distance to a real gate decreases by the flown distance. The distance that is computed from the size assumes a
 // frame of 0.6 m and the longest lens. It decreases faster with a shorter lens or a smaller frame, and slower with a
 // larger frame. If it decreases by less than four fifths of the flown distance, the object is not a gate, or the frame
-// is too large: more than 0.75 m with the longest lens, or more than 1.6 m with a lens of 87 degrees.
+// is too large. The limit is 0.75 m with the longest lens, and 1.6 m with a lens of 87 degrees.
 #define LEAST_NEARER_PERCENT 80
 // Focal length divided by half the picture's width, in thousandths, for the longest lens with which the network was
 // trained (0.82 rad). With a shorter lens, a frame that has the same size in the picture is nearer. Therefore the
@@ -41,7 +41,7 @@
 #define LEAST_SIZE 8
 // Yaw rate of a search, in 127ths of the mission's yaw rate scale.
 #define SEARCH_YAW 64
-// Angle on both sides of a heading that led to an object, within which a search ignores gates, and half the view of the
+// Angle on both sides of a heading that led to an object: a search ignores gates within it. Half the view of the
 // longest lens, from which the heading of a gate is computed.
 #define DEAD_END_URAD 450000
 #define HALF_VIEW_URAD 410000

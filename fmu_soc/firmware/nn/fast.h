@@ -106,7 +106,7 @@ void nn_fast_make_small_weights(nn_small_weights_t* small);
 void nn_fast_clear_first(nn_arena_t* arena, nn_share_t share);
 // Clears the borders of the later layers' outputs. Must be called after the picture is reduced.
 void nn_fast_clear_later(nn_arena_t* arena, nn_share_t share);
-// With NN_SHARES_PLACES, nn_fast_clear_later() clears the first layer's output instead of nn_fast_clear_first().
+// If NN_SHARES_PLACES is 1, nn_fast_clear_first() does not clear the first layer's output: nn_fast_clear_later() does.
 // Therefore all cores must wait before the first layer. After that layer, this function clears the outputs of the
 // second and third layer, and all cores must wait again.
 #if NN_SHARES_PLACES

@@ -44,8 +44,8 @@ struct DmaTiming {
 class ClusterDma {
  public:
   static constexpr unsigned kTransfers = 16;
-  /// Status bit that is set after a refused START. A START is refused if its value is not a direction, if addresses are
-  /// outside L1 and L2, if the size is 0 or not a multiple of the row, or if all transfers are in use.
+  /// Status bit that is set after a refused START. A START is refused if all transfers are in use, or if its value is
+  /// not a direction. Its addresses must be in L1 and L2, and its size a positive multiple of the row.
   static constexpr std::uint32_t kRefused = 1U << 31;
 
   ClusterDma(Memory& memory, std::size_t l1_region, const DmaTiming& timing)

@@ -35,8 +35,8 @@ inline constexpr std::array<std::string_view, kCycleCauses> kCycleCauseNames{
     "misaligned", "cache",    "memory",        "bank_conflict", "far_memory", "device",          "trap",   "other"};
 
 /// Stores the cycles of an instruction for each cause. Their sum is the change of the core's cycle count since the
-/// previous instruction, with one exception: if a misaligned load hides cycles of the following jump, these cycles are
-/// subtracted from the load.
+/// previous instruction. There is one exception: if a misaligned load hides cycles of the following jump, these cycles
+/// are subtracted from the load.
 struct CycleShares {
   std::array<std::int32_t, kCycleCauses> cycles{};
 

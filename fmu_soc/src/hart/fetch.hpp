@@ -30,8 +30,8 @@ class Fetch {
     MEBOTS_ASSERT(is_cached());
     return cache_->line_of(before[1].pc - 1) == cache_->line_of(at[1].pc - 1);
   }
-  /// Returns the first instruction after `at` that may have to wait for a cache line. If there is none, returns the
-  /// end of the block.
+  /// Returns the first instruction after `at` that may have to wait for a cache line. If the block has no such
+  /// instruction, returns its end.
   const Instruction* next_to_wait(const Instruction* at) const;
   /// True if all lines from this instruction to the end of the block are in the cache.
   bool is_present(const Instruction* at) const;

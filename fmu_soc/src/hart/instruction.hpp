@@ -63,7 +63,7 @@ struct Instruction;
 /// Records a step from one instruction to the next that may enter another function, with the hart's counts since reset.
 /// Translated code writes the counts in the form "as recorded", and the hart converts them for the observer.
 struct Flow {
-  /// As recorded: the lower half counts the instructions of the run, and the upper half its loads and stores.
+  /// As recorded: the lower half counts the run's instructions, and the upper half counts its loads and stores.
   std::uint64_t instructions = 0;
   std::uint64_t instruction_fj = 0;  // as recorded: energy of the run
   std::uint64_t cycles = 0;          // as recorded: value of HostState::position

@@ -99,8 +99,8 @@ std::uint32_t Hardware::wait_of_controller(std::size_t memory) const {
 }
 
 /// Sets the latencies of memories for which the board states cycles of the SoC's clock. An access, a refill and a beat
-/// of the DMA each take at least one cycle of the slower clock, because the AXI bus between the two clock domains has
-/// the same width on both sides.
+/// of the DMA each take at least one cycle of the slower clock. The reason is the AXI bus between the two clock
+/// domains: it has the same width on both sides.
 void Hardware::set_latencies(std::uint32_t soc_hz) {
   if (!cluster_ || !has_latencies()) return;
   const auto ticks_of = [&](std::uint64_t soc_cycles) {

@@ -102,8 +102,8 @@ struct Options {
 /// parsed.
 void add_options(CLI::App& command, Options& options);
 
-/// Throws Error if an option is invalid: a name is empty, a file has two purposes, an output is also an input of the
-/// run, or a path is in a folder that does not exist.
+/// Throws Error if a name is empty, a file has two purposes, or an output is also an input of the run. Also throws if a
+/// path is in a folder that does not exist.
 void check(const Options& options);
 
 /// Returns advice about the fault that has ended a run. The advice names an option that serves the program's system

@@ -66,8 +66,8 @@ Wrench rotor_wrench(const scene::Drone& drone, const RotorValues& thrust_n, cons
 Eigen::Vector3d spin_torque(double rotor_inertia_kg_m2, const RotorValues& speed_rad_per_s,
                             const RotorValues& acceleration_rad_per_s2, const Eigen::Vector3d& rate_B_rad_per_s);
 
-/// Returns the factor by which the ground increases a rotor's thrust at the same speed (Cheeseman and Bennett 1955): 1
-/// / (1 - (R / 4z)^2) for a height z of the rotor's plane, with z >= R / 2.
+/// Returns the factor by which the ground increases a rotor's thrust at the same speed (Cheeseman and Bennett 1955). It
+/// is 1 / (1 - (R / 4z)^2) for a height z of the rotor's plane. Lower heights than R / 2 count as R / 2.
 double ground_effect(double height_m, double rotor_radius_m);
 
 /// Returns the linear drag of the body in moving air [N], in world axes: F = -R diag(d) R^T (v - wind).

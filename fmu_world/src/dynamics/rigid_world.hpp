@@ -31,8 +31,8 @@ struct Touch {
 ///
 /// For a step, call place() for every drone, then step(), then state() and touches() of every drone.
 ///
-/// Obstacles on a path and robots are kinematic bodies of ODE: at the start of each step they get position and velocity
-/// of the path or from move_robot(), and no force changes them.
+/// Obstacles on a path and robots are kinematic bodies of ODE, which no force moves. At the start of each step, they
+/// get position and velocity of the path or from move_robot().
 ///
 /// The caller owns the bodies' states. Every step copies them into ODE and back, so ODE stores nothing between steps,
 /// and a restored state continues with the same bits. Geometries are in the scene's order. They are not in an ODE

@@ -9,8 +9,8 @@
 namespace mebots::world::scene {
 
 /// Reads and checks a scene file (JSON, SI units, angles in rad; fmu_world/docs/scenes.md lists its keys), and the
-/// drone file whose name it contains. Throws a mebots::Error that names file, place in the file, value and limit if a
-/// key is missing or unknown, or if a value has the wrong type or is out of range.
+/// drone file whose name it contains. Throws a mebots::Error if a key is missing or unknown, or if a value has the
+/// wrong type or is out of range. The error names file, place in the file, value and limit.
 Scene load_scene(const std::filesystem::path& file);
 
 /// Reads and checks a drone file. Throws the same errors as load_scene().

@@ -16,8 +16,8 @@ class RayCaster {
  public:
   explicit RayCaster(const scene::Scene& scene);
 
-  /// Returns the distance from a point along a unit vector to the next surface at a time; infinity if there is none. A
-  /// ray that starts inside a solid does not meet this solid.
+  /// Returns the distance from a point along a unit vector to the next surface at a time; infinity if the ray meets no
+  /// surface. A ray that starts inside a solid does not meet this solid.
   double distance_m(const Eigen::Vector3d& p_W_m, const Eigen::Vector3d& direction_W, std::int64_t time_ns,
                     const Others& others) const;
 

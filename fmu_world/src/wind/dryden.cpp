@@ -32,9 +32,9 @@ Dryden::Dryden(const Settings& settings) : settings_(settings) {
   require(settings.intensity_m_per_s, "gust.intensity", settings.intensity_m_per_s >= 0.0, ">= 0");
   require(settings.length_m, "gust.length", settings.length_m >= kLeast, ">= 0.001");
   require(settings.speed_m_per_s, "gust.speed", settings.speed_m_per_s >= kLeast, ">= 0.001");
-  // With tau = L / V and unit variances, the filter along x is x' = (-x + n) / tau. For y and z, it is x1' = (-x1 + n)
-  // / tau and x2' = (-x2 + x1) / tau with the output sqrt(3) x1 + (1 - sqrt(3)) x2. White noise n of intensity tau
-  // gives this output a variance of 1.
+  // With tau = L / V and unit variances, the filter along x is x' = (-x + n) / tau. For y and z, it is
+  // x1' = (-x1 + n) / tau and x2' = (-x2 + x1) / tau with the output sqrt(3) x1 + (1 - sqrt(3)) x2. White noise n of
+  // intensity tau gives this output a variance of 1.
   const double rate_per_s = settings.speed_m_per_s / settings.length_m;
   if (settings.intensity_m_per_s > 0.0 && !(rate_per_s >= kSlowest_per_s && rate_per_s <= kFastest_per_s)) {
     throw Error(

@@ -57,7 +57,7 @@ void append(const std::filesystem::path& folder, std::span<const std::string_vie
   }
 }
 
-/// Returns the folder in PATH that contains `mebots`. Returns an empty path if there is none.
+/// Returns the folder of the first `mebots` in PATH, with links resolved; an empty path if PATH has no `mebots`.
 std::filesystem::path folder_in_path() {
   const char* text = std::getenv("PATH");
   if (text == nullptr) return {};

@@ -160,7 +160,7 @@ std::optional<Divergence> compared(const Expected& column, const Signal::Value& 
   return divergence;
 }
 
-/// Returns the first divergence of a variable. Returns nullopt if there is none.
+/// Returns the first divergence of a variable. Returns nullopt if the variable does not diverge.
 std::optional<Divergence> first_divergence(const Expected& column, const Results& results, const Tolerance& tolerance) {
   const auto& times = column.signal->times();
   std::size_t near = 0;

@@ -107,12 +107,12 @@ class SharedFollowers {
     std::iota(next_.begin(), next_.end(), std::size_t{0});
   }
 
-  /// Returns the first unvisited output whose node number is at least `from`. Returns kNone if there is none.
+  /// Returns the first unvisited output whose node number is at least `from`. Returns kNone if all are visited.
   std::size_t unseen(std::size_t from) {
     const auto place = skip(place_of(from));
     return place == outputs_->size() ? kNone : (*outputs_)[place];
   }
-  /// Returns the first output on the path whose node number is at least `from`. Returns kNone if there is none.
+  /// Returns the first output on the path whose node number is at least `from`; kNone if the path has no such output.
   std::size_t open(std::size_t from) const {
     const auto found = open_.lower_bound(from);
     return found == open_.end() ? kNone : *found;

@@ -43,8 +43,8 @@ class SignalFile {
   std::optional<std::size_t> find(std::string_view title) const;
 
   /// Reads all rows, and returns one signal for each wanted column. Must be called only once. Throws InputError with
-  /// line, column and value if a time is invalid or less than that of the previous row, if three rows have the same
-  /// time, or if a variable cannot have the value of a cell.
+  /// line, column and value if a variable cannot have the value of a cell. Throws the same error if a time is invalid
+  /// or less than the previous time, or if three rows have the same time.
   std::vector<std::shared_ptr<const Signal>> read(std::span<const WantedSignal> wanted);
 
  private:

@@ -151,11 +151,11 @@ struct ResolvedSystem {
   std::optional<ResolvedStepControl> step_control;  ///< set if the description contains step control
   /// Sorted by target, so that their order in the config has no effect.
   std::map<ResolvedVariable, InputSignal> inputs;
-  /// One for each entry of the scenario; null for other actions than `signal`.
+  /// Indexed like the entries of the scenario; null for entries whose action is not `signal`.
   std::vector<std::shared_ptr<const Signal>> scenario_signals;
   std::vector<std::string> notices;  ///< facts that the user should see, such as unconnected inputs
 
-  /// Returns the signal that is the source of an input. Returns null if there is none.
+  /// Returns the signal that is the source of an input. Returns null if the input has no signal.
   const InputSignal* input_signal(const ResolvedVariable& input) const;
   /// Finds a variable by its name. Throws InputError with similar names if the variable does not exist. `place` is the
   /// place at which the name was written.

@@ -64,7 +64,7 @@ class ConnectionCheck {
     return connection_;
   }
 
-  /// Returns a notice for the user. Returns an empty text if there is none.
+  /// Returns a notice of the conversion for the user. Returns an empty text if the value is not converted.
   const std::string& notice() const { return notice_; }
 
  private:
@@ -298,9 +298,9 @@ bool is_scalar(const ResolvedSystem& system, const VariableName& name) {
   return instance && system.instances[*instance].model->find(name.variable) != nullptr;
 }
 
-/// Checks that a buffer is valid whenever the reader uses it. It is valid until the next step of its owner ends. A
-/// reader that steps less often than the owner reads the buffer at the start of its own step, when the buffer is valid.
-/// If a reader steps more often, the buffer is not valid in all of its steps.
+/// Checks that a buffer is valid whenever the reader uses it. It is valid until the next step of its owner ends. If the
+/// reader steps less often than the owner, it reads the buffer at the start of its step, while the buffer is valid. If
+/// the reader steps more often, the buffer is not valid in all of its steps.
 void check_buffer_lives(const ResolvedSystem& system, const ResolvedConnection& connection, const std::string& place) {
   const auto& owner = *system.instances[connection.from.instance].description;
   const auto& reader = *system.instances[connection.to.instance].description;

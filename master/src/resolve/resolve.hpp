@@ -31,7 +31,7 @@ modeldesc::StructuralValues structural_values(const InstanceDescription& instanc
                                               const modeldesc::ModelDescription& description);
 
 /// Returns the variable that a setting of this name changes: a scalar, or the array of an element. If structural
-/// parameters determine the array's size, the element need not exist yet. Null if there is none.
+/// parameters determine the array's size, the element need not exist yet. Returns null for any other name.
 const modeldesc::Variable* variable_of_setting(const modeldesc::ModelDescription& description, std::string_view name);
 
 /// Checks name, type and limits of a setting while the sizes of arrays may still change. resolve() checks again whether

@@ -64,7 +64,7 @@ class MeasuredChoice {
     if (is_measured_by_default) measured_.push_back(std::move(item));
   }
   std::vector<MeasuredCoupling> take() { return std::move(measured_); }
-  /// Returns a tolerance in the config that applies to no bond or input. Returns null if there is none.
+  /// Returns a tolerance in the config that applies to no bond or input. Returns null if all tolerances apply.
   const NamedTolerance* unused() const { return named_.empty() ? nullptr : named_.begin()->second; }
 
  private:

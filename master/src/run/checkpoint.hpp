@@ -53,8 +53,8 @@ RunOptions with_absolute_paths(RunOptions options);
 /// fails.
 void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& checkpoint);
 
-/// Reads the checkpoint in a results folder. Throws InputError if there is none, or if it is damaged or has another
-/// version.
+/// Reads the checkpoint in a results folder. Throws InputError if the folder has no checkpoint, or if the checkpoint is
+/// damaged or has another version.
 Checkpoint read_checkpoint(const std::filesystem::path& folder);
 
 /// Throws InputError if an instance's FMU cannot serialize its state. The error lists all such instances.

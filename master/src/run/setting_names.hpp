@@ -11,8 +11,8 @@
 /// The names of variables in settings: of one variable, or a pattern (* and ?) of several.
 namespace mebots::master {
 
-/// Returns the variable of this name. If there is none, returns the variables that match the name as a pattern, in the
-/// order of instances and descriptions. Opens the FMUs.
+/// Returns the variable of this name. If no variable has it, returns the variables that match the name as a pattern, in
+/// the order of instances and descriptions. Opens the FMUs.
 std::vector<std::string> matching_variables(const SystemDescription& system, FmuLibrary& library,
                                             const std::string& name);
 

@@ -43,7 +43,7 @@ class OuterInputs {
 /// Describes the result of ContinuousSystem::advance().
 struct Advanced {
   double time_s = 0;
-  /// Name of the member that requested the end of the simulation; nullopt if there is none.
+  /// Name of the member that requested the end of the simulation; nullopt if no member requested it.
   std::optional<std::string> terminated_by = {};
 };
 

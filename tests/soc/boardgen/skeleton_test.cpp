@@ -13,7 +13,7 @@
 namespace mebots::soc::test {
 namespace {
 
-/// Returns the board of the time-of-flight example, in which the sensor has a kind of its own.
+/// Returns the board of the time-of-flight example. The sensor has the kind that skeleton.so implements.
 BoardDescription board_with_kind() {
   auto board = read_board(MEBOTS_SOURCE_DIR "/examples/time_of_flight/board.json");
   board.devices.back().kind = "range_finder";

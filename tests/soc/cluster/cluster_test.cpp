@@ -511,8 +511,8 @@ TEST_P(ClusterRuntimeOn, ContinuesWithTheSameBitsFromAStateDuringAJob) {
 }
 
 /// A program for eight cores that use one bank. Its code has different blocks in different runs. A block may begin in
-/// the middle of straight code, directly after other code at the target of a jump, after the return from a trap, or
-/// over the end of a former hardware loop.
+/// the middle of straight code, at the target of a jump directly after other code, or after the return from a trap. It
+/// may also cover the end of a former hardware loop.
 constexpr std::string_view kMixed = R"(
     mv a0, s1
     la s2, late

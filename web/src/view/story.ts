@@ -83,8 +83,9 @@ export function makeStories(runs: Run[]): HTMLElement {
 }
 
 /**
- * Returns the time at which the page opens. For a flight, it is the later of two times: that of the first picture, and that at which
- * the body is first farther away than half its greatest distance from the start. For another run, it is the end, where the results are.
+ * Returns the time at which the page opens. For a flight, it is the time of the first picture, but not before the body is under way.
+ * A body is under way after its distance from the start first exceeds half the greatest distance. For another run, it is the end, where
+ * the results are.
  */
 export function openingTime(run: Run): number {
   const names = (run.scene?.bodies?.[0]?.position ?? []) as string[];

@@ -29,8 +29,9 @@ _CONVERSION = {"narrow": 3.75, "wide": 7.75, "exact": 11.75}
 def loads_per_dot(channels: int, places: int, words: int) -> float:
     """Returns the fewest loads for each dot product of a loop.
 
-    The loop computes ``a`` channels at ``b`` places. Either a x b sums stay in registers (a + b loads for a x b dot products), or
-    the patches of b places do, or the weights of a channels (one load for a or b dot products).
+    The loop computes ``a`` channels at ``b`` places. Registers may keep a x b sums. Then a x b dot products need a + b loads.
+    Registers may also keep the patches of b places (one load for b dot products), or the weights of a channels (one load for a
+    dot products).
     """
     most_a, most_b = min(channels, REGISTERS), min(places, REGISTERS)
     blocks = [(a, b) for a in range(1, most_a + 1) for b in range(1, most_b + 1) if a * b + a + b <= REGISTERS]

@@ -81,7 +81,8 @@ def _aligned(titles: Sequence[str], rows: Sequence[Row]) -> list[str]:
 
 
 class Judge:
-    """Ranks designs by the first objective that is minimised or maximised. If there is none, ranks them by the first share."""
+    """Ranks designs by the first objective that is minimised or maximised. If no objective is minimised or maximised, ranks them by the
+    first share."""
 
     def __init__(self, evidence: Evidence, units: Units, names: Sequence[str], status: Sequence[str]) -> None:
         self._evidence = evidence

@@ -271,8 +271,8 @@ class Evidence:
         return [complete[at][0] for at in pareto.front(np.array([point for _, point in complete], float))]
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Returns three arrays for all designs, in the sense of each objective: the lower ends and the upper ends of the intervals that
-        decisions use, and the means (NaN for a design without a mean)."""
+        """Returns three arrays for all designs, in the sense of each objective. They contain the lower ends and the upper ends of the
+        intervals that decisions use, and the means (NaN for a design without a mean)."""
         shape = (len(self.counts), len(self._senses))
         low, high, mean = np.empty(shape), np.empty(shape), np.full(shape, np.nan)
         for design in range(len(self.counts)):

@@ -151,7 +151,7 @@ class Journal:
         return self.find(mission) is not None
 
     def find(self, mission: str) -> Record | None:
-        """Returns the last record of a mission. Returns None if there is none."""
+        """Returns the last record of a mission. Returns None if the journal has no record of the mission."""
         place = self.place_of(mission)
         return None if place is None else self.at(place)
 

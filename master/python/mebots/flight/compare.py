@@ -96,7 +96,7 @@ def _signal(raw: FlightLog, log: FlightLog, traces: Traces, name: str, variable:
 
 
 def _compared(traces: Traces) -> tuple[float, float]:
-    """Returns the times of the first and the last good point. Returns an empty interval if there is none."""
+    """Returns the times of the first and the last good point. If no point is good, returns an empty interval."""
     times = traces.times[traces.good]
     return (float(times[0]), float(times[-1])) if len(times) else (np.inf, -np.inf)
 

@@ -35,7 +35,7 @@ class Replay:
     motion: Motion | None
 
     def error(self, quantity: str, model: str) -> ErrorRow:
-        """Returns the row of a quantity. Raises KeyError if there is none."""
+        """Returns the row of a quantity and a model. Raises KeyError if the quantity was not compared by this model."""
         for one in self.errors:
             if (one.quantity, one.model) == (quantity, model):
                 return one

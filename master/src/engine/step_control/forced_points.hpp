@@ -11,9 +11,9 @@
 
 namespace mebots::master {
 
-/// Finds the points of the grid that no communication step may pass: the end of the run, the ends of steps of instances
-/// with a separate step, the recording interval, starts and ends of overrides, rows of signals, and ticks of clocks.
-/// Checkpoints and pauses are no such points, so that they do not change the results.
+/// Finds the points of the grid that no communication step may pass. These are the end of the run, the ends of steps of
+/// instances with a separate step, the recording interval, starts and ends of overrides, rows of signals, and ticks of
+/// clocks. Checkpoints and pauses are no such points, so that they do not change the results.
 class ForcedPoints {
  public:
   /// All arguments must outlive this object; `overrides` may be null.

@@ -194,7 +194,7 @@ void intermediate_update(fmi3InstanceEnvironment /*environment*/, fmi3Float64 ti
   if (set_requested && current != nullptr) current->target().listener().intermediate_update(time_s);
 }
 
-/// Returns the loaded library that contains the code at this address. Returns null if there is none.
+/// Returns the loaded library that contains the code at this address. Returns null if no library contains it.
 const void* library_of(const void* code) {
   Dl_info info{};
   void* library = nullptr;
@@ -202,7 +202,7 @@ const void* library_of(const void* code) {
 }
 
 /// Counts a call of stepFinished that belongs to no known instance. Increments the counters of all instances whose
-/// library contains the caller. If there are none, increments the counters of all instances.
+/// library contains the caller. If no library contains it, increments the counters of all instances.
 void count_dropped_step_end(const void* caller) {
   const auto* library = library_of(caller);
   auto& all = registry();

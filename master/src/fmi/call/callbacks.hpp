@@ -117,8 +117,8 @@ struct CurrentCall {
   const char* library = nullptr;
 };
 
-/// Returns the call to an FMU that this thread is executing. If there is none, `instance` and `library` are null. May
-/// be called in signal handlers and by exit handlers.
+/// Returns the call to an FMU that this thread is executing. If the thread is in no such call, `instance` and `library`
+/// are null. May be called in signal handlers and by exit handlers.
 CurrentCall current_call() noexcept;
 
 /// Returns the sorted names of the instances in this process; if there are many, only the first few. If another thread

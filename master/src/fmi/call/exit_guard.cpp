@@ -48,9 +48,9 @@ std::string reason(const char* what) {
 
 /// The number of the process whose runs are guarded. Processes that were forked from it are not guarded.
 std::atomic<pid_t> guarded_process = 0;
-/// The number of the thread that ends the process because a run was busy. 0 if there is none.
+/// The number of the thread that ends the process because a run was busy. 0 if no thread does this.
 std::atomic<pid_t> ending_thread = 0;
-/// The signal that was received outside of calls and that is kept for the run's thread. 0 if there is none.
+/// The signal that was received outside of calls and that is kept for the run's thread. 0 if no signal is kept.
 std::atomic<int> kept_signal = 0;
 
 [[noreturn]] void end_at_once() {

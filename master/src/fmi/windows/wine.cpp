@@ -46,8 +46,8 @@ fs::path find_program() {
   return place == kProgramPlaces.end() ? "" : *place;
 }
 
-/// Returns the folder that contains wine's DLLs. Returns an empty path if there is none. Searches first next to
-/// `program`, because it cannot use the DLLs of another version of wine.
+/// Returns the folder that contains wine's DLLs. Returns an empty path if no folder contains them. Searches first next
+/// to `program`, because it cannot use the DLLs of another version of wine.
 fs::path find_libraries(const fs::path& program) {
   std::vector<fs::path> folders(kLibraryFolders.begin(), kLibraryFolders.end());
   std::error_code missing;

@@ -41,7 +41,7 @@ class ConnectorWriter {
   };
   using Connectors = std::map<std::string, Connector>;
 
-  /// True if an OSMP binary has this name. Such a binary has no variable of its own.
+  /// True if an OSMP binary has this name. Such a binary consists of three Integer variables.
   bool is_osmp(const VariableName& name) const;
   WrittenEnd end_of(const VariableName& name);
 

@@ -178,7 +178,7 @@ std::string Network::indices_of(const Endpoint& endpoint) const {
   return bracket == std::string::npos ? std::string() : name.substr(bracket);
 }
 
-/// Returns the declared connector; for an element of an array, the connector of the array. Null if there is none.
+/// Returns the declared connector; for an element of an array, the connector of the array. Null if it is not declared.
 const Connector* Network::connector(const Endpoint& endpoint) const {
   auto found = connectors_.find(endpoint);
   if (const auto indices = indices_of(endpoint); !indices.empty())

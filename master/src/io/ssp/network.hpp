@@ -73,11 +73,11 @@ class Network {
   /// Returns the endpoints of a hierarchical name, relative to the element at `path` (SSP 2.0, 5.3.3). A name may have
   /// no endpoint, one or several. If an FMU cannot be read, assumes that it has every variable.
   std::vector<Endpoint> find(const std::string& path, const std::string& name) const;
-  /// Returns the indices of an element of an array, such as "[2]"; empty for a connector or variable of its own.
+  /// Returns the indices of an array's element, such as "[2]"; empty for a whole connector or variable.
   std::string indices_of(const Endpoint& endpoint) const;
   /// Returns the indices of the elements of a system's array connector that have a source each.
   std::vector<std::string> connected_elements(const Endpoint& array) const;
-  /// Returns the hop that ends at the endpoint; null if there is none.
+  /// Returns the hop that ends at the endpoint; null if no hop ends there.
   const Hop* into(const Endpoint& endpoint) const;
   /// Returns the chains of connections to all components' variables, in the order of the connections. Elements of a
   /// system's array connector may be connected on one side of the system, and the whole array on the other side. Then

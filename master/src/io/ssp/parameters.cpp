@@ -103,7 +103,7 @@ Json whole_number(const XmlFile& file, pugi::xml_node node, std::string_view tex
   file.fail(node, fmt::format("\"{}\" is not a whole number from {} to {}", text, limits.low, limits.high));
 }
 
-/// Returns the element that contains the value, such as <Real>. Returns a null node if there is none.
+/// Returns the element that contains the value, such as <Real>. Returns a null node if the parameter has no value.
 pugi::xml_node type_of(pugi::xml_node parameter) {
   return parameter.find_child([](pugi::xml_node node) {
     const auto name = local_name(node);

@@ -41,13 +41,13 @@ class XmlFile {
 
 /// Returns the element's name without its namespace prefix.
 std::string_view local_name(pugi::xml_node node);
-/// Returns the first child with this local name. Returns a null node if there is none.
+/// Returns the first child with this local name. Returns a null node if no child has this name.
 pugi::xml_node child(pugi::xml_node node, std::string_view name);
 std::vector<pugi::xml_node> children(pugi::xml_node node, std::string_view name);
 
 /// Parses the text as a number. Returns nullopt if it is not a finite number.
 std::optional<double> parse_number(std::string_view text);
-/// Parses the text as a Boolean of XML Schema: true, false, 1 or 0. Returns nullopt if the text is none of these.
+/// Parses the text as a Boolean of XML Schema: true, false, 1 or 0. Returns nullopt for any other text.
 std::optional<bool> parse_flag(std::string_view text);
 /// Splits the text at white space.
 std::vector<std::string> words_of(const std::string& text);

@@ -43,7 +43,7 @@ struct Putter {
   }
 };
 
-/// Writes all tables. Returns the table and column that HDF5 rejected. Returns an empty text if there is none.
+/// Writes all tables. If HDF5 rejects a column, returns its name and the table's; otherwise an empty text.
 std::string put_tables(hid_t output, const std::vector<Table>& tables) {
   for (const auto& table : tables) {
     const Handle group(

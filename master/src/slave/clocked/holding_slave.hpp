@@ -14,8 +14,8 @@
 
 namespace mebots::master {
 
-/// A slave for an instance that has clocks. Stores the values of clocked variables between ticks: an output keeps its
-/// value of the last tick, and a value that was set for an input is passed to the FMU at the next tick.
+/// A slave for an instance that has clocks. Stores the values of clocked variables between ticks. An output keeps its
+/// value of the last tick. A value that was set for an input is passed to the FMU at the next tick.
 class HoldingSlave final : public ForwardingSlave {
  public:
   explicit HoldingSlave(std::unique_ptr<Slave> inner);

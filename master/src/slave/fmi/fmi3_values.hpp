@@ -63,7 +63,7 @@ class Fmi3Values {
   struct Call {
     modeldesc::Type type;
     std::vector<std::uint32_t> references;
-    // One for each value; null for elements that the caller did not request.
+    // Indexed like the values of the call; null for elements that the caller did not request.
     std::vector<const modeldesc::Variable*> variables;
     std::size_t value_count = 0;
     std::vector<Move> moves;

@@ -68,7 +68,7 @@ IsolatedSlave::IsolatedSlave(const ResolvedInstance& instance, MessageSink& mess
       std::make_unique<ChildProcess>(find_fmu_host(), host_arguments(),
                                      std::array<int, 4>{control_buffer_.descriptor(), command_buffer_.descriptor(),
                                                         answer_buffer_.descriptor(), log_buffer_.descriptor()});
-  // The sizes of these buffers do not change from now on. Therefore only the host process still needs the descriptors.
+  // The sizes of these two buffers no longer change. Therefore only the host process still needs their descriptors.
   control_buffer_.close_descriptor();
   log_buffer_.close_descriptor();
   open(grid);

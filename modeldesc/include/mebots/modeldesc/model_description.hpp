@@ -290,12 +290,12 @@ struct ModelDescription {
   /// Indexes variables, units and types by name. Functions that read descriptions call it at their end. index_names()
   /// must be called again after a change of names or of the order of a list.
   void index_names();
-  /// Returns the variable with this name; null if there is none. The search takes logarithmic time after index_names(),
-  /// and linear time without it.
+  /// Returns the variable with this name; null if no variable has it. The search takes logarithmic time after
+  /// index_names(), and linear time without it.
   const Variable* find(std::string_view name) const { return variable_index.find(variables, name); }
-  /// Returns the definition of the unit with this name; null if there is none.
+  /// Returns the definition of the unit with this name; null if the unit is not defined.
   const Unit* unit(std::string_view name) const { return unit_index.find(units, name); }
-  /// Returns the definition of the type with this name; null if there is none.
+  /// Returns the definition of the type with this name; null if the type is not defined.
   const TypeDefinition* type_definition(std::string_view name) const { return type_index.find(types, name); }
 
   NameIndex variable_index;
