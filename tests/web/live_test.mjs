@@ -208,6 +208,7 @@ const overHttp = {
     killed.child.kill("SIGKILL");
     await killed.ended;
     const resumed = await addressOf(spawn(mebots, ["resume", join(out, "killed"), "--live", "--live-start", "browser"], { stdio: ["ignore", "pipe", "inherit"] }));
+    await order(resumed, "hold"); // the header counts as a browser, for which the run waits
     assert.equal((await header(resumed)).runs[0].summary.steps, 5, "it resumes from the checkpoint at step 4, and makes one step");
     values.delete(5); // the resumed run sets it again
     await stepTo(resumed, 8);

@@ -522,8 +522,12 @@ const lengthsTests = {
         assert.ok(Math.abs(numberOf(cells[i]) - wanted) < 1e-3 * Math.abs(wanted) + 1e-5, `${run} at ${time} s: ${cells[i]}, not ${wanted}`);
       });
     }
-    for (const look of ["2", "3", "4", "1"]) await page.keyboard.press(look);
-    assert.ok((await colours(page, "#scene")) > 200);
+    for (const look of ["2", "3", "4", "1"]) {
+      await page.keyboard.press(look);
+      await frame(page);
+      const count = await colours(page, "#scene");
+      assert.ok(count > 200, `${count} colours after key ${look}`);
+    }
   },
 };
 
