@@ -97,8 +97,8 @@ def literals(path: str, source: str) -> Iterator[Text]:
 
 def described(path: str, source: str) -> Iterator[Text]:
     """Yields the descriptions in a JSON file. They describe an FMU's variables, or a schema's keys."""
-    kind = "schema" if "schemas/" in path else "variable"
-    for found in re.finditer(r'"(?:description|title)":\s*("(?:[^"\\]|\\.)*")', source):
+    kind, keys = ("schema", "description|title") if "schemas/" in path else ("variable", "description|text")
+    for found in re.finditer(rf'"(?:{keys})":\s*("(?:[^"\\]|\\.)*")', source):
         yield Text(kind, path, source.count("\n", 0, found.start()) + 1, json.loads(found[1]))
 
 
