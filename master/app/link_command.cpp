@@ -47,7 +47,9 @@ Words words_of(const LinkOptions& options) {
 }
 
 void add_options(CLI::App& command, LinkOptions& options) {
-  command.add_option("config", options.config, "Config with an fmu_world, motors and a battery for each drone")
+  command
+      .add_option("config", options.config,
+                  "Config with an fmu_world of one or several drones, and motors and a battery for each drone")
       ->type_name("FILE.json")
       ->required();
   command
@@ -91,7 +93,7 @@ void add_link(CLI::App& app, Action& action) {
        "1 a model failed, a file could not be written, or a replay gave other bits than the recorded run",
        "2 the input cannot be used"},
       {"mebots link configs/link.json --out results/link", "mebots link configs/link.json --drones 2 --idle 5",
-       "mebots link configs/link.json --replay results/link/link.jsonl"}));
+       "mebots link configs/link_4.json", "mebots link configs/link.json --replay results/link/link.jsonl"}));
   command->callback([options, &action] {
     action = [options] {
       return guarded([&] { become_python("mebots link", "mebots.link.command", words_of(*options)); });

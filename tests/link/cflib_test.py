@@ -18,11 +18,12 @@ from cflib.crazyflie.syncLogger import SyncLogger
 from cflib.positioning.motion_commander import MotionCommander
 from cflib.positioning.position_hl_commander import PositionHlCommander
 from cflib.utils.reset_estimator import reset_estimator
-from support import LinkCase
+from support import CONFIG, LinkCase
 
 cflib.crtp.init_drivers()
 # The PID cascade keeps an error of a few centimetres, because its integral compensates drag slowly (1 degree per metre).
 REACHED_M = 0.1
+ONE_WORLD = CONFIG.with_name("link_4.json")
 
 
 def block(period_ms, **variables):
@@ -250,7 +251,7 @@ class Flights(CflibCase):
         self.assertAlmostEqual(state["stateEstimate.yaw"], 90, delta=5)
 
     def test_a_swarm_of_two_flies(self):
-        port = self.start(drones=2)
+        port = self.start("--drones", "2", drones=2)
         uris = [f"udp://127.0.0.1:{port + i}" for i in range(2)]
         ends = {}
 
@@ -294,6 +295,30 @@ class Trouble(CflibCase):
         scf.cf.high_level_commander.takeoff(1.0, 2.0)
         state.wait(1.0)
         self.assertFalse(scf.cf.supervisor.is_flying)
+
+    def test_drones_of_one_world_touch_each_other(self):
+        port = self.start(config=ONE_WORLD, drones=4)
+        uris = [f"udp://127.0.0.1:{port + i}" for i in range(2)]
+        path = {}
+
+        def fly(scf, index):
+            state = State(scf)
+            scf.cf.high_level_commander.takeoff(0.5, 1.5)
+            state.wait(2)
+            start = len(state.rows)
+            if index == 0:  # flies to the place of the other drone, 0.5 m away
+                scf.cf.high_level_commander.go_to(0, 0.5, 0, 0, 0.4, relative=True)
+            state.wait(3)
+            path[index] = [row["stateEstimate.y"] for row in state.rows[start:]]
+
+        with Swarm(uris, factory=CachedCfFactory(rw_cache=str(self.folder / "cache"))) as swarm:
+            swarm.parallel_safe(fly, args_dict={uri: [i] for i, uri in enumerate(uris)})
+        self.assertAlmostEqual(path[1][0], 0.5, delta=0.01)
+        self.assertGreater(max(path[1]), 0.53, "the other drone pushes it away")
+        self.assertLess(path[0][-1], path[1][-1] - 0.05)
+        printed = self.stop()
+        self.assertIn(self.recording()[-1]["bits"], printed)
+        self.assertIn(self.recording()[-1]["bits"], self.replay(config=ONE_WORLD))
 
     def test_a_weak_battery_warns_and_then_ends_the_link(self):
         lost = threading.Event()

@@ -114,6 +114,12 @@ class Datagrams(LinkCase):
         server._receive(time.monotonic() + 0.05)
         self.assertEqual(server._clients, [None, None])
 
+    def test_a_world_has_as_many_linked_drones_as_its_count(self):
+        for settings, count in ((Settings(), 4), (Settings(set={"world.drone.count": 3}), 3), (Settings(drones=2), 8)):
+            session = Session(CONFIG.with_name("link_4.json"), settings, None)
+            self.addCleanup(session.close)
+            self.assertEqual(len(session.drones), count)
+
     def test_a_full_recording_ends_the_run(self):
         session = Session(CONFIG, Settings(), None)
         self.addCleanup(session.close)

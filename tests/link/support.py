@@ -44,10 +44,9 @@ class LinkCase(unittest.TestCase):
         self.server = None
 
     def start(self, *options, drones=1, config=CONFIG, port=None):
-        """Starts a server. Returns its first port."""
+        """Starts a server for `drones` drones of the config. Returns its first port."""
         port = port or free_port(drones)
         command = [MEBOTS, "link", str(config), "--out", str(self.out), "--port", str(port), *options]
-        command += ["--drones", str(drones)] if drones > 1 else []
         self.notices = self.folder / "notices"
         with open(self.notices, "w") as notices:
             self.server = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=notices, text=True)

@@ -6,7 +6,8 @@ from __future__ import annotations
 import collections
 import dataclasses
 import os
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from mebots.errors import InputError
@@ -20,14 +21,24 @@ _ROTORS = range(1, 5)
 
 @dataclasses.dataclass(frozen=True)
 class Parts:
-    """Contains the names of the instances that form one drone."""
+    """Contains the names of the instances that form one drone. ``number`` is the drone's index in a world of several drones, else None."""
 
     world: str
+    number: int | None
     battery: str
+
+    def variable(self, name: str) -> str:
+        """Returns the full name of a variable of this drone, from its name in a world with one drone."""
+        return _variable(self.world, self.number, name)
+
+    def is_in(self, mission: Mission) -> bool:
+        """Returns True if the drone exists in a mission that has started. A config may connect more drones than ``drone.count``."""
+        return self.number is None or self.number <= mission.value(f"{self.world}.drone.count")
 
 
 def find_drones(config: Mapping[str, Any], file: str) -> list[Parts]:
-    """Returns the drones in a config. Each consists of an ``fmu_world`` and of the battery that feeds the motors of its rotors."""
+    """Returns the drones in a config. Each consists of a drone of an ``fmu_world`` and of the battery that feeds the motors of its
+    rotors. In a world of several drones, those with connected rotors count."""
     feeds = {end["to"]: end["from"] for end in config.get("connections", [])}
     targets = collections.defaultdict(list)
     for end in config.get("connections", []):
@@ -37,18 +48,30 @@ def find_drones(config: Mapping[str, Any], file: str) -> list[Parts]:
     for name, instance in config["instances"].items():
         if not os.path.basename(str(instance.get("fmu", ""))).startswith("fmu_world"):
             continue
-        turned = [_instance_of(target, names) for target in targets[f"{name}.rotor[1].command"]]
-        sources = [_instance_of(feeds.get(f"{one}.bus.voltage"), names) for one in turned]
-        battery = next((source for source in sources if source is not None), None)
-        if battery is None:
-            raise InputError(
-                f"{file}: no battery feeds the drone of '{name}'; connect {name}.rotor[1].command to motors, and a battery's bus.voltage to them",
-                "missing_key",
-            )
-        found.append(Parts(name, battery))
+        for number in _drones_of(name, targets):
+            command = _variable(name, number, "rotor[1].command")
+            turned = [_instance_of(target, names) for target in targets[command]]
+            sources = [_instance_of(feeds.get(f"{one}.bus.voltage"), names) for one in turned]
+            battery = next((source for source in sources if source is not None), None)
+            if battery is None:
+                raise InputError(
+                    f"{file}: no battery feeds the motors of '{command}'; connect {command} to motors, and a battery's bus.voltage to them",
+                    "missing_key",
+                )
+            found.append(Parts(name, number, battery))
     if not found:
-        raise InputError(f"{file}: no instance is an fmu_world; `mebots link` needs one for each drone", "missing_key")
+        raise InputError(f"{file}: no instance is an fmu_world; `mebots link` needs one", "missing_key")
     return found
+
+
+def _drones_of(world: str, outputs: Iterable[str]) -> list[int | None]:
+    """Returns the indexes of the drones whose rotors are connected, in ascending order; None for a world with one drone."""
+    command = re.compile(re.escape(world) + r"\.drone\[(\d+)\]\.rotor\[1\]\.command")
+    return sorted(int(match[1]) for output in outputs if (match := command.fullmatch(output))) or [None]
+
+
+def _variable(world: str, number: int | None, name: str) -> str:
+    return f"{world}.{name}" if number is None else f"{world}.drone[{number}].{name.removeprefix('drone.')}"
 
 
 def _instance_of(variable: str | None, names: list[str]) -> str | None:
@@ -61,27 +84,26 @@ class Plant:
 
     def __init__(self, mission: Mission, parts: Parts) -> None:
         self._mission = mission
-        self._world = parts.world
-        estimated = mission.value(f"{parts.world}.stabiliser.state") != 0
-        state = f"{parts.world}.{'estimate' if estimated else 'drone'}"
-        self._read = [
+        estimated = mission.value(parts.variable("stabiliser.state")) != 0
+        state = "estimate" if estimated else "drone"
+        names = [
             *(f"{state}.position.{axis}" for axis in _AXES),
             *(f"{state}.velocity.{axis}" for axis in _AXES),
             *(f"{state}.{angle}" for angle in ("roll", "pitch", "yaw")),
-            *(f"{parts.world}.imu.angular_velocity.{axis}" for axis in _AXES),
-            *(f"{parts.world}.imu.acceleration.{axis}" for axis in _AXES),
-            *(f"{parts.world}.rotor[{i}].command" for i in _ROTORS),
-            f"{parts.world}.range.down",
-            f"{parts.battery}.bus.voltage",
-            f"{parts.world}.drone.crashed",
+            *(f"imu.angular_velocity.{axis}" for axis in _AXES),
+            *(f"imu.acceleration.{axis}" for axis in _AXES),
+            *(f"rotor[{i}].command" for i in _ROTORS),
+            "range.down",
+            "drone.crashed",
         ]
+        self._read = [*map(parts.variable, names), f"{parts.battery}.bus.voltage"]
         self._write = [
-            f"{parts.world}.setpoint.{name}" for name in ("mode", "velocity.x", "velocity.y", "yaw_rate", "altitude")
+            parts.variable(f"setpoint.{name}") for name in ("mode", "velocity.x", "velocity.y", "yaw_rate", "altitude")
         ]  # in the order of Inputs
         self._written: Inputs | None = None
 
     def read(self) -> Readings:
-        x, y, z, vx, vy, vz, roll, pitch, yaw, p, q, r, ax, ay, az, m1, m2, m3, m4, below, volt, crashed = map(self._mission.value, self._read)
+        x, y, z, vx, vy, vz, roll, pitch, yaw, p, q, r, ax, ay, az, m1, m2, m3, m4, below, crashed, volt = map(self._mission.value, self._read)
         return Readings(
             (x, y, z), (vx, vy, vz), roll, pitch, yaw, (p, q, r), (ax, ay, az), (m1, m2, m3, m4), below, volt, bool(crashed)
         )  # fmt: skip

@@ -17,7 +17,7 @@ from mebots.errors import InputError
 from mebots.link.control import PERIOD_MS, Inputs
 from mebots.link.crtp import Packet
 from mebots.link.drone import Drone
-from mebots.link.plant import Plant, find_drones
+from mebots.link.plant import Parts, Plant, find_drones
 from mebots.link.readings import Readings
 from mebots.link.tables import DECKS
 from mebots.mission import Mission, Scalar
@@ -66,14 +66,14 @@ class Session:
         try:
             for index in range(settings.drones):
                 folder = out if out is None or settings.drones == 1 else out / f"drone{index + 1}"
-                offsets = _offsets(content, [one.world for one in parts], index * settings.spacing) if index > 0 else {}
+                offsets = _offsets(content, parts, index * settings.spacing) if index > 0 else {}
                 mission = Mission(
                     config, set={**offsets, **settings.set}, out=folder, in_memory=False, stop_time=settings.stop_time, uncertainty="none"
                 )
                 self._missions.append(mission)
                 mission.start()
                 _check_step(mission, os.fspath(config))
-                self._plants += [Plant(mission, one) for one in parts]
+                self._plants += [Plant(mission, one) for one in parts if one.is_in(mission)]
         except BaseException:
             self.close()
             raise
@@ -141,10 +141,14 @@ def _flat(now: Readings) -> tuple[float, ...]:
     return tuple(number for one in now for number in (one if isinstance(one, tuple) else (one,)))
 
 
-def _offsets(config: Mapping[str, Any], worlds: list[str], distance_m: float) -> dict[str, Scalar]:
-    """Returns start offsets that place the drones of these worlds next to those of the first run."""
-    name = "start.offset.y"
-    return {f"{world}.{name}": config["instances"][world].get("parameters", {}).get(name, 0) + distance_m for world in worlds}
+def _offsets(config: Mapping[str, Any], parts: list[Parts], distance_m: float) -> dict[str, Scalar]:
+    """Returns start offsets that place these drones next to those of the first run."""
+    offsets: dict[str, Scalar] = {}
+    for one in parts:
+        name = one.variable("start.offset.y")
+        given = config["instances"][one.world].get("parameters", {})
+        offsets[name] = given.get(name.removeprefix(f"{one.world}."), 0) + distance_m
+    return offsets
 
 
 def _check_step(mission: Mission, file: str) -> None:
