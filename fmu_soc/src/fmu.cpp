@@ -7,7 +7,6 @@
 namespace mebots::soc {
 namespace {
 
-/// Connects the FMU's variables with the model, which looks up the variables of its board's devices by name.
 class Instance final : public fmu::Model {
  public:
   Instance(Variables& variables, const fmu::Host& host, std::int64_t start_ns, const Listeners& listeners)
@@ -39,7 +38,7 @@ void mebots::fmu::prepare_shared_tables() {
   static_cast<void>(soc::gap8_silicon());
 }
 
-/// Declares that instances share no state. Static memory only contains tables of chips and instructions, which never
+/// Declares that instances share no state. Static memory only contains tables of chips and instructions, which do not
 /// change after they were built.
 // NOLINTNEXTLINE(readability-identifier-naming): the name that docs/master/clean-fmus.md gives
 extern "C" [[gnu::visibility("default")]] const char mebots_keeps_no_state_outside_instances = 1;

@@ -13,9 +13,8 @@
 
 namespace mebots::soc {
 
-/// Converts active cycles to time. Time is computed from the ticks since the last change of frequency, multiplied by
-/// the period as a fraction. So rounding errors do not accumulate. Only a change of frequency rounds the time down to a
-/// picosecond.
+/// Converts active cycles to time. Multiplies the ticks since the last change of frequency by the period as a fraction,
+/// so that rounding errors do not accumulate. Only a change of frequency rounds the time, down to a picosecond.
 class Clock {
  public:
   void reset(std::uint32_t hz) {
@@ -27,7 +26,7 @@ class Clock {
 
   std::uint32_t hz() const { return static_cast<std::uint32_t>(hz_); }
 
-  /// Changes the frequency from this cycle on.
+  /// Changes the frequency, starting with this cycle.
   void change(std::uint32_t hz, std::uint64_t cycle) {
     MEBOTS_ASSERT(hz > 0);
     epoch_ps_ = time_of(cycle);
@@ -37,16 +36,14 @@ class Clock {
 
   /// Returns the first cycle with this frequency. The core must not have slept since that cycle.
   std::uint64_t begin() const { return std::uint64_t{0} - skipped_; }
-  /// Returns the start time of a cycle, which must not be before the last change of frequency.
+  /// Returns the start time of a cycle. The cycle must not be before the last change of frequency.
   Picoseconds time_of(std::uint64_t cycle) const {
     return epoch_ps_ + static_cast<Picoseconds>(scaled(cycle + skipped_, period_, 0, ticks_));
   }
-  /// Returns the first cycle that starts at or after a time.
   std::uint64_t first_at(Picoseconds time) const {
     if (time <= epoch_ps_) return std::uint64_t{0} - skipped_;
     return scaled(static_cast<std::uint64_t>(time - epoch_ps_), ticks_, period_ - 1, period_) - skipped_;
   }
-  /// Returns the first cycle that starts after a time.
   std::uint64_t first_after(Picoseconds time) const {
     if (time < epoch_ps_) return std::uint64_t{0} - skipped_;
     return scaled(static_cast<std::uint64_t>(time - epoch_ps_), ticks_, 0, period_) + 1 - skipped_;
@@ -77,8 +74,8 @@ class Clock {
     period_ = kPsPerSecond / common;
     ticks_ = hz_ / common;
   }
-  /// Returns (value * factor + rest) / divisor. For a clock of whole MHz, the product fits into 64 bits for hours of
-  /// simulated time. For a clock of GAP8's clock loops, it fits for minutes.
+  /// Returns (value * factor + rest) / divisor. The product fits into 64 bits for hours of simulated time with a clock
+  /// of whole MHz, and for minutes with GAP8's clock loops.
   static std::uint64_t scaled(std::uint64_t value, std::uint64_t factor, std::uint64_t rest, std::uint64_t divisor) {
     __extension__ using Wide = unsigned __int128;
     std::uint64_t product = 0;
@@ -89,7 +86,7 @@ class Clock {
   }
 
   std::uint64_t hz_ = 1;
-  // A fraction in lowest terms: `ticks_` ticks take `period_` picoseconds. The frequency in hertz determines both
+  // `ticks_` ticks take `period_` picoseconds. The fraction is in lowest terms, so that the frequency determines both
   // numbers.
   std::uint64_t ticks_ = 1;
   std::uint64_t period_ = kPsPerSecond;
@@ -97,8 +94,8 @@ class Clock {
   std::uint64_t skipped_ = 0;  // ticks slept since the epoch minus the active cycles before it (modulo 2^64)
 };
 
-/// Total duration of a state. `now` may be earlier than the last begin or end of the state, because the parts of a chip
-/// have different times.
+/// Measures how long a state lasted in total. The argument of up_to() may be before the last begin or end, because the
+/// parts of a chip have different times.
 class Stopwatch {
  public:
   bool runs() const { return runs_; }
@@ -111,7 +108,6 @@ class Stopwatch {
     runs_ = false;
     changed_at_ = time;
   }
-  /// Returns the time at which the state last began or ended.
   Picoseconds changed_at() const { return changed_at_; }
   Picoseconds up_to(Picoseconds now) const {
     return runs_ ? total_ + std::max<Picoseconds>(now - changed_at_, 0) : total_;
@@ -126,7 +122,7 @@ class Stopwatch {
  private:
   bool runs_ = false;
   Picoseconds changed_at_ = 0;
-  Picoseconds total_ = 0;  // up to the last begin
+  Picoseconds total_ = 0;  // duration up to the last begin or end
 };
 
 }  // namespace mebots::soc

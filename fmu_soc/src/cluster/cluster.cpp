@@ -35,7 +35,7 @@ void Cluster::power_on(Picoseconds now, std::uint32_t boot) {
   peripherals_->reset(boot);
   scheduler_.set_alarm(peripherals_->next_tick());
   dma_.reset();
-  banks_.free_all();  // cores may have claimed later ticks before the cluster was switched off
+  banks_.free_all();  // cores may have claimed later ticks before power_off()
   soc_port_.free_all();
   if (instruction_cache_) instruction_cache_->flush();
   for (auto& core : cores_) core->halt();
@@ -92,8 +92,7 @@ void Cluster::advance(Picoseconds until, Picoseconds last, std::uint64_t cycle_l
   const auto stop = std::min(end, clock_.first_after(last));
   has_news_ = false;
   auto start = next_tick();
-  // An awake core counts one cycle per tick. Therefore no core reaches the limit before this number of ticks has
-  // passed.
+  // An awake core counts one cycle per tick, so no core reaches the limit within `far_from_limit` ticks.
   const auto begin = start;
   const auto far_from_limit = cycle_limit - std::min(longest_cycles() + ClusterScheduler::kFarthestAhead, cycle_limit);
   bool undisturbed = false;
@@ -119,8 +118,8 @@ bool Cluster::core_stopped(ClusterCore& core, Stop stop) {
   if (stop == Stop::sleeping) note_asleep(core.tick());
   if (stop != Stop::fault && stop != Stop::watch && stop != Stop::observer) return true;
   has_news_ = true;
-  // The other cores run to the end of the quantum and may stop, too. A core that runs later may stop at an earlier
-  // tick. After an observer has ended the run at one core, the stops of other cores are ignored.
+  // The other cores run to the end of the quantum and may stop at an earlier tick. The stop at the earliest tick
+  // counts. After an observer has ended the run at one core, stops of other cores are ignored.
   const auto time = clock_.time_of(core.tick());
   if (core_stopped_by_observer_ >= 0 || ((faulted_core_ >= 0 || stopped_) && stop_time_ <= time)) return false;
   const auto id = static_cast<std::int32_t>(core.id());
@@ -131,7 +130,7 @@ bool Cluster::core_stopped(ClusterCore& core, Stop stop) {
   return false;
 }
 
-/// Handles the effects of events in `tick`: wakes the cores whose loads can now be answered, and starts cores.
+/// Wakes the cores whose event loads can complete in `tick`, and starts cores.
 void Cluster::spread_events(std::uint64_t tick) {
   scheduler_.set_alarm(peripherals_->next_tick());
   const auto woken = peripherals_->take_woken();
@@ -154,14 +153,12 @@ void Cluster::spread_events(std::uint64_t tick) {
   if (fabric_woken || raised) fabric_event_time_ = clock_.time_of(tick);
 }
 
-/// Records that a core is awake from `tick` on.
 void Cluster::note_awake(std::uint64_t tick) {
   if (busy_.runs()) return;
   busy_.begin(clock_.time_of(tick));
   last_asleep_ = 0;
 }
 
-/// Records that a core fell asleep in `tick`, or that a transfer ended in `tick`.
 void Cluster::note_asleep(std::uint64_t tick) {
   last_asleep_ = std::max(last_asleep_, tick);
   if (busy_.runs() && scheduler_.awake() == 0 && !dma_.busy()) busy_.end(clock_.time_of(last_asleep_));

@@ -20,16 +20,13 @@
 
 namespace mebots::soc {
 
-/// Models up to eight cores that share an L1 memory, an event unit and a DMA, in their own clock domain. The rest of
-/// the chip sets the cluster's power, its clock, and the latencies of its accesses to the SoC's memories. It also
-/// accesses the cluster's registers, and receives events from the cluster. The cluster counts time in ticks of its
-/// clock, also while all cores sleep. A sleeping core counts no cycles. The rest of the chip counts picoseconds. Only
-/// this class converts between ticks and picoseconds.
+/// Models up to eight cores that share an L1 memory, an event unit and a DMA. The cluster has its own clock and counts
+/// time in ticks of this clock, also while all cores sleep. The rest of the chip counts time in picoseconds. Only this
+/// class converts between ticks and picoseconds.
 ///
-/// The scheduler determines the order of cores, event unit and DMA: each core runs a quantum of ticks in turn. Accesses
-/// to the event unit or the DMA are in the order of their ticks. Accesses in the same tick are in the order of the
-/// cores. Another core may see a store to RAM up to one quantum too late or too early. Cores that synchronise through
-/// the event unit see all stores in order.
+/// The scheduler runs each core for a quantum of ticks in turn. Accesses to the event unit and the DMA are in the order
+/// of their ticks; accesses in the same tick are in the order of the cores. A core may see another core's store to RAM
+/// up to one quantum too late or too early. Cores that synchronise through the event unit see all stores in order.
 class Cluster final : private ClusterBus, private ClusterEvents {
  public:
   Cluster(Memory& memory, const ClusterSettings& settings, const InstructionEnergy& energy);
@@ -37,12 +34,12 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   Cluster(const Cluster&) = delete;
   Cluster& operator=(const Cluster&) = delete;
 
-  /// Sets the function that is called after a core has stored into a watched word. If the function returns true, the
-  /// run ends.
+  /// Sets the function that is called after a core has stored into a watched word. The run ends if the function returns
+  /// true.
   void set_watcher(std::function<bool(std::uint32_t address)> watcher) { watcher_ = std::move(watcher); }
 
-  /// Serves an access of a core to an address outside memory and outside the cluster's registers. `now` is the time of
-  /// the access. The access may change the time of the next event in the rest of the chip.
+  /// Performs an access of a core at time `now` to an address outside memory and outside the cluster's registers. The
+  /// access may change the time of the next event in the rest of the chip.
   using Outside = std::function<BusReply(const ClusterAccess& access, Picoseconds now)>;
   void set_outside(Outside outside) { outside_ = std::move(outside); }
 
@@ -54,43 +51,42 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   /// cores start at `boot`.
   void power_off(Picoseconds now);
   void power_on(Picoseconds now, std::uint32_t boot);
-  /// Sets the clock frequency from the first tick at or after `now` on.
+  /// Sets the clock frequency, from the first tick at or after `now`.
   void set_clock(Picoseconds now, std::uint32_t hz);
   std::uint32_t clock_hz() const { return clock_.hz(); }
-  /// Returns the memories that a core can access. The first one is L1.
   const std::vector<MemoryPort>& ports() const { return settings_.ports; }
   /// Sets the latencies. Must be called between quanta.
   void set_latencies(const ClusterLatencies& latencies);
 
-  /// Returns the time of the cluster's next activity. While all cores sleep and no transfer runs, returns kNever.
+  /// Returns the time of the cluster's next activity, or kNever if all cores sleep and no transfer runs.
   Picoseconds next() const;
-  /// Returns the time that is `ticks` ticks after the first tick at or after `time`.
+  /// Returns the time `ticks` ticks after the first tick at or after `time`.
   Picoseconds later(Picoseconds time, std::uint64_t ticks) const {
     return clock_.time_of(clock_.first_at(time) + ticks);
   }
-  /// Runs quanta up to `until`, which must be after next(). Returns earlier in three cases: the next quantum would
-  /// start after `last`, an event for the rest of the chip has occurred, or a core has reached `cycle_limit` active
-  /// cycles.
+  /// Runs quanta up to `until`, which must be after next(). Returns earlier if the next quantum would start after
+  /// `last`, if an event for the rest of the chip has occurred, or if a core has reached `cycle_limit` active cycles.
   void advance(Picoseconds until, Picoseconds last, std::uint64_t cycle_limit);
 
-  /// Serve accesses of the fabric controller. owns() returns true if the cluster serves an address. Before an access,
-  /// the cluster must have been advanced to `now`.
+  /// Accesses of the fabric controller to the cluster's registers. owns() returns true if the cluster has registers at
+  /// an address. Before an access, the cluster must have been advanced to `now`.
   bool owns(std::uint32_t address) const;
   BusReply load(std::uint32_t address, Picoseconds now);
   BusReply load_event(std::uint32_t address, Picoseconds now);
   BusReply store(std::uint32_t address, Picoseconds now, std::uint32_t value);
 
-  /// Returns true if the fabric controller's event load can be answered. Returns true only once for each answer.
+  /// Returns true if the event load for which the fabric controller waits can now complete. Returns true only once for
+  /// each event load.
   bool take_fabric_wake();
-  /// Returns the time of the last event for the rest of the chip: a rise of the interrupt line, an answer to the fabric
-  /// controller's event load, or an access of a core outside the cluster.
+  /// Returns the time of the last event for the rest of the chip: a rise of the interrupt line, the completion of the
+  /// fabric controller's event load, or an access of a core outside the cluster.
   Picoseconds fabric_event_time() const { return fabric_event_time_; }
   bool interrupt() const { return powered() && peripherals_->interrupt(); }
 
   const Hart& hart(unsigned core) const;
   Hart& hart(unsigned core);
-  /// Returns the time at which the core's next instruction starts. For a sleeping core, returns the time at which its
-  /// sleep began, or the time of the last change of the clock if that is later. The cluster must be on.
+  /// Returns the start time of the core's next instruction. For a sleeping core, returns the time at which its sleep
+  /// began, or the time of the last change of the clock if that is later. The cluster must be on.
   Picoseconds core_time(unsigned core) const;
   /// Returns the time at which an active cycle starts. Since that cycle, the core must not have slept, and the clock
   /// must not have changed.
@@ -98,30 +94,27 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   /// Returns the time of the core that is farthest ahead. If the cluster is off, returns the time at which it was
   /// switched off.
   Picoseconds reached() const;
-  /// Returns the time of the next instruction of the core that faulted or stopped the run.
+  /// Returns the start time of the next instruction of the core that faulted or stopped the run.
   Picoseconds stop_time() const { return stop_time_; }
   /// Sets the observer of a core; null removes it. The observer is not part of a state.
   void observe(unsigned core, Observer* observer);
-  /// Returns the sum of the cores' counters since reset of the chip.
   Counters counters() const;
-  /// Returns the active cycles of the core that has the most.
+  /// Returns the largest number of active cycles of any core.
   std::uint64_t longest_cycles() const;
-  /// Returns the total time until `now` in which the cluster was on. `now` may lie within the instruction that switches
-  /// it on.
+  /// Returns how long the cluster was on until `now`. `now` may lie within the instruction that switches it on.
   Picoseconds powered_time(Picoseconds now) const { return powered_.up_to(now); }
-  /// Returns the total time until `now` in which a core was awake or all cores waited for the DMA. If the cluster has
-  /// not reached `now`, assumes that its present state continues.
+  /// Returns how long, until `now`, a core was awake or all cores waited for the DMA. If the cluster has not reached
+  /// `now`, assumes that its present state continues.
   Picoseconds busy_time(Picoseconds now) const { return busy_.up_to(now); }
-  /// Returns the core that cannot continue because of a fault, or -1 if no core has faulted.
+  /// Returns the core that stopped because of a fault, or -1 if no core did.
   int faulted_core() const { return faulted_core_; }
-  /// True if a store into a watched word ended the run.
+  /// Returns true if a store into a watched word ended the run.
   bool stopped() const { return stopped_; }
-  /// Returns the core whose observer has ended the run, or -1 if no observer has ended it.
+  /// Returns the core whose observer ended the run, or -1 if no observer did.
   int core_stopped_by_observer() const { return core_stopped_by_observer_; }
   const ClusterDma& dma() const { return dma_; }
-  /// Returns the number of L1's banks.
   unsigned l1_banks() const { return banks_.count(); }
-  /// Returns the instruction cache of the cores, or null if they have no instruction cache.
+  /// Returns the cores' instruction cache, or null if they have none.
   const InstructionCache* instruction_cache() const { return instruction_cache_.get(); }
 
   void visit(state::Visitor& v);
@@ -152,8 +145,8 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   ClusterSettings settings_;
   std::unique_ptr<InstructionCache> instruction_cache_;
   Banks banks_;
-  Banks soc_port_{1};    // port to the SoC, which serves one access of a core per cycle
-  DecodedCode decoded_;  // code of all cores, which run the same program
+  Banks soc_port_{1};    // port to the SoC, which performs one access of a core per cycle
+  DecodedCode decoded_;  // decoded code, which all cores share
   ClusterDma dma_;
   std::unique_ptr<ClusterPeripherals> peripherals_;
   ClusterScheduler scheduler_;
@@ -171,7 +164,7 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   std::int32_t core_stopped_by_observer_ = -1;  // not part of a state
   Picoseconds fabric_event_time_ = 0;
   Stopwatch busy_;
-  std::uint64_t last_asleep_ = 0;  // tick in which a core last fell asleep or a transfer last ended
+  std::uint64_t last_asleep_ = 0;  // tick in which a core last fell asleep, or in which a transfer last ended
 };
 
 }  // namespace mebots::soc

@@ -15,15 +15,15 @@
 
 namespace mebots::soc {
 
-/// Serves the accesses of a cluster's cores. It corresponds to Bus, but serves several cores, and its times are ticks
-/// of the cluster.
+/// Performs the accesses of all cores of a cluster to devices. Corresponds to Bus, but counts time in ticks of the
+/// cluster.
 class ClusterBus {
  public:
   virtual ~ClusterBus() = default;
   virtual BusReply access(const ClusterAccess& access) = 0;
-  /// Called when a core takes the interrupt of a line. Returns the lines that are pending afterwards.
+  /// Called when a core takes the interrupt of a line. Returns the lines that are still pending.
   virtual std::uint32_t interrupt_taken(unsigned core, unsigned line) = 0;
-  /// Called after a store into a watched word. If the function returns true, the run ends with this store.
+  /// Called after a store into a watched word. The run ends if the function returns true.
   virtual bool watched(std::uint32_t address) = 0;
 };
 
@@ -31,8 +31,8 @@ class ClusterBus {
 /// devices.
 class ClusterCore final : private Bus {
  public:
-  /// `code` is the decoded code of all cores, and contains the banks of L1. `way` is the port to the SoC. The settings
-  /// determine whether the cores share this port. All references must outlive the core.
+  /// `code` is the decoded code of all cores, and contains the banks of L1. `way` is the port to the SoC, which the
+  /// cores may share (ClusterSettings::shares_soc_port). All references must outlive the core.
   ClusterCore(ClusterBus& bus, const ClusterSettings& settings, unsigned id, Memory& memory, DecodedCode& code,
               Banks& way)
       : bus_(bus),
@@ -60,14 +60,12 @@ class ClusterCore final : private Bus {
   const Hart& hart() const { return hart_; }
   Hart& hart() { return hart_; }
 
-  // Functions for the core's time.
-
   /// Returns the tick in which the core's next instruction starts, or in which its sleep began.
   std::uint64_t tick() const { return tick_of(hart_.counters().cycles); }
-  /// Returns the tick of an active cycle. Since that cycle, the core must not have slept.
+  /// Returns the tick of an active cycle. The core must not have slept since that cycle.
   std::uint64_t tick_of(std::uint64_t cycle) const { return cycle + offset_; }
   bool sleeps() const { return asleep_; }
-  /// Returns the tick in which the core's next instruction starts. While the core sleeps, returns kNoTick.
+  /// Returns the tick in which the core's next instruction starts, or kNoTick if the core sleeps.
   std::uint64_t ready() const { return asleep_ ? kNoTick : tick(); }
 
   /// Resets all registers and starts the core at `pc`.
@@ -85,7 +83,7 @@ class ClusterCore final : private Bus {
   void stop() {
     if (observer_ != nullptr) observer_->switched(hart_, false);
   }
-  /// Wakes the core in this tick. If the core was already awake, returns false.
+  /// Wakes the core in this tick. Returns false if the core was already awake.
   bool wake(std::uint64_t tick) {
     if (!asleep_) return false;
     asleep_ = false;
@@ -100,14 +98,11 @@ class ClusterCore final : private Bus {
     return asleep_ && hart_.sleeping() && hart_.wakes() && wake(tick);
   }
 
-  // Functions for the core's runs.
-
   Stop run(std::uint64_t end) { return hart_.run(end - offset_); }
-  /// Records how the core's run ended. Must be called with the result of run().
+  /// Records why the last run() ended.
   void stopped(Stop stop) { asleep_ = stop == Stop::sleeping; }
-  /// True if the core's next run can resume in translated code.
   bool can_resume() const { return !waits_for_turn_ && hart_.has_resume_point(); }
-  /// Sets whether other cores or the DMA use the banks of L1 in parallel to this core.
+  /// Sets whether other cores or the DMA may use the banks of L1 at the same time as this core.
   void share_banks(bool several) {
     shares_banks_ = several;
     hart_.share_first(several ? &l1_ : nullptr);
@@ -117,17 +112,15 @@ class ClusterCore final : private Bus {
     hart_.observe(observer);
   }
 
-  // Functions for the order of accesses to shared devices.
-
-  /// True if the core's next instruction accesses a shared device.
+  /// Returns true if the core's next instruction accesses a shared device, which needs permission.
   bool waits_for_turn() const { return waits_for_turn_; }
-  /// Permits the access for which the core waits. Called when no other core has an earlier tick. The core performs the
-  /// access in its next run.
+  /// Permits the access for which the core waits. Must be called when no other core has an earlier tick. The core
+  /// performs the access in its next run.
   void grant_turn() {
     granted_ = waits_for_turn_;
     waits_for_turn_ = false;
   }
-  /// Returns the tick in which the core last accessed a shared device.
+  /// Returns the tick of the core's last access to a shared device.
   std::uint64_t accessed() const { return accessed_; }
 
   void visit(state::Visitor& v) {
@@ -172,7 +165,7 @@ class ClusterCore final : private Bus {
     return turn(address, cycle, &value, false, size);
   }
   void interrupt_taken(unsigned line) override {
-    granted_ = false;  // the handler runs before the permitted access, and its own accesses need a new permission
+    granted_ = false;  // the handler runs before the permitted access, and its own accesses need new permission
     hart_.set_interrupts(bus_.interrupt_taken(id_, line));
   }
   bool watched(std::uint32_t address) override { return bus_.watched(address); }
@@ -182,7 +175,7 @@ class ClusterCore final : private Bus {
   unsigned id_;
   Hart hart_;
   BankSchedule l1_;
-  BankSchedule soc_port_;  // reservations at the port to the SoC
+  BankSchedule soc_port_;  // claims of the port to the SoC
   bool shares_banks_ = false;
   Observer* observer_ = nullptr;
   std::uint64_t offset_ = 0;

@@ -146,7 +146,7 @@ void ClusterDma::find_next() {
   for (const auto& transfer : transfers_) next_ = std::min(next_, transfer.end);
 }
 
-/// Returns the first queued transfer that has not moved all its data, or null if every transfer has moved its data.
+/// Returns the earliest transfer that has not moved all its bytes, or null if all transfers have moved their bytes.
 ClusterDma::Transfer* ClusterDma::first_unmoved() {
   Transfer* first = nullptr;
   for (auto& transfer : transfers_) {
@@ -178,8 +178,8 @@ void ClusterDma::occupy(Banks& banks, std::uint64_t until) {
   }
 }
 
-/// Claims banks for the next beats of a burst, as long as they start before `until`. Returns the number of ticks for
-/// which these beats wait.
+/// Claims banks for the next beats of a burst that start before `until`. Returns the number of ticks for which these
+/// beats wait.
 std::uint64_t ClusterDma::occupy_burst(Banks& banks, Transfer& transfer, std::uint64_t until) const {
   const auto& what = transfer.what;
   const auto row = what.row == 0 ? what.size : what.row;

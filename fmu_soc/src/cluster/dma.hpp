@@ -11,15 +11,15 @@
 
 namespace mebots::soc {
 
-/// Stores the timing of the cluster's DMA, in cluster cycles.
+/// Timing of the cluster's DMA, in cluster cycles.
 struct DmaTiming {
   std::uint32_t bytes_per_cycle = 8;
   std::uint32_t most_burst_bytes = 256;
   std::uint32_t latency = 16;            // cycles from the start of a transfer to its first data
   std::uint32_t outstanding = 8;         // maximum number of bursts in flight
   std::uint32_t least_burst_cycles = 2;  // least_burst_of(latency), stored for speed
-  /// Ticks of the cluster that a beat takes, in units of 1/kBeatUnit. A beat takes more than one tick if the SoC's
-  /// clock is slower than the cluster's clock.
+  /// Ticks that a beat takes, in units of 1/kBeatUnit. A beat takes more than one tick if the SoC's clock is slower
+  /// than the cluster's clock.
   std::uint32_t beat_ticks = kBeatUnit;
 
   std::uint32_t least_burst_of(std::uint32_t its_latency) const {
@@ -27,31 +27,29 @@ struct DmaTiming {
   }
 
   static constexpr std::uint32_t kBeatUnit = 1U << 16;
-  /// Returns the ticks that the first `beats` beats of a burst take.
   std::uint32_t ticks_of(std::uint32_t beats) const {
     return static_cast<std::uint32_t>(std::uint64_t{beats} * beat_ticks / kBeatUnit);
   }
 };
 
-/// Moves bytes between L2 and the cluster's L1 in parallel to the cores. Each requester has its own draft registers. A
-/// store to START queues the transfer that these registers describe. Transfers run one after the other in the order of
-/// their starts, in bursts. A row of a 2D transfer is at least one burst. The latency of a queued transfer overlaps
-/// with the previous transfer.
+/// Moves bytes between L2 and the cluster's L1 while the cores run. Each requester has separate registers for its next
+/// transfer. A store to START queues this transfer. Transfers run one after the other, in bursts. A row of a 2D
+/// transfer takes at least one burst. The latency of a queued transfer overlaps with the previous transfer.
 ///
-/// The words of a transfer claim banks of L1, as accesses of cores do. A beat waits at most one cycle for its bank;
-/// this wait delays all later beats, too. When the transfer ends, all bytes are copied, and a TransferListener is
-/// called, which raises the event of the transfer.
+/// The words of a transfer claim banks of L1, as accesses of cores do. A beat waits at most one cycle for its bank, and
+/// delays all later beats. When a transfer ends, all of its bytes are copied at once, and the TransferListener is
+/// called.
 class ClusterDma {
  public:
   static constexpr unsigned kTransfers = 16;
-  /// Status bit that is set after a refused START. A START is refused if all transfers are in use, or if its value is
-  /// not a direction. Its addresses must be in L1 and L2, and its size a positive multiple of the row.
+  /// Status bit that is set if a START was refused. A START is refused if all transfers are in use, if its value is not
+  /// a direction, if its addresses are not in L1 and L2, or if its size is not a positive multiple of the row.
   static constexpr std::uint32_t kRefused = 1U << 31;
 
   ClusterDma(Memory& memory, std::size_t l1_region, const DmaTiming& timing)
       : memory_(memory), l1_region_(l1_region), timing_(timing) {}
 
-  /// Sets the timing of the transfers that are queued after this call.
+  /// Sets the timing of transfers that are queued later.
   void set_timing(const DmaTiming& timing) { timing_ = timing; }
 
   BusReply load(unsigned who, std::uint32_t offset) const;
@@ -62,9 +60,9 @@ class ClusterDma {
     std::uint32_t l2 = 0;
     std::uint32_t l1 = 0;
     std::uint32_t size = 0;
-    std::uint32_t row = 0;     // bytes of a row; 0 = the transfer is one row
-    std::uint32_t stride = 0;  // bytes in L2 from the start of a row to the start of the next
-    std::uint32_t id = 0;      // tag of the transfer that was started last
+    std::uint32_t row = 0;     // bytes per row; 0 = the transfer is one row
+    std::uint32_t stride = 0;  // distance in L2 from the start of a row to the start of the next row [bytes]
+    std::uint32_t id = 0;      // number of the transfer that was started last
 
     void visit(state::Visitor& v) {
       v("l2", l2);
@@ -76,25 +74,22 @@ class ClusterDma {
     }
   };
 
-  /// Queues a transfer of the requester `who`. Used by chips with other DMA registers. If the addresses are not
-  /// allowed, or if all transfers are in use, returns false without effect.
+  /// Queues a transfer of the requester `who`, for chips with other DMA registers. Returns false without effect if the
+  /// addresses are not allowed, or if all transfers are in use.
   bool enqueue(unsigned who, const Draft& what, bool out, std::uint64_t tick);
-  /// True if one side of the transfer is in L1 and the other side is in another memory.
+  /// Returns true if one side of the transfer is in L1 and the other side in another memory.
   bool fits(const Draft& draft) const;
-  /// True if another transfer can be queued.
   bool has_room() const;
 
-  /// Cancels all transfers and clears incomplete commands. Keeps the counts.
+  /// Cancels all transfers and clears the registers for the next transfers. Does not reset the counts.
   void reset();
 
-  /// True if transfers are queued or running.
   bool busy() const { return next_ != kNoTick; }
-  /// Reserves the banks for all beats before `until`. Must be called before advance() is called for a tick up to
-  /// `until`.
+  /// Claims the banks for all beats before `until`. Must be called before advance() is called for a tick up to `until`.
   void occupy(Banks& banks, std::uint64_t until);
-  /// Returns the earliest tick in which a transfer can end. The tick is exact if occupy() was called for a later time.
+  /// Returns the earliest tick in which a transfer can end. Exact if occupy() was called for a later tick.
   std::uint64_t next_tick() const { return next_; }
-  /// Ends every transfer whose last tick is reached, and calls the listener for each.
+  /// Ends all transfers whose last tick is at or before `tick`, and calls the listener for each of them.
   void advance(std::uint64_t tick, TransferListener& listener);
 
   struct Counts {
@@ -115,11 +110,11 @@ class ClusterDma {
  private:
   struct Transfer {
     Draft what;
-    std::uint32_t out = 0;  // 1 for a transfer from L1 to L2
+    std::uint32_t out = 0;  // 1 = from L1 to L2; 0 = from L2 to L1
     std::uint32_t who = 0;
     std::uint64_t end = kNoTick;  // tick in which the transfer ends; kNoTick = this entry is unused
     std::uint64_t next_beat = 0;
-    std::uint32_t moved = 0;  // bytes that were moved already
+    std::uint32_t moved = 0;  // number of bytes moved so far
 
     void visit(state::Visitor& v) {
       v("what", what);

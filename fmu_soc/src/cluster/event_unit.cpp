@@ -11,8 +11,8 @@ namespace {
 
 namespace event_reg = board::event_unit;
 
-/// Additional cycles of an event load whose result is available. Such a load takes 4 cycles in total. Source: CV32E40P
-/// user manual.
+/// Additional cycles of an event load that does not wait. Such a load takes 4 cycles in total. Source: CV32E40P user
+/// manual.
 constexpr std::uint32_t kEventLoadExtra = 3;
 constexpr unsigned kSoftwareEventShift = 16;
 

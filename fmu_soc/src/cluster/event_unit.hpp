@@ -11,22 +11,23 @@
 
 namespace mebots::soc {
 
-/// Numbers the events; each number is a bit of EVENT_MASK and EVENT_BUFFER. Events 0 to 7 are free for the firmware.
+/// Numbers of the events. Each is a bit of EVENT_MASK and EVENT_BUFFER. Events 0 to 7 are free for the firmware.
 namespace event {
 inline constexpr unsigned kSoftwareEvents = 8;
 inline constexpr unsigned kDmaDone = 8;
 inline constexpr unsigned kJobDone = 17;
 }  // namespace event
 
-/// Synchronises cores without spinning: events with a mask and a buffer for each core, a barrier, and a fork that
-/// passes an entry and an argument to idle cores. Each requester sees its own registers at the same addresses.
+/// Synchronises cores without spinning. Provides events with a mask and a buffer for each core, a barrier, and a fork,
+/// which passes an entry address and an argument to idle cores. Each requester sees its own registers at the same
+/// addresses.
 ///
-/// A p.elw of EVENT_WAIT, BARRIER_WAIT or DISPATCH_WAIT puts its core to sleep until the answer is available. When the
-/// answer is available, take_woken() returns the core, which repeats the load.
+/// A p.elw of EVENT_WAIT, BARRIER_WAIT or DISPATCH_WAIT puts its core to sleep if the result is not ready. When it is
+/// ready, take_woken() returns the core, which then repeats the load.
 class EventUnit {
  public:
-  /// Status bit that is set after an invalid fork. A fork is invalid if FORK_CORES is 0 or selects a core that does not
-  /// exist, if a core still executes a fork, or if a cluster core writes FORK_CORES.
+  /// Status bit that is set after an invalid fork: FORK_CORES was written by a cluster core, is 0, or selects a core
+  /// that does not exist, or a core still executes a fork.
   static constexpr std::uint32_t kRefused = 1;
 
   explicit EventUnit(unsigned cores) : cores_(cores) {}
@@ -35,10 +36,10 @@ class EventUnit {
   BusReply load_event(unsigned who, std::uint32_t offset);
   bool store(unsigned who, std::uint32_t offset, std::uint32_t value);
 
-  /// Sets the event in the buffers of all requesters whose bits are set in `targets`.
+  /// Sets the event in the buffers of all requesters whose bit is set in `targets`.
   void raise(std::uint32_t targets, unsigned event);
 
-  /// Returns the requesters that wait in an event load and whose answer became available since the last call.
+  /// Returns a mask of the requesters whose event loads have become ready since the last call.
   std::uint32_t take_woken() {
     const auto woken = woken_;
     woken_ = 0;
@@ -47,7 +48,7 @@ class EventUnit {
   /// Returns the level of the interrupt line to the fabric controller. The line is active if an event of the fabric
   /// controller is pending and enabled.
   bool interrupt() const { return (of_[kFabricController].buffer & of_[kFabricController].mask) != 0; }
-  /// Returns the cores that execute the present fork.
+  /// Returns a mask of the cores that execute the present fork.
   std::uint32_t at_work() const { return at_work_; }
 
   void visit(state::Visitor& v);
@@ -58,8 +59,9 @@ class EventUnit {
     std::uint32_t mask = 0;
     std::uint32_t buffer = 0;
     Wait waits_for = Wait::nothing;
-    std::uint32_t barrier_open = 0;  // 1 if the barrier is complete and the core has not read that yet
-    std::uint32_t dispatched = 0;    // 1 if a fork has selected the core and the core has not read its entry yet
+    std::uint32_t barrier_open = 0;  // 1 if the barrier is complete and the core has not read BARRIER_WAIT since then
+    /// 1 if a fork has selected the core and the core has not read DISPATCH_WAIT since then.
+    std::uint32_t dispatched = 0;
     std::uint32_t argument = 0;
 
     void visit(state::Visitor& v) {

@@ -9,7 +9,7 @@
 
 namespace mebots::soc {
 
-/// Connects MEbots' own event unit and DMA registers. When the cluster is switched on, all cores start.
+/// Registers of MEbots' own event unit and DMA. All cores start when the cluster is switched on.
 class OwnPeripherals final : public ClusterPeripherals {
  public:
   OwnPeripherals(unsigned cores, std::uint32_t event_unit_base, std::uint32_t dma_base, ClusterDma& dma)
@@ -38,8 +38,8 @@ class OwnPeripherals final : public ClusterPeripherals {
   std::uint32_t dma_base_;
   EventUnit event_unit_;
   ClusterDma& dma_;
-  std::uint32_t boot_ = 0;     // only used while the cluster is being switched on; not part of a state
-  std::uint32_t started_ = 0;  // only used while the cluster is being switched on; not part of a state
+  std::uint32_t boot_ = 0;     // not part of a state, because it is only used during power_on()
+  std::uint32_t started_ = 0;  // not part of a state, because it is only used during power_on()
 };
 
 }  // namespace mebots::soc

@@ -16,11 +16,11 @@ inline constexpr unsigned kMostClusterCores = 8;
 inline constexpr unsigned kFabricController = kMostClusterCores;
 inline constexpr unsigned kRequesters = kMostClusterCores + 1;
 
-// Numbers of the chip's harts: 0 is the fabric controller, and n + 1 is core n of the cluster. Within the cluster,
-// core n has the number n. On GAP8, mhartid contains other values.
+// Numbers of the chip's harts: 0 is the fabric controller, and n + 1 is core n of the cluster. On GAP8, mhartid
+// contains other values.
 
 inline constexpr unsigned kFabricControllerHart = 0;
-/// Number of the fabric controller where cluster cores are numbered from 0.
+/// Number of the fabric controller in places where the cluster's cores are numbered from 0.
 inline constexpr int kFabricControllerCore = -1;
 
 inline constexpr std::size_t kMostHarts = 1 + kMostClusterCores;
@@ -29,15 +29,14 @@ constexpr unsigned hart_of_core(int core) {
   return static_cast<unsigned>(core - kFabricControllerCore);
 }
 
-/// Returns the cluster core that is hart `hart`. The hart must not be the fabric controller.
+/// Returns the cluster core with this hart number. The hart must not be the fabric controller.
 constexpr unsigned core_of_hart(unsigned hart) {
   return hart - hart_of_core(0);
 }
 
-/// Marks an event that never occurs.
 inline constexpr std::uint64_t kNoTick = std::numeric_limits<std::uint64_t>::max();
 
-/// Is called at the end of a DMA transfer. `tag` is the value that was returned when the transfer was started.
+/// Called at the end of a DMA transfer. `tag` is the value that was returned when the transfer was started.
 class TransferListener {
  public:
   virtual ~TransferListener() = default;
@@ -49,13 +48,13 @@ struct ClusterAccess {
   unsigned who = 0;
   std::uint32_t address = 0;
   std::uint64_t tick = 0;
-  const std::uint32_t* stored = nullptr;  // value of a store; null for a load
+  const std::uint32_t* stored = nullptr;  // value that is stored; null for a load
   bool event = false;                     // true for a p.elw, which may wait
   unsigned size = 4;                      // bytes; only a store may have less than 4
 };
 
-/// Defines the registers with which cores start other cores, and wait for other cores and for the DMA. The caller must
-/// make all calls in the order of their ticks, and must query the effects after each access.
+/// Registers with which cores start other cores, and wait for other cores and for the DMA. The caller must make all
+/// calls in the order of their ticks, and must query the effects after each access.
 class ClusterPeripherals : public TransferListener {
  public:
   ClusterPeripherals() = default;
@@ -63,7 +62,7 @@ class ClusterPeripherals : public TransferListener {
   ClusterPeripherals& operator=(const ClusterPeripherals&) = delete;
   ~ClusterPeripherals() override = default;
 
-  /// True if these registers serve an access to this address by a core, or by the fabric controller.
+  /// Return true if these registers contain an address, as seen by a cluster core or by the fabric controller.
   virtual bool owns_of_core(std::uint32_t address) const = 0;
   virtual bool owns_of_fabric_controller(std::uint32_t address) const = 0;
   virtual BusReply access(const ClusterAccess& access) = 0;
@@ -73,14 +72,13 @@ class ClusterPeripherals : public TransferListener {
 
   /// Called when the cluster is switched on. `boot` is the start address from the power manager's registers.
   virtual void reset(std::uint32_t boot) = 0;
-  /// Returns the cores whose start was requested since the last call. Each of these cores starts at its boot_address().
+  /// Returns a mask of the cores that were started since the last call. Each of them starts at its boot_address().
   virtual std::uint32_t take_started() = 0;
   virtual std::uint32_t boot_address(unsigned core) const = 0;
-  /// Returns the requesters that wait in an event load and whose answer became available since the last call.
+  /// Returns a mask of the requesters whose event loads have become ready since the last call.
   virtual std::uint32_t take_woken() = 0;
-  /// Returns the level of the interrupt line to the fabric controller.
   virtual bool interrupt() const { return false; }
-  /// Returns the cores whose interrupt lines have changed since the last call.
+  /// Returns a mask of the cores whose interrupt lines have changed since the last call.
   virtual std::uint32_t take_line_changes() { return 0; }
   virtual std::uint32_t lines(unsigned /*core*/) const { return 0; }
   virtual void interrupt_taken(unsigned /*core*/, unsigned /*line*/) {}

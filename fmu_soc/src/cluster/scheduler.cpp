@@ -37,10 +37,10 @@ std::uint64_t ClusterScheduler::next_tick() const {
   return std::min({dma_.next_tick(), alarm_, first_ready()});
 }
 
-/// Returns the tick at which the earliest core continues. While all cores sleep, returns kNoTick.
+/// Returns the earliest tick in which a core continues, or kNoTick if all cores sleep.
 std::uint64_t ClusterScheduler::first_ready() const {
   auto first = kNoTick;
-  // The loop has no branch, because the host could not predict the branch.
+  // The loop has no branch, because the host could not predict a branch here.
   for (const auto* core : cores_) first = std::min(first, core->ready());
   return first;
 }
@@ -74,8 +74,8 @@ std::uint64_t ClusterScheduler::run_quantum(std::uint64_t start, std::uint64_t u
   return finish_quantum(end);
 }
 
-/// Does the same as run_quantum() in less time. All awake cores must have ended the previous quantum in translated
-/// code, and no other event may be due. In this case, only the cores' ticks have changed since the previous quantum.
+/// Does the same as run_quantum() in less time. Only the cores' ticks may have changed since the previous quantum: all
+/// awake cores have ended it in translated code, and no other event is due.
 std::uint64_t ClusterScheduler::run_quantum_in_step(std::uint64_t start, std::uint64_t until) {
   MEBOTS_ASSERT(sharing_banks_ && start > banks_.start());
   move_banks(start);
@@ -94,7 +94,7 @@ std::uint64_t ClusterScheduler::finish_quantum(std::uint64_t end) {
   while (goes_on_) {
     if (!sharing_banks_) {
       share_banks();
-      if (sharing_banks_) {  // the only core has woken other cores, or has started a transfer
+      if (sharing_banks_) {  // the only awake core has woken other cores or started a transfer
         const auto now = next_tick();
         end = std::min(end, now + settings_.quantum);
         move_banks(std::max(banks_.start(), now));
@@ -130,8 +130,8 @@ void ClusterScheduler::ring() {
   MEBOTS_ASSERT(alarm_ > tick, "an alarm rings once per tick");
 }
 
-/// Determines whether conflicts at banks of L1 are possible. If a single core runs and the DMA is idle, all banks are
-/// free.
+/// Determines whether bank conflicts in L1 are possible. If the DMA is idle and at most one core is awake, they are
+/// not.
 void ClusterScheduler::share_banks() {
   const bool several = awake_ > 1 || dma_.busy();
   if (several == sharing_banks_) return;
@@ -147,7 +147,7 @@ void ClusterScheduler::move_banks(std::uint64_t tick) {
     if (settings_.shares_soc_port) soc_port_.move_to(tick);
     return;
   }
-  // The DMA claims nothing after the end of the last quantum. A core claims nothing after its own tick.
+  // The DMA claims no tick after the end of the last quantum. A core claims no tick after its own.
   auto last = tick + settings_.quantum;
   for (const auto* core : cores_) last = std::max(last, core->tick());
   const auto moved = banks_.start_over(tick, last);
@@ -155,18 +155,17 @@ void ClusterScheduler::move_banks(std::uint64_t tick) {
   if (settings_.shares_soc_port) soc_port_.start_over(tick, last + ClusterLatencies::kMostAccessTicks);
 }
 
-/// Selects the first core of the next quantum, and whether the DMA claims banks before or after the cores. Both choices
-/// change in every quantum. There is one exception with the arbitration tree and an even number of cores: when the
-/// count of quanta starts again, the order of DMA and cores does not change. Therefore each core is first both in
-/// quanta in which the DMA precedes the cores, and in quanta in which the DMA follows them.
+/// Selects the first core of the next quantum, and whether the DMA claims banks before or after the cores. Both change
+/// in every quantum. Exception: with the arbitration tree and an even number of cores, the order of DMA and cores stays
+/// the same when the first core is core 0 again. Therefore each core is first in quanta of both orders.
 void ClusterScheduler::next_in_front() {
   if (++first_core_ == cores()) first_core_ = 0;
   const bool stays = settings_.arbitration_tree && first_core_ == 0 && cores() % 2 == 0;
   dma_first_ = dma_first_ != !stays;
 }
 
-/// Builds the queue of a quantum that ends at `end`. If the cores are the same as in the last quantum, reuses its
-/// queue.
+/// Builds the queue of a quantum that ends at `end`. Reuses the queue of the last quantum if it contains the same
+/// cores.
 void ClusterScheduler::line_up(std::uint64_t end) {
   const bool same = in_step_ && queue_.size() == awake_ && last_ready_ < end;
   if (same && !settings_.arbitration_tree) {
@@ -178,8 +177,8 @@ void ClusterScheduler::line_up(std::uint64_t end) {
   }
 }
 
-/// Queues the cores that may run without a permission of the scheduler, starting with the first core of this quantum.
-/// Links each core to the next one.
+/// Queues the cores that may run without permission, starting with the first core of this quantum, and links each core
+/// to the next one.
 void ClusterScheduler::queue_cores(std::uint64_t end) {
   queue_.clear();
   const bool tree = settings_.arbitration_tree;
@@ -187,7 +186,7 @@ void ClusterScheduler::queue_cores(std::uint64_t end) {
   for (std::uint32_t place = 0; place < places; ++place) {
     auto id = tree ? place ^ first_core_ : place + first_core_;
     if (id >= cores()) {
-      if (tree) continue;  // no core has this number in the tree
+      if (tree) continue;  // the tree has more places than there are cores
       id -= cores();
     }
     auto& core = *cores_[id];
@@ -198,11 +197,10 @@ void ClusterScheduler::queue_cores(std::uint64_t end) {
   if (!queue_.empty()) queue_.back()->hart().set_next(nullptr);
 }
 
-/// Changes the queue of the last quantum into the queue of the next quantum: moves the core that was first to the end,
-/// if it is in the queue.
+/// Changes the queue of the last quantum into that of this quantum: moves the core that was first to the end.
 void ClusterScheduler::rotate_queue() {
   const auto before = (first_core_ == 0 ? cores() : first_core_) - 1;
-  if (queue_.front()->id() != before) return;  // a sleeping core is not in the queue
+  if (queue_.front()->id() != before) return;  // the core that was first sleeps and is not in the queue
   queue_.back()->hart().set_next(&queue_.front()->hart());
   std::rotate(queue_.begin(), queue_.begin() + 1, queue_.end());
   queue_.back()->hart().set_next(nullptr);
@@ -237,7 +235,7 @@ void ClusterScheduler::run_queue(std::size_t place, std::uint64_t end) {
   }
 }
 
-/// True if a round in translated code can begin with this core.
+/// Returns true if a round in translated code can begin with this core.
 bool ClusterScheduler::can_resume(const ClusterCore& core) {
   if (!sharing_banks_ || !core.hart().has_resume_point()) return false;
   code_.blocks.forget_if_stale();
@@ -266,8 +264,8 @@ void ClusterScheduler::note_stop(ClusterCore& core, Stop stop) {
   if (!events_.core_stopped(core, stop)) goes_on_ = false;
 }
 
-/// Called if all cores of the queue ended the quantum in translated code. In this case, only the ticks of the cores
-/// have changed. Returns the tick at which the first core continues.
+/// Called if all cores of the queue ended the quantum in translated code, so that only their ticks have changed.
+/// Returns the tick in which the first core continues.
 std::uint64_t ClusterScheduler::keep_in_step() {
   last_ready_ = 0;
   auto first = kNoTick;
@@ -278,7 +276,7 @@ std::uint64_t ClusterScheduler::keep_in_step() {
   }
   in_step_ = true;
   if (queue_.size() == awake_) return first;
-  // All other cores have already passed the end of this quantum, or wait for permission.
+  // All other awake cores have already passed the end of this quantum, or wait for permission.
   for (const auto* core : cores_) {
     if (core->sleeps()) continue;
     in_step_ = in_step_ && core->can_resume();

@@ -16,32 +16,31 @@
 namespace mebots::soc {
 
 /// Handles the events of a cluster other than runs of its cores. The scheduler calls these functions in the order of
-/// ticks. The cluster reports the effects to the scheduler (`set_alarm`, `cores_changed`).
+/// ticks. They report their effects by calls of set_alarm() and cores_changed().
 class ClusterEvents {
  public:
   virtual ~ClusterEvents() = default;
-  /// Handles the event of the registers in this tick. Afterwards, the registers' next event must be at a later tick.
+  /// Handles the event of the registers in this tick. Must set the alarm to a later tick.
   virtual void alarm_rings(std::uint64_t tick) = 0;
-  /// Ends every DMA transfer whose last tick is reached.
+  /// Ends all DMA transfers whose last tick is reached.
   virtual void transfers_end(std::uint64_t tick) = 0;
-  /// Called if a core stopped before its limit for another reason than the order of cores. If the function returns
-  /// false, the run of the chip ends after the cores that are queued in this quantum.
+  /// Called if a core stopped for another reason than its limit or a wait for its turn. If the function returns false,
+  /// the run of the chip ends after the cores that are queued in this quantum.
   virtual bool core_stopped(ClusterCore& core, Stop stop) = 0;
 };
 
-/// Determines the order in which the cores, registers and DMA of a cluster act. It is a round-robin scheduler: each
-/// core in turn runs a quantum of ticks. schedule.md states the rule and its reasons.
+/// Determines the order in which the cores, registers and DMA of a cluster act: each core in turn runs a quantum of
+/// ticks (round robin). schedule.md explains the rule.
 ///
-/// The scheduler counts only ticks of the cluster's clock. Each core has its own tick. Each quantum starts at the tick
-/// that the previous quantum returned.
+/// Times are ticks of the cluster's clock. A quantum must start at the tick that the previous run_quantum() returned.
 class ClusterScheduler {
  public:
-  /// Length of a quantum [ticks] if no conflicts at the banks are possible.
+  /// Length of a quantum [ticks] if no bank conflicts are possible.
   static constexpr std::uint64_t kLongQuantum = Banks::kLongestRun;
   /// Largest number of ticks by which a core can be ahead of the start of the next quantum.
   static constexpr std::uint64_t kFarthestAhead = kLongQuantum + Banks::kLongestBlock;
 
-  /// `way` is the port to the SoC. The settings determine whether the cores share this port. All references must
+  /// `way` is the port to the SoC, which the cores may share (ClusterSettings::shares_soc_port). All references must
   /// outlive the scheduler.
   ClusterScheduler(const ClusterSettings& settings, DecodedCode& code, Banks& way, ClusterDma& dma,
                    ClusterEvents& events);
@@ -50,11 +49,10 @@ class ClusterScheduler {
   /// Adds a core. Cores must be added in the order of their ids, and must outlive the scheduler.
   void add(ClusterCore& core);
 
-  /// Returns the number of cores that are awake.
   unsigned awake() const { return awake_; }
-  /// Returns the tick in which the next quantum starts. While all cores sleep and no event is due, returns kNoTick.
+  /// Returns the tick in which the next quantum starts, or kNoTick if all cores sleep and no event is due.
   std::uint64_t next_tick() const;
-  /// Runs a quantum from `start` to at most `until`. `undisturbed` must be true only if no access from outside the
+  /// Runs a quantum from `start` to at most `until`. `undisturbed` must only be true if no access from outside the
   /// cluster has occurred since the previous quantum. Returns the start of the next quantum.
   std::uint64_t run_quantum(std::uint64_t start, std::uint64_t until, bool undisturbed);
 
@@ -62,17 +60,15 @@ class ClusterScheduler {
   void set_alarm(std::uint64_t tick) { alarm_ = tick; }
   /// Must be called if a core may have started, woken or fallen asleep, or if its interrupts may have changed.
   void cores_changed();
-  /// Discards all resume points, so that each core starts its next run in the interpreter.
+  /// Drops the resume points of all cores, so that their next runs start in the interpreter.
   void drop_resume_points();
 
   void visit(state::Visitor& v);
 
  private:
-  // Functions that are called between two quanta.
   void share_banks();
   void move_banks(std::uint64_t tick);
   void next_in_front();
-  // Functions for the queue of the cores that run without permission.
   void line_up(std::uint64_t end);
   void queue_cores(std::uint64_t end);
   void rotate_queue();
@@ -82,10 +78,8 @@ class ClusterScheduler {
   std::size_t note_round(std::size_t place, const Hart::RoundEnd& round);
   void run_core(ClusterCore& core, std::uint64_t end);
   void note_stop(ClusterCore& core, Stop stop);
-  // Functions for a quantum that starts after all awake cores have ended the previous quantum in translated code.
   std::uint64_t run_quantum_in_step(std::uint64_t start, std::uint64_t until);
   std::uint64_t keep_in_step();
-  // Functions that handle events in the order of their ticks.
   std::uint64_t finish_quantum(std::uint64_t end);
   void ring();
   std::uint64_t first_ready() const;
@@ -100,16 +94,16 @@ class ClusterScheduler {
   ClusterDma& dma_;
   ClusterEvents& events_;
   std::vector<ClusterCore*> cores_;
-  unsigned awake_ = 0;             // number of awake cores
+  unsigned awake_ = 0;
   std::uint64_t alarm_ = kNoTick;  // next event of the registers
-  std::uint32_t first_core_ = 0;   // first core in the next quantum if all cores are awake
-  bool dma_first_ = false;         // true if the DMA claims banks before the cores in that quantum
-  bool sharing_banks_ = false;     // true if conflicts at the banks are possible
-  bool goes_on_ = true;            // false after the run was ended
+  std::uint32_t first_core_ = 0;   // first core of the next quantum if all cores are awake
+  bool dma_first_ = false;         // true if the DMA claims banks before the cores in the next quantum
+  bool sharing_banks_ = false;     // true if bank conflicts are possible
+  bool goes_on_ = true;            // set to false to end the run
   /// Cores of this quantum that run without permission, in the order in which they run.
   std::vector<ClusterCore*> queue_;
-  bool in_step_ = false;          // true if all awake cores have ended their last quantum in translated code
-  std::uint64_t last_ready_ = 0;  // only valid if in_step_: tick of the core that is farthest ahead
+  bool in_step_ = false;          // true if all awake cores have ended the last quantum in translated code
+  std::uint64_t last_ready_ = 0;  // if in_step_: tick of the core that is farthest ahead
   /// Value of DecodedCode::version() for which the resume points are valid.
   std::uint64_t version_ = 0;
 };

@@ -16,7 +16,7 @@
 namespace mebots::soc {
 namespace {
 
-/// Reads a LEB128 number of an attribute. Returns nullopt at the end of the bytes.
+/// Reads a LEB128 number, and removes it from `bytes`. Returns nullopt at the end of the bytes.
 std::optional<std::uint32_t> take_number(std::span<const std::uint8_t>& bytes) {
   std::uint32_t value = 0;
   for (unsigned shift = 0; !bytes.empty() && shift < 32; shift += 7) {
@@ -132,7 +132,7 @@ void require_room(const ElfBytes& file, unsigned number, std::string_view which,
                         number, size, which, address));
 }
 
-/// Throws Error if two segments load the same byte of memory. Segments may share run addresses (overlays).
+/// Throws Error if two segments load the same byte of memory. Run addresses of segments may overlap (overlays).
 void require_apart(const ElfBytes& file, std::vector<ElfSegment> segments) {
   std::erase_if(segments, [](const ElfSegment& segment) { return segment.bytes.empty(); });
   std::ranges::sort(segments, {}, &ElfSegment::load_address);
@@ -167,8 +167,8 @@ std::vector<ElfSegment> read_segments(const ElfBytes& file, const FileHeader& he
   return segments;
 }
 
-/// Returns the address of the first instruction. If the entry point is a run address whose bytes the program has not
-/// copied yet, returns the corresponding load address, as QEMU does.
+/// Returns the address of the first instruction. If the entry point is a run address at which no bytes are loaded,
+/// returns the corresponding load address, as QEMU does.
 std::uint32_t loaded_entry(const ElfBytes& file, std::uint32_t entry, const std::vector<ElfSegment>& segments) {
   if (entry % 2 != 0) file.fail(fmt::format("entry point 0x{:08x} is odd", entry));
   const auto holds = [&](std::uint32_t address, const ElfSegment& segment) {
@@ -187,7 +187,7 @@ std::uint32_t loaded_entry(const ElfBytes& file, std::uint32_t entry, const std:
   file.fail(fmt::format("entry point 0x{:08x} lies in none of its segments", entry));
 }
 
-/// True for a psABI mapping symbol, which separates code and data, and for a .L label of the compiler.
+/// Returns true for psABI mapping symbols, which separate code and data, and for .L labels of the compiler.
 bool is_unnamed(std::string_view name) {
   return name.starts_with("$x") || name.starts_with("$d") || name.starts_with(".L");
 }
@@ -206,8 +206,7 @@ std::vector<SectionHeader> read_sections(const ElfBytes& file, const FileHeader&
   return sections;
 }
 
-/// Reads the symbols of the first symbol table; a file has at most one. `names` receives the text that contains the
-/// names of the symbols.
+/// Reads the symbols of the symbol table. A file has at most one. `names` receives the storage of the symbols' names.
 std::vector<ElfSymbol> read_symbols(const ElfBytes& file, std::span<const SectionHeader> sections,
                                     std::shared_ptr<const std::string>& names) {
   std::vector<ElfSymbol> symbols;
@@ -250,8 +249,7 @@ std::string read_architecture(const ElfBytes& file, std::span<const SectionHeade
   return architecture_in(file.part(section->offset, section->size, "the attributes"));
 }
 
-/// Reads the line numbers, which are used only in messages. If their sections are damaged or compressed, the program is
-/// treated as one without line numbers.
+/// Reads the line numbers, which are only used in messages. Ignores sections that are damaged or compressed.
 std::shared_ptr<const LineSections> read_lines(const ElfBytes& file, const FileHeader& header,
                                                std::span<const SectionHeader> sections) {
   auto lines = std::make_shared<LineSections>();
@@ -335,8 +333,7 @@ std::optional<std::uint32_t> Elf::symbol(std::string_view name) const {
 const ElfSymbol* Elf::covering(std::uint32_t address) const {
   const auto after = std::upper_bound(symbols_.begin(), symbols_.end(), address,
                                       [](std::uint32_t value, const auto& symbol) { return value < symbol.address; });
-  // Labels in assembly code have no size. Such a label extends to the next function, or to the next symbol that has a
-  // size.
+  // Labels in assembly code have no size. A label extends to the next function, or to the next symbol that has a size.
   const ElfSymbol* label = nullptr;
   bool labels_end = false;
   for (auto at = after; at != symbols_.begin();) {

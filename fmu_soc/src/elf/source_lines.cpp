@@ -13,7 +13,7 @@ namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// Reads a section that may be truncated or damaged. After the end of the section, all values are 0 and `good` is
+/// Reads a section that may be truncated or damaged. After the end of the section, all values are 0, and good() returns
 /// false.
 class Cursor {
  public:
@@ -45,7 +45,7 @@ class Cursor {
   }
 
   Bytes rest() { return take(bytes_.size() - at_); }
-  /// Returns the next `size` bytes. If the section has fewer bytes left, returns no bytes.
+  /// Returns the next `size` bytes, or no bytes if fewer are left.
   Bytes take(std::size_t size) {
     if (size > bytes_.size() - at_) good_ = false;
     if (!good_) return {};
@@ -91,7 +91,6 @@ enum class Form : std::uint32_t {
 constexpr std::uint32_t kPath = 1;    // DW_LNCT_path
 constexpr std::uint32_t kFolder = 2;  // DW_LNCT_directory_index
 
-/// Stores the text or the number that a form contains.
 struct FormValue {
   std::string_view text;
   std::uint32_t number = 0;
@@ -130,13 +129,12 @@ FormValue read_form(Cursor& cursor, std::uint32_t form, const LineSections& sect
   return {};
 }
 
-/// Stores the name of a file or folder of a compilation unit.
 struct Entry {
   std::string_view path;
   std::uint32_t folder = 0;
 };
 
-/// Reads the entries of a version 5 table. A list describes their fields.
+/// Reads a table of version 5. It begins with a list that describes the fields of its entries.
 std::vector<Entry> described_entries(Cursor& cursor, const LineSections& sections) {
   struct Field {
     std::uint32_t content, form;
@@ -161,7 +159,7 @@ std::vector<Entry> described_entries(Cursor& cursor, const LineSections& section
   return entries;
 }
 
-/// Stores the folders and files of a unit. Folder 0 is the folder in which the compiler ran. Before version 5, the
+/// The folders and files of a compilation unit. Folder 0 is the folder in which the compiler ran. Before version 5, the
 /// table does not contain the name of folder 0.
 struct FileTable {
   std::vector<Entry> folders;
@@ -244,7 +242,6 @@ class LineProgram {
     }
   }
 
-  /// Returns the row that contains an address.
   std::optional<Row> find(std::uint32_t address) {
     std::optional<Row> found;
     for_each([&](const Row& row, std::uint32_t end) {
@@ -365,9 +362,9 @@ std::optional<SourceLine> find_line(const LineSections& sections, std::uint32_t 
   return found;
 }
 
-/// Returns the range of each statement. In optimised code, the next row often has the same address and no statement, so
-/// that the range of the statement is empty. The list contains this empty range, because the instruction at its address
-/// is executed each time the statement begins.
+/// In optimised code, the row after a statement often has the same address, so that the range of the statement is
+/// empty. The list contains this empty range, because the instruction at its address is executed each time the
+/// statement begins.
 std::vector<LineRange> all_lines(const LineSections& sections) {
   std::vector<LineRange> ranges;
   for_each_unit(sections, [&](LineProgram& program) {

@@ -8,14 +8,14 @@
 
 namespace mebots::soc {
 
-/// Stores the sections of a program that contain line numbers. A section that the file lacks is empty.
+/// Sections of a program that contain line numbers. A section that the file lacks is empty.
 struct LineSections {
   std::vector<std::uint8_t> line;         // .debug_line
   std::vector<std::uint8_t> line_string;  // .debug_line_str
   std::vector<std::uint8_t> string;       // .debug_str
 };
 
-/// Names a line of a source file, such as line 41 of camera.c.
+/// A line of a source file, such as line 41 of camera.c.
 struct SourceLine {
   std::string file;  ///< file name without folders
   std::uint32_t line = 0;
@@ -23,7 +23,7 @@ struct SourceLine {
   std::string text() const;
 };
 
-/// Describes a contiguous range of code that belongs to one source line.
+/// A contiguous range of code that belongs to one source line.
 struct LineRange {
   std::uint32_t begin = 0;
   std::uint32_t end = 0;
@@ -35,10 +35,10 @@ struct LineRange {
 /// returns its ranges up to the damage.
 std::vector<LineRange> all_lines(const LineSections& sections);
 
-/// Returns the source line of the instruction at `address`. If the sections do not contain it or are damaged, returns
-/// nullopt. Reads all sections at each call, which is fast enough for messages. Source: DWARF 5, 6.2 (versions 2 to 5,
-/// 32 bits). MEbots has its own reader, because neither libdw nor libdwarf can be linked statically into the shared
-/// library of an FMU.
+/// Returns the source line of the instruction at `address`, or nullopt if the sections are damaged or do not contain
+/// the address. Reads all sections at each call, which is fast enough for messages. Source: DWARF 5, 6.2 (versions 2 to
+/// 5, 32 bits). libdw and libdwarf are not used, because they cannot be linked statically into the shared library of an
+/// FMU.
 std::optional<SourceLine> find_line(const LineSections& sections, std::uint32_t address);
 
 }  // namespace mebots::soc

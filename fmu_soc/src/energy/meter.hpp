@@ -13,7 +13,7 @@
 
 namespace mebots::soc {
 
-/// Lists the parts into which the chip's energy is divided.
+/// Parts into which the chip's energy is divided.
 enum class Part : std::uint8_t {
   fabric_controller,   // instructions of the fabric controller, and its sleep with a gated clock
   cluster_cores,       // instructions and sleep of all cluster cores together
@@ -39,14 +39,13 @@ struct EnergyComponent {
   double energy_j = 0;
 };
 
-/// Stores the energy of each part since reset [J].
+/// Energy of each part since reset [J].
 struct EnergyLedger {
   std::array<double, kParts> by_part_j{};
 
   double operator[](Part part) const { return by_part_j[static_cast<std::size_t>(part)]; }
   double& operator[](Part part) { return by_part_j[static_cast<std::size_t>(part)]; }
   double total_j() const;
-  /// Returns the energy of each part together with the part's name.
   std::array<EnergyComponent, kParts> components() const;
   /// Return the energy of executed instructions, of accesses and transfers, and of all other parts.
   double core_active_j() const;
@@ -56,12 +55,12 @@ struct EnergyLedger {
   void visit(state::Visitor& v) { v("by_part_j", by_part_j); }
 };
 
-/// Stores the counts of one cluster core since reset.
+/// Counts of one cluster core since reset.
 struct CoreActivity {
-  std::uint64_t instruction_fj = 0;  // energy of the instructions at the reference clock and voltage
+  std::uint64_t instruction_fj = 0;  // energy of the instructions at the reference point
   std::uint64_t cycles = 0;          // cycles in which the core was awake
   std::uint64_t l1_accesses = 0;
-  std::uint64_t far_accesses = 0;  // accesses to L2, through the interconnect
+  std::uint64_t far_accesses = 0;  // accesses to L2 through the interconnect
 
   void visit(state::Visitor& v) {
     v("instruction_fj", instruction_fj);
@@ -71,30 +70,29 @@ struct CoreActivity {
   }
 };
 
-/// Stores the energy [J] by which the total increases if one count of a hart increases by one, while the settings and
-/// all other counts stay the same.
+/// Energy [J] by which the total increases if one count of a hart increases by one.
 struct CountEnergy {
   double cycle_j = 0;
-  double instruction_j = 0;  // for each femtojoule at the reference clock and voltage
+  double instruction_j = 0;  // per femtojoule of Counters::instruction_fj
   double near_access_j = 0;
   double far_access_j = 0;
   double refill_word_j = 0;
 };
 
-/// Stores counts and durations of the chip since reset. All are integers.
+/// Counts and durations of the chip since reset. All are integers.
 struct Activity {
-  std::uint64_t fc_instruction_fj = 0;       // energy at the reference clock and voltage
-  std::uint64_t cluster_instruction_fj = 0;  // energy at the reference clock and voltage
+  std::uint64_t fc_instruction_fj = 0;       // energy of the instructions at the reference point
+  std::uint64_t cluster_instruction_fj = 0;  // energy of the instructions at the reference point
   std::uint64_t fc_memory_accesses = 0;
   std::uint64_t l2_accesses = 0;
   std::uint64_t l1_accesses = 0;
   std::uint64_t far_words = 0;       // words through the interconnect
-  std::uint64_t dma_cycles = 0;      // cycles of the cluster's clock in which the DMA moves data
+  std::uint64_t dma_cycles = 0;      // cycles of the cluster in which the DMA moves data
   std::uint64_t cluster_cycles = 0;  // sum of the cycles in which each core was awake
   Picoseconds powered = 0;
   Picoseconds fc_asleep = 0;
   Picoseconds cluster_powered = 0;
-  Picoseconds retained = 0;  // part of `powered` that was spent in retention sleep
+  Picoseconds retained = 0;  // part of `powered` in retention sleep
   std::array<CoreActivity, kMostClusterCores>
       of_cores{};  // the cluster's cores one by one; the sums above contain them
 
@@ -115,9 +113,9 @@ struct Activity {
   }
 };
 
-/// Stores the tables of energy and power from the object "energy" of params/*.json.
+/// Tables of energy and power from the object "energy" of params/*.json.
 struct EnergyTables {
-  EnergyTable instruction;  // energy of an instruction, relative to its energy at the reference point
+  EnergyTable instruction;  // energy of an instruction; used relative to reference_instruction_j
   double reference_instruction_j = 0;
   EnergyTable core_clock_gated;    // power of a sleeping core [W]
   EnergyTable core_leakage;        // leakage of a core [W]
@@ -129,15 +127,14 @@ struct EnergyTables {
   EnergyTable dma_background;      // power while the cluster is on [W]
   EnergyTable fc_background;       // power [W]
   EnergyTable cluster_background;  // power while the cluster is on [W]
-  EnergyTable cluster_leakage;     // leakage while the cluster is on, without cores and L1 [W]
+  EnergyTable cluster_leakage;     // leakage while the cluster is on, without its cores and L1 [W]
   double retention_voltage_v = 0;
-  double scale = 1;  // factor for every energy
+  double scale = 1;  // factor for all energies and powers
 
   /// Reads the tables. Reports mistakes to the document that contains the node.
   static EnergyTables read(const data::Node& node);
 };
 
-/// Stores the settings on which the chip's energy depends: supplies, clocks and temperature.
 struct PowerState {
   double temperature_c = 25;
   double voltage_v = 1.2;
@@ -152,42 +149,40 @@ struct PowerState {
   }
 };
 
-/// Stores the sizes of the chip's memories and the number of cluster cores. The energies of the parts depend on them.
 struct Inventory {
   std::uint32_t fc_memory_bytes = 0;  // size of the memories in the fabric controller's domain, including L2
   std::uint32_t l1_bytes = 0;
   unsigned cluster_cores = 0;
 };
 
-/// Converts the activity of the chip to energy. While the settings stay the same, the energy is computed from the
-/// integer counts since the last change, and is not accumulated. Therefore the result does not depend on how often the
-/// energy is read.
+/// Converts the activity of the chip to energy. Computes the energy from the integer counts since the last change of
+/// the settings, so that the result does not depend on how often the energy is read.
 class EnergyMeter {
  public:
   EnergyMeter(const EnergyTables& tables, const Inventory& inventory, const PowerState& state);
 
   EnergyLedger at(const Activity& now) const;
   /// Returns the energy of the instructions and accesses of cluster core `number` [J], without the energy of its gated
-  /// clock. The ledger contains this energy.
+  /// clock. This energy is also part of the ledger.
   double core_j(unsigned number, const CoreActivity& now) const;
-  /// Return the energy of one more unit of each count. The ledger contains the energy of the fabric controller's
-  /// counts, and core_j() the energy of a cluster core's counts.
+  /// Return by how much the energy increases if one count increases by one. For counts of the fabric controller, this
+  /// is the energy in the ledger; for counts of a cluster core, the result of core_j().
   CountEnergy per_count_of_fabric_controller(bool cluster_on) const;
   CountEnergy per_count_of_core() const;
-  /// Applies new settings from `now` on. Must be called before a clock changes, because the energy of a cycle changes
-  /// with it.
+  /// Applies new settings from `now` on. Must be called before a clock changes, because the energy of a cycle depends
+  /// on the clock.
   void change(const PowerState& state, const Activity& now);
 
-  /// Returns the time at which the settings last changed, since the supply was applied. The ledger cannot be computed
-  /// for earlier times.
+  /// Returns how long the chip had been supplied at the last change of settings. The ledger cannot be computed for
+  /// earlier times.
   Picoseconds settled_until() const { return since_.powered; }
 
   void visit(state::Visitor& v);
 
  private:
-  /// Stores energies and powers that apply at the present settings.
+  /// Energies and powers at the present settings.
   struct Rates {
-    double instruction = 1;  // relative to the energy at the reference point
+    double instruction = 1;  // relative to the reference point
     double core_gated_w = 0;
     double memory_access_j = 0;
     double l1_access_j = 0;

@@ -18,7 +18,7 @@ struct Point {
   data::Node node;
 };
 
-/// Returns the number that the key of a member contains. JSON only allows texts as keys.
+/// Returns the number in the key of a member. Keys in JSON are texts.
 double number_of(const data::Member& member) {
   std::size_t used = 0;
   double value = 0;
@@ -33,7 +33,8 @@ double number_of(const data::Member& member) {
   return value;
 }
 
-/// Returns the points of an axis together with their nodes, sorted by value. Reports an axis without points.
+/// Returns the points of an axis with their nodes, sorted by value. Reports an axis without points, and a point that
+/// occurs twice.
 std::vector<Point> sorted_points(const data::Node& node) {
   std::vector<Point> points;
   for (const auto& member : node.members()) {
@@ -57,7 +58,7 @@ void for_each_point(const data::Node& axis, const Take& take) {
   }
 }
 
-/// Interpolates at `where` on an axis. `figure_at(index)` must return the value at a point of the axis.
+/// Interpolates at `where` on an axis. `figure_at(index)` returns the value at a point of the axis.
 template <typename FigureAt>
 double between(const std::vector<double>& axis, double where, const std::string& table, std::string_view what,
                const FigureAt& figure_at) {

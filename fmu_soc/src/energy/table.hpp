@@ -11,24 +11,22 @@ namespace mebots::soc {
 
 inline constexpr double kFemtojoule = 1e-15;  // J
 
-/// Stores the conditions for which an energy table is evaluated.
 struct OperatingPoint {
   double temperature_c = 25;
   double voltage_v = 1.2;
   double clock_hz = 0;  // frequency in the component's clock domain
 };
 
-/// Stores an energy or power that depends on temperature, voltage and frequency, in GVSoC's format: {"unit", "source",
-/// "values": {temperature: {voltage: {frequency or "any": value}}}}. Between the points of an axis, the value is
-/// interpolated linearly: first over frequency, then voltage, then temperature. Along an axis with one point, the value
-/// is constant.
+/// An energy or power that depends on temperature, voltage and frequency, in GVSoC's format: {"unit", "source",
+/// "values": {temperature: {voltage: {frequency or "any": value}}}}. Interpolates linearly between the points of an
+/// axis: over frequency, then voltage, then temperature. The value is constant along an axis with one point.
 class EnergyTable {
  public:
   /// Reads a table whose unit must be `unit`, and multiplies its values by `scale`. Reports mistakes to the document
   /// that contains the node.
   static EnergyTable read(const data::Node& node, std::string_view unit, double scale);
 
-  /// Returns the value at an operating point. Throws Error if the point is outside an axis that has several points.
+  /// Returns the value at an operating point. Throws Error if the point is outside an axis with several points.
   double at(const OperatingPoint& point) const;
 
  private:

@@ -21,7 +21,6 @@ namespace {
 constexpr double kPicosecond = 1e-12;
 constexpr double kNanosecond = 1e-9;
 
-/// The FMU's outputs of power, in the order of Part.
 constexpr std::array<double Outputs::*, kParts> kPartPowers{
     &Outputs::power_fabric_controller_w,
     &Outputs::power_cluster_cores_w,
@@ -51,13 +50,13 @@ Settings settings_of(const Parameters& parameters) {
   return settings;
 }
 
-/// Returns the file name of the default firmware in the FMU's resources. If the FMU contains no firmware, the name is
-/// empty.
+/// Returns the file name of the default firmware in the FMU's resources, or an empty name if the FMU contains no
+/// firmware.
 constexpr std::string_view firmware_inside() {
   return MEBOTS_SOC_FIRMWARE;
 }
 
-/// Returns the names of the programs inside the FMU in alphabetical order.
+/// Returns the names of the programs inside the FMU, in alphabetical order.
 std::vector<std::string> programs_in(const std::filesystem::path& resources) {
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(resources)) {
@@ -67,7 +66,6 @@ std::vector<std::string> programs_in(const std::filesystem::path& resources) {
   return names;
 }
 
-/// Reads the firmware that contains the network of the parameter `network`.
 Elf firmware_with_network(const Parameters& parameters, const BoardDescription& board) {
   const auto inside = std::filesystem::path(firmware_inside()).stem().string();
   try {
@@ -78,8 +76,8 @@ Elf firmware_with_network(const Parameters& parameters, const BoardDescription& 
   }
 }
 
-/// Reads the firmware of the mission. A name without folders selects a program inside the FMU, if the FMU contains one
-/// with this name. Any other text is a path.
+/// Reads the firmware of the mission. If the FMU contains a program with the name in the parameter `firmware`, reads
+/// this program. Otherwise the parameter is a path.
 Elf firmware_of(const Parameters& parameters, const std::filesystem::path& resources, const BoardDescription& board) {
   if (!parameters.network.empty()) return firmware_with_network(parameters, board);
   if (parameters.firmware.empty()) {
@@ -117,7 +115,7 @@ observe::Requests requests_of(const Parameters& parameters) {
   return requests;
 }
 
-/// Returns true if gdb can return to earlier instructions. If a recording was requested, gdb cannot, because the file
+/// Returns true if gdb can return to earlier instructions. It cannot if a recording was requested, because the file
 /// would contain repeated instructions.
 bool is_reversible(const observe::Requests& requests) {
   return requests.gdb_port && !requests.writes();
@@ -199,7 +197,7 @@ void Model::step(std::int64_t start_ns, std::int64_t duration_ns) {
   }
 }
 
-/// Reports that the program is in an endless loop. Reports it only once, and does not end the mission.
+/// Reports once that the program is in an endless loop. Does not end the mission.
 void Model::report_spinning() {
   if (spinning_reported_ || !soc_.spins()) return;
   spinning_reported_ = true;
@@ -216,7 +214,7 @@ void Model::advance(std::int64_t end_ns) {
   while (session_ && session_->rewind()) replay();
 }
 
-/// Repeats the steps from the restored state to the present one, or until gdb returns to an earlier instruction again.
+/// Repeats the steps from the restored state to the present step, or until gdb returns to an earlier instruction again.
 void Model::replay() {
   for (auto i = past_->current_step(soc_.now()); i < past_->steps.size() && !past_->history.leaves(); ++i) {
     past_->repeat_step(i, soc_.now());
@@ -246,7 +244,7 @@ void Model::begin_step() {
   soc_.begin_step();
 }
 
-/// Writes the outputs. `step_s` is the duration of the completed step; 0 = no step was completed.
+/// `step_s` is the duration of the completed step; 0 = no step was completed.
 void Model::write(double step_s) {
   auto& outputs = variables_.outputs;
   const auto& counters = soc_.hart().counters();

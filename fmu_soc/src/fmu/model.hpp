@@ -16,16 +16,16 @@
 
 namespace mebots::soc {
 
-/// Connects the chip with the FMU's variables. Parameters and inputs are passed to the devices, and the devices and the
-/// energy ledger determine the outputs. The class does not use FMI; fmu.cpp does.
+/// Connects the chip with the FMU's variables: passes parameters and inputs to the devices, and sets the outputs. Does
+/// not use FMI; fmu.cpp does.
 ///
-/// Inputs are read at the start of a step. They apply to the instructions that start after the start of the step, up to
-/// and including its end. The outputs at the end of the step contain the effects of these instructions.
+/// Inputs are read at the start of a step. They apply to the instructions that start after that time, up to and
+/// including the end of the step.
 class Model {
  public:
-  /// Reads the firmware, and the board file in `resources`. The firmware is the file that the parameter names, or the
-  /// file in `resources`. `variables` contains the variables of the board's devices, and must not move. Throws Error
-  /// that names the parameter or file, the value and the limit.
+  /// Reads the board file in `resources`, and the firmware: the file that the parameter names, or by default a file in
+  /// `resources`. `variables` contains the variables of the board's devices, and must not move. Throws Error that names
+  /// the parameter or file, the value and the limit.
   Model(Variables& variables, const std::filesystem::path& resources, Listeners listeners);
   /// Completes the files that the parameters observe.* have requested.
   ~Model();
@@ -34,7 +34,8 @@ class Model {
 
   /// Writes the initial outputs.
   void start(std::int64_t start_ns);
-  /// Advances the chip from start_ns to start_ns + duration_ns (> 0). Throws Error if an input is not finite.
+  /// Advances the chip from start_ns to start_ns + duration_ns. duration_ns must be above 0. Throws Error if an input
+  /// is not finite.
   void step(std::int64_t start_ns, std::int64_t duration_ns);
 
   void visit(state::Visitor& v);

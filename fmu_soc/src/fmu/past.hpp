@@ -14,8 +14,8 @@
 namespace mebots::soc {
 
 /// Stores what a debugger needs to return to earlier steps of a mission: states of the chip, and the inputs of all
-/// steps. Only the chip returns. A replay with the same inputs ends in exactly the present state. The other models wait
-/// and are not affected.
+/// steps. Only the chip returns; the other models of the mission wait. A replay with the same inputs ends in exactly
+/// the present state.
 struct Past {
   struct Step {
     std::uint64_t position = 0;  // position in the history at the start of the step
@@ -33,7 +33,8 @@ struct Past {
     steps.push_back({history.position(), now, end_ns, fields.inputs(before)});
   }
 
-  /// Records that a step begins again. After a change by gdb, its start may have another position in the history.
+  /// Records that a step begins again. After a change by gdb, the position of its start in the history may have
+  /// changed.
   void repeat_step(std::size_t step, Picoseconds now) {
     steps[step].position = history.position();
     steps[step].began = now;
@@ -47,7 +48,7 @@ struct Past {
     throw Error("gdb cannot go back to a state at which no recorded step of the mission begins");
   }
 
-  /// Deletes all steps and states, because the co-simulation has restored another state.
+  /// Deletes all steps and states. Must be called after the co-simulation has restored another state.
   void clear() {
     history.clear();
     steps.clear();

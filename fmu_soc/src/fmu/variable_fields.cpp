@@ -23,7 +23,7 @@ fmu::Causality causality_of(const BoardVariable& variable) {
   return fmu::Causality::output;
 }
 
-/// Throws Error if the FMU lacks the field, because it was built with another board file.
+/// Throws Error if the FMU has no such field, because it was built with another board file.
 template <typename Field>
 auto required(const Field& field, const std::string& name) {
   if (!field) {
@@ -33,7 +33,7 @@ auto required(const Field& field, const std::string& name) {
   return field;
 }
 
-/// Throws Error if the device's kind does not have the variable of the entry.
+/// Throws Error if the kind of the device does not have the variable.
 template <typename T>
 T* known(T* place, const BoardDevice& entry, const std::string& name) {
   if (place == nullptr) {
@@ -43,7 +43,7 @@ T* known(T* place, const BoardDevice& entry, const std::string& name) {
   return place;
 }
 
-/// Returns the previous step's value if it is equal to `values`. Otherwise returns a copy of `values`.
+/// Returns the previous step's value if it is equal to `values`, otherwise a copy of `values`.
 template <typename T, typename Values>
 std::shared_ptr<const T> shared_copy(const std::shared_ptr<const T>* before, const Values& values) {
   if (before != nullptr && std::ranges::equal(**before, values)) return *before;

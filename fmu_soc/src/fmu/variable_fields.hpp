@@ -14,24 +14,23 @@
 
 namespace mebots::soc {
 
-/// Stores the parameters and inputs of a step. Successive steps share equal texts and equal bytes.
+/// Parameters and inputs of a step. Successive steps share equal texts and bytes.
 struct StepInputs {
   std::vector<double> numbers;
   std::vector<std::shared_ptr<const std::string>> texts;
   std::vector<std::shared_ptr<const std::vector<std::uint8_t>>> bytes;
 };
 
-/// Copies values between the FMU's variables and the devices that use them. The entries of the board file define the
-/// variables:
+/// Copies values between the FMU's variables and the devices. The entries of the board file define the variables:
 ///
 ///   parameters, inputs -> take() -> devices        at the start of a step
 ///   devices -> write() -> outputs                  at its end
 ///
-/// The power of a device is its mean over a step, computed from the energies at start and end.
+/// The power of a device is its mean over a step, computed from the energies at the start and at the end.
 class VariableFields {
  public:
-  /// `variables` is the generated struct of the FMU instance, and must not move. Throws Error that names a variable if
-  /// the board file contains it, but the FMU or the kind of the device does not.
+  /// `variables` is the generated struct of the FMU instance, and must not move. Throws Error if the FMU, or the kind
+  /// of a device, lacks a variable of the board file.
   VariableFields(Soc& soc, void* variables);
 
   /// Passes the parameters and inputs to the devices. Throws Error if a number is not finite.

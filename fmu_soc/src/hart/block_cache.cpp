@@ -14,7 +14,7 @@ Current current_of(const Decoded& decoded) {
   return {decoded.op, decoded.rd, decoded.rs1, decoded.rs2, decoded.rs3, decoded.imm};
 }
 
-/// Returns a mask whose bit r is set if the instruction stalls for a cycle directly after a load of register r.
+/// Returns a mask. Bit r is set if the instruction stalls for a cycle when it directly follows a load of register r.
 std::uint64_t loads_that_stall(const Timing& timing, const Current& current) {
   std::uint64_t registers = 0;
   const auto alone = static_cycles(timing, {}, {}, current);
@@ -64,7 +64,7 @@ bool BlockCache::fetch(const Memory& memory, std::uint32_t pc, std::uint32_t& wo
   return true;
 }
 
-/// Returns an arena slot that contains the instruction. Does not set the fields that are sums over the previous
+/// Returns a decoded instruction as a slot of the arena. Does not set the fields that depend on the previous
 /// instructions of the block.
 Instruction BlockCache::instruction_of(const Decoded& decoded, std::uint32_t pc) const {
   Instruction instruction;
@@ -86,7 +86,7 @@ Instruction BlockCache::instruction_of(const Decoded& decoded, std::uint32_t pc)
   return instruction;
 }
 
-/// True if one of the two instructions from `pc` on ends a block or cannot be fetched.
+/// Returns true if the instruction at `pc` or the next one ends a block or cannot be fetched.
 bool BlockCache::leaves_soon(std::uint32_t pc) const {
   for (unsigned i = 0; i < 2; ++i) {
     std::uint32_t word = 0;
@@ -99,27 +99,27 @@ bool BlockCache::leaves_soon(std::uint32_t pc) const {
   return false;
 }
 
-/// Stores a block that is being decoded. `block.end` is the address of the next instruction.
+/// A block during its decoding. `block.end` is the address of the next instruction.
 struct BlockCache::Decoding {
   Block block;
-  Instruction sums;  // sums over the decoded instructions
+  Instruction sums;  // totals of the instructions decoded so far
   Previous two_before;
   Previous before;
   // Largest number of cycles from the block's start to the next instruction's start.
   std::uint32_t next_start_bound = 0;
-  std::uint32_t target = 0;    // nearest target of the block's forward branches
-  bool branched_back = false;  // the last instruction is a branch back to itself or to earlier code
-  bool ends_loop = false;      // the last instruction may be the last one of a hardware loop
+  std::uint32_t target = 0;    // nearest target of the block's forward branches that is still ahead
+  bool branched_back = false;  // if true, the last instruction is a branch to itself or to earlier code
+  bool ends_loop = false;      // if true, the last instruction may end a hardware loop
 };
 
-/// True if the block should end before the next instruction. A block ends where another block begins, and at a target
-/// of one of its own branches. The reason is that overlapping blocks cost more than a step from one block into the
-/// next. If blocks are decoded for translation, the block also ends after a backward branch. If it continued, the time
-/// bound and the cache lines of each iteration would include the code after the loop. The block does not end before
-/// code that jumps within two instructions: the cycles of such a jump depend on the instructions before it.
+/// Returns true if the block should end before the next instruction. A block ends where another block begins, and at
+/// targets of its branches, because overlapping blocks cost more than steps between blocks. If blocks are decoded for
+/// translation, a block also ends after a backward branch. Otherwise the time bound and the cache lines of each
+/// iteration would include the code after the loop. A block does not end before code that jumps within two
+/// instructions, because the cycles of such a jump depend on the instructions before it.
 bool BlockCache::ends_here(const Decoding& decoding) const {
-  // The cycles of the next block's first two instructions depend on the last two instructions, which must both be in
-  // this block.
+  // The cycles of the next block's first two instructions depend on the last two instructions. This block must contain
+  // both.
   if (!end_at_targets_ || decoding.sums.index < 2) return false;
   const auto pc = decoding.block.end;
   if (const auto number = known(pc); number != 0) return !blocks_[number].early_jump;
@@ -170,7 +170,7 @@ void BlockCache::append(Decoding& decoding, const Decoded& decoded) {
   const auto cycles = static_cycles(timing_, decoding.two_before, decoding.before, current_of(decoded));
   MEBOTS_ASSERT(sums.cycles_before + cycles <= 0xffff);
   block.last_start_bound = decoding.next_start_bound;
-  // A misaligned access consists of two bus accesses.
+  // A misaligned access takes two bus accesses.
   decoding.next_start_bound += cycles + most_extra_cycles(decoded.op) + 2 * longest_wait_ * accesses_of(decoded.op);
   sums.cycles_before = static_cast<std::uint16_t>(sums.cycles_before + cycles);
   sums.index = static_cast<std::uint8_t>(sums.index + 1);
@@ -187,7 +187,7 @@ void BlockCache::append(Decoding& decoding, const Decoded& decoded) {
   block.end = at + decoded.length;
 }
 
-/// Completes a block: adds its end slot, and sets the fields that depend on the whole block.
+/// Adds the end slot of a block, and sets the fields that depend on the whole block.
 void BlockCache::end_block(Decoding& decoding) {
   auto& block = decoding.block;
   const auto& sums = decoding.sums;
@@ -197,7 +197,7 @@ void BlockCache::end_block(Decoding& decoding) {
   end.run = handler_of(end.op);
   MEBOTS_ASSERT(sums.index > 0 && end.run != nullptr);
   end.pc = block.end;
-  // Its `link` is the block with which a loop's next iteration begins.
+  // The `link` of this slot is the first block of a hardware loop's next iteration.
   arena_[block.first + sums.index + 1] = Instruction{};
   arena_used_ += sums.index + 2U;
   decoded_ += sums.index;
@@ -210,7 +210,6 @@ void BlockCache::end_block(Decoding& decoding) {
   memory_.mark(block.pc, block.end - block.pc, mark_);
 }
 
-/// Assigns a number to a block, and adds the block to the tables by pc and by page.
 std::uint32_t BlockCache::add(const Block& block) {
   MEBOTS_ASSERT(block.end - block.pc <= 1U << kPageBits, "it is in two pages at most");
   std::uint32_t number = 0;
@@ -229,8 +228,8 @@ std::uint32_t BlockCache::add(const Block& block) {
   return number;
 }
 
-/// Makes space for one more block. If the present segment is full, continues with the next segment and evicts its
-/// blocks.
+/// Frees space for one more block. If the present segment is full, or if no block number is free, evicts the blocks of
+/// the next segments until there is space.
 void BlockCache::make_room() {
   const auto end = (segment_ + 1) * kSegmentSize;
   const bool has_numbers = !free_.empty() || blocks_.size() < kMaxBlocks;
@@ -249,8 +248,8 @@ void BlockCache::evict(std::uint32_t segment) {
   }
 }
 
-/// Removes a block from the tables. Its slots remain unchanged until their segment is filled again, because a hart may
-/// still execute them.
+/// Removes a block from the tables. Its instructions remain unchanged until the segment is filled again, because a hart
+/// may still execute them.
 void BlockCache::invalidate(std::uint32_t number) {
   MEBOTS_ASSERT(number != 0 && blocks_[number].valid());
   auto& block = blocks_[number];
@@ -266,9 +265,8 @@ void BlockCache::invalidate(std::uint32_t number) {
   if (listener_ != nullptr) listener_->invalidated(number);
 }
 
-/// Invalidates every block that overlaps one of the words. A mark covers a whole word. Therefore none of these words is
-/// marked afterwards. No block is longer than a page. Therefore a block that contains a byte begins in the page of that
-/// byte or in the previous page.
+/// Invalidates every block that overlaps one of the words, and removes the marks of these words. A block is at most as
+/// long as a page. Therefore a block that contains an address begins in the same page or in the previous page.
 void BlockCache::invalidate_overlapping(std::uint32_t address, std::uint32_t count) {
   MEBOTS_ASSERT(count > 0);
   const auto last = (address + (count - 1)) | 3U;

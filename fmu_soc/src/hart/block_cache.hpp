@@ -19,104 +19,105 @@ namespace mebots::soc {
 
 class Banks;
 
-/// Stores the energy of one instruction [fJ] for each operation, at the reference voltage.
+/// Energy of one instruction [fJ] for each operation, at the reference voltage.
 struct InstructionEnergy {
   std::array<std::uint32_t, kOpCount> fj{};
 };
 
-/// Stores the settings that all harts with the same decoded code share. The instruction cache and the banks must
-/// outlive the settings.
+/// Settings that several harts share because they share decoded code. `instruction_cache` and `banks` must outlive the
+/// settings.
 struct CodeSettings {
   Timing timing = {};
   InstructionEnergy energy = {};
-  /// If true, a block that starts before the limit of a run is executed to its end. Then the instruction at which a
-  /// hart stops does not depend on which code was decoded earlier.
+  /// If true, a block that starts before the limit of a run is executed to its end. The instruction at which a hart
+  /// stops then does not depend on which code was decoded earlier.
   bool loose_limit = false;
-  InstructionCache* instruction_cache = nullptr;  // cache of the instruction fetches; null = a fetch never waits
-  Banks* banks = nullptr;  // banks of the first memory, if several users share it; null = the memory has one user
-  bool translate = true;   // if true, hot code is translated; cycle counts and results do not depend on this setting
+  InstructionCache* instruction_cache = nullptr;  // cache for instruction fetches; null = fetches never wait
+  Banks* banks = nullptr;                         // banks of the first memory; null = the memory has only one user
+  bool translate = true;  // if true, hot code is translated; this setting does not change cycle counts or results
 };
 
-/// Stores the constant settings of one hart. CodeSettings stores those that several harts share.
 struct HartSettings {
   std::uint32_t id = 0;  // value of the CSR mhartid
-  /// If true, a trap jumps to the address that was written to mtvec, although mtvec reads back with some low bits
-  /// cleared.
+  /// If true, a trap jumps to the address that the program wrote to mtvec, even if reads of mtvec return this address
+  /// with some low bits cleared.
   bool keeps_written_mtvec = false;
   /// If true, the core has GAP8's 32 interrupt lines, which come from an event unit. At most one line is active at a
-  /// time, and mie is not used. The vectors of interrupts start at mtvec, whose low eight bits are 0; the vectors of
-  /// exceptions follow. Source: RI5CY's user manual of 2018, chapters on exceptions and CSRs.
+  /// time. The core ignores mie. The interrupt vectors start at mtvec, whose low eight bits are 0. The exception
+  /// vectors follow them. Source: RI5CY user manual of 2018, chapters on exceptions and CSRs.
   bool has_gap8_interrupts = false;
 };
 
-/// Describes a decoded sequence of instructions that starts at one address.
+/// A sequence of decoded instructions that starts at one address.
 struct Block {
   std::uint32_t pc = kInvalid;
   std::uint32_t end = 0;    // address after the last instruction
   std::uint32_t first = 0;  // index of the first Instruction in the arena
-  /// Largest number of cycles from the block's start to its last instruction's start if all lines are present.
+  /// Largest number of cycles from the start of the block to the start of its last instruction, if the instruction
+  /// cache contains the whole block.
   std::uint32_t last_start_bound = 0;
-  std::uint32_t line_count = 0;         // number of cache lines that contain the block; 0 if there is no cache
+  std::uint32_t line_count = 0;         // number of cache lines that contain the block; 0 = no cache
   const std::uint8_t* lines = nullptr;  // one byte per cache line: 1 = the line is present
-  bool begins_across = false;           // the first instruction extends over two cache lines
-  bool unaligned = false;               // the block starts with a 32-bit instruction at an address 2 mod 4
-  bool early_jump = false;              // the first or second instruction is a jump; see BlockCache::delays_jump
-  std::uint64_t stalled_by = 0;         // bit r is set if the first instruction stalls after a load of register r
-  mutable std::uint16_t heat = 0;       // number of interpreted runs in the epoch `epoch`
-  mutable std::uint16_t absences = 0;   // number of these runs at whose start a line was absent
-  mutable std::uint32_t epoch = 0;      // period of the core's cycles in which `heat` was counted
-  std::uint32_t next_of_pc = 0;         // next block in the same bucket of the table by pc
-  std::uint32_t next_of_page = 0;       // next block in the same bucket of the table by page
+  bool begins_across = false;           // if true, the first instruction extends over two cache lines
+  bool unaligned = false;               // if true, the block starts with a 32-bit instruction at an address 2 mod 4
+  bool early_jump = false;         // if true, the first or second instruction is a jump; see BlockCache::delays_jump()
+  std::uint64_t stalled_by = 0;    // bit r is set if the first instruction stalls after a load of register r
+  mutable std::uint16_t heat = 0;  // number of times that the block was interpreted in the period `epoch`
+  mutable std::uint16_t absences = 0;  // number of these times at which a cache line was absent at the start
+  /// Number of the period in which `heat` was counted; a period is a range of the core's cycles.
+  mutable std::uint32_t epoch = 0;
+  std::uint32_t next_of_pc = 0;    // number of the next block in the same bucket of by_pc_
+  std::uint32_t next_of_page = 0;  // number of the next block in the same bucket of by_page_
 
-  /// Value of `pc` in an invalidated block. No valid pc is odd.
+  /// Value of `pc` in an invalid block. Valid addresses are even.
   static constexpr std::uint32_t kInvalid = 1;
   bool valid() const { return pc != kInvalid; }
-  /// True if translated code should contain the refill of the block's lines in its hot path. The first absences do not
-  /// count, because each line is absent at its first use.
+  /// Returns true if the block's cache lines were often absent. Translated code then contains the cache refill in its
+  /// hot path. The first absences do not count, because each line is absent at its first use.
   bool is_often_absent() const { return 2 * absences > heat + kFewAbsences; }
-  /// Number of absences that do not count, of the 64 runs after which a block is hot.
+  /// Number of absences that is_often_absent() ignores.
   static constexpr int kFewAbsences = 8;
-  /// Returns how many cycles the first instruction of the block stalls after the instruction `before`.
+  /// Returns how many cycles the first instruction of the block stalls if `before` is the previous instruction.
   std::uint32_t stall_after(const Previous& before) const {
     return is_load(before.op) && before.writes() ? static_cast<std::uint32_t>(stalled_by >> before.rd & 1U) : 0U;
   }
 };
 
-/// Is notified when blocks become invalid. Derived classes store data about decoded blocks.
+/// Interface for classes that store data about decoded blocks. Its functions are called when blocks become invalid.
 class BlockListener {
  public:
   virtual ~BlockListener() = default;
   /// Called when the block `number` becomes invalid. A later block may get the same number.
   virtual void invalidated(std::uint32_t number) = 0;
-  /// Called when all blocks become invalid.
   virtual void invalidated_all() = 0;
 };
 
-/// Decodes code into blocks and stores the blocks by their address. See decode-cache.md in this folder.
+/// Decodes code into blocks, and finds blocks by their address. See decode-cache.md in this folder.
 class BlockCache {
  public:
   static constexpr std::uint32_t kMaxBlockLength = 64;
   static constexpr std::uint32_t kMaxBlocks = 1U << 16;
 
-  /// Reserves a mark of the memory, which must outlive the cache. If `for_translation` is true, blocks end where it
-  /// suits translated code. Otherwise blocks end where it suits the interpreter.
+  /// Reserves one of the memory's marks, which then marks words with decoded code. The memory must outlive the cache.
+  /// If `for_translation` is true and the limit of runs is not loose, blocks also end after backward branches.
   BlockCache(Memory& memory, const CodeSettings& settings, bool for_translation);
 
   const Timing& timing() const { return timing_; }
 
-  /// Returns the number of the block that starts at `pc`. If no such block is decoded, decodes it. If `pc` cannot be
-  /// fetched, returns 0.
+  /// Returns the number of the block that starts at `pc`, and decodes the block if necessary. Returns 0 if no
+  /// instruction can be fetched at `pc`.
   std::uint32_t find(std::uint32_t pc) {
     const auto number = known(pc);
     return number != 0 ? number : decode_block(pc);
   }
-  /// Returns the number of the block that starts at `pc`. If no such block is decoded, returns 0.
+  /// Returns the number of the decoded block that starts at `pc`, or 0 if there is no such block.
   std::uint32_t known(std::uint32_t pc) const {
     auto number = by_pc_[bucket_of_pc(pc)];
     while (number != 0 && blocks_[number].pc != pc) number = blocks_[number].next_of_pc;
     return number;
   }
-  /// Returns the block with this number. The number must have been valid once, but the block may be invalid now.
+  /// Returns the block with this number. The number must have been valid once. The block may have become invalid since
+  /// then.
   const Block& block(std::uint32_t number) const {
     MEBOTS_ASSERT(number < blocks_.size(), "the vector of blocks never shrinks");
     return blocks_[number];
@@ -125,15 +126,14 @@ class BlockCache {
     MEBOTS_ASSERT(block.first < kArenaSize);
     return &arena_[block.first];
   }
-  /// Returns the link to the first block of a hardware loop's next iteration. If the link leads to another address than
-  /// `start`, clears the link.
+  /// Returns a pointer to the link of `holder`, which is the number of the block with which a hardware loop's next
+  /// iteration begins. If this block does not start at address `start`, sets the link to 0.
   std::uint16_t* loop_link(const Instruction& holder, std::uint32_t start) const {
     if (block(holder.link).pc != start) holder.link = 0;
     return &holder.link;
   }
-  /// True if the two instructions before the block change the cycles of a jump at the start of the block. In this case,
-  /// the cycles stored in the block are wrong, and single() must be used. If the jump is the block's second
-  /// instruction, always returns true.
+  /// Returns true if the two instructions before the block may change the cycles of a jump at the start of the block.
+  /// The cycles stored in the block may then be wrong, and the caller must use single().
   bool delays_jump(const Block& block, const Previous& two_before, const Previous& before) const {
     return block.early_jump && before.op != Op::end_of_block && delays_first_jump(block, two_before, before);
   }
@@ -143,75 +143,72 @@ class BlockCache {
     return std::exchange(arena_[index_of(at)].run, handler);
   }
 
-  /// Decodes the instruction at `pc`, for the given state of the pipeline, as a block with one instruction. If the
-  /// instruction cannot be fetched, returns null. The result is cached until code changes, because loops execute the
-  /// same instructions many times.
+  /// Decodes the instruction at `pc`, for the given state of the pipeline, as a block with one instruction. Returns
+  /// null if the instruction cannot be fetched. The result is cached until code changes.
   const Instruction* single(std::uint32_t pc, const Previous& two_before, const Previous& before);
 
-  /// Makes later blocks end after the instruction at `pc`, which is the last instruction of a hardware loop. Returns
-  /// true if blocks did not end there before. In this case, decoded blocks that continue after this instruction become
-  /// invalid at the next forget_if_stale().
+  /// Makes blocks end after the instruction at `pc`, which is the last instruction of a hardware loop. Returns true if
+  /// blocks did not end there before. Decoded blocks that continue after this instruction then become invalid at the
+  /// next call of forget_if_stale().
   bool end_block_at(std::uint32_t pc);
 
-  /// True if blocks end after the instruction at `pc`, because it may be the last instruction of a hardware loop.
+  /// Returns true if blocks end after the instruction at `pc` because this instruction may be the last one of a
+  /// hardware loop.
   bool may_end_loop(std::uint32_t pc) const { return timing_.has_xpulp() && memory_.marked(pc, 2, Region::kLoop); }
 
-  /// Invalidates all decoded code, also that of other cores that share the memory.
+  /// Invalidates all decoded code, including the code that other cores decoded from the same memory.
   void clear();
-  /// True if code has changed since the last check. A device or another core may have changed it.
+  /// Returns true if code has changed since the cache last processed changes. A device or another core may change code.
   bool is_stale() const { return code_generation_ != memory_.code_generation(); }
-  /// Invalidates the blocks whose code has changed. Returns true if there are such blocks.
+  /// Invalidates the blocks whose code has changed. Returns true if code has changed.
   bool forget_if_stale() {
     if (!is_stale()) [[likely]]
       return false;
     follow_changes();
     return true;
   }
-  /// Sets the listener for invalidated blocks; null removes it.
+  /// Sets the listener, which is called when blocks become invalid; null removes it.
   void set_listener(BlockListener* listener) { listener_ = listener; }
-  /// Sets the maximum number of wait cycles of one bus access of the core. Time bounds of blocks use the largest value
-  /// that was ever set, so that no code is decoded again when a memory is switched on or off.
+  /// Sets the maximum number of cycles that one bus access of the core waits. Smaller values than an earlier value have
+  /// no effect, so that no code must be decoded again when a memory is switched on or off.
   void set_longest_wait(std::uint32_t cycles);
-  /// Returns the instruction cache, or null if the core has no instruction cache.
+  /// Returns the instruction cache, or null if the core has none.
   const InstructionCache* fetched() const { return cached_lines_; }
-  /// Returns the largest number of cycles from the start of the block to the start of its last instruction, if all
-  /// cache lines must be fetched.
+  /// Returns the largest number of cycles from the start of the block to the start of its last instruction, if the
+  /// instruction cache contains no line of the block.
   std::uint32_t fetch_bound(const Block& block) const {
     const auto refill = cached_lines_ == nullptr ? 0U : cached_lines_->refill_cycles();
     return block.last_start_bound + block.line_count * refill;
   }
-  /// True if all lines of the block are in the instruction cache, or if there is no cache.
+  /// Returns true if the instruction cache contains all lines of the block, or if there is no cache.
   bool is_present(const Block& block) const {
     for (std::uint32_t i = 0; i < block.line_count; ++i) {
       if (block.lines[i] == 0) return false;
     }
     return true;
   }
-  /// True if all lines of the block's first instruction are in the instruction cache. The block must have cache lines.
+  /// Returns true if the instruction cache contains all lines of the block's first instruction. There must be a cache.
   bool begins_present(const Block& block) const {
     MEBOTS_ASSERT(block.line_count > 0);
     return block.lines[0] != 0 && (!block.begins_across || block.lines[1] != 0);
   }
-  /// Returns a number that increases whenever blocks become invalid.
   std::uint64_t generation() const { return generation_; }
-  /// Returns the number of instructions decoded into blocks since construction. An instruction that is decoded again
-  /// counts again.
+  /// Returns the number of instructions decoded into blocks since construction.
   std::uint64_t decoded() const { return decoded_; }
 
-  /// Returns the instruction word at `pc`. If the word cannot be fetched, returns nullopt.
+  /// Returns the instruction word at `pc`, or nullopt if the word cannot be fetched.
   std::optional<std::uint32_t> word_at(std::uint32_t pc) const {
     std::uint32_t word = 0;
     std::uint32_t fault_address = 0;
     return fetch(memory_, pc, word, fault_address) ? std::optional(word) : std::nullopt;
   }
-  /// Decodes a word for the extensions of the core.
   Decoded decode_word(std::uint32_t word) const { return decode(word, extensions_); }
   Extensions extensions() const { return extensions_; }
-  /// Reads the instruction word at `pc`. If the word cannot be fetched, returns false and sets `fault_address`.
+  /// Reads the instruction word at `pc`. Returns false and sets `fault_address` if the word cannot be fetched.
   static bool fetch(const Memory& memory, std::uint32_t pc, std::uint32_t& word, std::uint32_t& fault_address);
 
  private:
-  /// The arena is a ring of segments. All blocks of a segment are evicted together.
+  /// The arena is a ring of segments. To reuse a segment, all of its blocks are evicted.
   static constexpr std::uint32_t kSegmentSize = 1U << 16;
   static constexpr std::uint32_t kSegments = 8;
   static constexpr unsigned kBucketBits = 15;
@@ -219,18 +216,18 @@ class BlockCache {
 
   static constexpr std::size_t kArenaSize = std::size_t{kSegmentSize} * kSegments;
 
-  /// Stores a single instruction, its end slot and a slot for its link. The entry is only valid for one generation of
-  /// the memory's code.
+  /// Stores a single instruction, its end slot and a slot for its link. Valid only while the memory's code generation
+  /// is `generation`.
   struct Single {
-    /// Generation of the memory's code; 0 = empty, because the memory's generations start at 1.
+    /// Code generation of the memory; 0 = empty. The memory's generations start at 1.
     std::uint64_t generation = 0;
     Previous two_before;
     Previous before;
     std::array<Instruction, 3> slots{};
   };
 
-  /// Frees the arena. The arena is allocated without initialisation, because clearing 16 MB would delay each start, and
-  /// most programs use only a part of the arena.
+  /// Frees the arena. The arena is allocated without initialisation: clearing 16 MB would delay each start, and most
+  /// programs use only a part of the arena.
   struct FreeArena {
     void operator()(Instruction* arena) const { std::allocator<Instruction>().deallocate(arena, kArenaSize); }
   };
@@ -254,24 +251,24 @@ class BlockCache {
   void forget();
   Instruction instruction_of(const Decoded& decoded, std::uint32_t pc) const;
   Memory& memory_;
-  std::uint8_t mark_;  // mark of the memory on words that contain decoded instructions
+  std::uint8_t mark_;  // bit that marks words with decoded instructions in the memory
   Timing timing_;
   Extensions extensions_;
   std::array<std::uint32_t, kOpCount> energy_fj_;
-  /// True if a block also ends at known targets of jumps and branches, so that few blocks overlap. False for harts with
-  /// a loose limit, because their blocks must depend only on memory and pc.
+  /// If true, a block also ends at known targets of jumps and branches, so that few blocks overlap. False for harts
+  /// with a loose limit, whose blocks may only depend on memory and pc.
   bool end_at_targets_;
   bool end_after_loops_;  // true if a block also ends after a backward branch
   const InstructionCache* cached_lines_;
-  std::vector<Block> blocks_;         // indexed by block number; number 0 is not a block; never moves
+  std::vector<Block> blocks_;         // indexed by block number; number 0 is unused; the vector never reallocates
   std::vector<std::uint32_t> free_;   // numbers of invalid blocks
-  std::vector<std::uint32_t> by_pc_;  // first block of each bucket; 0 = empty bucket
+  std::vector<std::uint32_t> by_pc_;  // number of the first block of each bucket; 0 = empty bucket
   std::vector<std::uint32_t> by_page_;
   std::unique_ptr<Instruction[], FreeArena> arena_;
   std::uint32_t segment_ = 0;     // segment that is being filled
   std::uint32_t arena_used_ = 0;  // index of the next free slot in this segment
   std::uint64_t generation_ = 0;
-  std::uint64_t code_generation_ = 0;  // code generation of the memory at the last check
+  std::uint64_t code_generation_ = 0;  // code generation of the memory when the cache last processed changes
   std::uint64_t decoded_ = 0;
   std::uint32_t longest_wait_ = 0;
   BlockListener* listener_ = nullptr;

@@ -8,20 +8,20 @@
 #include <string>
 #include <string_view>
 
-/// Numbers the control and status registers. The table csrs.inc lists them.
+/// Numbers of the control and status registers in the table csrs.inc.
 namespace mebots::soc::csr {
 
 #define MEBOTS_CSR(constant, number, ...) inline constexpr unsigned k##constant = number;
 #include "hart/csrs.inc"
 
-/// Value of mstatus.FS = Dirty. The model only has the states Off and Dirty: writing Initial or Clean sets Dirty.
+/// Value of mstatus.FS = Dirty. The model only has the states Off and Dirty. A write of Initial or Clean sets Dirty.
 inline constexpr std::uint32_t kFloatsOn = 3U << 13;
 
-/// Names the cores that have the registers of a row: `floats` means cores with F or Zfinx, `user` cores with U mode,
-/// and `pmp` cores with entries of physical memory protection.
+/// The cores that have the registers of a row. `floats`: cores with F or Zfinx; `user`: cores with U mode; `pmp`: cores
+/// with physical memory protection.
 enum class Core : std::uint8_t { every, ri5cy, gap8, floats, user, pmp };
 
-/// Stores the numbers of the registers of one row. All registers of the table have consecutive slots.
+/// The register numbers of one row. Each register has a slot; the slots of all rows are consecutive.
 struct Place {
   unsigned number;  // number of the first register
   unsigned count;
@@ -31,14 +31,14 @@ inline constexpr auto kPlaces = std::to_array<Place>({
 #include "hart/csrs.inc"
 });
 
-/// Returns the number of slots before row `row`. For the end of the table, returns the number of all slots.
+/// Returns the number of slots of all rows before `row`.
 constexpr unsigned slots_before(std::size_t row) {
   unsigned slots = 0;
   for (std::size_t i = 0; i < row; ++i) slots += kPlaces[i].count;
   return slots;
 }
 
-/// Returns the slot of the register with this number. If no row contains the number, returns the number of all slots.
+/// Returns the slot of the register with this number, or the total number of slots if no row contains it.
 constexpr unsigned slot_of(unsigned number) {
   unsigned slots = 0;
   for (const auto& place : kPlaces) {
@@ -55,12 +55,12 @@ struct Named {
 
 /// Returns the registers that every core has, sorted by number. Excludes rows with several registers.
 std::span<const Named> named();
-/// Returns the name of a register, such as "mepc" or "mhpmcounter7". A register without a name is called "csr0x7c0".
+/// Returns the name of a register, such as "mepc" or "mhpmcounter7". A number without a row is called "csr0x7c0".
 std::string name(unsigned number);
 
 }  // namespace mebots::soc::csr
 
-/// Lists the values of mcause. Source: The RISC-V Instruction Set Manual, volume II, table 3.6.
+/// Values of mcause. Source: The RISC-V Instruction Set Manual, volume II, table 3.6.
 namespace mebots::soc::cause {
 
 inline constexpr unsigned kFetchAccess = 1;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The effects of accesses to control and status registers: the column `meaning` of csrs.inc, and the functions that
-// this column names.
+// Effects of accesses to control and status registers: the column `meaning` of csrs.inc, and the functions that this
+// column names.
 #include "hart/csrs.hpp"
 
 #include "hart/data_path.hpp"
@@ -28,15 +28,14 @@ constexpr std::uint32_t kSomeDirty = 1U << 31;
 constexpr std::uint32_t kModifiesPrivilege = 1U << 17;
 constexpr std::uint32_t kWaitTraps = 1U << 21;
 constexpr std::uint32_t kCounterEnables = 0xfffffffdU;  // without TM: U mode cannot read `time`
-/// Interrupt lines of machine mode: software, timer, external, and 16 fast ones.
+/// Interrupt lines of machine mode: software, timer, external, and 16 fast interrupts.
 constexpr std::uint32_t kInterruptLines = 0xffff0000U | (1U << 11) | (1U << 7) | (1U << 3);
-/// JEDEC number of the OpenHW Group and architecture number of CV32E40P. GAP8's RI5CY also has a JEDEC number and an
-/// architecture number.
+/// JEDEC number of the OpenHW Group, and architecture number of CV32E40P.
 constexpr std::uint32_t kVendor = 0x602;
 constexpr std::uint32_t kArchitecture = 4;
 constexpr std::uint32_t kCountersOn = 1U << 0;      // PCMR
-constexpr std::uint32_t kCountersStop = 1U << 1;    // at their highest value
-constexpr std::uint32_t kEvents = (1U << 31) - 1U;  // of PCER
+constexpr std::uint32_t kCountersStop = 1U << 1;    // PCMR: counters stop at their highest value
+constexpr std::uint32_t kEvents = (1U << 31) - 1U;  // PCER: all events
 
 bool is_read_only(unsigned number) {
   return (number >> 10) == 3 && number != csr::kPcerUser && number != csr::kPcmrUser;
@@ -48,17 +47,17 @@ bool is_event_counter(unsigned number) {
 
 }  // namespace
 
-/// The rows of the table, and the index of each register number's row for each kind of core.
+/// The rows of csrs.inc, and for each kind of core a table from register numbers to rows.
 struct Csrs::Rows {
   using Core = csr::Core;
-  static constexpr std::size_t kCores = 3;  // every, ri5cy, gap8; an option of a core is in all of them
+  static constexpr std::size_t kCores = 3;  // every, ri5cy, gap8; optional registers are in all three tables
   static constexpr std::size_t kNumbers = 4096;
 
   struct Row;
   struct Meaning {
     std::uint32_t (*read)(const Csrs&, const Row&, unsigned index);
     void (*write)(Csrs&, const Row&, unsigned index, std::uint32_t value);  // null: a write has no effect
-    bool keeps;  // true if the register has a value of its own, which is `reset` at first
+    bool keeps;  // true if the register keeps a word, whose value after reset is `reset`
     std::uint32_t reset;
     std::uint32_t written_bits = 0;  // see CsrForm
   };
@@ -68,7 +67,7 @@ struct Csrs::Rows {
     Core core;
     Meaning meaning;
     std::string_view name;
-    unsigned slot = 0;  // of its first word
+    unsigned slot = 0;  // slot of the row's first register
   };
 
   static std::uint32_t kept(const Csrs& csrs, const Row& row, unsigned index) {
@@ -120,7 +119,7 @@ struct Csrs::Rows {
   }
 
   static const std::array<Row, csr::kPlaces.size()> kAll;
-  /// For each kind of core and each register number: the index of the row plus 1; 0 if there is no row.
+  /// For each kind of core and each register number: the index of the row plus 1, or 0 if there is no row.
   static const std::array<std::array<std::uint8_t, kNumbers>, kCores> kRowOf;
   static const Row* find(Core core, unsigned number);
   static const Row* find(const Csrs& csrs, unsigned number);
@@ -136,7 +135,7 @@ constexpr std::array<Csrs::Rows::Row, csr::kPlaces.size()> Csrs::Rows::kAll = []
   return rows;
 }();
 
-/// If two rows have the same number, a core of kind RI5CY uses the row for RI5CY.
+/// If two rows have the same number, RI5CY cores use the row for RI5CY.
 constexpr std::array<std::array<std::uint8_t, Csrs::Rows::kNumbers>, Csrs::Rows::kCores> Csrs::Rows::kRowOf = [] {
   std::array<std::array<std::uint8_t, kNumbers>, kCores> row_of{};
   for (std::size_t core = 0; core < kCores; ++core) {
@@ -152,14 +151,14 @@ constexpr std::array<std::array<std::uint8_t, Csrs::Rows::kNumbers>, Csrs::Rows:
   return row_of;
 }();
 
-/// Returns null if no core of this kind has the register.
+/// Returns the row of this register, or null if no core of this kind has the register.
 const Csrs::Rows::Row* Csrs::Rows::find(Core core, unsigned number) {
   if (number >= kNumbers) return nullptr;
   const auto row = kRowOf[static_cast<std::size_t>(core)][number];
   return row == 0 ? nullptr : &kAll[row - 1U];
 }
 
-/// Returns null if this core has no such register.
+/// Returns the row of this register, or null if this core does not have the register.
 const Csrs::Rows::Row* Csrs::Rows::find(const Csrs& csrs, unsigned number) {
   const auto core = !csrs.timing_.has_xpulp() ? Core::every : csrs.has_gap8_interrupts_ ? Core::gap8 : Core::ri5cy;
   const auto* row = find(core, number);
@@ -190,7 +189,7 @@ CsrForm Csrs::form(const Timing& timing, unsigned number) {
   return {CsrForm::Kind::word, row->slot + number - row->number, row->meaning.written_bits};
 }
 
-/// True if the core has the option of a row of the table.
+/// Returns true if the core has the option that a row requires. Registers of F also need mstatus.FS.
 bool Csrs::has(csr::Core core) const {
   switch (core) {
     case csr::Core::floats:
@@ -250,7 +249,7 @@ void Csrs::set_interrupts(std::uint32_t lines) {
 }
 
 void Csrs::update_interrupts() {
-  // Code below machine mode cannot disable the interrupts of machine mode.
+  // Code in U mode cannot disable the interrupts of machine mode.
   interrupt_ready_ = (state_.interrupts_on || state_.mode == Mode::user) && pending() != 0;
   if (interrupt_ready_) execution_.drop_resume_point();
 }
@@ -271,7 +270,7 @@ void Csrs::set_mode(Mode mode) {
   update_guard();
 }
 
-/// Enables the check of each access if the mode lacks some rights; disables the check if the mode has all rights.
+/// Makes the data path check each access if a privilege mode in use lacks some rights.
 void Csrs::update_guard() {
   const bool was_guarded = guarded_;
   guarded_ = !pmp_.allows_all(state_.mode) || !pmp_.allows_all(data_mode());
@@ -286,7 +285,7 @@ std::uint32_t Csrs::call_cause() const {
 std::uint32_t Csrs::leave_handler() {
   state_.interrupts_on = state_.interrupts_were_on;
   state_.interrupts_were_on = true;
-  // GAP8's FreeRTOS reads bit 31 of mcause to find out whether it is in a handler, also after the handler. Therefore
+  // GAP8's FreeRTOS tests bit 31 of mcause to find out whether it is in a handler, also after the handler. Therefore
   // mret clears mcause, as in GVSoC's models of GAP8. In the privileged specification, mret does not change mcause.
   if (has_gap8_interrupts_) word<csr::kMcause>() = 0;
   const auto mode = state_.mode_before;
@@ -304,8 +303,8 @@ const Instruction* Csrs::access(const Instruction* at) {
   const auto operand = immediate ? at->rs1 : e.x[at->rs1];
   const bool replace = at->op == Op::csrrw || at->op == Op::csrrwi;
   const bool set = at->op == Op::csrrs || at->op == Op::csrrsi;
-  // The instructions csrrs and csrrc with x0 (or 0) only read. For an event counter, RI5CY also writes in this case.
-  // The counter then has the written value, because the present instruction does not increment it.
+  // If rs1 is x0 (or the immediate is 0), csrrs and csrrc only read. Event counters of RI5CY are an exception: such an
+  // instruction also writes the value that it read, so the counter does not count this instruction.
   const bool writes = replace || at->rs1 != 0 || (timing_.has_xpulp() && is_event_counter(number));
 
   // Adds the previous instructions of the block to the counters, because the access may read a counter.
@@ -322,11 +321,11 @@ const Instruction* Csrs::access(const Instruction* at) {
   e.x[at->rd] = old;
   if (counts_events_ != counted) return e.leave_after(at, Leave::counting);
   return blocks_.is_stale() ? e.leave_after(at, Leave::normal)
-                            : at + 1;  // stale: it has moved the end of a hardware loop
+                            : at + 1;  // stale if the access has moved the end of a hardware loop
 }
 
-/// True if the privilege mode is high enough for a register. Bits 9:8 of a register's number are the lowest mode. In U
-/// mode, mcounteren must also enable a counter.
+/// Returns true if the privilege mode allows an access to the register. Bits 9:8 of a register's number are the lowest
+/// allowed mode. In U mode, mcounteren must also enable the counter.
 bool Csrs::may_access(unsigned number) const {
   if (state_.mode == Mode::machine) return true;
   if ((number >> 8 & 3U) != 0) return false;
@@ -444,9 +443,9 @@ std::uint64_t Csrs::event_count(unsigned counter) const {
   return counter == 1 ? execution_.counters.instructions : execution_.events[counter];
 }
 
-/// The event counters have a base like the standard counters: see read_counter().
+/// Event counters have a base, like the standard counters; see read_counter().
 std::uint32_t Csrs::event_counter(unsigned counter) const {
-  if (counter >= state_.pccr_base.size()) return 0;  // there are no other events
+  if (counter >= state_.pccr_base.size()) return 0;  // the core has no other events
   const auto base = state_.pccr_base[counter];
   if (!counts_event(counter)) return static_cast<std::uint32_t>(base);
   const auto value = event_count(counter) - base;
@@ -456,7 +455,7 @@ std::uint32_t Csrs::event_counter(unsigned counter) const {
 
 void Csrs::set_event_counter(unsigned counter, std::uint32_t value) {
   if (counter >= state_.pccr_base.size()) return;
-  const auto next_count = event_count(counter) + (counter < 2 ? 1U : 0U);  // a CSR access causes no other event
+  const auto next_count = event_count(counter) + (counter < 2 ? 1U : 0U);  // a CSR access counts as no other event
   state_.pccr_base[counter] = counts_event(counter) ? next_count - value : value;
 }
 
@@ -486,7 +485,7 @@ void Csrs::update_counting() {
   counts_events_ = (word<csr::kPcmr>() & kCountersOn) != 0 && (word<csr::kPcer>() & kAccounted) != 0;
 }
 
-/// The value of an inhibited counter is its base. The value of a running counter is the core's count minus the base.
+/// If the counter is inhibited, its value is its base. Otherwise its value is the core's count minus the base.
 std::uint64_t Csrs::read_counter(bool instret) const {
   const auto base = instret ? state_.instret_base : state_.cycle_base;
   const auto inhibit = instret ? kInhibitInstret : kInhibitCycle;
@@ -499,7 +498,8 @@ void Csrs::write_counter(bool instret, std::uint32_t value, bool high) {
   wanted = high ? (wanted & 0xffffffffULL) | (std::uint64_t{value} << 32) : (wanted & ~0xffffffffULL) | value;
   auto& base = instret ? state_.instret_base : state_.cycle_base;
   const auto inhibit = instret ? kInhibitInstret : kInhibitCycle;
-  // A write replaces the increment of its own instruction: the next instruction reads the written value.
+  // A write of a counter replaces the increment by the same instruction, so the next instruction reads the written
+  // value.
   const auto count = instret ? execution_.counters.instructions + 1 : execution_.counters.cycles;
   base = is_inhibited(inhibit) ? wanted : count - wanted;
 }

@@ -15,97 +15,96 @@
 
 namespace mebots::soc {
 
-/// CSR accesses whose effect differs from that on most other cores. Messages report these accesses.
+/// CSR accesses that have another effect on most other cores. The simulator prints messages about them.
 struct CsrRemarks {
-  std::optional<std::uint32_t> moved_mtvec = {};  // the value written, of which the core cleared low bits
+  /// Value that the program wrote, if the core cleared some of its low bits.
+  std::optional<std::uint32_t> moved_mtvec = {};
   std::optional<unsigned> read_stopped_counter =
-      {};  // number of a counter that was read although it has not run since reset
+      {};  // number of a counter that the program read although the counter has not run since reset
 };
 
-/// The values of the control and status registers that are not in Execution.
+/// Values of the control and status registers that are not in Execution.
 struct CsrState {
-  std::array<std::uint32_t, csr::slots_before(csr::kPlaces.size())> words{};  // of the registers that have a word
-  bool interrupts_on = false;                                                 // mstatus.MIE
-  bool interrupts_were_on = false;                                            // mstatus.MPIE
+  /// Values of the registers that keep a word, by slot.
+  std::array<std::uint32_t, csr::slots_before(csr::kPlaces.size())> words{};
+  bool interrupts_on = false;       // mstatus.MIE
+  bool interrupts_were_on = false;  // mstatus.MPIE
   Mode mode = Mode::machine;
   Mode mode_before = Mode::machine;  // mstatus.MPP
   bool modifies_privilege = false;   // mstatus.MPRV
   bool wait_traps = false;           // mstatus.TW
-  std::uint64_t cycle_base = 0;      // mcycle = counter - base; while inhibited, mcycle = base
+  std::uint64_t cycle_base = 0;      // mcycle = counter - base; if mcycle is inhibited, mcycle = base
   std::uint64_t instret_base = 0;
-  std::uint32_t handlers = 0;  // entry of the handlers: mtvec, or the value written to it
-  EventCounts pccr_base{};     // of RI5CY's event counters
+  std::uint32_t handlers = 0;  // address of the trap handlers: mtvec, or the value that the program wrote to mtvec
+  EventCounts pccr_base{};     // bases of RI5CY's event counters
 };
 
 /// Describes how translated code accesses a CSR in machine mode.
 struct CsrForm {
   enum class Kind : std::uint8_t {
-    other,  // by the interpreter
-    word,   // of CsrState::words
+    other,  // the interpreter performs the access
+    word,   // the value is in CsrState::words
     cycle,
     cycle_high,
     instret,
     instret_high,
   };
   Kind kind = Kind::other;
-  unsigned slot = 0;               // of a word
-  std::uint32_t written_bits = 0;  // a write changes only these bits of the word; 0: the interpreter writes
+  unsigned slot = 0;               // index in CsrState::words, if `kind` is `word`
+  std::uint32_t written_bits = 0;  // a write changes only these bits of the word; 0 = the interpreter performs writes
 };
 
-/// The control and status registers of a core, from the table csrs.inc. Every core has those of CV32E40P's machine
-/// mode. A core with Xpulp also has RI5CY's. If such a core has GAP8's interrupts, it also has GAP8's. The registers
-/// determine whether an interrupt is taken.
+/// The control and status registers of a core, from the table csrs.inc. Every core has CV32E40P's registers of machine
+/// mode. A core with Xpulp also has RI5CY's registers. If it also has GAP8's interrupts, it has GAP8's registers as
+/// well.
 class Csrs {
  public:
-  /// A core with GAP8's interrupts also has the CSRs of the stack check. In the model, programs can write and read
-  /// these CSRs, but no stack is checked.
+  /// A core with GAP8's interrupts has the CSRs of the stack check. Programs can write and read them, but the model
+  /// does not check the stack.
   Csrs(Execution& execution, BlockCache& blocks, const HartSettings& settings);
 
-  /// Resets all registers. The program-visible counters count from this time.
+  /// Resets all registers. Counters that programs can read count from this time.
   void restart();
   bool has_gap8_interrupts() const { return has_gap8_interrupts_; }
 
-  /// Accesses a CSR like an instruction, but adds no cycles. Returns false if the CSR or this access does not exist.
+  /// Reads or writes a CSR, without adding cycles. Returns false if the CSR does not exist or does not allow the
+  /// access.
   bool read(unsigned number, std::uint32_t& value) const;
   bool write(unsigned number, std::uint32_t value);
-  /// Executes a CSR instruction.
   const Instruction* access(const Instruction* at);
-  /// Returns how translated code accesses a CSR.
   static CsrForm form(const Timing& timing, unsigned number);
   static constexpr std::uint32_t kInhibitCycle = 1U << 0;  // bits of mcountinhibit
   static constexpr std::uint32_t kInhibitInstret = 1U << 2;
 
-  /// set_interrupt() sets the level of one interrupt line (bit of mip); set_interrupts() sets all lines.
+  /// set_interrupt() sets the level of one interrupt line, which is a bit of mip. set_interrupts() sets all lines.
   void set_interrupt(unsigned bit, bool level);
   void set_interrupts(std::uint32_t lines);
-  /// Returns the lines that are pending and enabled.
   std::uint32_t pending() const { return word<csr::kMip>() & word<csr::kMie>(); }
-  /// True if an interrupt is pending and enabled, and mstatus lets the core take it now.
+  /// Returns true if an interrupt is pending and enabled, and mstatus allows the core to take it now.
   bool interrupt_ready() const { return interrupt_ready_; }
   bool interrupts_enabled() const {
     return (state_.interrupts_on || state_.mode == Mode::user) && word<csr::kMie>() != 0;
   }
 
-  /// The privilege mode of the next instruction.
   Mode mode() const { return state_.mode; }
-  /// The privilege mode that loads and stores use. With mstatus.MPRV, this is the mode of the code before a trap.
+  /// Returns the privilege mode that loads and stores use. If mstatus.MPRV is set, this is the mode in mstatus.MPP.
   Mode data_mode() const { return state_.modifies_privilege ? state_.mode_before : state_.mode; }
-  /// True if U mode must not execute wfi (mstatus.TW).
+  /// Returns true if wfi raises an exception, because the core is in U mode and mstatus.TW is set.
   bool wait_traps() const { return state_.mode == Mode::user && state_.wait_traps; }
   const Pmp& pmp() const { return pmp_; }
-  /// True if the privilege mode may forbid an access or a fetch. In this case, each access is checked, and no code is
+  /// Returns true if the privilege mode may forbid an access or a fetch. Each access is then checked, and no code is
   /// translated.
   bool is_guarded() const { return guarded_; }
-  /// True if the program counts an event other than cycles and instructions. In this case, each instruction must be
-  /// accounted for separately.
+  /// Returns true if the program counts an event other than cycles and instructions. The cycles of each instruction
+  /// must then be divided among their causes.
   bool counts_events() const { return counts_events_; }
-  /// Returns the cause of the exception that an ecall raises in the present mode.
+  /// Returns the cause of the exception that an ecall raises in the present privilege mode.
   std::uint32_t call_cause() const;
 
-  /// Returns the base address of the trap handlers. Bit 0 is set if interrupts are vectored.
+  /// Returns the address of the trap handlers. Bit 0 is set if interrupts are vectored.
   std::uint32_t handlers() const { return state_.handlers; }
   const CsrRemarks& remarks() const { return remarks_; }
-  /// Enters a trap at the present pc: stores the cause of the trap, and disables interrupts.
+  /// Enters a trap at the present pc: stores the pc, the cause and the value, and disables interrupts.
   void enter_handler(std::uint32_t cause, std::uint32_t value);
   Trapped last_trap() const { return {word<csr::kMepc>(), word<csr::kMcause>(), word<csr::kMtval>()}; }
   /// Executes mret. Returns the next pc.
@@ -114,7 +113,7 @@ class Csrs {
   void visit(state::Visitor& v);
 
  private:
-  struct Rows;  // the table csrs.inc, by number
+  struct Rows;  // the rows of csrs.inc
   template <unsigned kNumber>
   std::uint32_t& word() {
     return state_.words[csr::slot_of(kNumber)];

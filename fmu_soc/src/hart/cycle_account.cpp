@@ -4,9 +4,8 @@
 namespace mebots::soc {
 namespace {
 
-/// Lists the numbers of RI5CY's events in PCER. Source: RI5CY user manual 4.45, "Performance counters";
-/// riscv_cs_registers.sv of pulp-platform/riscv with PERF_EXT_ID = 12, and pcer_v2.h of the PULP SDK for the five
-/// external ones.
+/// Numbers of RI5CY's events in PCER. Source: RI5CY user manual 4.45, "Performance counters". Source of the five
+/// external events: riscv_cs_registers.sv of pulp-platform/riscv with PERF_EXT_ID = 12, and pcer_v2.h of the PULP SDK.
 namespace event {
 enum : unsigned {
   kLoadStall = 2,
@@ -28,7 +27,7 @@ enum : unsigned {
 }  // namespace event
 static_assert(event::kContention + 1 == kEventCounters);
 
-/// Returns the cause of all cycles of an operation, except for the first cycle.
+/// Returns the cause of all cycles of an operation after the first.
 CycleCause own_cause(Op op) {
   if (is_multi_cycle(op)) return CycleCause::multiply_divide;
   if (is_float(op)) return CycleCause::floats;
@@ -50,7 +49,7 @@ void CycleAccount::restart() {
   last_ = now();
   trap_cycles_ = 0;
   hidden_ = 0;
-  before_ = execution_.pipeline.before;  // the previous instruction is part of a restored state
+  before_ = execution_.pipeline.before;  // a restored state contains the previous instruction
 }
 
 void CycleAccount::begin(std::uint64_t start, std::uint32_t decoded) {
@@ -95,8 +94,8 @@ void CycleAccount::share_decoded(CycleShares& shares, const Decoded& instruction
   waited_for_load_ = decoded_ > own;
 }
 
-/// Assigns causes to the cycles of a jump. A jump takes two cycles. If a slow instruction before it hides the first
-/// cycle, the jump takes one. A jump may also wait for its address register, or for a load directly before it.
+/// Assigns causes to the cycles of a jump. A jump takes two cycles, or one if the previous instruction is slow and
+/// overlaps with it. It may also wait for its address register, or for a load directly before it.
 void CycleAccount::share_jump(CycleShares& shares, const Decoded& jump) {
   const bool is_after_load = is_load(before_.op) && before_.writes();
   waited_for_load_ = decoded_ > 2 && is_after_load && (jump.rd == before_.rd || jump.rs1 == before_.rd);

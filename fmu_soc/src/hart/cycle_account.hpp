@@ -10,11 +10,11 @@
 
 namespace mebots::soc {
 
-/// Divides the cycles of a core among their causes, instruction by instruction, and counts RI5CY's events. Only cores
-/// that are observed or that count events use this class.
+/// Divides the cycles of each instruction among their causes, and counts RI5CY's events. Only used for cores that are
+/// observed or that count events.
 ///
-/// The cycles from one retired instruction to the next have five parts: waits for cache lines; entries of traps; a
-/// cycle for an unaligned target; the cycles known from decoding, with stalls; and the cycles that depend on the
+/// The cycles from one retired instruction to the next have five parts: waits for cache lines, entries of traps, a
+/// cycle for an unaligned target, cycles that are known from decoding (with stalls), and cycles that depend on the
 /// execution.
 class CycleAccount {
  public:
@@ -22,23 +22,22 @@ class CycleAccount {
 
   /// Starts a new account from the present counts of the core.
   void restart();
-  /// Adds the cycles that the entry of a trap takes. Called when a trap is taken.
+  /// Adds the cycles of a trap's entry. Must be called when a trap is taken.
   void entered_trap() { trap_cycles_ += kTrapEntryCycles; }
 
   /// Must be called before an instruction runs. `start` is the cycle after the waits for the instruction's cache lines
   /// and before its stall. `decoded` is the number of cycles that is known from decoding, including the stall.
   void begin(std::uint64_t start, std::uint32_t decoded);
-  /// Like begin(), for an instruction that runs alone and whose cache lines have not been fetched yet.
+  /// Like begin(), for a single instruction whose cache lines have not been fetched yet.
   void begin_alone(std::uint32_t decoded);
-  /// Called after the instruction has retired and has been counted. Sets the instruction's cycles. `hidden` is the
-  /// number of cycles of the following jump that this instruction hides.
+  /// Sets the instruction's cycles. Must be called after the instruction has retired and has been counted. `hidden` is
+  /// the number of cycles of the following jump that overlap with this instruction.
   void retire(Retired& instruction, std::uint32_t hidden);
-  /// Adds the events of the last retired instruction to `events`. `external` is true if the core counts accesses
-  /// outside its first memory.
+  /// Adds the events of the last retired instruction to `events`. If `external` is true, accesses outside the core's
+  /// first memory are counted as external.
   void count_events(EventCounts& events, const Retired& instruction, bool external) const;
 
  private:
-  /// Stores the counts of the core at one moment.
   struct Mark {
     std::uint64_t cycles = 0;
     std::uint64_t fetch_cycles = 0;
@@ -55,13 +54,13 @@ class CycleAccount {
   const Timing& timing_;
   Mark last_;                      // counts after the previous instruction
   std::uint32_t trap_cycles_ = 0;  // cycles of trap entries since `last_`
-  std::int32_t gap_ = 0;           // cycles from `last_` to the start of the instruction
+  std::int32_t gap_ = 0;           // cycles from `last_` to the start of the instruction, without waits for cache lines
   std::int32_t decoded_ = 0;
-  std::int32_t hidden_ = 0;  // cycles of the next instruction that the last one hides
-  bool is_far_ = false;      // the last instruction accessed another memory than the first one
+  std::int32_t hidden_ = 0;  // cycles of the next instruction that overlap with the last instruction
+  bool is_far_ = false;      // true if the last instruction accessed a memory other than the first one
   bool is_device_ = false;
-  bool waited_for_load_ = false;  // the last instruction waited for a load
-  Previous before_;               // the previous instruction
+  bool waited_for_load_ = false;  // true if the last instruction waited for a load
+  Previous before_;
 };
 
 }  // namespace mebots::soc

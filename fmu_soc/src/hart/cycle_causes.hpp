@@ -8,10 +8,10 @@
 
 namespace mebots::soc {
 
-/// Lists the causes of cycles. Each active cycle of a core has exactly one cause.
+/// Causes of cycles. Each active cycle of a core has exactly one cause.
 enum class CycleCause : std::uint8_t {
-  base,             // one cycle per retired instruction
-  load_use,         // wait for the register that a load has not delivered yet
+  base,             // first cycle of each retired instruction
+  load_use,         // wait for a register that a load has not written yet
   jump_register,    // wait of a jalr for its address register
   jump,             // further cycles of jal and jalr, including unaligned targets
   branch,           // further cycles of taken branches, including unaligned targets
@@ -25,18 +25,16 @@ enum class CycleCause : std::uint8_t {
   far_memory,       // latency and conflicts of the other memories, such as L2 for a cluster
   device,           // waits for device registers, including those of the DMA
   trap,             // entry of traps and interrupts, and return from them
-  other,            // no known cause; always 0 unless the account has a defect
+  other,            // unknown cause; always 0 unless CycleAccount has a defect
 };
 inline constexpr std::size_t kCycleCauses = static_cast<std::size_t>(CycleCause::other) + 1;
 
-/// Names of the causes in reports, indexed by CycleCause.
 inline constexpr std::array<std::string_view, kCycleCauses> kCycleCauseNames{
     "base",       "load_use", "jump_register", "jump",          "branch",     "multiply_divide", "floats", "system",
     "misaligned", "cache",    "memory",        "bank_conflict", "far_memory", "device",          "trap",   "other"};
 
-/// Stores the cycles of an instruction for each cause. Their sum is the change of the core's cycle count since the
-/// previous instruction. There is one exception: if a misaligned load hides cycles of the following jump, these cycles
-/// are subtracted from the load.
+/// Cycles of an instruction by cause. Their sum is the change of the core's cycle count since the previous instruction.
+/// Exception: if cycles of a jump overlap with a misaligned load before it, they are subtracted from the load.
 struct CycleShares {
   std::array<std::int32_t, kCycleCauses> cycles{};
 

@@ -24,9 +24,8 @@ std::uint32_t loaded(std::uint32_t value, unsigned size, bool sign) {
   return value;
 }
 
-/// Returns the number of cycles from `cycle` on for which the table of banks has rows. In later cycles, the interpreter
-/// treats all banks as free and claims none. Translated code must end before the last row, because it does not check
-/// its position in the table.
+/// Returns the number of cycles from `cycle` to the end of the bank table. After the end, the interpreter treats all
+/// banks as free. Translated code does not check its position in the table, so it must stop before the last row.
 std::uint64_t bank_cycles_left(const Execution& e, std::uint64_t cycle) {
   if (const auto* shared = e.ram[0].banks; shared != nullptr) return shared->cycles_left(cycle);
   MEBOTS_ASSERT(cycle >= e.counters.cycles);
@@ -43,7 +42,7 @@ bool DataPath::connect(std::span<const MemoryPort> ports) {
     const bool is_fast = i < ports.size() && ports[i].moved == 0;
     const auto ram = is_fast ? fast_region(memory_, ports[i]) : FastRegion{};
     const auto& before = execution_.ram[i];
-    // If harts share the second memory, the wait for each access is computed at run time (far_access.hpp).
+    // If harts share the second memory, translated code computes the wait of each access at run time (far_access.hpp).
     const bool asks = i == 1 && ram.is_shared();
     const bool asked = i == 1 && before.is_shared();
     others = others || ram.data != before.data || asks != asked || (!asks && ram.wait_cycles != before.wait_cycles);
@@ -86,7 +85,7 @@ const MemoryPort* DataPath::port_of(std::uint32_t address, unsigned size) const 
   return nullptr;
 }
 
-/// Adds the wait cycles of an access. The fast path does the same in ram_access().
+/// Adds the wait cycles of an access. ram_access() does the same for the fast path.
 void DataPath::wait_for_ram(const Instruction* at, const MemoryPort& port, std::uint32_t address, unsigned size) {
   MEBOTS_ASSERT(size == 1 || size == 2 || size == 4);
   MEBOTS_ASSERT(memory_.regions()[port.region].holds(address, size));
@@ -191,7 +190,7 @@ std::uint8_t* DataPath::atomic_word(const Instruction* at, std::uint32_t address
   return region.data.get() + (place - region.base);
 }
 
-/// Completes an atomic operation after its value has been stored.
+/// Ends an atomic operation that has stored its value. Returns what a Handler returns.
 const Instruction* DataPath::stored_atomic(const Instruction* at, std::uint32_t address) {
   const auto place = address - port_of(address, 4)->moved;
   const auto* next = memory_.marked(place, 4, 0xff) ? stored_over_mark(at, place, 4) : at + 1;
@@ -239,8 +238,8 @@ const Instruction* DataPath::stored_over_mark(const Instruction* at, std::uint32
   memory_.changed(address, size);
   if (memory_.marked(address, size, Region::kWatch) && bus_.watched(address))
     return execution_.leave_after(at, Leave::stop);
-  // If the limit is loose, the block continues to its end, because the place where a core stops must not depend on
-  // decoded code.
+  // If the limit is loose, the block continues to its end: the instruction at which a core stops must not depend on
+  // which code was decoded.
   return finishes_block_ ? at + 1 : execution_.leave_after(at, Leave::normal);
 }
 

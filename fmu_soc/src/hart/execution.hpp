@@ -19,23 +19,23 @@ class DataPath;
 class Fetch;
 class Traps;
 
-/// A range of RAM for the fast path of loads and stores.
+/// A range of RAM that loads and stores access through the fast path.
 struct FastRegion {
   std::uint32_t base = 0;
-  std::uint32_t span = 0;  // size - 3; 0 = no region
+  std::uint32_t span = 0;  // size of the range minus 3; 0 = no range
   std::uint8_t* data = nullptr;
   std::uint8_t* marks = nullptr;
-  std::uint32_t wait_cycles = 0;  // added to every access: latency in both directions
-  BankSchedule* banks = nullptr;  // banks shared with other users; null = no other user
+  std::uint32_t wait_cycles = 0;  // cycles added to every access: latency in both directions
+  BankSchedule* banks = nullptr;  // banks that other cores or the DMA also use; null = no other user
 
   bool is_shared() const { return banks != nullptr; }
 };
 
-/// The reason for which execution left a block. `normal` means that the hart continues at the next instruction without
-/// further action. `stopped` means that the hart has already determined its reason to stop.
+/// The reason why execution left a block. `normal`: the hart continues at the next instruction. `stopped`: the hart has
+/// already determined why it stops.
 enum class Leave : std::uint8_t { normal, trap, device, stop, sleep, event, turn, counting, stopped };
 
-/// Registers of a hardware loop. If the count is above 1 after the last instruction of the body, the body runs again.
+/// Registers of a hardware loop. The body runs again if the count is above 1 after the body's last instruction.
 struct HardwareLoop {
   std::uint32_t start = 0;
   std::uint32_t end = 0;  // address of the last instruction of the body
@@ -48,7 +48,8 @@ struct HardwareLoop {
   }
 };
 
-/// The word that lr.w has reserved, and its value at that time. sc.w fails if the value has changed since then.
+/// The word that lr.w has reserved, and the value of this word at that time. sc.w fails if the value has changed since
+/// then.
 struct Reservation {
   bool valid = false;
   std::uint32_t address = 0;
@@ -61,17 +62,17 @@ struct Reservation {
   }
 };
 
-/// Counters since reset. Programs cannot write these counters.
+/// Counters since reset. Programs cannot write them.
 struct Counters {
   std::uint64_t instructions = 0;     // retired
-  std::uint64_t cycles = 0;           // active, sleep not counted
+  std::uint64_t cycles = 0;           // active cycles, without sleep
   std::uint64_t instruction_fj = 0;   // energy of instructions at the reference voltage
   std::uint64_t accesses = 0;         // loads and stores
-  std::uint64_t device_accesses = 0;  // of these, to devices
-  std::uint64_t far_accesses = 0;     // of these, to memories other than the first
-  std::uint64_t fetch_cycles = 0;     // of the cycles, waits for the instruction cache
+  std::uint64_t device_accesses = 0;  // loads and stores to devices
+  std::uint64_t far_accesses = 0;     // loads and stores to memories other than the first
+  std::uint64_t fetch_cycles = 0;     // cycles of waits for the instruction cache
 
-  /// Loads and stores to the first memory.
+  /// Returns the number of loads and stores to the first memory.
   std::uint64_t near_accesses() const { return accesses - device_accesses - far_accesses; }
   Counters& operator+=(const Counters& other) {
     instructions += other.instructions;
@@ -94,8 +95,8 @@ struct Counters {
   }
 };
 
-/// Counts of RI5CY's events by their number in PCER. Events 0 (cycles) and 1 (instructions) always stay 0 here, because
-/// `Counters` has their counts.
+/// Counts of RI5CY's events, indexed by their number in PCER. Events 0 (cycles) and 1 (instructions) are always 0 here,
+/// because `Counters` contains these counts.
 inline constexpr std::size_t kEventCounters = 17;
 using EventCounts = std::array<std::uint64_t, kEventCounters>;
 
@@ -115,46 +116,48 @@ struct Execution;
 
 inline constexpr const std::uint8_t* kNoResumePoint = nullptr;
 
-/// Value of MXCSR without flags: rounds to nearest, masks all exceptions, and flushes no number to zero.
+/// Value of MXCSR that rounds to nearest, masks all exceptions, and keeps subnormal numbers.
 inline constexpr std::uint32_t kFloatControl = 0x1f80;
 
 /// Data that the interpreter and translated code exchange.
 struct HostState {
-  /// First and last value of the register with which translated code counts cycles. If banks are not shared, the
-  /// register contains the number of remaining cycles, and decreases to 0. If banks are shared, the register contains
-  /// an address in the table of banks, and advances by one row per cycle.
+  /// First and last value of the register with which translated code counts cycles. Without shared banks, the register
+  /// contains the number of remaining cycles and decreases to 0. With shared banks, it contains an address in the bank
+  /// table and advances by one row per cycle.
   std::uint64_t begin = 0;
   std::uint64_t end = 0;
-  /// Address at which translated code resumes after it stopped at its limit. Null if translated code cannot resume at
-  /// its limit, or if the hart's state has changed after the stop.
+  /// Address at which translated code resumes after it stopped at the limit. Null if it cannot resume there, or if the
+  /// hart's state has changed since then.
   const std::uint8_t* resume_point = nullptr;
-  /// The next hart of the round; null = none. Translated code continues with that hart without a return to the caller.
-  /// `resume_point_of_next` is the address of that hart's `resume_point`, or of a null pointer. Translated code loads
-  /// `resume_point_of_next` early, because the host cannot predict the indirect jump to the resume point.
+  /// The next hart that runs in this round; null = none. Translated code continues with that hart without a return to
+  /// the caller. `resume_point_of_next` points to that hart's `resume_point`, or to a null pointer. Translated code
+  /// loads it early, because the host cannot predict the indirect jump to the resume point.
   Execution* next = nullptr;
   const std::uint8_t* const* resume_point_of_next = &kNoResumePoint;
-  std::uint64_t instructions = 0;  // of the last run; upper half: loads and stores
-  /// The state of the pipeline, as the bits of a Pipeline, if execution fell through from another block into the
-  /// present block of a region. At all other times, the value is 0.
+  std::uint64_t instructions = 0;  // lower half: instructions of the last run; upper half: its loads and stores
+  /// State of the pipeline, as the bits of a Pipeline, if execution continued into the present block from the end of
+  /// another block, without a jump. Otherwise 0.
   std::uint64_t straight_pipeline = 0;
-  const Instruction* slow_load = nullptr;  // the last load across two words
-  std::uint64_t slow_load_when = 0;  // `instructions` at that time; if equal now, the load is in the present block
-  std::uint64_t tick_offset = 0;     // active cycle c of the hart is tick c + offset of shared units
-  bool alone = false;                // true if no other core uses the banks: then the table need not be read
-  // Values of MXCSR, the host's control register for floating-point operations: outside of translated code, within
-  // translated code, and after translated code.
+  const Instruction* slow_load = nullptr;  // the last load that crossed a word boundary
+  /// Value of `instructions` at the load `slow_load`. If `instructions` still has this value, the load is in the
+  /// present block.
+  std::uint64_t slow_load_when = 0;
+  std::uint64_t tick_offset = 0;  // active cycle c of the hart is tick c + tick_offset of the shared units
+  bool alone = false;             // if true, no other core uses the banks, so the bank table is not read
+  // Values of MXCSR, the host's control register for floating-point operations: outside of translated code, within it,
+  // and after it.
   std::uint32_t float_control_outside = 0;
   std::uint32_t float_control = kFloatControl;
   std::uint32_t float_control_after = kFloatControl;
-  CsrState* csrs = nullptr;  // of the same core
-  std::uint32_t loaded = 0;  // the value of the last quiet load of translated code
-  // The list of recorded steps from one function into another in translated code.
+  CsrState* csrs = nullptr;  // control and status registers of this core
+  std::uint32_t loaded = 0;  // value of the last quiet load of translated code
+  // Translated code records its steps from one function into another in a list.
   Flow* flow = nullptr;              // next entry to write
-  std::uint64_t position = 0;        // the cycle count at the end of the last run
+  std::uint64_t position = 0;        // cycle count at the end of the last run
   std::uint64_t instruction_fj = 0;  // energy of the last run
 };
 
-/// Value that means "no pc". A real pc is never odd.
+/// Means "no pc". Valid addresses are even.
 inline constexpr std::uint32_t kNoPc = 1;
 
 /// The units of a core that handlers use in addition to Execution. See runs/core.md.
@@ -166,41 +169,42 @@ struct HartUnits {
   BlockCache& blocks;
 };
 
-/// The part of a core's state that instruction handlers and translated code change, and the block in progress. During a
-/// block, the counters and the pipeline have their values at the start of the block.
+/// The part of a core's state that handlers and translated code change, and the state of the block that is being
+/// executed. During a block, the counters and the pipeline contain their values from the start of the block.
 struct Execution {
-  /// x0 to x31, then f0 to f31. x[0] stays 0; the last element receives the values written to x0.
+  /// x0 to x31, then f0 to f31. x[0] is always 0. The last element receives the values that instructions write to x0.
   std::array<std::uint32_t, kNoRegister + 1> x{};
   std::uint32_t pc = 0;
-  std::array<HardwareLoop, 2> loops{};  // 0 is the inner one
+  std::array<HardwareLoop, 2> loops{};  // loops[0] is the inner loop
   FastRegion ram[2];
   Counters counters;
-  EventCounts events{};  // advance while the program counts events
+  EventCounts events{};  // only counted while the program counts events
   Pipeline pipeline;
 
   // State of the block that is being executed.
-  std::uint32_t extra_cycles = 0;          // beyond the static ones
-  std::uint32_t first_stall = 0;           // of them: stall of the first instruction after a load
-  const Instruction* exit = nullptr;       // everything before it has retired
-  std::uint16_t* link = nullptr;           // slot for the number of the next block
-  std::uint32_t next_block = 0;            // where translated code stopped; 0 = unknown
-  bool jumped = false;                     // an unaligned target costs a cycle
-  bool redirected = false;                 // left by a branch, jump, trap or return from one
+  std::uint32_t extra_cycles = 0;          // cycles in addition to those known from decoding
+  std::uint32_t first_stall = 0;           // part of extra_cycles: stall of the first instruction after a load
+  const Instruction* exit = nullptr;       // all instructions before this one have retired
+  std::uint16_t* link = nullptr;           // where to store the number of the next block
+  std::uint32_t next_block = 0;            // block at which translated code stopped; 0 = unknown
+  bool jumped = false;                     // if true, an unaligned jump target costs a cycle
+  bool redirected = false;                 // the block ended with a taken branch, jump, trap or mret
   const Instruction* slow_load = nullptr;  // the last misaligned load
-  const Instruction* waits_at = nullptr;   // the next instruction, if its line is absent or an observer is set
+  const Instruction* waits_at = nullptr;   // instruction before which the interpreter interrupted the block
   Leave leave = Leave::normal;
-  bool float_off = false;        // operations on floats are illegal (mstatus.FS)
-  std::uint8_t rounding = 0;     // frm; next to the one before, because translated code checks both at once
-  std::uint8_t float_flags = 0;  // fflags
+  bool float_off = false;        // if true, floating-point instructions are illegal (mstatus.FS)
+  std::uint8_t rounding = 0;     // CSR frm; must follow float_off, because translated code checks both at once
+  std::uint8_t float_flags = 0;  // CSR fflags
   Reservation reservation;
   std::uint32_t trap_cause = 0;
   std::uint32_t trap_value = 0;
-  std::uint32_t cut_pc = kNoPc;      // after a cut block, after a single instruction, or at the return of a trap
-  const HartUnits* units = nullptr;  // of the same core
-  Hart* hart = nullptr;              // its hart
+  /// Pc after a cut block, after a single instruction, or after the return from an interrupt.
+  std::uint32_t cut_pc = kNoPc;
+  const HartUnits* units = nullptr;  // units of this core
+  Hart* hart = nullptr;              // the hart of this core
   HostState host;
 
-  /// Sets the next hart of the round; null if there is none.
+  /// Sets the next hart that runs in this round; null = none.
   void set_next(Execution* next) {
     host.next = next;
     host.resume_point_of_next = next == nullptr ? &kNoResumePoint : &next->host.resume_point;
@@ -208,40 +212,39 @@ struct Execution {
   /// Drops the resume point, so that the next run starts in the interpreter.
   void drop_resume_point() { host.resume_point = nullptr; }
 
-  // Functions for the block that is being executed. A function that leaves the block returns null, which the handler
-  // must also return.
+  // The following functions apply to the block that is being executed. If a function leaves the block, it returns null,
+  // and the handler must also return null.
 
-  /// Begins a block. `stall` is the number of stall cycles of its first instruction after a load.
+  /// Begins a block. `stall` is the number of cycles that the first instruction stalls after a load.
   void begin_block(std::uint32_t cycles, std::uint32_t stall, const Instruction* slow_load_before) {
     extra_cycles = cycles + stall;
     first_stall = stall;
     redirected = false;
     slow_load = slow_load_before;
   }
-  /// Resumes a block at an instruction that is not its first. The counters already contain the previous instructions of
-  /// the block, so the function subtracts these instructions. The counters are not valid until the block is finished.
+  /// Resumes a block at `at`, which is not its first instruction. Subtracts the previous instructions of the block from
+  /// the counters, because finish_block() adds them again. The counters are invalid until then.
   void begin_block_inside(const Instruction* at);
   std::uint32_t stalled_before(const Instruction* at) const { return at->index == 0 ? first_stall : 0U; }
-  /// Returns the active cycle in which an instruction starts.
+  /// Returns the active cycle in which the instruction starts.
   std::uint64_t cycle_of(const Instruction* at) const { return counters.cycles + at->cycles_before + extra_cycles; }
-  /// Returns the cycle in which an instruction starts, for devices and counters. If the instruction waits for the
-  /// result of a load, the returned cycle is before the stall, because execution may leave the block before the stall
-  /// occurs.
+  /// Returns the cycle in which the instruction starts, for devices and counters. If the first instruction stalls after
+  /// a load, returns the cycle before the stall, because execution may leave the block before the stall occurs.
   std::uint64_t start_of(const Instruction* at) const { return cycle_of(at) - stalled_before(at); }
   const Instruction* leave_after(const Instruction* at, Leave why);
   const Instruction* leave_before(const Instruction* at, Leave why);
-  /// Leaves the block before an instruction that raises an exception.
+  /// Leaves the block before `at`, which raises an exception.
   const Instruction* raise(const Instruction* at, std::uint32_t cause, std::uint32_t value);
-  /// Counts the instructions retired before `exit`.
+  /// Adds the instructions before `last` to the counters.
   void count_up_to(const Instruction& last) {
     counters.instructions += last.index;
     counters.cycles += last.cycles_before + extra_cycles;
     counters.instruction_fj += last.energy_before_fj;
     counters.accesses += last.accesses_before;
   }
-  /// Counts all instructions of the block, and updates the pipeline.
+  /// Adds all instructions of the block to the counters, and updates the pipeline.
   void finish_block();
-  /// Stores the last two instructions before `last` in the pipeline, when the block continues.
+  /// Sets the pipeline to the last two instructions before `last`.
   void remember(const Instruction* last);
 };
 
@@ -252,7 +255,7 @@ inline void Execution::begin_block_inside(const Instruction* at) {
   counters.cycles -= at->cycles_before;
   counters.instruction_fj -= at->energy_before_fj;
   counters.accesses -= at->accesses_before;
-  if (at->index == 1) pipeline.before = pipeline.two_before;  // what came before the block: see remember()
+  if (at->index == 1) pipeline.before = pipeline.two_before;  // the instruction before the block; see remember()
   begin_block(0, 0, nullptr);
 }
 

@@ -156,7 +156,7 @@ struct RegisterGroup {
   std::string_view extension;
 };
 
-/// Lists control and status registers that a core may lack, and what they belong to.
+/// Control and status registers that a core may lack, and the extensions to which they belong.
 constexpr auto kRegisterGroups = std::to_array<RegisterGroup>({
     {0x001, 0x003, "F"},
     {0x008, 0x00f, "V"},
@@ -193,7 +193,7 @@ std::string register_advice(unsigned number) {
   return fmt::format("{}; it belongs to {}", text, group->extension);
 }
 
-/// Returns the compiler options with which a program only contains instructions that the core has.
+/// Returns the compiler options for a core with these extensions.
 std::string_view option_for(Extensions has) {
   return has.has(Extension::xpulp) ? "-march=rv32imcxpulpv2 (PULP's compiler), or -march=rv32imc_zicsr"
                                    : "-march=rv32imc_zicsr";
@@ -221,8 +221,7 @@ std::string advice_for_illegal(std::uint32_t word, Extensions has, std::string_v
   const auto or_xpulp = is_xpulp ? ", or an instruction of Xpulp v2 for a core ri5cy" : "";
   const auto built =
       architecture.empty() ? std::string() : fmt::format("; the program was compiled for {}", architecture);
-  // The ISA string determines the extensions of a generic core. The key `isa` of the board determines the extensions of
-  // a board's core.
+  // The ISA string sets the extensions of a generic core. The key `isa` of the board file sets those of a board's core.
   const auto option = optional_extension(foreign.extension);
   if (decode(word, has).encoding != nullptr) {
     return "this instruction is not allowed now: it is a floating-point operation while mstatus.FS is Off or with an "

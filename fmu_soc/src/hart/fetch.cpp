@@ -47,7 +47,8 @@ bool Fetch::is_present(const Instruction* at) const {
 
 namespace {
 
-/// The maximum number of instructions that compilers place between the two halves of a 64-bit store.
+/// Maximum number of instructions that upcoming_store() executes. Compilers place fewer instructions between the two
+/// halves of a 64-bit store.
 constexpr int kFarthest = 32;
 
 std::optional<std::uint32_t> computed(const Decoded& at, std::uint32_t a, std::uint32_t b) {
@@ -84,7 +85,7 @@ std::optional<std::uint32_t> upcoming_store(const Memory& memory, std::uint32_t 
     if (is_store(at.op)) {
       const auto target = a + offset;
       if (target == address && traits_of(at.op).size == 4) return b;
-      // The program stores another command before this one is complete.
+      // The program starts another 64-bit store before this one is complete.
       if ((target ^ address) / 8 == 0) return std::nullopt;
     } else if (is_load(at.op)) {
       result = loaded(memory, at, a + offset);

@@ -12,8 +12,8 @@ inline constexpr bool kChain = true;
 inline constexpr bool kChain = false;
 #endif
 
-/// Ends a handler by a call of the next instruction's handler. The optimiser turns this call into a jump (threaded
-/// code). In builds without optimisation or with sanitizers, returns the next instruction instead.
+/// Calls the handler of the next instruction. The optimiser turns this call into a jump (threaded code). In builds
+/// without optimisation or with sanitizers, returns the next instruction instead.
 [[gnu::always_inline]] inline const Instruction* next(Execution& e, const Instruction* at) {
   if constexpr (kChain) {
     return at[1].run(e, at + 1);
@@ -22,7 +22,7 @@ inline constexpr bool kChain = false;
   }
 }
 
-/// Ends the handler of a conditional branch that is taken.
+/// Takes a conditional branch, and ends its handler.
 [[gnu::always_inline]] inline const Instruction* take_branch(Execution& e, const Instruction* at) {
   e.pc = static_cast<std::uint32_t>(at->imm);
   e.extra_cycles += kTakenBranchExtra;

@@ -7,16 +7,15 @@
 namespace mebots::soc {
 namespace {
 
-/// Ends execution before an instruction that must wait. This handler temporarily replaces the handler of the
-/// instruction.
+/// Handler that stops execution before an instruction. It temporarily replaces the instruction's handler.
 const Instruction* stop_here(Execution& e, const Instruction* at) {
   e.exit = at;
   e.waits_at = at;
   return nullptr;
 }
 
-/// Returns the number of cycles of a jump that overlap with a misaligned load before it. These cycles were already
-/// subtracted at the load.
+/// Returns how many cycles of a jump overlap with a misaligned load before it. These cycles were already subtracted at
+/// the load.
 std::uint32_t overlapped_cycles(const Execution& e, const Instruction* jump) {
   const bool hides = jump->index != 0 && e.slow_load == jump - 1 &&
                      overlaps_slow(executed(jump[-1], true), {jump->op, jump->rd, jump->rs1});
@@ -61,9 +60,9 @@ bool Interpreter::resume_to_limit() {
   return true;
 }
 
-/// Executes a block one instruction at a time from `at`, whose line is present. Each instruction takes its static
-/// cycles in the block. There is one exception: if a jump follows a misaligned load, cycles of the jump were already
-/// subtracted at the load, and the limit may be between these two instructions.
+/// Executes a block one instruction at a time from `at`, whose cache line is present. Each instruction takes its static
+/// cycles. Exception: if a jump follows a misaligned load, cycles of the jump were already subtracted at the load. The
+/// limit may be between these two instructions.
 void Interpreter::run_one_by_one(const Instruction* at) {
   MEBOTS_ASSERT(at != nullptr && walk_ == nullptr);
   auto& e = execution_;
@@ -93,7 +92,8 @@ void Interpreter::cut_at(const Instruction* at) {
   e.exit = at;
   e.link = nullptr;
   e.cut_pc = at->pc;
-  if (e.slow_load == at - 1) return;  // here, a jump takes fewer cycles than its block states
+  // In this case, a jump takes fewer cycles than the block states, so the block cannot be continued.
+  if (e.slow_load == at - 1) return;
   cut_ = {at, blocks_.generation(), {}};
 }
 
@@ -120,24 +120,24 @@ const Instruction* Interpreter::run_until(const Instruction* at, const Instructi
   return e.waits_at;
 }
 
-/// Executes a block that has lines that are absent or have not arrived yet.
+/// Executes a block with cache lines that are absent or have not arrived yet.
 bool Interpreter::run_fetching(const Block& block, std::uint32_t stall) {
   MEBOTS_ASSERT(fetch_.is_cached());
-  std::uint32_t missing = 0;  // an upper bound, because a refill may evict lines that the block needs later
+  std::uint32_t missing = 0;  // upper bound, because a refill may evict lines that the block needs later
   for (std::uint32_t i = 0; i < block.line_count; ++i) {
     if (missing != 0 || block.lines[i] == 0) ++missing;
   }
   const auto wait = std::uint64_t{missing} * fetch_.cache()->refill_cycles();
   if (!limit_.admits(execution_.counters.cycles, block.last_start_bound + stall + wait)) return false;
   const auto* first = blocks_.instructions(block);
-  // Every instruction, including the first, is fetched before its stall for a load.
+  // The lines of an instruction are fetched before its stall for a load.
   execution_.begin_block(fetch_.fetch_lines(first, execution_.counters.cycles), stall, nullptr);
   execute_fetching(first);
   return true;
 }
 
-/// Executes an instruction whose line is present, and the rest of its block. Repeatedly executes the instructions up to
-/// the next one that needs another line, and then waits for this line.
+/// Executes the rest of a block from `at`, whose cache line is present. Each time an instruction needs a line that has
+/// not arrived, waits for this line.
 void Interpreter::execute_fetching(const Instruction* at) {
   while (at != nullptr) {
     const auto* stop = fetch_.next_to_wait(at);

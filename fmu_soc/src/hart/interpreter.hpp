@@ -12,8 +12,8 @@
 
 namespace mebots::soc {
 
-/// Limits a run. Every instruction of the run starts before active cycle `end`. If the limit is loose, a block that
-/// starts before `end` is executed to its end.
+/// The limit of a run: every instruction starts before active cycle `end`. If the limit is loose, a block that starts
+/// before `end` is executed to its end.
 class RunLimit {
  public:
   explicit RunLimit(bool loose) : counted_(loose ? 0 : ~std::uint64_t{0}) {}
@@ -22,8 +22,8 @@ class RunLimit {
   void set_end(std::uint64_t cycle) { end_ = std::min(cycle, kLongest); }
   bool reached_at(std::uint64_t cycle) const { return cycle >= end_; }
   std::uint64_t cycles_from(std::uint64_t cycle) const { return end_ - cycle; }
-  /// True if a block may start in `cycle`. `bound` is the largest number of cycles from the start of the block to the
-  /// start of its last instruction.
+  /// Returns true if a block may start in `cycle`. `bound` is the largest number of cycles from the start of the block
+  /// to the start of its last instruction.
   bool admits(std::uint64_t cycle, std::uint64_t bound) const { return cycle + (bound & counted_) < end_; }
 
  private:
@@ -33,7 +33,7 @@ class RunLimit {
   std::uint64_t counted_;  // a mask: 0 if the limit is loose, otherwise all bits
 };
 
-/// Replaces the interpreter's loop over the instructions of a block, so that each instruction can be observed.
+/// Replaces the interpreter's loop over the instructions of a block, to observe each instruction.
 class BlockWalk {
  public:
   BlockWalk() = default;
@@ -47,33 +47,33 @@ class BlockWalk {
   ~BlockWalk() = default;
 };
 
-/// Executes decoded code through the handlers of its instructions: a single instruction, a block, or the rest of a
-/// block. When the core reaches a line that is absent from the instruction cache, the line is fetched.
+/// Executes decoded code by calling the handlers of its instructions: a single instruction, a block, or the rest of a
+/// block.
 class Interpreter {
  public:
   Interpreter(Execution& execution, const Memory& memory, BlockCache& blocks, Fetch& fetch, const RunLimit& limit)
       : execution_(execution), memory_(memory), blocks_(blocks), fetch_(fetch), limit_(limit) {}
 
-  /// Sets the object that replaces the loop over the instructions of a block; null restores the interpreter's loop.
+  /// Sets the replacement for the loop over the instructions of a block; null restores the interpreter's loop.
   void set_walk(BlockWalk* walk) { walk_ = walk; }
 
   /// Executes only the instruction at the pc, decoded for the present state of the pipeline. Does not use the
   /// BlockWalk.
   void step();
-  /// Executes a block to the limit or to the block's end. The first instruction stalls for `stall` cycles because of a
-  /// load before it. No BlockWalk may be set.
+  /// Executes a block to the limit or to the block's end. The first instruction stalls for `stall` cycles after a load.
+  /// No BlockWalk may be set.
   void run_to_limit(const Block& block, std::uint32_t stall);
-  /// Continues a block that the last limit has cut, and executes it up to the new limit. If the core is no longer at
-  /// the instruction of the cut, returns false without effect.
+  /// Continues the block that the last limit has interrupted, to the new limit. Returns false without effect if the
+  /// core is no longer at the place of the interruption.
   bool resume_to_limit();
-  /// Executes a block whose first instruction stalls for `stall` cycles. If the block might reach the limit, returns
-  /// false without effect.
+  /// Executes a block whose first instruction stalls for `stall` cycles. Returns false without effect if the block
+  /// might reach the limit.
   bool run(const Block& block, std::uint32_t stall);
-  /// Executes a block and then the blocks that are linked to it, until a check between two blocks requires a return.
-  /// If the first block might reach the limit, returns false without effect. No BlockWalk may be set.
+  /// Executes a block and then the blocks linked to it, until a condition such as an interrupt requires the caller's
+  /// attention. Returns false without effect if the first block might reach the limit. No BlockWalk may be set.
   bool run_linked(const Block& block, std::uint32_t stall, const Csrs& csrs);
-  /// Resumes a block that translated code has left after it waited for `wait_cycles` cycles. `fetches` must be true if
-  /// lines may be absent from the instruction cache.
+  /// Resumes a block at the instruction `at`, where translated code has left it. `wait_cycles` is the number of cycles
+  /// that translated code waited in the block. `fetches` must be true if cache lines may be absent.
   void resume(const Instruction* at, std::uint32_t wait_cycles, std::uint32_t stall, const Instruction* slow_load,
               bool fetches);
 
@@ -88,11 +88,11 @@ class Interpreter {
   void run_one_by_one(const Instruction* at);
   void cut_at(const Instruction* at);
 
-  /// Stores the instruction before which a limit has cut a block. The pointer is valid as long as the blocks and the
+  /// The instruction before which a limit interrupted a block. The pointer is valid as long as the blocks and the
   /// pipeline do not change.
   struct Cut {
-    const Instruction* at = nullptr;  // null = no block was cut
-    std::uint64_t generation = 0;     // BlockCache::generation() at the cut
+    const Instruction* at = nullptr;  // null = no block was interrupted
+    std::uint64_t generation = 0;     // BlockCache::generation() at the interruption
     Pipeline pipeline;
   };
 
@@ -127,7 +127,7 @@ inline bool Interpreter::run(const Block& block, std::uint32_t stall) {
 inline bool Interpreter::run_linked(const Block& block, std::uint32_t stall, const Csrs& csrs) {
   MEBOTS_ASSERT(walk_ == nullptr, "with an observer, run() is used");
   if (!run(block, stall)) return false;
-  // Between linked blocks, only the limit, interrupts, PMP, code changes and the cache lines need a check.
+  // Between linked blocks, check only what may change in a block: the limit, interrupts, PMP, code and cache lines.
   auto& e = execution_;
   const auto& blocks = blocks_;
   const auto& limit = limit_;

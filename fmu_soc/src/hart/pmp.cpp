@@ -43,14 +43,15 @@ void Pmp::set_configurations(unsigned index, std::uint32_t value) {
     const auto entry = 4 * index + i;
     if (entry >= entries_ || is_locked(entry)) continue;
     auto configuration = static_cast<std::uint8_t>(value >> (8 * i) & kWritable);
-    if ((configuration & kRead) == 0) configuration &= static_cast<std::uint8_t>(~kWrite);  // the pair is reserved
+    // Write without read is reserved.
+    if ((configuration & kRead) == 0) configuration &= static_cast<std::uint8_t>(~kWrite);
     configurations_[entry] = configuration;
   }
   update_free();
 }
 
-/// Sets the address of an entry, unless the entry is locked. If the next entry is locked and its range (TOR) begins at
-/// this address, this address is locked, too.
+/// Sets the address of an entry, unless the entry is locked. The address is also locked if the next entry is locked and
+/// its range begins at this address (mode TOR).
 void Pmp::set_address(unsigned entry, std::uint32_t value) {
   if (entry >= entries_ || is_locked(entry)) return;
   const bool begins_locked =
@@ -89,7 +90,7 @@ bool Pmp::allows(std::uint32_t address, unsigned size, Access access, Mode mode)
   for (unsigned entry = 0; entry < entries_; ++entry) {
     const auto range = range_of(entry);
     if (end <= range.first || first >= range.end) continue;
-    if (first < range.first || end > range.end) return false;  // the entry covers some of the bytes only
+    if (first < range.first || end > range.end) return false;  // the entry covers only some of the bytes
     if (mode == Mode::machine && !is_locked(entry)) return true;
     return (configurations_[entry] & static_cast<std::uint8_t>(access)) != 0;
   }

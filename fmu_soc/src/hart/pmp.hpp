@@ -10,28 +10,28 @@ namespace mebots::soc {
 
 enum class Mode : std::uint8_t { user = 0, machine = 3 };
 
-/// Physical memory protection: determines which addresses a privilege mode may fetch, load and store. Source: The
-/// RISC-V Instruction Set Manual, volume II (20240411), section 3.7. The granularity is four bytes.
+/// Physical memory protection: the addresses at which a privilege mode may fetch, load and store. The granularity is
+/// four bytes. Source: The RISC-V Instruction Set Manual, volume II (20240411), section 3.7.
 class Pmp {
  public:
   static constexpr unsigned kMostEntries = 16;
 
-  enum class Access : std::uint8_t { load = 1, store = 2, fetch = 4 };  // bits of a configuration
+  enum class Access : std::uint8_t { load = 1, store = 2, fetch = 4 };  // bits of an entry's configuration
 
   explicit Pmp(unsigned entries) : entries_(entries) { restart(); }
 
   unsigned entries() const { return entries_; }
   void restart();
 
-  /// pmpcfg0 to pmpcfg3: four configurations each.
+  /// Return and set the registers pmpcfg0 to pmpcfg3, which contain four configurations each.
   std::uint32_t configurations(unsigned index) const;
   void set_configurations(unsigned index, std::uint32_t value);
   std::uint32_t address(unsigned entry) const { return entry < entries_ ? addresses_[entry] : 0; }
   void set_address(unsigned entry, std::uint32_t value);
 
-  /// True if the mode may access all of the bytes.
+  /// Returns true if the mode may access all of these bytes.
   bool allows(std::uint32_t address, unsigned size, Access access, Mode mode) const;
-  /// True if the mode may fetch, load and store at all addresses. If so, no access needs a check.
+  /// Returns true if the mode may fetch, load and store at all addresses, so that no access needs a check.
   bool allows_all(Mode mode) const { return mode == Mode::machine ? machine_is_free_ : user_is_free_; }
 
   void visit(state::Visitor& v);
@@ -39,7 +39,7 @@ class Pmp {
  private:
   struct Range {
     std::uint64_t first = 0;
-    std::uint64_t end = 0;  // equal to `first`: no address
+    std::uint64_t end = 0;  // if equal to `first`, the range is empty
   };
 
   bool is_locked(unsigned entry) const;
@@ -50,7 +50,7 @@ class Pmp {
   unsigned entries_;
   std::array<std::uint8_t, kMostEntries> configurations_{};
   std::array<std::uint32_t, kMostEntries> addresses_{};
-  // Results of allows_all(): computed from the entries, because each trap needs them.
+  // Results of allows_all(). They are computed in advance, because each trap needs them.
   bool machine_is_free_ = true;
   bool user_is_free_ = true;
 };

@@ -6,15 +6,15 @@
 
 namespace mebots::soc {
 
-/// Points to the bytes of a load or store in fast RAM. If both pointers are null, the address is not in fast RAM, and
-/// the hart's slow path must perform the access.
+/// Pointers to the bytes of a load or store in fast RAM. If both are null, the address is not in fast RAM, and the
+/// hart's slow path must perform the access.
 struct RamAccess {
   std::uint8_t* data = nullptr;
   std::uint8_t* marks = nullptr;  // marks of the first word that the access touches
 };
 
-/// Stores the fast region that contains an access, and the offset of the access in this region. If no fast region
-/// contains the access, `region` is null.
+/// The fast region that contains an access, and the offset of the access in this region. `region` is null if no fast
+/// region contains the access.
 struct RamPlace {
   const FastRegion* region = nullptr;
   std::uint32_t offset = 0;
@@ -38,8 +38,8 @@ struct RamPlace {
   return {ram.data + place.offset, ram.marks + place.offset / 4};
 }
 
-/// Performs an access if one check is sufficient: it must be in fast RAM, within one word, and without shared banks.
-/// Otherwise has no effect. The function makes no calls, so that a handler need not save registers.
+/// Performs an access if it is in fast RAM, within one word, and without shared banks. Otherwise has no effect. Makes
+/// no calls, so that a handler need not save registers.
 template <unsigned Size>
 [[gnu::always_inline]] inline RamAccess quick_access(Execution& e, std::uint32_t address) {
   const auto place = find_ram(e, address);
@@ -48,9 +48,9 @@ template <unsigned Size>
   return count_access(e, place);
 }
 
-/// Finds the bytes of an access in the two fast regions and adds its wait cycles: the latency and, if banks are shared,
-/// the waits for the bank. An access that crosses a word boundary is two bus accesses, and each of them waits. The
-/// caller adds the extra cycle of the second bus access (kMisalignedExtra).
+/// Finds the bytes of an access in fast RAM. Adds its wait cycles: the latency and, if banks are shared, the waits for
+/// the bank. An access across a word boundary is two bus accesses, which both wait. The caller adds the cycle of the
+/// second bus access (kMisalignedExtra).
 template <unsigned Size>
 [[gnu::always_inline]] inline RamAccess ram_access(Execution& e, const Instruction* at, std::uint32_t address) {
   const auto place = find_ram(e, address);

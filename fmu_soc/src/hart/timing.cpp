@@ -9,26 +9,26 @@
 namespace mebots::soc {
 namespace {
 
-/// True if the decoded field rs1 contains a register: the one that the operation reads, or x0 if it reads none. In
-/// csr_immediate operations, the field contains data.
+/// Returns true if the field rs1 contains a register. In csr_immediate operations, it contains data. Operations that
+/// read no rs1 have x0 there.
 bool reads_rs1(Op op) {
   return traits_of(op).kind != OpKind::csr_immediate;
 }
 
-/// True if an instruction stalls directly after a load, because it reads or writes the register that the load writes.
-/// Not every such write causes a stall. RI5CY also stalls if the offset of a store has the number of the register.
+/// Returns true if an instruction stalls directly after a load, because it reads or writes the loaded register. Some
+/// such writes do not stall. RI5CY also stalls if the offset of a store contains the register's number.
 bool load_stall(const Timing& timing, const Previous& load, const Current& current) {
   if (!is_load(load.op) || !load.writes()) return false;
   if (reads_rs1(current.op) && current.rs1 == load.rd) return true;
   if (traits_of(current.op).reads_rs2 && current.rs2 == load.rd) return true;
   if (current.rs3 == load.rd) return true;
   if (is_store(current.op)) {
-    // Other instructions have rd in the same field.
+    // In other instructions, the same field contains rd.
     const bool has_offset = traits_of(current.op).mode == AddressMode::offset;
     return has_offset && timing.store_offset_looks_like_rd() && (static_cast<unsigned>(current.imm) & 31U) == load.rd;
   }
   if (is_branch(current.op) || current.rd != load.rd) return false;
-  if (is_post_increment(current.op)) return false;  // measured: RI5CY compares the pointer instead
+  if (is_post_increment(current.op)) return false;  // measured: RI5CY compares the pointer register instead
   return !is_load(current.op) || timing.load_after_load_stalls();
 }
 
@@ -44,7 +44,7 @@ unsigned jump_cycles(const Previous& two_before, const Previous& before, const C
   return needs_two_before ? 3 : 2;
 }
 
-/// Lists the values of the column `pace` of hart/csrs.inc.
+/// Values of the column `pace` of hart/csrs.inc.
 enum class Pace : std::uint8_t { quick, slow, slow_always };
 struct CsrPace {
   unsigned number;

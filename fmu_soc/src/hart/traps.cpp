@@ -11,16 +11,16 @@
 namespace mebots::soc {
 namespace {
 
-/// A core ends after this number of consecutive exceptions with the same state of the hart.
+/// After this number of consecutive exceptions without progress, the core stops.
 constexpr std::uint32_t kEndlessRepeats = 16;
-/// A core ends after this number of consecutive exceptions with the same cause, pc and registers. The number is large
-/// because a handler may count in memory and leave without mret.
+/// After this number of consecutive exceptions with the same cause, pc and registers, the core stops. The number is
+/// large because a handler may count in memory and leave without mret.
 constexpr std::uint32_t kEndlessReturns = 1'000'000;
 
 constexpr unsigned kReturnAddress = 1;
 constexpr unsigned kStackPointer = 2;
 
-/// Offsets of GAP8's exception vectors. The vectors of 32 interrupts and of the reset come before them.
+/// Offsets of GAP8's exception vectors. They follow the vectors of 32 interrupts and of the reset.
 constexpr std::uint32_t kIllegalVector = 0x84;
 constexpr std::uint32_t kCallVector = 0x88;
 constexpr std::uint32_t kAccessVector = 0x8C;
@@ -36,7 +36,8 @@ void Traps::restart() {
 const Instruction* Traps::leave_handler(const Instruction* at) {
   MEBOTS_ASSERT(at->op == Op::mret);
   auto& e = execution_;
-  // An interrupt may have come at any pc, and a block from each of them would fill the cache. A program has few ecalls.
+  // An interrupt may return to any pc, and blocks that start at all these pcs would fill the cache. Exceptions return
+  // to few pcs.
   const bool from_interrupt = (csrs_.last_trap().cause & cause::kInterrupt) != 0;
   e.pc = csrs_.leave_handler();
   e.cut_pc = from_interrupt ? e.pc : kNoPc;
@@ -73,7 +74,7 @@ Traps::Progress Traps::progress_since_last(std::uint32_t cause) const {
   // Correct code may execute the same ecall repeatedly.
   const bool is_call = cause == cause::kMachineEcall || cause == cause::kUserEcall || cause == cause::kBreakpoint;
   if (is_call || last.pc != e.pc || last.cause != cause) return Progress::some;
-  // The exception occurred in its own handler, which decreases the stack pointer at each entry.
+  // A lower stack pointer shows that the exception occurred in its own handler, which decreases it at each entry.
   if (e.x[kStackPointer] < last.registers[kStackPointer]) return Progress::none;
   const auto same = std::equal(last.registers.begin() + 1, last.registers.end(), e.x.begin() + 1);
   if (!same) return Progress::some;

@@ -11,7 +11,6 @@
 
 namespace mebots::soc {
 
-/// Describes an exception and the instruction that raised it.
 struct Exception {
   std::uint32_t cause = 0;
   std::uint32_t pc = 0;
@@ -30,8 +29,7 @@ struct Exception {
   }
 };
 
-/// Stores the reason why a core stopped for good: a trap without a handler, or an endless repetition of traps in a
-/// handler.
+/// The reason why a core stopped permanently: a trap without a handler, or an endless repetition of traps in a handler.
 struct Fault {
   bool happened = false;
   bool double_trap = false;
@@ -54,36 +52,36 @@ class Traps {
 
   void restart();
   /// Takes the exception that ended the last block. Does not count the cycles of the handler's entry. If the core
-  /// cannot continue, returns false, and fault() contains the reason.
+  /// cannot continue, sets fault() and returns false.
   bool take_exception();
   /// Returns the number of the pending interrupt with the highest priority.
   unsigned next_interrupt() const;
-  /// Enters the handler of an exception or interrupt. If the handler's first instruction cannot be fetched, stops the
-  /// core and returns false.
+  /// Enters the handler of an exception or interrupt. If the handler's first instruction cannot be fetched, sets
+  /// fault() and returns false.
   bool enter_handler(std::uint32_t cause, std::uint32_t value);
   /// Executes mret.
   const Instruction* leave_handler(const Instruction* at);
 
   const Fault& fault() const { return fault_; }
-  /// True if the core took an exception, and no handler has returned since that exception. fault().first is the first
-  /// exception since the last return of a handler.
+  /// Returns true if no handler has returned since the last exception. fault().first is then the first exception since
+  /// the last return of a handler.
   bool in_exception() const { return repeats_ != 0; }
 
   void visit(state::Visitor& v);
 
  private:
   enum class Progress : std::uint8_t {
-    none,     // the registers are unchanged, or handlers are nested
-    unknown,  // the registers are unchanged, but memory may have changed
+    none,     // registers are unchanged, or handlers are nested
+    unknown,  // registers are unchanged, but memory may have changed
     some,
   };
 
-  /// Stores the state at the last exception, which is compared with the state at the next exception at the same pc. The
-  /// comparison also detects endless exceptions whose handlers leave without mret, for example by longjmp.
+  /// The state at the last exception, to compare with the state at the next exception. This also detects endless
+  /// exceptions whose handlers leave without mret, for example by longjmp.
   struct LastException {
     std::uint32_t pc = 0;
     std::uint32_t cause = 0;
-    std::uint64_t instructions = 0;  // number of instructions that had retired
+    std::uint64_t instructions = 0;  // retired instructions
     std::uint64_t accesses = 0;
     std::array<std::uint32_t, 32> registers{};
 
@@ -106,7 +104,8 @@ class Traps {
   const BlockCache& blocks_;
   Fault fault_;
   LastException last_exception_;
-  std::uint32_t repeats_ = 0;  // consecutive exceptions without progress; 0 = no exception since a handler returned
+  /// Consecutive exceptions without progress; 0 = no exception since the last return of a handler.
+  std::uint32_t repeats_ = 0;
   std::uint32_t returns_ = 0;  // consecutive exceptions with unchanged registers
 };
 

@@ -15,9 +15,10 @@ constexpr int kLeastExponent = -126;                          // exponent of the
 constexpr int kLeastWeight = kLeastExponent - kFractionBits;  // exponent of the lowest bit in a subnormal number
 constexpr std::uint32_t kHiddenBit = std::uint32_t{1} << kFractionBits;
 constexpr std::uint32_t kLargest = kInfinity - 1;
-constexpr int kTop = 61;  // highest bit of a significand from normal(); the sum of two fits in 63 bits
+// Highest bit of a significand from normal(), so that the sum of two significands fits in 63 bits.
+constexpr int kTop = 61;
 
-/// Stores an exact finite value: significand * 2^exponent.
+/// An exact finite value: significand * 2^exponent.
 struct Exact {
   bool sign = false;
   int exponent = 0;
@@ -52,8 +53,8 @@ Exact normal(Exact a) {
   return {a.sign, a.exponent - shift, a.significand << shift};
 }
 
-/// Shifts a value to the right. If a bit that is shifted out is 1, sets the lowest bit of the result, so that the
-/// result is still rounded in the right direction.
+/// Shifts a value to the right. Sets the lowest bit of the result if a bit that is shifted out is 1, so that later
+/// rounding is still correct.
 std::uint64_t shift_right_sticky(std::uint64_t value, int places) {
   if (places > 63) return value != 0 ? 1 : 0;
   const auto lost = value & ((std::uint64_t{1} << places) - 1U);
@@ -73,7 +74,7 @@ struct Shifted {
 /// Divides by 2^places and rounds to an integer. `value` has at most 63 bits.
 Shifted rounded(std::uint64_t value, int places, bool sign, Rounding rounding) {
   MEBOTS_ASSERT(places > 0 && value >> 63 == 0);
-  const bool all = places > 63;  // if true, the result is below a half
+  const bool all = places > 63;  // all bits are shifted out: the result is below a half
   const auto kept = all ? 0 : value >> places;
   const auto rest = all ? value : value & ((std::uint64_t{1} << places) - 1U);
   const auto half = all ? std::uint64_t{1} << 63 : std::uint64_t{1} << (places - 1);
@@ -104,8 +105,8 @@ std::uint32_t overflowed(bool sign, Context& context) {
   return with_sign(sign, to_largest ? kLargest : kInfinity);
 }
 
-/// Rounds an exact value to a float. The lowest bit of the significand may be sticky, which means that it is set
-/// because a lower bit was not 0.
+/// Rounds an exact value to a float. The lowest bit of the significand may be sticky: it is also set if a lower bit was
+/// not 0.
 std::uint32_t pack(Exact value, Context& context) {
   if (value.significand == 0) return with_sign(value.sign, 0);
   value = normal(value);
@@ -114,8 +115,8 @@ std::uint32_t pack(Exact value, Context& context) {
   const auto [kept, inexact] = rounded(value.significand, weight - value.exponent, value.sign, context.rounding);
   if (inexact) {
     context.flags |= kInexact;
-    // Tininess is detected after rounding: the result is tiny if the value, rounded to the full fraction, is below the
-    // least normal number.
+    // Detects tininess after rounding: the result is tiny if the value, rounded to 24 bits, is below the least normal
+    // number.
     const bool below = exponent < kLeastExponent;
     const bool reaches = exponent == kLeastExponent - 1 &&
                          rounded(value.significand, kTop - kFractionBits, value.sign, context.rounding).value ==
@@ -137,7 +138,7 @@ std::uint32_t packed_sum(Exact a, Exact b, Context& context) {
   b = normal(b);
   if (a.exponent < b.exponent || (a.exponent == b.exponent && a.significand < b.significand)) std::swap(a, b);
   // The low bits of both significands are 0. If more than one bit of `b` is shifted out, `b` is much smaller than `a`.
-  // In this case, the sum still has enough exact bits above the inexact lowest bit.
+  // The sum then has enough exact bits above the sticky bit.
   const auto aligned = shift_right_sticky(b.significand, a.exponent - b.exponent);
   const auto sum = a.sign == b.sign ? a.significand + aligned : a.significand - aligned;
   if (sum == 0) return with_sign(zero_sign, 0);
@@ -151,7 +152,6 @@ Exact product(std::uint32_t a, std::uint32_t b) {
   return {x.sign != y.sign, x.exponent + y.exponent, x.significand * y.significand};
 }
 
-/// Rounds a float to an integer in [least, most].
 std::uint32_t to_integer(std::uint32_t a, Context& context, std::int64_t least, std::int64_t most) {
   const auto out_of_range = [&context](std::int64_t nearest) {
     context.flags |= kInvalid;
@@ -160,7 +160,7 @@ std::uint32_t to_integer(std::uint32_t a, Context& context, std::int64_t least, 
   if (is_nan(a)) return out_of_range(most);
   if (is_infinite(a)) return out_of_range(is_negative(a) ? least : most);
   const auto value = exact(a);
-  const bool beyond = value.exponent > 8;  // the magnitude is 2^32 or more
+  const bool beyond = value.exponent > 8;  // the magnitude is at least 2^32
   if (beyond && value.significand != 0) return out_of_range(value.sign ? least : most);
   const auto whole = value.exponent >= 0 ? Shifted{value.significand << value.exponent, false}
                                          : rounded(value.significand, -value.exponent, value.sign, context.rounding);
@@ -171,12 +171,12 @@ std::uint32_t to_integer(std::uint32_t a, Context& context, std::int64_t least, 
   return static_cast<std::uint32_t>(integer);
 }
 
-/// Maps numbers other than NaN to integers with the same order. -0 comes before +0.
+/// Maps numbers other than NaN to integers in the same order. -0 is before +0.
 constexpr std::int64_t order(std::uint32_t a) {
   return is_negative(a) ? -std::int64_t{a & ~kSign} - 1 : std::int64_t{a};
 }
 
-/// Applies the rule of fmin.s and fmax.s for NaN. `chosen` is the result for two numbers.
+/// Applies the rules of fmin.s and fmax.s for NaN. `chosen` is the result for two numbers.
 std::uint32_t number_of(std::uint32_t a, std::uint32_t b, std::uint32_t chosen, Context& context) {
   if (is_signaling(a) || is_signaling(b)) context.flags |= kInvalid;
   if (is_nan(a) && is_nan(b)) return kCanonicalNan;
@@ -229,7 +229,7 @@ std::uint32_t divide(std::uint32_t a, std::uint32_t b, Context& context) {
   const auto x = normal(exact(a));
   const auto y = normal(exact(b));
   const auto divisor = y.significand >> (kTop - kFractionBits);  // 24 bits; no set bit is lost
-  const auto quotient = x.significand / divisor;                 // has 38 bits or more
+  const auto quotient = x.significand / divisor;                 // at least 38 bits
   const bool rest = x.significand % divisor != 0;
   return pack({sign, x.exponent - (y.exponent + kTop - kFractionBits) - 1, quotient << 1 | (rest ? 1U : 0U)}, context);
 }
@@ -242,9 +242,9 @@ std::uint32_t square_root(std::uint32_t a, Context& context) {
   auto x = normal(exact(a));
   if (x.exponent % 2 != 0) {
     ++x.exponent;
-    x.significand >>= 1;  // shifts out a zero
+    x.significand >>= 1;  // the lowest bit is 0
   }
-  std::uint64_t root = 0;  // has 31 bits
+  std::uint64_t root = 0;  // 31 bits
   for (auto bit = std::uint64_t{1} << 30; bit != 0; bit >>= 1) {
     if ((root | bit) * (root | bit) <= x.significand) root |= bit;
   }

@@ -3,18 +3,18 @@
 
 #include <cstdint>
 
-/// Implements single-precision arithmetic of IEEE 754-2019 on bit patterns. It uses integers, so that results have the
-/// same bits on every host and with every compiler. NaN results are the canonical NaN, and tininess is detected after
-/// rounding, as RISC-V requires (volume I, 20240411, chapter 20).
+/// Single-precision arithmetic of IEEE 754-2019 on bit patterns. Uses integers, so that results have the same bits on
+/// every host and with every compiler. NaN results are the canonical NaN, and tininess is detected after rounding, as
+/// RISC-V requires (volume I, 20240411, chapter 20).
 namespace mebots::soc::float32 {
 
-/// Lists the rounding modes, with their values in frm and in instructions.
+/// Rounding modes, with their values in frm and in instructions.
 enum class Rounding : std::uint8_t {
   nearest_even,
   to_zero,
   down,
   up,
-  nearest_away,  // ties are rounded to the larger magnitude (RMM)
+  nearest_away,  // ties are rounded away from zero (RMM)
 };
 inline constexpr unsigned kRoundings = 5;
 inline constexpr unsigned kDynamic = 7;  // rounding mode of an instruction that uses the mode in frm
@@ -38,7 +38,7 @@ constexpr bool is_signaling(std::uint32_t a) {
   return is_nan(a) && (a & kQuiet) == 0;
 }
 
-/// Contains the rounding mode of an operation, and collects the flags that the operation raises.
+/// Contains the rounding mode of an operation, and receives the flags that the operation raises.
 struct Context {
   Rounding rounding = Rounding::nearest_even;
   std::uint8_t flags = 0;
@@ -55,13 +55,12 @@ std::uint32_t maximum(std::uint32_t a, std::uint32_t b, Context& context);
 bool equal(std::uint32_t a, std::uint32_t b, Context& context);
 bool less(std::uint32_t a, std::uint32_t b, Context& context);
 bool less_or_equal(std::uint32_t a, std::uint32_t b, Context& context);
-/// Convert from and to integers. A value out of range becomes the nearest representable integer, and a NaN becomes the
-/// largest integer.
+/// Convert from and to integers. A value out of range becomes the nearest integer, and NaN the largest integer.
 std::uint32_t to_signed(std::uint32_t a, Context& context);
 std::uint32_t to_unsigned(std::uint32_t a, Context& context);
 std::uint32_t from_signed(std::uint32_t value, Context& context);
 std::uint32_t from_unsigned(std::uint32_t value, Context& context);
-/// Returns the class of a number as a mask, as fclass.s defines it.
+/// Returns the class of a number as a mask, as fclass.s does.
 std::uint32_t class_of(std::uint32_t a);
 
 }  // namespace mebots::soc::float32

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Lowering of loads and stores in the two fast memories. The interpreter performs all other accesses: misaligned
-// accesses to the second memory, accesses outside both memories, and stores to marked words.
+// Lowering of loads and stores in the two fast memories. The interpreter performs other accesses, such as misaligned
+// accesses to the second memory and stores to marked words.
 #include "instructions/load_store.hpp"
 
 #include "mebots/assert.hpp"
@@ -16,21 +16,20 @@ namespace {
 
 using namespace lowering;
 
-/// Returns the number of the register that contains the offset or the increment.
 unsigned step_register(const Instruction* at) {
   return is_store(at->op) ? static_cast<unsigned>(at->imm) : at->rs2;
 }
 
-/// Jumps to `other` if the offset is outside the memory or misaligned. For accesses of a word, sets `scratch` to the
-/// number of the word.
+/// Writes a jump to `other`, taken if the offset is outside the memory or misaligned. If `size` is above 1, the code
+/// also sets `scratch` to the offset divided by `size`.
 void check_address(Assembler& c, const Reg32& offset, const Reg32& scratch, const FastRegion& ram, unsigned size,
                    Label& other) {
   const auto bytes = ram.span + 3;
   if (size == 1) {
     c.cmp(offset, bytes);
   } else {
-    // A misaligned offset has low bits that are not 0. The rotation moves them to the high bits, so that one comparison
-    // detects both misaligned offsets and offsets outside the memory.
+    // A misaligned offset has low bits other than 0. The rotation makes them the highest bits, so that one comparison
+    // detects misaligned offsets and offsets outside the memory.
     const auto shift = static_cast<unsigned>(std::countr_zero(size));
     c.rorx(scratch, offset, static_cast<std::uint8_t>(shift));
     c.cmp(scratch, bytes >> shift);
@@ -38,8 +37,8 @@ void check_address(Assembler& c, const Reg32& offset, const Reg32& scratch, cons
   c.jae(other, kNear);
 }
 
-/// Sets eax to the offset in the first memory. Jumps to `other` if the address is outside the memory or misaligned. The
-/// returned label is the place in the code at which the address has passed these checks.
+/// Writes code that computes the offset in the first memory in eax, and jumps to `other` if the address is outside the
+/// memory or misaligned. Returns a label at the end of this code.
 Label emit_address(Assembler& c, const Instruction* at, unsigned size, Label& other) {
   const auto mode = traits_of(at->op).mode;
   MEBOTS_ASSERT(size == 1 || size == 2 || size == 4);
@@ -59,8 +58,8 @@ Label emit_address(Assembler& c, const Instruction* at, unsigned size, Label& ot
   return inside;
 }
 
-/// Runs after a failed address check. If the access is a halfword in the middle of a word, jumps to `inside`, because
-/// such a halfword needs only one access.
+/// Writes code for the case that the address check failed. A halfword in the middle of a word needs only one access, so
+/// the code jumps to `inside`.
 void emit_middle_of_word(Assembler& c, unsigned size, Label& inside) {
   if (size != 2) return;
   Label other;
@@ -73,9 +72,9 @@ void emit_middle_of_word(Assembler& c, unsigned size, Label& inside) {
   c.L(other);
 }
 
-/// Writes code that makes two accesses if the bytes are in two words. If one of the words is marked, a store jumps to
-/// `marked`. The interpreter executes a load near the end of its block, because the cycles of the next block may depend
-/// on the wait of the load.
+/// Writes code for an access to two words. A store jumps to `marked` if one of the words is marked. The interpreter
+/// executes a load near the end of its block, because the cycles of the next block may depend on the load's extra
+/// cycle.
 void emit_across_words(Assembler& c, const Instruction* at, unsigned size, Label& marked, Label& claimed) {
   if (size == 1 || (is_load(at->op) && (is_block_end(at[1].op) || is_block_end(at[2].op)))) return;
   Label other;
@@ -102,10 +101,11 @@ void emit_across_words(Assembler& c, const Instruction* at, unsigned size, Label
   c.L(other);
 }
 
-/// Adds to the address register of a post-increment. Changes ecx and edx.
+/// Writes code that adds the increment of a post-increment to the address register. The code changes ecx and edx.
 void emit_increment(Assembler& c, const Instruction* at) {
   const auto mode = traits_of(at->op).mode;
-  if (at->rs1 == 0 || (is_load(at->op) && at->rd == at->rs1)) return;  // the loaded value wins
+  // The loaded value replaces the incremented address.
+  if (at->rs1 == 0 || (is_load(at->op) && at->rd == at->rs1)) return;
   const auto add_to = [&c, at, mode](const Xbyak::Operand& to) {
     if (mode == AddressMode::post_immediate) {
       c.add(to, static_cast<std::uint32_t>(at->imm));
@@ -132,8 +132,8 @@ void emit_read(Assembler& c, const Reg32& to, const Xbyak::RegExp& from, unsigne
   }
 }
 
-/// Counts an access to the second memory at offset ecx, and counts the cycles that the access waits. Changes eax and
-/// edx. If the interpreter must perform the access, jumps to `left` without another effect.
+/// Writes code that counts an access to the second memory at offset ecx and its wait cycles. The code changes eax and
+/// edx. If the interpreter must perform the access, the code only jumps to `left`.
 void emit_far_wait(Assembler& c, const Instruction* at, Label& left) {
   const auto& ram = c.ram[1];
   if (ram.is_shared()) {
@@ -148,9 +148,9 @@ void emit_far_wait(Assembler& c, const Instruction* at, Label& left) {
   if (ram.wait_cycles != c.ram[0].wait_cycles) c.cycles.spend(ram.wait_cycles - c.ram[0].wait_cycles);
 }
 
-/// Performs a load at the address `ram[0].base + eax` if it is a quiet load of a device, and jumps to `done`.
-/// `take(from)` writes the value at address `from` to its place. Writes nothing else, so that the interpreter performs
-/// all other loads.
+/// Writes code for a quiet load from a device at the address `ram[0].base + eax`. The code jumps to `done` after such a
+/// load, and has no effect for all other loads, which the interpreter performs. `take(from)` must write code that moves
+/// the value at `from` to its destination.
 template <typename Take>
 void emit_quiet_load(Assembler& c, const Instruction* at, unsigned size, const Block& block, Take take, Label& done) {
   if (c.stubs.device == nullptr) return;
@@ -167,7 +167,7 @@ void emit_quiet_load(Assembler& c, const Instruction* at, unsigned size, const B
   c.sub(r15, rax);
   c.cmp(r15, c.blocks.fetch_bound(block));
   c.jle(too_late);
-  // The end of the block counts the wait of an access to the first memory, which this access is not.
+  // The code at the end of the block counts a wait for the first memory, which a load from a device does not have.
   if (c.ram[0].wait_cycles != 0) c.add(r15, c.ram[0].wait_cycles);
   c.inc(qword[rbx + static_cast<int>(offsetof(Execution, counters.device_accesses))]);
   take(rbx + translate::offset_of_host(offsetof(HostState, loaded)));
@@ -189,7 +189,7 @@ bool emit_load(Assembler& c, const Instruction* at) {
   auto inside = emit_address(c, at, size, other);
   c.cycles.claim_bank(at, size == 4);
   c.L(claimed);
-  // If the load writes the register that contains the increment, the old value of this register is still needed.
+  // If the load writes the register with the increment, the old value of this register is still needed.
   const bool is_own_step = traits_of(at->op).mode == AddressMode::post_register && step_register(at) == at->rd;
   const auto to = c.registers.place(at->rd, eax, is_own_step);
   const bool into_vector = size == 4 && c.registers.in_vector(at->rd) && !is_own_step;

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <type_traits>
 
-/// Implements the loads and stores of RV32I, and those of Xpulp v2 with other address modes.
+/// Loads and stores of RV32I, and those of Xpulp v2 with other address modes.
 namespace mebots::soc {
 
 namespace translate {
@@ -33,8 +33,7 @@ constexpr bool is_post(Mode mode) {
   }
 }
 
-/// Returns true if an access on the slow path was performed, and false if it trapped or was deferred. Called after the
-/// access.
+/// Returns whether an access on the slow path was performed. False if it raised an exception or was deferred.
 inline bool retired(const Execution& e, const Instruction* at) {
   return e.exit == at + 1;
 }
@@ -45,14 +44,13 @@ inline bool retired(const Execution& e, const Instruction* at) {
   e.x[0] = 0;
 }
 
-/// Contains the address of an access, and the new value of its address register.
+/// The address of an access, and the new value of its address register.
 struct Addresses {
   std::uint32_t access;
   std::uint32_t moved;
 };
 
-/// Computes the addresses. For a load, the register with the offset or increment is rs2. For a store, `imm` contains
-/// the number of this register.
+/// `in` is the number of the register with the offset or increment. It is rs2 for a load, and `imm` for a store.
 template <Mode kMode>
 [[gnu::always_inline]] inline Addresses addresses_of(const Execution& e, const Instruction* at, std::uint32_t in) {
   const auto base = e.x[at->rs1];
@@ -60,8 +58,7 @@ template <Mode kMode>
   return {is_post(kMode) ? base : moved, moved};
 }
 
-/// Finishes a load. If the load writes its own address register, the register receives the loaded value instead of the
-/// incremented address.
+/// Completes a load. If the load writes its own address register, this register receives the loaded value.
 template <typename T, Mode kMode>
 [[gnu::always_inline]] inline void finish_load(Execution& e, const Instruction* at, const std::uint8_t* data,
                                                std::uint32_t moved) {
@@ -133,7 +130,6 @@ template <typename T, Mode kMode>
   return next(e, at);
 }
 
-/// Type of the value that a load or store of `kSize` bytes transfers.
 template <std::uint8_t kSize, bool kSign>
 using Moved = std::conditional_t<kSize == 4, std::int32_t,
                                  std::conditional_t<kSize == 2, std::conditional_t<kSign, std::int16_t, std::uint16_t>,
@@ -152,7 +148,7 @@ const Instruction* execute_store(Execution& e, const Instruction* at) {
   return load_store::store<std::make_unsigned_t<load_store::Moved<kTraits.size, false>>, kTraits.mode>(e, at);
 }
 
-/// Writes host code for a load or store. If the core has no fast memory, returns false.
+/// Writes host code for a load or store. Returns false if the core has no fast memory.
 bool emit_load(translate::Assembler& c, const Instruction* at);
 bool emit_store(translate::Assembler& c, const Instruction* at);
 

@@ -5,8 +5,8 @@
 
 #include <utility>
 
-/// Generates host code that several operations share. Each function takes a function that writes the host instruction
-/// of one operation.
+/// Writers of host code that several operations share. Most of them take a function that writes the host instruction of
+/// one operation.
 namespace mebots::soc::lowering {
 
 using namespace Xbyak::util;
@@ -16,7 +16,7 @@ using Xbyak::Label;
 using Xbyak::Reg32;
 using Xbyak::Xmm;
 
-/// Writes code for rd = rs1 op rs2. `apply(to, from)` writes the host instruction for `to = to op from`.
+/// Writes code for rd = rs1 op rs2. `apply(to, from)` must write the host instruction for `to = to op from`.
 template <typename Apply>
 void emit_binary(Assembler& c, const Instruction* at, Apply apply) {
   const auto to = c.registers.place(at->rd, eax, at->rd == at->rs2 && at->rd != at->rs1);
@@ -30,7 +30,7 @@ void emit_binary(Assembler& c, const Instruction* at, Apply apply) {
   c.registers.finish(at->rd, to);
 }
 
-/// Writes code for rd = rs1 op immediate. `apply(to, value)` writes the host instruction for `to = to op value`.
+/// Writes code for rd = rs1 op immediate. `apply(to, value)` must write the host instruction for `to = to op value`.
 template <typename Apply>
 void emit_immediate(Assembler& c, const Instruction* at, Apply apply) {
   const auto to = c.registers.place(at->rd, eax);
@@ -39,7 +39,7 @@ void emit_immediate(Assembler& c, const Instruction* at, Apply apply) {
   c.registers.finish(at->rd, to);
 }
 
-/// Writes code that shifts rs1 by the low five bits of rs2. `apply(to, from, by)` writes the host instruction.
+/// Writes code that shifts rs1 by the low five bits of rs2. `apply(to, from, by)` must write the host instruction.
 template <typename Apply>
 void emit_shift(Assembler& c, const Instruction* at, Apply apply) {
   const auto to = c.registers.place(at->rd, eax);
@@ -57,7 +57,7 @@ inline void copy_second(Assembler& c, const Instruction* at, const Reg32& to) {
   }
 }
 
-/// Writes code for rd = op rs1. `apply(to)` writes the host instruction for `to = op to`.
+/// Writes code for rd = op rs1. `apply(to)` must write the host instruction for `to = op to`.
 template <typename Apply>
 void emit_unary(Assembler& c, const Instruction* at, Apply apply) {
   c.registers.copy(eax, at->rs1);

@@ -17,13 +17,13 @@ constexpr std::int32_t as_signed(Word word) {
   return static_cast<std::int32_t>(word);
 }
 
-/// Describes an operation by its handlers for the interpreter and its lowering to host code. operation() creates an
-/// Operation from two functions. The tables isa/*.decode contain their names.
+/// An operation: its handlers for the interpreter and its lowering to host code. operation() creates it from two
+/// functions, which the tables isa/*.decode name.
 struct Operation {
   std::array<Handler, 3> handlers{};  // indexed by Operand
   Lowering emit = nullptr;            // null: the interpreter executes all forms of the operation
-  Compute compute = nullptr;          // if not null, rd = compute(rs1, second operand)
-  Compare compare = nullptr;          // if not null, the operation is a branch, taken if compare() returns true
+  Compute compute = nullptr;          // if not null: rd = compute(rs1, second operand)
+  Compare compare = nullptr;          // if not null: the operation is a branch, taken if compare() returns true
 };
 
 const Operation& operation_of(Op op);
@@ -38,7 +38,8 @@ struct Signature<R (*)(Arguments...)> {
   static constexpr std::size_t kCount = sizeof...(Arguments);
 };
 
-/// Returns the second operand. A scalar is copied into all parts. In some encodings, a signed 5-bit value replaces rs2.
+/// Returns the second operand. A scalar is copied into all parts. In some encodings, the field rs2 contains a signed
+/// 5-bit value.
 template <Op kOp, Operand kFrom>
 [[gnu::always_inline]] inline Word second(const Execution& e, const Instruction* at) {
   if constexpr (kFrom == Operand::immediate) {
@@ -53,9 +54,8 @@ template <Op kOp, Operand kFrom>
   }
 }
 
-/// Executes a function of words and writes its result to rd. The arguments are rs1, the second operand and the
-/// immediate; a function with fewer arguments takes only the first of them. If the operation reads rd, the value of rd
-/// is passed before these arguments. If rd is x0, the number of rd is kNoRegister.
+/// Handler that calls `kExecute` and writes the result to rd. The arguments are rs1, the second operand and the
+/// immediate, as many as the function has. If the operation reads rd, the value of rd comes first.
 template <Op kOp, Operand kFrom, auto kExecute>
 const Instruction* run(Execution& e, const Instruction* at) {
   constexpr auto kCount = Signature<decltype(kExecute)>::kCount;
@@ -103,9 +103,8 @@ bool lower(translate::Assembler& c, const Instruction* at) {
 
 }  // namespace binding
 
-/// Returns the row of an operation whose encodings take the second operand from `kOperands`. For other kinds of
-/// operand, the row contains the handler for a register. If `kOperands` contains no register, it contains the handler
-/// for the first kind in `kOperands`.
+/// Returns the Operation for encodings whose second operand is one of `kOperands`. Other kinds of operand get the
+/// handler for a register. If `kOperands` contains no register, they get the handler for its first kind.
 template <Op kOp, auto kExecute, Operand... kOperands>
 constexpr Operation operation(Lowering emit) {
   constexpr std::array kGiven{kOperands..., Operand::reg};
@@ -124,15 +123,14 @@ constexpr Operation operation(Lowering emit) {
   return made;
 }
 
-// The generated tables contain macros such as MEBOTS_LOWERING(emit_add). In a build without translation, the macro
-// expands to a null pointer.
+// The generated tables contain macros such as MEBOTS_LOWERING(emit_add).
 #ifdef MEBOTS_TRANSLATES
 #define MEBOTS_LOWERING(emit) binding::lower<emit>
 #else
 #define MEBOTS_LOWERING(emit) nullptr
 #endif
 
-// Lists the operations of each family, in the order of its table.
+// Operations of each family, in the order of its table.
 #define MEBOTS_FAMILY(family, count)         \
   namespace family {                         \
   extern const Operation kOperations[count]; \

@@ -9,7 +9,6 @@
 namespace mebots::soc {
 namespace {
 
-/// All operations, indexed by Op. The families are in the order of their tables.
 constexpr auto kAll = [] {
   std::array<const Operation*, kOpCount> all{};
   std::size_t next = 0;

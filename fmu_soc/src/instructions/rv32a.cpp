@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Implements the execution of each operation of isa/rv32a.decode (A extension). No operation has a lowering. Boards
-// with several cores cannot have the extension (board/board_file.cpp checks this). Therefore each access is atomic.
+// Execution of the operations in isa/rv32a.decode (A extension), which have no lowering. Each access is atomic, because
+// boards with several cores cannot have this extension (board/board_file.cpp).
 #include "hart/data_path.hpp"
 #include "instructions/operation.hpp"
 

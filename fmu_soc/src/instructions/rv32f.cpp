@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Implements execution and lowering of each operation of isa/rv32f.decode. F and Zfinx share these functions. The
-// decoded register numbers 0 to 31 are integer registers (Zfinx), and 32 to 63 are floating-point registers (F).
+// Execution and lowering of the operations in isa/rv32f.decode, for F and Zfinx. Register numbers 0 to 31 are integer
+// registers (Zfinx), and 32 to 63 are floating-point registers (F).
 #include "hart/csr_numbers.hpp"
 #include "instructions/float32.hpp"
 #include "instructions/load_store.hpp"
@@ -70,8 +70,8 @@ const Instruction* execute_float_move(Execution& e, const Instruction* at) {
 
 #ifdef MEBOTS_TRANSLATES
 /// Writes code that leaves the block if the floating-point unit is off, or if frm is not the host's rounding mode. Only
-/// an instruction that ends a block can change these two conditions. So the check is only needed before the first
-/// floating-point operation of a block.
+/// the first floating-point operation of a block needs this check, because only an instruction that ends a block can
+/// change the two.
 void emit_check(Assembler& c, const Instruction* at) {
   static_assert(offsetof(Execution, rounding) == offsetof(Execution, float_off) + 1);
   for (const auto* before = at - at->index; before != at; ++before) {
@@ -104,18 +104,18 @@ void emit_float_move(Assembler& c, const Instruction* at) {
 // Arithmetic
 
 #ifdef MEBOTS_TRANSLATES
-/// Lowers operations that the host executes. They round to nearest. MXCSR collects their flags: see
+/// The host executes these operations with rounding to nearest. MXCSR collects their flags: see
 /// TranslatedRun::take_float_flags().
 
-/// Returns false if the operation needs another rounding mode than the present mode of the host. The interpreter then
-/// executes the operation.
+/// Writes the checks of an operation that rounds. Returns false if it needs another rounding mode than the host's, so
+/// that the interpreter must execute it.
 bool emit_rounding(Assembler& c, const Instruction* at) {
   const auto own = static_cast<unsigned>(at->imm) & 7U;
   if (own != static_cast<unsigned>(float32::Rounding::nearest_even) && own != float32::kDynamic) return false;
   emit_check(c, at);
   return true;
 }
-/// Writes code that stores xmm0 into rd. If xmm0 is a NaN, the code stores the canonical NaN.
+/// Writes code that stores xmm0 into rd, or the canonical NaN if xmm0 is a NaN.
 void finish_float(Assembler& c, const Instruction* at) {
   Label nan;
   Label done;
@@ -134,7 +134,7 @@ void finish_float(Assembler& c, const Instruction* at) {
 void copy_float(Assembler& c, unsigned reg, const Xmm& to) {
   if (const auto from = c.registers.in_vector_for(reg, to); from.getIdx() != to.getIdx()) c.movaps(to, from);
 }
-/// Writes code for an arithmetic operation. `apply(to, from)` writes the host instruction for `to = to op from`.
+/// Writes code for an arithmetic operation. `apply(to, from)` must write the host instruction for `to = to op from`.
 template <typename Apply>
 bool emit_arithmetic(Assembler& c, const Instruction* at, Apply apply) {
   if (!emit_rounding(c, at)) return false;
@@ -163,8 +163,8 @@ bool emit_fsqrt_s(Assembler& c, const Instruction* at) {
   return true;
 }
 
-/// Writes code for a fused multiply-add. `apply(to, b, c)` writes the host instruction for to = +-to * b +- c. Returns
-/// false if the host's processor lacks this instruction.
+/// Writes code for a fused multiply-add. `apply(to, b, c)` must write the host instruction for to = +-to * b +- c.
+/// Returns false if the host's processor has no such instruction.
 template <typename Apply>
 bool emit_multiply_add(Assembler& c, const Instruction* at, Apply apply) {
   if (!translate::host_processor().has(Xbyak::util::Cpu::tFMA) || !emit_rounding(c, at)) return false;
@@ -249,9 +249,8 @@ const Instruction* execute_fcvt_s_wu(Execution& e, const Instruction* at) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// Writes code that converts a float to an integer. The result is in eax. `convert(truncates, leave)` writes the
-/// conversion, because the host has separate instructions with and without truncation. A jump to `leave` leaves the
-/// block.
+/// Writes code that converts a float to an integer in eax. `convert(truncates, leave)` must write the conversion. A
+/// jump to `leave` leaves the block.
 template <typename Convert>
 bool emit_to_integer(Assembler& c, const Instruction* at, Convert convert) {
   const auto own = static_cast<unsigned>(at->imm) & 7U;
@@ -274,7 +273,7 @@ bool emit_fcvt_w_s(Assembler& c, const Instruction* at) {
   return emit_to_integer(c, at, [&](bool truncates, const Label& leave) {
     const auto from = c.registers.in_vector_for(at->rs1, xmm0);
     truncates ? c.cvttss2si(eax, from) : c.cvtss2si(eax, from);
-    c.cmp(eax, 0x80000000U);  // the result of the host is the same if the value is out of range
+    c.cmp(eax, 0x80000000U);  // the host also returns this value if the float is out of range
     c.je(leave, kNear);
   });
 }
@@ -282,7 +281,7 @@ bool emit_fcvt_wu_s(Assembler& c, const Instruction* at) {
   return emit_to_integer(c, at, [&](bool truncates, const Label& leave) {
     constexpr std::uint32_t kTwoTo32 = 0x4f800000;
     c.registers.copy(eax, at->rs1);
-    c.cmp(eax, kTwoTo32);  // negative values and NaN are also above the limit
+    c.cmp(eax, kTwoTo32);  // as integers, negative values and NaN are also above the limit
     c.jae(leave, kNear);
     const auto from = c.registers.in_vector_for(at->rs1, xmm0);
     truncates ? c.cvttss2si(rax, from) : c.cvtss2si(rax, from);
@@ -337,8 +336,7 @@ const Instruction* execute_fclass_s(Execution& e, const Instruction* at) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// Writes code that puts the sign of rs2 into the sign bit of ecx, and rs1 into eax. `apply()` then writes the code
-/// that changes the signs.
+/// Writes code that puts rs2 into ecx and rs1 into eax, and stores eax into rd after the code that `apply()` writes.
 template <typename Apply>
 void emit_sign(Assembler& c, const Instruction* at, Apply apply) {
   emit_check(c, at);
@@ -368,8 +366,8 @@ void emit_fsgnjx_s(Assembler& c, const Instruction* at) {
     c.xor_(eax, ecx);
   });
 }
-/// Writes code for fmin.s or fmax.s. The interpreter handles NaNs, and also zeros, because two zeros may have different
-/// signs.
+/// Writes code for fmin.s or fmax.s. The interpreter handles NaNs and equal values, because two zeros may have
+/// different signs.
 template <typename Apply>
 void emit_extreme(Assembler& c, const Instruction* at, Apply apply) {
   emit_check(c, at);
@@ -401,7 +399,7 @@ void emit_feq_s(Assembler& c, const Instruction* at) {
   c.movzx(eax, al);
   c.registers.finish(at->rd, eax);
 }
-/// Writes code that compares rs2 with rs1. With this order of operands, an unordered result sets the flags of "below".
+/// Writes code that compares rs2 with rs1. In this order, an unordered result sets the flags of "below".
 template <typename Set>
 void emit_order(Assembler& c, const Instruction* at, Set set_al) {
   emit_check(c, at);

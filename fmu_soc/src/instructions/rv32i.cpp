@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Implements execution and lowering of each operation of isa/rv32i.decode (RV32I).
+// Execution and lowering of the operations in isa/rv32i.decode (RV32I).
 #include "instructions/load_store.hpp"
 
 #include "instructions/operation.hpp"
@@ -44,7 +44,7 @@ const Instruction* leave_to(Execution& e, const Instruction* at, Word target) {
   e.jumped = at->rs2 == 0;
   e.redirected = true;
   e.exit = at + 1;
-  e.link = &at->link;  // jalr stores its last target in the link of its slot
+  e.link = &at->link;  // the link of a jalr is its last target
   return nullptr;
 }
 const Instruction* execute_jal(Execution& e, const Instruction* at) {
@@ -83,8 +83,8 @@ void emit_jal(Assembler& c, const Instruction* at) {
   if (at->rd != kNoRegister) c.registers.set(at->rd, at[1].pc);
   c.edges.jump(at, static_cast<std::uint32_t>(at->imm), at->rs2 == 0);
 }
-/// Writes host code for jalr. If a slow instruction before the jalr hides the cost of an unaligned target (rs2 is not
-/// 0), which is rare, returns false.
+/// Returns false if the instruction before the jalr hides the cost of an unaligned target (rs2 is not 0), which is
+/// rare.
 bool emit_jalr(Assembler& c, const Instruction* at) {
   if (at->rs2 != 0) return false;
   const auto base = c.registers.value(at->rs1, eax);
@@ -289,7 +289,7 @@ void emit_and(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Stores are visible at once, also to the decoder. Therefore a fence only takes time and has no other effect.
+// A fence only takes time, because stores are immediately visible, also to the decoder.
 
 const Instruction* execute_fence(Execution& e, const Instruction* at) {
   return next(e, at);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Implements execution and lowering of each operation of isa/rv32m.decode (M extension).
+// Execution and lowering of the operations in isa/rv32m.decode (M extension).
 #include "instructions/operation.hpp"
 
 #include "mebots/assert.hpp"
@@ -59,8 +59,8 @@ void emit_mulhu(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Division by zero returns all ones, and the overflow -2^31 / -1 returns -2^31. The remainder of a division by zero is
-// the dividend. The remainder of the overflow is 0.
+// Division by zero returns all ones, and its remainder is the dividend. The overflow -2^31 / -1 returns -2^31, and its
+// remainder is 0.
 
 constexpr Word execute_div(Word a, Word b) {
   if (b == 0) return ~Word{0};
@@ -80,9 +80,8 @@ constexpr Word execute_remu(Word a, Word b) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// Writes code that counts the cycles of a division. They depend on the number of leading zeros of the divisor. If the
-/// divisor is negative, they depend on the number of its leading ones minus 1: see divide_extra_signed(). The divisor
-/// must be in ecx. Changes eax and edx.
+/// Writes code that counts the cycles of a division by ecx: see divide_extra_signed() and divide_extra_unsigned(). The
+/// code changes eax and edx.
 void emit_divide_cycles(Assembler& c, bool is_signed) {
   if (is_signed) {
     c.mov(edx, ecx);
@@ -90,7 +89,7 @@ void emit_divide_cycles(Assembler& c, bool is_signed) {
     c.mov(eax, edx);
     c.xor_(edx, ecx);
     c.lzcnt(edx, edx);
-    c.add(edx, eax);  // -1 if negative
+    c.add(edx, eax);  // one less if negative
   } else {
     c.lzcnt(edx, ecx);
   }
@@ -121,7 +120,7 @@ void emit_divide(Assembler& c, const Instruction* at, bool remainder) {
   c.registers.finish(at->rd, eax);
   c.defer_cold([&c, by_zero, done, remainder]() mutable {
     c.L(by_zero);
-    if (!remainder) c.mov(eax, ~0U);  // the remainder is the dividend
+    if (!remainder) c.mov(eax, ~0U);  // the remainder is the dividend, which is in eax
     c.jmp(done, kNear);
   });
 }

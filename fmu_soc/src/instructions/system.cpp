@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Traps, Zifencei, Zicsr and machine mode: execution of each operation of isa/system.decode. Only accesses to CSRs have
+// Execution of the operations in isa/system.decode: traps, Zifencei, Zicsr and machine mode. Only accesses to CSRs have
 // a lowering.
 #include "hart/csr_numbers.hpp"
 #include "hart/csrs.hpp"
@@ -47,7 +47,8 @@ Xbyak::Address csr_word(unsigned slot) {
   return csr_field(dword, offsetof(CsrState, words) + sizeof(std::uint32_t) * slot);
 }
 
-/// Sets rdx to the core's CsrState. Jumps to `rare` if the core is not in machine mode.
+/// Writes code that loads the address of the core's CsrState into rdx. If the core is not in machine mode, the code
+/// jumps to `rare`.
 void emit_csr_state(Assembler& c, Label& rare) {
   c.mov(rdx, ptr[rbx + translate::offset_of_host(offsetof(HostState, csrs))]);
   if (!c.blocks.timing().options.has(Extension::user)) return;
@@ -55,9 +56,9 @@ void emit_csr_state(Assembler& c, Label& rare) {
   c.jne(rare, kNear);
 }
 
-/// Sets rax to the number of cycles or retired instructions since reset, before this instruction. rdx points to the
-/// core's CsrState. Changes rcx. Jumps to `rare` if the counter is stopped. Also jumps there if `at` reads the cycle
-/// counter, is the first instruction of its block, and may have stalled because of a load before the block.
+/// Writes code that loads the value of the counter before `at` into rax. rdx must contain the address of the core's
+/// CsrState. The code changes rcx. The code jumps to `rare` if the counter is stopped. It also jumps there if `at`
+/// reads the cycle counter and may have stalled after a load before its block.
 void emit_count(Assembler& c, const Instruction* at, bool instret, Label& rare) {
   c.test(csr_word(csr::slot_of(csr::kMcountinhibit)), instret ? Csrs::kInhibitInstret : Csrs::kInhibitCycle);
   c.jnz(rare, kNear);
@@ -74,7 +75,7 @@ void emit_count(Assembler& c, const Instruction* at, bool instret, Label& rare) 
   c.sub(rax, csr_field(ptr, offsetof(CsrState, cycle_base)));
 }
 
-/// Stores a word of CsrState, whose old value is in eax. Changes ecx.
+/// Writes code that changes a word of CsrState. eax must contain the old value. The code changes ecx.
 void emit_csr_write(Assembler& c, const Instruction* at, const CsrForm& form) {
   if (traits_of(at->op).kind == OpKind::csr_immediate) {
     c.mov(ecx, at->rs1);
@@ -87,7 +88,7 @@ void emit_csr_write(Assembler& c, const Instruction* at, const CsrForm& form) {
   c.mov(csr_word(form.slot), ecx);
 }
 
-/// Writes code for reads of counters and accesses to plain words. Returns false if the access may have another effect.
+/// Writes code for reads of counters, and for accesses to plain words. Returns false for all other accesses.
 bool emit_csr_access(Assembler& c, const Instruction* at) {
   using Kind = CsrForm::Kind;
   const auto form = Csrs::form(c.blocks.timing(), static_cast<unsigned>(at->imm));
@@ -111,8 +112,7 @@ bool emit_csr_access(Assembler& c, const Instruction* at) {
 }
 #endif
 
-/// Instructions of machine mode are illegal in U mode. The exception is wfi, which is illegal in U mode only if
-/// mstatus.TW is set.
+/// Raises the exception of an instruction that is illegal in U mode: mret, and wfi if mstatus.TW is set.
 const Instruction* illegal_in_user_mode(Execution& e, const Instruction* at) {
   return e.raise(at, cause::kIllegalInstruction, e.units->blocks.word_at(at->pc).value_or(0));
 }

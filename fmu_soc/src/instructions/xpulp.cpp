@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Implements execution and lowering of each operation of isa/xpulp.decode (Xpulp v2 on whole words). The manual does
-// not define some results: sums that wrap, bit fields that exceed the word, negative bounds of a clip. Such results are
-// the same as those of the ALU and multiplier in RI5CY's RTL (pulp-platform/riscv, February 2018).
+// Execution and lowering of the operations in isa/xpulp.decode (Xpulp v2 on whole words). The manual does not define
+// some results: sums that wrap, bit fields that exceed the word, negative bounds of a clip. These results are the same
+// as in RI5CY's RTL (pulp-platform/riscv, February 2018).
 #include "hart/block_cache.hpp"
 
 #include "instructions/load_store.hpp"
@@ -64,8 +64,8 @@ const Instruction* execute_lp_starti(Execution& e, const Instruction* at) {
   e.loops[at->rs2].start = at->pc + static_cast<Word>(at->imm);
   return next(e, at);
 }
-/// Sets the end of a loop. If the present block continues after the new end, leaves the block, because it must be
-/// decoded again.
+/// Sets the end of a loop. If blocks did not end there before, leaves the block, because it may have to be decoded
+/// again.
 const Instruction* set_loop_end(Execution& e, const Instruction* at, Word pc) {
   MEBOTS_ASSERT(at->rs2 < e.loops.size());
   e.loops[at->rs2].end = pc;
@@ -88,17 +88,16 @@ const Instruction* execute_lp_setup(Execution& e, const Instruction* at) {
   e.loops[at->rs2].count = e.x[at->rs1];
   return set_loop_end(e, at, at->pc + static_cast<Word>(at->imm));
 }
-/// Sets up a loop. The immediate contains the count in its lower half, and the distance to the loop's end in its upper
-/// half.
+/// The lower half of the immediate is the count, and the upper half is the distance to the loop's end.
 const Instruction* execute_lp_setupi(Execution& e, const Instruction* at) {
   const auto fields = static_cast<Word>(at->imm);
   e.loops[at->rs2].start = at->pc + 4;
   e.loops[at->rs2].count = fields & 0xffffU;
   return set_loop_end(e, at, at->pc + (fields >> 16));
 }
-/// Executes the end of a block whose last instruction may end a loop. The inner loop (0) is checked first. If a loop
-/// has no further iteration, its count does not change, and the other loop is checked. If neither loop has a further
-/// iteration, execution continues after the block. The jump to the start of a loop takes no cycle.
+/// Executes the end of a block whose last instruction may end a loop. Checks the inner loop (0) first, and then the
+/// outer loop. If neither loop has a further iteration, execution continues after the block. The jump to the start of a
+/// loop takes no cycle.
 const Instruction* execute_loop_end(Execution& e, const Instruction* at) {
   MEBOTS_ASSERT(at->index > 0 && is_block_end(at->op));
   const auto last = at[-1].pc;
@@ -116,14 +115,13 @@ const Instruction* execute_loop_end(Execution& e, const Instruction* at) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// Returns the x86 memory operand of a field of the hardware loop that the instruction changes. `offset` is the offset
-/// of the field in HardwareLoop.
+/// Returns the host's memory operand for a field of the hardware loop. `offset` is the offset of the field in
+/// HardwareLoop.
 Xbyak::Address loop_register(const Instruction* at, std::size_t offset) {
   MEBOTS_ASSERT(is_hardware_loop(at->op) && at->rs2 < 2);
   return dword[rbx + translate::offset_of_loop(at->rs2) + static_cast<int>(offset)];
 }
-/// Writes host code that sets the end of a loop. If blocks do not end at `pc` yet, returns false, because only the
-/// interpreter can change this.
+/// Returns false if blocks do not end at `pc` yet, because only the interpreter can change this.
 bool emit_set_loop_end(Assembler& c, const Instruction* at, std::uint32_t pc) {
   if (!c.blocks.may_end_loop(pc)) return false;
   c.mov(loop_register(at, offsetof(HardwareLoop, end)), pc);
@@ -230,8 +228,8 @@ void emit_p_slet(Assembler& c, const Instruction* at) {
 void emit_p_sletu(Assembler& c, const Instruction* at) {
   emit_set(c, at, [&] { c.setbe(al); });
 }
-/// Writes code that selects one of two operands by the flags of their difference. `move()` writes the cmov that copies
-/// the second operand from ecx to eax.
+/// Writes code that selects one of two operands by the flags of their difference. `move()` must write the cmov that
+/// copies the second operand from ecx to eax.
 template <typename Move>
 void emit_select(Assembler& c, const Instruction* at, Move move) {
   c.registers.copy(eax, at->rs1);
@@ -264,8 +262,8 @@ void emit_p_extbs(Assembler& c, const Instruction* at) {
 void emit_p_extbz(Assembler& c, const Instruction* at) {
   emit_unary(c, at, [&](const Reg32& to) { c.movzx(to, al); });
 }
-/// Writes code that limits a value to an upper and a lower bound. The lower bound is 0 for an unsigned clip, and the
-/// complement of the upper bound for a signed clip.
+/// Writes code that limits a value. The lower bound is 0 for an unsigned clip, and the complement of the upper bound
+/// for a signed clip.
 void emit_clip(Assembler& c, const Instruction* at, bool is_signed) {
   c.registers.copy(eax, at->rs1);
   if (operand_of(*at) == Operand::immediate) {
@@ -283,7 +281,7 @@ void emit_clip(Assembler& c, const Instruction* at, bool is_signed) {
     c.test(eax, eax);
     c.cmovns(edx, eax);
   }
-  c.cmp(eax, ecx);  // the upper bound has priority if the bounds cross
+  c.cmp(eax, ecx);  // the upper bound has priority over the lower bound
   c.cmovg(edx, ecx);
   c.registers.finish(at->rd, edx);
 }
@@ -295,13 +293,13 @@ void emit_p_clipu(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Sums that are shifted right. The traits of an operation determine whether it subtracts, rounds, and extends the sign.
+// Sums that are shifted right. Their traits state whether they subtract, round, and extend the sign.
 
 /// Returns half of the lowest bit that remains after the shift.
 constexpr Word rounding(Word shift) {
   return (Word{1} << shift) >> 1;
 }
-/// Shifts to the right, arithmetically or logically.
+/// Shifts to the right, arithmetically if the operation is signed.
 template <Op kOp>
 constexpr Word shift_right(Word a, Word places) {
   return traits_of(kOp).sign ? shift_right_signed(a, places) : a >> (places & 31U);
@@ -311,14 +309,14 @@ constexpr Word execute_shifted_sum(Word a, Word b, Word shift) {
   const Word sum = traits_of(kOp).subtracts ? a - b : a + b;
   return shift_right<kOp>(traits_of(kOp).rounds ? sum + rounding(shift) : sum, shift);
 }
-/// Computes the sum of rd and rs1 and shifts it right by the low five bits of rs2.
+/// Shifts the sum of rd and rs1 right by the low five bits of rs2.
 template <Op kOp>
 constexpr Word execute_shifted_sum_by_register(Word a, Word b, Word shift) {
   return execute_shifted_sum<kOp>(a, b, shift & 31U);
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// Sets eax to the sum or difference of two registers. Changes ecx.
+/// Writes code that computes the sum or difference of two registers in eax. The code changes ecx.
 void emit_sum(Assembler& c, const Instruction* at, unsigned a, unsigned b) {
   c.registers.copy(eax, a);
   c.registers.copy(ecx, b);
@@ -347,17 +345,17 @@ void emit_shifted_sum_by_register(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Operations on bits. An immediate or a register contains a bit field as `(width - 1) << 5 | position`.
+// Operations on bit fields. An immediate or a register describes a bit field as `(width - 1) << 5 | position`.
 
-/// Returns the mask of a bit field at position 0.
+/// Returns the mask of a bit field, moved to position 0.
 constexpr Word field_mask(Word bits) {
   return ~(0xfffffffeU << (bits >> 5 & 31U));
 }
 constexpr Word execute_p_extractu(Word a, Word bits) {
   return (a >> (bits & 31U)) & field_mask(bits);
 }
-/// Returns a bit field of `a` with sign extension. Bits of the field beyond the end of the word are equal to the word's
-/// sign bit.
+/// Returns a bit field of `a` with sign extension. Bits of the field beyond the end of the word are copies of the sign
+/// bit.
 constexpr Word execute_p_extract(Word a, Word bits) {
   const auto shifted = shift_right_signed(a, bits);
   const auto mask = field_mask(bits);
@@ -398,11 +396,11 @@ constexpr Word execute_p_ror(Word a, Word b) {
 struct Field {
   unsigned position = 0;
   unsigned width = 0;
-  std::uint32_t low = 0;   // ones at the lower end of the word, one for each bit of the field
-  std::uint32_t mask = 0;  // ones at the position of the field
+  std::uint32_t low = 0;   // mask of the field, moved to position 0
+  std::uint32_t mask = 0;  // mask of the field
 };
-/// Returns the bit field that an immediate describes, without bits beyond the end of the word. If a register contains
-/// the field, which is rare, returns nullopt.
+/// Returns the bit field that the immediate describes, without bits beyond the end of the word. Returns nullopt if a
+/// register describes the field, which is rare.
 std::optional<Field> field_of(const Instruction* at) {
   if (operand_of(*at) != Operand::immediate) return std::nullopt;
   const auto imm = static_cast<unsigned>(at->imm);
@@ -466,7 +464,7 @@ void emit_p_ff1(Assembler& c, const Instruction* at) {
 }
 void emit_p_fl1(Assembler& c, const Instruction* at) {
   c.registers.copy(eax, at->rs1);
-  c.lzcnt(eax, eax);  // 32 for 0 is the result
+  c.lzcnt(eax, eax);  // the result for 0 is also 32
   c.mov(ecx, 31);
   c.sub(ecx, eax);
   c.cmovns(eax, ecx);
@@ -491,14 +489,13 @@ constexpr Word execute_p_mac(Word sum, Word a, Word b) {
 constexpr Word execute_p_msu(Word sum, Word a, Word b) {
   return sum - a * b;
 }
-/// Returns the upper or the lower half of a word, as the operation's traits require, extended to a word.
+/// Returns the upper or the lower half of a word, depending on the operation, extended to a word.
 template <Op kOp>
 constexpr Word half(Word a) {
   if (traits_of(kOp).high) return shift_right<kOp>(a, 16);
   return traits_of(kOp).sign ? static_cast<Word>(static_cast<std::int16_t>(a)) : a & 0xffffU;
 }
-/// Computes `sum` plus the product of two halves, and shifts the result right. If the operation's traits require
-/// rounding, rounds the value before the shift.
+/// Returns `sum` plus the product of two halves, shifted right. Rounds before the shift if the operation rounds.
 template <Op kOp>
 constexpr Word execute_accumulate_halves(Word sum, Word a, Word b, Word shift) {
   sum += half<kOp>(a) * half<kOp>(b);

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Implements execution and lowering of each operation of isa/xpulp_simd.decode (Xpulp v2 on two halves or four bytes of
-// a word). Lowerings use the low 32 bits of SSE registers. Part 0 is the lowest part. Halves and bytes have the same
-// functions; the traits of an operation select the size.
+// Execution and lowering of the operations in isa/xpulp_simd.decode (Xpulp v2 on two halves or four bytes of a word,
+// called parts). Part 0 is the lowest part. Lowerings use the low 32 bits of SSE registers.
 #include "instructions/operation.hpp"
 
 #include "mebots/assert.hpp"
@@ -23,7 +22,6 @@ namespace {
 using namespace lowering;
 #endif
 
-/// Signed integer that contains one part.
 template <Op kOp>
 using Signed = std::conditional_t<traits_of(kOp).parts == 4, std::int8_t, std::int16_t>;
 template <Op kOp>
@@ -43,7 +41,7 @@ constexpr Word at_part(T value, unsigned index) {
   return Word{static_cast<std::make_unsigned_t<T>>(value)} << (index * kPartBits<T>);
 }
 
-/// Applies `compute` to each pair of parts, and returns the word that contains the results.
+/// Applies `compute` to each pair of parts, and returns the word with the results.
 template <typename T, typename Compute>
 constexpr Word on_parts(Word a, Word b, Compute compute) {
   Word result = 0;
@@ -151,7 +149,6 @@ void emit_pv_maxu(Assembler& c, const Instruction* at) {
   emit_packed(c, at,
               [&](const Xmm& to, const Xmm& from) { on_bytes(at->op) ? c.pmaxub(to, from) : c.pmaxuw(to, from); });
 }
-/// Writes code that computes half of the sum of two parts. The sum wraps before it is halved.
 void emit_average(Assembler& c, const Instruction* at, bool sign) {
   c.registers.copy(eax, at->rs1);
   load_second(c, at);
@@ -203,7 +200,7 @@ constexpr Word execute_pv_sll(Word a, Word b) {
 
 #ifdef MEBOTS_TRANSLATES
 enum class PartShift : std::uint8_t { left, right, right_signed };
-/// Writes code for a shift of all parts by the same number of places. For other shifts, which are rare, returns false.
+/// Writes code that shifts all parts by the same number of places. Returns false for other shifts, which are rare.
 bool emit_shift_parts(Assembler& c, const Instruction* at, PartShift shift) {
   const bool bytes = on_bytes(at->op);
   const auto from = operand_of(*at);
@@ -272,7 +269,7 @@ constexpr Word execute_pv_and(Word a, Word b) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// Writes code for a logical operation. `apply(to, from)` writes the host instruction for `to = to op from`.
+/// Writes code for a logical operation. `apply(to, from)` must write the host instruction for `to = to op from`.
 template <typename Apply>
 void emit_logic(Assembler& c, const Instruction* at, Apply apply) {
   c.registers.copy(eax, at->rs1);
@@ -291,7 +288,7 @@ void emit_pv_and(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Comparisons. If the relation is true for a part, all bits of this part in the result are 1.
+// Comparisons. If the relation holds for a part, all bits of this part of the result are 1.
 
 template <Op kOp>
 constexpr Word execute_compare_parts(Word a, Word b) {
@@ -311,8 +308,7 @@ constexpr Word execute_compare_parts(Word a, Word b) {
 constexpr std::uint32_t kSignOfBytes = 0x80808080U;
 constexpr std::uint32_t kSignOfHalves = 0x80008000U;
 
-/// Writes code that compares parts: ==, != and signed >, >=, <, <=. For an unsigned comparison, inverts the sign bits
-/// first.
+/// The host has no unsigned comparison. The code therefore inverts the sign bits of unsigned operands first.
 void emit_compare_parts(Assembler& c, const Instruction* at) {
   MEBOTS_ASSERT(traits_of(at->op).kind == OpKind::simd_compare);
   const bool bytes = on_bytes(at->op);
@@ -342,7 +338,7 @@ void emit_compare_parts(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Dot products, which are the sum of the products of all pairs of parts. Some operations add this sum to rd.
+// Dot products: the sum of the products of all pairs of parts. Some operations add this sum to rd.
 
 template <Op kOp>
 constexpr Word execute_accumulate_dot_product(Word sum, Word a, Word b) {
@@ -359,8 +355,8 @@ constexpr Word execute_dot_product(Word a, Word b) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// Returns the encoding of the host instruction that computes dot products of unsigned and signed bytes. If the host
-/// has no such instruction, returns nullopt.
+/// Returns the encoding of the host instruction for dot products of unsigned and signed bytes, or nullopt if the host
+/// has no such instruction.
 std::optional<Xbyak::PreferredEncoding> host_dot_product() {
   using Xbyak::util::Cpu;
   const Cpu& cpu = translate::host_processor();
@@ -369,7 +365,7 @@ std::optional<Xbyak::PreferredEncoding> host_dot_product() {
   return std::nullopt;
 }
 
-/// Writes the end of a dot product: rd = sum, or rd += sum. May change eax.
+/// Writes the end of a dot product: rd = sum, or rd += sum. The code may change eax.
 void finish_sum(Assembler& c, unsigned rd, bool accumulates, const Xbyak::Xmm& sum) {
   if (!accumulates) {
     c.registers.finish_vector(rd, sum);
@@ -380,8 +376,8 @@ void finish_sum(Assembler& c, unsigned rd, bool accumulates, const Xbyak::Xmm& s
     c.add(c.registers.operand(rd), eax);
   }
 }
-/// Writes code for a dot product. Signed halves are multiplied by pmaddwd, and other halves one by one. Bytes are first
-/// extended to halves, because pmaddubsw saturates. Newer hosts have an instruction that multiplies unsigned by signed
+/// Writes code for a dot product. Signed halves are multiplied by pmaddwd, other halves one by one. Bytes are first
+/// extended to halves, because pmaddubsw saturates. Some hosts have an instruction that multiplies unsigned by signed
 /// bytes.
 void emit_dot_product(Assembler& c, const Instruction* at) {
   MEBOTS_ASSERT(is_dot_product(at->op));
@@ -448,7 +444,7 @@ void emit_accumulate_dot_product(Assembler& c, const Instruction* at) {
 
 // Operations that copy parts.
 
-/// Returns one part with sign or zero extension.
+/// Returns one part of `a`, extended to a word.
 template <Op kOp>
 constexpr Word execute_pv_extract(Word a, Word index) {
   return static_cast<Word>(std::int32_t{part<Signed<kOp>>(a, index % kParts<Signed<kOp>>)});
@@ -464,16 +460,15 @@ constexpr Word execute_pv_insert(Word into, Word a, Word index) {
   const auto place = index % kParts<T>;
   return (into & ~at_part<T>(static_cast<T>(-1), place)) | at_part<T>(static_cast<T>(a), place);
 }
-/// Returns a word whose parts are copies of parts of `a`. Each part of `selectors` contains the number of the part that
-/// is copied to its position.
+/// Returns a word whose parts are copies of parts of `a`. Each part of `selectors` is the number of the part that is
+/// copied there.
 template <Op kOp>
 constexpr Word execute_pv_shuffle(Word a, Word selectors) {
   return on_parts<Unsigned<kOp>>(selectors, 0, [a](auto selector, auto) {
     return part<decltype(selector)>(a, selector % kParts<decltype(selector)>);
   });
 }
-/// Returns a word whose parts are copies of parts of two words. Selectors count the parts of `low` first, and then the
-/// parts of `high`.
+/// Like execute_pv_shuffle() for two words. Selectors count the parts of `low` first, and then those of `high`.
 template <Op kOp>
 constexpr Word execute_pv_shuffle2(Word low, Word high, Word selectors) {
   return on_parts<Unsigned<kOp>>(selectors, 0, [low, high](auto selector, auto) {
@@ -481,16 +476,16 @@ constexpr Word execute_pv_shuffle2(Word low, Word high, Word selectors) {
     return part<T>((selector & kParts<T>) != 0 ? high : low, selector % kParts<T>);
   });
 }
-/// Returns the low halves of two words: the half of `a` becomes the upper half, and the half of `b` the lower half.
+/// Returns the low halves of two words: that of `a` as the upper half, and that of `b` as the lower half.
 constexpr Word execute_pv_pack_h(Word a, Word b) {
   return a << 16 | (b & 0xffffU);
 }
-/// Returns the high halves of two words: the half of `a` becomes the upper half, and the half of `b` the lower half.
+/// Returns the high halves of two words: that of `a` as the upper half, and that of `b` as the lower half.
 constexpr Word execute_pv_pack_h_h(Word a, Word b) {
   return (a & 0xffff0000U) | b >> 16;
 }
-/// These two functions return `into` with one half replaced by the low bytes of two words: the upper half (packhi) or
-/// the lower half (packlo).
+/// Return `into` with one half replaced by the low bytes of two words: the upper half (packhi) or the lower half
+/// (packlo).
 constexpr Word execute_pv_packhi_b(Word into, Word a, Word b) {
   return (into & 0x0000ffffU) | (a & 0xffU) << 24 | (b & 0xffU) << 16;
 }
@@ -528,7 +523,6 @@ void emit_pv_insert(Assembler& c, const Instruction* at) {
   c.or_(eax, ecx);
   c.registers.finish(at->rd, eax);
 }
-/// Writes code that shuffles the parts of one register or of two registers.
 void emit_pv_shuffle(Assembler& c, const Instruction* at) {
   const bool bytes = on_bytes(at->op);
   const bool two = reads_rd(at->op);
@@ -577,7 +571,6 @@ void emit_pv_pack_h(Assembler& c, const Instruction* at) {
 void emit_pv_pack_h_h(Assembler& c, const Instruction* at) {
   emit_pack_halves(c, at, true);
 }
-/// Writes code that packs two bytes into the upper or lower half of rd.
 void emit_pack_bytes(Assembler& c, const Instruction* at, bool into_high) {
   c.registers.copy(eax, at->rs1);
   c.movzx(eax, al);

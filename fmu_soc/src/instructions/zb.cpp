@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Implements execution and lowering of each operation of isa/zb.decode (Zba, Zbb, Zbc and Zbs).
+// Execution and lowering of the operations in isa/zb.decode (Zba, Zbb, Zbc and Zbs).
 #include "instructions/operation.hpp"
 
 #include "mebots/assert.hpp"
@@ -50,7 +50,7 @@ void emit_sh3add(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Operations of Zbb. The operations that Xpulp also has are in xpulp.cpp.
+// Operations of Zbb, except for those that Xpulp also has (xpulp.cpp).
 
 constexpr Word execute_andn(Word a, Word b) {
   return a & ~b;
@@ -61,19 +61,18 @@ constexpr Word execute_orn(Word a, Word b) {
 constexpr Word execute_xnor(Word a, Word b) {
   return ~(a ^ b);
 }
-/// Returns the number of leading zeros. Returns 32 for the word 0.
+/// Returns the number of leading zeros, which is 32 for the word 0.
 constexpr Word execute_clz(Word a) {
   return static_cast<Word>(std::countl_zero(a));
 }
 constexpr Word execute_rol(Word a, Word b) {
   return std::rotl(a, static_cast<int>(b & 31U));
 }
-/// Returns the word in which each byte that is not 0 is replaced by 255.
+/// Replaces each byte other than 0 by 255.
 constexpr Word execute_orc_b(Word a) {
   const auto set = (((a & 0x7f7f7f7fU) + 0x7f7f7f7fU) | a) >> 7 & 0x01010101U;
   return set * 255U;
 }
-/// Returns the bytes in reverse order.
 constexpr Word execute_rev8(Word a) {
   return a << 24 | (a & 0xff00U) << 8 | (a >> 8 & 0xff00U) | a >> 24;
 }
@@ -136,14 +135,13 @@ constexpr Word execute_clmul(Word a, Word b) {
 constexpr Word execute_clmulh(Word a, Word b) {
   return static_cast<Word>(carryless_product(a, b) >> 32);
 }
-/// Returns bits 62 to 31 of the product without carries. They are equal to the lower word of the product of the words
-/// with reversed bits, with its bits reversed again.
+/// Returns bits 62 to 31 of the product without carries.
 constexpr Word execute_clmulr(Word a, Word b) {
   return static_cast<Word>(carryless_product(a, b) >> 31);
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// Writes code for a multiplication without carries. If the host's processor has no such instruction, returns false.
+/// Writes code for a multiplication without carries. Returns false if the host's processor has no such instruction.
 bool emit_carryless(Assembler& c, const Instruction* at, int shift) {
   if (!translate::host_processor().has(Xbyak::util::Cpu::tPCLMULQDQ)) return false;
   for (const auto& [vector, reg] : {std::pair{xmm0, at->rs1}, std::pair{xmm1, at->rs2}}) {
@@ -167,7 +165,7 @@ bool emit_clmulr(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Operations of Zbs, which change or read one bit. The low five bits of the second operand are the number of the bit.
+// Operations of Zbs on one bit. The low five bits of the second operand are the number of the bit.
 
 constexpr Word bit(Word number) {
   return Word{1} << (number & 31U);
@@ -186,8 +184,8 @@ constexpr Word execute_bset(Word a, Word b) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// Writes code for an operation on one bit. `apply(to, number)` must write the host instruction, which uses the number
-/// modulo 32 as the guest instruction does.
+/// Writes code for an operation on one bit. `apply(to, number)` must write the host instruction. Like the guest
+/// instruction, it uses the number modulo 32.
 template <typename Apply>
 void emit_bit(Assembler& c, const Instruction* at, Apply apply) {
   c.registers.copy(eax, at->rs1);

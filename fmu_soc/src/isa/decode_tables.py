@@ -133,7 +133,7 @@ class Tables:
             self.families.append(family)
 
     def refuse_overlap(self, mnemonic, format_name, bits, mask, match, extension):
-        """Checks that two rows match one word only if operands of one of them are reserved."""
+        """Raises Mistake if a word matches this row and an earlier row, and neither row has reserved operands."""
         for other in self.encodings:
             common = mask & other["mask"]
             if {extension, other["extension"]} == EXCLUSIVE:
@@ -165,7 +165,7 @@ class Tables:
                 f'0x{row["mask"]:08x}, 0x{row["match"]:08x}, Extension::{row["extension"]}}},')
 
     def pair(self, name):
-        """Writes an operation with its two functions. A function for several operations is a template over them."""
+        """Returns the C++ code that creates an operation. With the key `by`, its execute function is a template."""
         row = self.operations[name]
         functions = row.get("by", name.removesuffix("_"))
         execute = f"execute_{functions}" + (f"<Op::{name}>" if "by" in row else "")

@@ -15,11 +15,11 @@ constexpr std::array<std::string_view, kRegisters> kNames{
     "ft7",  "fs0", "fs1", "fa0", "fa1", "fa2", "fa3",  "fa4",  "fa5", "fa6", "fa7",  "fs2", "fs3",
     "fs4",  "fs5", "fs6", "fs7", "fs8", "fs9", "fs10", "fs11", "ft8", "ft9", "ft10", "ft11"};
 
-/// Text of each rounding mode, as binutils writes it. The mode that selects the rounding mode in frm has no text.
+/// Text of each rounding mode, as binutils writes it. The text is empty for the rounding mode in frm.
 constexpr std::array<std::string_view, 8> kRoundings{", rne", ", rtz", ", rdn", ", rup", ", rmm", "", "", ""};
 
-/// Returns the assembly text of an instruction's operands. The format (formats.decode) defines the text; the names in
-/// braces are replaced by values.
+/// Returns the assembly text of an instruction's operands. The format (formats.decode) contains a text in which the
+/// names in braces are replaced by values.
 std::string operands(const Decoded& d, std::uint32_t pc) {
   const auto imm = static_cast<std::uint32_t>(d.imm);
   return fmt::format(fmt::runtime(row_of(d.encoding->format).text),           //

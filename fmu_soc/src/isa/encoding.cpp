@@ -12,15 +12,15 @@ constexpr auto kEncodings = std::to_array<Encoding>({
 #include "fmu_soc_isa/encodings.inc"
 });
 
-/// Returns the third register that an instruction reads. For an accumulation, it is the destination register. For a
-/// store, it is the register that contains the offset, whose number may be in the field of rd.
+/// Returns the third register that an instruction reads: for an accumulation, the destination register; for a store,
+/// the register with the offset.
 std::uint8_t third_register(const Encoding& encoding, std::uint32_t w) {
   const auto& format = row_of(encoding.format);
   return (reads_rd(encoding.op) ? format.rd : format.rs3).of(w);
 }
 
-/// Finds the rows of the table that may match a word. It uses the low bits of the word: the opcode of a 32-bit
-/// instruction, or quadrant and funct3 of a 16-bit instruction.
+/// Finds the rows of the table that may match a word by its low bits: the opcode of a 32-bit instruction, or quadrant
+/// and funct3 of a 16-bit instruction.
 class Index {
  public:
   Index() {
@@ -94,14 +94,14 @@ Decoded decode(std::uint32_t word, Extensions has) {
     decoded.encoding = encoding;
     return decoded;
   }
-  decoded.imm = static_cast<std::int32_t>(word);  // used as the value of mtval
+  decoded.imm = static_cast<std::int32_t>(word);  // becomes the value of mtval
   return decoded;
 }
 
 std::int32_t operand_value(const Decoded& decoded) {
   if (decoded.operand != Operand::immediate) return decoded.imm;
   const auto value = static_cast<std::uint32_t>(decoded.imm);
-  // Moves each selector of a shuffle to the lowest bits of the part that it determines.
+  // The selectors of a shuffle are moved to the lowest bits of the parts that they determine.
   switch (row_of(decoded.encoding->format).value) {
     case Value::as_it_is:
       return decoded.imm;

@@ -10,11 +10,12 @@
 #include <string>
 #include <string_view>
 
-/// Contains the encodings of RV32IMC_Zicsr_Zifencei, of the machine-mode instructions, of the extensions in
-/// isa/extension.hpp, and of Xpulp v2. They come from the tables *.decode in this folder. Each table names its source.
+/// Encodings of RV32IMC_Zicsr_Zifencei, of the machine-mode instructions, of the extensions in isa/extension.hpp, and
+/// of Xpulp v2. They come from the tables *.decode in this folder, which name their sources.
 namespace mebots::soc {
 
-/// Describes one encoding. A word is this instruction if `(word & mask) == match` and the operands are not reserved.
+/// An encoding of an instruction. A word has this encoding if `(word & mask) == match` and the operands are not
+/// reserved.
 struct Encoding {
   std::string_view name;
   Op op;
@@ -24,7 +25,7 @@ struct Encoding {
   Extension extension = Extension::standard;
 };
 
-/// Contains a decoded instruction. Some fields have special meanings:
+/// A decoded instruction. Some fields have special meanings:
 ///
 /// - Branches and jumps: `imm` is relative to the instruction's address.
 /// - CSR instructions: `imm` is the number of the CSR. If the operand is an immediate, `rs1` is its 5-bit value.
@@ -46,31 +47,28 @@ struct Decoded {
   const Encoding* encoding = nullptr;
 };
 
-/// Returns all encodings.
 std::span<const Encoding> encodings();
 
-/// True if the low bits of a word show that it is a 16-bit instruction.
 constexpr bool is_compressed(std::uint32_t word) {
   return (word & 3U) != 3U;
 }
 
-/// True if the operands make the word a reserved encoding, such as a zero shift of `c.addi4spn`.
+/// Returns true if the operands make the word a reserved encoding, such as a zero immediate of `c.addi4spn`.
 bool is_reserved(const Encoding& encoding, std::uint32_t word);
 
-/// Decodes a 32-bit word, or the 16-bit instruction in its low half. If the word is unknown or reserved, or if it needs
-/// an extension that `has` lacks, returns `Op::illegal`.
+/// Decodes a 32-bit word, or the 16-bit instruction in its low half. Returns `Op::illegal` if the word is unknown or
+/// reserved, or if it needs an extension that `has` lacks.
 Decoded decode(std::uint32_t word, Extensions has = kMostExtensions);
 
-/// Returns the immediate in the form that the operation uses. For SIMD, the immediate is copied to all parts. For a
-/// clip, it is converted to the bound, and for a shuffle, to the selectors. Other immediates are unchanged.
+/// Returns the immediate as the operation uses it: copied to all parts for SIMD, converted to the bound for a clip, and
+/// converted to the selectors for a shuffle. Other immediates are unchanged.
 std::int32_t operand_value(const Decoded& decoded);
 
-/// Returns the assembly text of a word at the address `pc`, such as "addi sp, sp, -16". For an illegal word, returns
-/// ".word 0x...".
+/// Returns the assembly text of a word at the address `pc`, such as "addi sp, sp, -16", or ".word 0x..." for an illegal
+/// word.
 std::string disassemble(std::uint32_t word, std::uint32_t pc, Extensions has = kMostExtensions);
 
-/// Returns the ABI name of a register, such as "a0". From kFirstFloat on, this is the name of a floating-point
-/// register, such as "fa0".
+/// Returns the ABI name of a register, such as "a0" or, from kFirstFloat on, "fa0".
 std::string_view register_name(unsigned index);
 
 }  // namespace mebots::soc

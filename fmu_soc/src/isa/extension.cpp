@@ -17,7 +17,7 @@ struct Named {
   Extension extension;
 };
 
-/// The optional extensions of a core, in the order of an ISA string.
+/// Optional extensions of a core, in the order of an ISA string.
 constexpr auto kOptions = std::to_array<Named>({
     {"a", Extension::a},
     {"f", Extension::f},

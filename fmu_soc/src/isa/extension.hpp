@@ -8,8 +8,8 @@
 
 namespace mebots::soc {
 
-/// Names the extension that a core must have for a row in the tables of instructions. The last value is a
-/// property of a core that adds no instructions.
+/// The extension that a core must have for a row in the tables of instructions. `user` is a property of a core that
+/// adds no instructions.
 enum class Extension : std::uint8_t {
   standard,  // RV32IMC_Zicsr_Zifencei with machine mode
   xpulp,     // Xpulp v2 as in RI5CY
@@ -23,7 +23,7 @@ enum class Extension : std::uint8_t {
   user,  // user mode
 };
 
-/// Stores a set of extensions. The set always contains `standard`.
+/// A set of extensions. The set always contains `standard`.
 class Extensions {
  public:
   constexpr Extensions() = default;
@@ -36,7 +36,7 @@ class Extensions {
     more.add(extension);
     return more;
   }
-  /// True if the core has floating-point operations, on separate registers (F) or on integer registers (Zfinx).
+  /// Returns true if the core has floating-point operations, on separate registers (F) or on integer registers (Zfinx).
   constexpr bool has_floats() const { return has(Extension::f) || has(Extension::zfinx); }
   bool operator==(const Extensions&) const = default;
 
@@ -46,7 +46,7 @@ class Extensions {
   std::uint32_t bits_ = bit(Extension::standard);
 };
 
-/// Contains all extensions that a core can have at the same time. Zfinx is not included, because F excludes it.
+/// All extensions that a core can have at the same time. Zfinx is not included, because F excludes it.
 inline constexpr auto kMostExtensions = [] {
   Extensions most;
   for (const auto extension : {Extension::xpulp, Extension::a, Extension::f, Extension::zba, Extension::zbb,
@@ -56,15 +56,15 @@ inline constexpr auto kMostExtensions = [] {
   return most;
 }();
 
-/// Parses an ISA string such as "rv32imafc_zicsr_zba_zbb"; the letter `u` means user mode. The result never contains
-/// Xpulp. If an extension is unsupported or missing, throws Error with its name and a valid alternative.
+/// Parses an ISA string such as "rv32imafc_zicsr_zba_zbb". The letter `u` means user mode. The result never contains
+/// Xpulp. Throws Error if an extension is unsupported, or if i, m or c is missing.
 Extensions read_isa(std::string_view text);
 
 /// Returns the ISA string of a set, such as "rv32imac_zicsr_zifencei_zba". Leaves out Xpulp.
 std::string isa_string(Extensions extensions);
 
-/// Returns the extension with this name, such as "A" or "Zba". If the name is not an option of a core, returns
-/// `standard`.
+/// Returns the optional extension with this name, such as "A" or "Zba", or `standard` if no optional extension has this
+/// name.
 Extension optional_extension(std::string_view name);
 
 // Numbers of registers: x0 to x31 are 0 to 31, and f0 to f31 follow.

@@ -9,12 +9,12 @@
 
 namespace mebots::soc {
 
-/// Names the layout of an encoding's operands. Formats that start with `c` are 16 bits long.
+/// The layout of an encoding's operands. Formats that start with `c` are 16 bits long.
 enum class Format : std::uint8_t {
 #include "fmu_soc_isa/format_enum.inc"
 };
 
-/// Selects the source of an operation's second operand.
+/// The source of an operation's second operand.
 enum class Operand : std::uint8_t {
   reg,        // register rs2
   scalar,     // low half or byte of register rs2, copied to all parts
@@ -26,7 +26,7 @@ constexpr std::uint32_t field(std::uint32_t word, unsigned high, unsigned low, u
   return ((word >> low) & ((1U << (high - low + 1)) - 1U)) << to;
 }
 
-/// Describes the bits of a word that contain the number of a register.
+/// The bits of a word that contain the number of a register.
 struct RegisterField {
   std::uint8_t low = 0;   // lowest bit
   std::uint8_t bits = 0;  // number of bits; 0 = the number is always `add`
@@ -37,7 +37,7 @@ struct RegisterField {
   }
 };
 
-/// Describes which bits of a word form an immediate.
+/// The bits of a word that form an immediate.
 struct Immediate {
   struct Piece {
     std::uint8_t high;
@@ -63,7 +63,7 @@ struct Immediate {
   }
 };
 
-/// Selects how an immediate is converted to the second operand.
+/// The conversion of an immediate to the second operand.
 enum class Value : std::uint8_t {
   as_it_is,
   bound,           // clip: the immediate is the number of bits
@@ -72,7 +72,7 @@ enum class Value : std::uint8_t {
   selects_bytes,
 };
 
-/// Lists the conditions under which an encoding is reserved or belongs to another instruction.
+/// The condition under which an encoding is reserved or belongs to another instruction.
 enum class Reserved : std::uint8_t {
   never,
   zero_immediate,
@@ -83,7 +83,7 @@ enum class Reserved : std::uint8_t {
   rounding,              // bits 14:12 contain no valid rounding mode
 };
 
-/// Describes a format of isa/formats.decode.
+/// A format of isa/formats.decode.
 struct FormatRow {
   std::uint8_t bytes = 4;
   RegisterField rd{};

@@ -8,13 +8,13 @@
 
 namespace mebots::soc {
 
-/// Names an operation, independent of its encoding: `c.addi` and `addi` are both `addi`.
+/// An operation, independent of its encoding: `c.addi` and `addi` are both `addi`.
 enum class Op : std::uint16_t {
 #include "fmu_soc_isa/op_enum.inc"
 };
 
-/// Classifies the operations for timing, decoding and translation. `other` contains plain arithmetic, and operations
-/// with special handlers.
+/// Kinds of operations, for timing, decoding and translation. `other` contains plain arithmetic and operations with
+/// special handlers.
 enum class OpKind : std::uint8_t {
   other,
   branch,
@@ -34,42 +34,42 @@ enum class OpKind : std::uint8_t {
   simd_shift,
   simd_parts,  // copies halves or bytes
   dot_product,
-  float_arithmetic,  // F: sums; the next six kinds are also operations of F
+  float_arithmetic,  // F: sums; the next six kinds also belong to F
   float_multiply,
   float_multiply_add,
   float_divide,
   float_root,
   float_convert,  // conversion from or to an integer
   float_other,    // signs, comparisons, classes and moves
-  block_end,      // marks the slot after the last instruction of a decoded block
+  block_end,      // slot after the last instruction of a decoded block
 };
 
-/// Selects how a load or store computes its address and changes the address register.
+/// How a load or store computes its address and changes the address register.
 enum class AddressMode : std::uint8_t { offset, offset_register, post_immediate, post_register };
 
-/// True if a register contains the offset or increment.
+/// Returns true if a register contains the offset or increment.
 constexpr bool has_step_register(AddressMode mode) {
   return mode == AddressMode::offset_register || mode == AddressMode::post_register;
 }
 
-/// Names the condition that a SIMD comparison tests for each pair of parts.
+/// The condition that a SIMD comparison tests for each pair of parts.
 enum class Relation : std::uint8_t { eq, ne, gt, ge, lt, le };
 
 // Cycles of instructions that take several cycles, measured on the RTL (hart/timing.hpp).
 inline constexpr unsigned kMultiplyHighCycles = 5;
 inline constexpr unsigned kDivideBaseCycles = 3;
 inline constexpr unsigned kFenceCycles = 4;
-/// Maximum numbers of cycles in CV32E40P's user manual for FPU_ADDMUL_LAT = FPU_OTHERS_LAT = 0. With these parameters,
-/// all other floating-point operations take one cycle. The real core may continue earlier if the next instructions do
-/// not need the result.
+/// Maximum numbers of cycles in CV32E40P's user manual for FPU_ADDMUL_LAT = FPU_OTHERS_LAT = 0. All other
+/// floating-point operations then take one cycle. The real core may continue earlier if the next instructions do not
+/// need the result.
 inline constexpr unsigned kFloatDivideCycles = 19;
 inline constexpr unsigned kFloatRootCycles = 19;
-/// Number of cycles that mret takes. Only the sum of a trap's entry and mret was measured, which is 9 cycles. The
-/// division into 4 and 5 cycles is an assumption.
+/// Number of cycles that mret takes. Only the sum of a trap's entry and mret was measured: 9 cycles. The division into
+/// 4 and 5 is an assumption.
 inline constexpr unsigned kMretCycles = 5;
 
-/// Stores the properties that all encodings of an operation share. Properties that do not apply to a kind keep their
-/// default values.
+/// Properties that all encodings of an operation share. Properties that do not apply to a kind have their default
+/// values.
 struct OpTraits {
   OpKind kind = OpKind::other;
   std::uint8_t size = 0;   // bytes that a load or store accesses
@@ -78,12 +78,12 @@ struct OpTraits {
   AddressMode mode = AddressMode::offset;
   Relation relation = Relation::eq;
   bool second_sign = false;  // dot product: the second operand is signed
-  bool reads_rd = false;     // the operation also reads rd; a shifted sum is then shifted by a register
+  bool reads_rd = false;     // also reads rd; a shifted sum is then shifted by a register
   bool rounds = false;       // rounds before it shifts
   bool subtracts = false;
   bool high = false;        // uses the upper halves
   bool ends_block = false;  // a block ends here: the next instruction is unknown, or may depend on this one
-  unsigned cycles = 1;      // without cycles that depend on data; for CSR accesses, see Timing::csr_cycles
+  unsigned cycles = 1;      // without cycles that depend on data; for CSR accesses, see Timing::csr_cycles()
   bool reads_rs2 = true;    // if false, the field rs2 contains a value or the number of a loop
   bool atomic = false;      // operation of the A extension
   bool floats = false;      // operation of F or Zfinx
@@ -95,7 +95,7 @@ inline constexpr auto kTraits = std::to_array<OpTraits>({
 #include "fmu_soc_isa/op_traits.inc"
 });
 
-/// Returns a name such as "op 1f0a93c2". The digits are a hash (FNV-1a) of all operations' names in their order.
+/// Returns a name such as "op 1f0a93c2", whose digits are a hash (FNV-1a) of the names of all operations.
 consteval auto name_in_states() {
   std::uint32_t hash = 0x811c9dc5;
   for (const char letter : std::string_view(
@@ -112,8 +112,8 @@ inline constexpr auto kNameInStates = name_in_states();
 
 }  // namespace op_rows
 
-/// Name of an operation in a state. A state stores this name and the number of an operation. A build with other
-/// operations has another name. Therefore such a build refuses states of this build.
+/// Name under which a state stores the number of an operation. A build with other operations uses another name, and
+/// therefore refuses the state.
 inline constexpr std::string_view kOpInStates(op_rows::kNameInStates.data(), op_rows::kNameInStates.size());
 
 inline constexpr int kOpCount = static_cast<int>(op_rows::kTraits.size());
@@ -127,7 +127,6 @@ constexpr bool is_load(Op op) {
 constexpr bool is_store(Op op) {
   return traits_of(op).kind == OpKind::store;
 }
-/// True if the operation increments the address register after the access.
 constexpr bool is_post_increment(Op op) {
   const auto mode = traits_of(op).mode;
   return mode == AddressMode::post_immediate || mode == AddressMode::post_register;
@@ -144,7 +143,7 @@ constexpr bool is_multiply_high(Op op) {
 constexpr bool is_divide(Op op) {
   return traits_of(op).kind == OpKind::divide;
 }
-/// True for mulh* and divisions, which always take several cycles.
+/// Returns true for mulh* and divisions, which always take several cycles.
 constexpr bool is_multi_cycle(Op op) {
   return is_multiply_high(op) || is_divide(op);
 }
@@ -157,7 +156,6 @@ constexpr bool reads_rd(Op op) {
 constexpr bool is_hardware_loop(Op op) {
   return traits_of(op).kind == OpKind::hardware_loop;
 }
-/// True if the operation works on halves or bytes.
 constexpr bool is_simd(Op op) {
   return traits_of(op).parts != 0;
 }
@@ -167,15 +165,15 @@ constexpr bool is_dot_product(Op op) {
 constexpr bool is_multiply_accumulate(Op op) {
   return traits_of(op).kind == OpKind::multiply_accumulate || traits_of(op).kind == OpKind::multiply_halves;
 }
-/// True if the operation belongs to F or Zfinx. Such an operation is illegal while the floating-point unit is off.
+/// Returns true for operations of F or Zfinx, which are illegal while the floating-point unit is off.
 constexpr bool is_float(Op op) {
   return traits_of(op).floats;
 }
 constexpr bool is_atomic(Op op) {
   return traits_of(op).atomic;
 }
-/// True if the operation reads a third register. The number of this register is in the immediate, above the rounding
-/// mode.
+/// Returns true if the operation reads a third register. The immediate contains the number of this register, above the
+/// rounding mode.
 constexpr bool is_float_multiply_add(Op op) {
   return traits_of(op).kind == OpKind::float_multiply_add;
 }

@@ -14,22 +14,23 @@
 
 namespace mebots::soc {
 
-/// Stores the cycles in which the banks of a shared memory are claimed: a table with a row for each tick and a byte for
+/// Stores which cycles of the banks of a shared memory are claimed, in a table with a row for each tick and a byte for
 /// each bank. A bank serves one word per cycle. Consecutive words are in consecutive banks.
 ///
-/// Translated code stores pointers into the table and increases them without checks. Therefore the table has spare rows
-/// after the last tick that a core can reach, and only the scheduler starts the table again from its first row.
+/// Translated code increases pointers into the table without checks. Therefore the table has spare rows after the last
+/// tick that a core can reach, and only the scheduler moves rows, between runs.
 class Banks {
  public:
   static constexpr unsigned kMost = 32;
-  /// Number of ticks after which the scheduler must move the rows in use to the front of the table.
+  /// Number of ticks after which the scheduler must move the used rows to the front of the table; see
+  /// must_start_over().
   static constexpr std::uint64_t kTurn = 4096;
-  /// Maximum number of ticks of one run of translated code, and maximum number of ticks by which the last block of the
-  /// run can exceed this limit.
+  /// kLongestRun is the maximum number of ticks of one run of translated code. The last block of the run can exceed it
+  /// by at most kLongestBlock ticks.
   static constexpr std::uint64_t kLongestRun = 1024;
   static constexpr std::uint64_t kLongestBlock = 5120;
-  /// Number of ticks, from the start of the table, that can be claimed. In the last block of a run, a core may reach
-  /// the last of these ticks and wait.
+  /// Number of ticks, from the start of the table, that can be claimed. A core may reach the last of these ticks and
+  /// wait there.
   static constexpr std::uint64_t kReach = kLongestRun + kLongestBlock + 1024;
 
   /// `count` must be a power of two, at most kMost.
@@ -39,8 +40,8 @@ class Banks {
 
   unsigned count() const { return count_; }
 
-  /// Returns the number of ticks from `tick` to the first free cycle of the bank. A tick before the start of the table
-  /// counts as the start. All cycles from kReach after the start are free.
+  /// Returns the number of ticks from `tick` to the first free cycle of the bank. If `tick` is before the start of the
+  /// table, searches from the start. All cycles from kReach ticks after the start are free.
   std::uint32_t wait(std::uint64_t tick, std::uint32_t address) const {
     const auto end = start_ + kReach;
     if (tick >= end) return 0;
@@ -48,18 +49,18 @@ class Banks {
     while (at < end && taken_[place_of(at, address)] != 0) ++at;
     return static_cast<std::uint32_t>(at - tick);
   }
-  /// Reserves the cycle that wait() finds. Returns the number of ticks from `tick` to that cycle.
+  /// Claims the cycle that wait() finds. Returns the number of ticks from `tick` to that cycle.
   std::uint32_t claim(std::uint64_t tick, std::uint32_t address) {
     const auto waited = wait(tick, address);
     if (tick + waited < start_ + kReach) byte_of(tick + waited, address) = 1;
     return waited;
   }
-  /// Returns the number of ticks from `tick` on in which conflicts are possible.
+  /// Returns the number of ticks from `tick` in which conflicts are possible.
   std::uint64_t ticks_left(std::uint64_t tick) const { return start_ + kReach - std::min(tick, start_ + kReach); }
 
   /// Claims the banks of all words from `address` up to, but not including, `end` in `tick`. If a bank is already
-  /// claimed, claims its next tick instead, without a check. Therefore at most one other user may claim cycles. Returns
-  /// 1 if any bank was already claimed, and 0 if none was.
+  /// claimed, claims its next tick without a check. Therefore at most one other user may claim cycles. Returns 1 if any
+  /// bank was already claimed, otherwise 0.
   std::uint32_t claim_or_next(std::uint64_t tick, std::uint32_t address, std::uint32_t end) {
     if (tick < start_ || tick + 1 >= start_ + kReach) return 0;
     auto* row = &byte_of(tick, 0);
@@ -81,18 +82,18 @@ class Banks {
     set_horizon();
   }
   std::uint64_t start() const { return start_; }
-  /// Frees all claimed cycles.
   void free_all() { std::fill(taken_.begin(), taken_.end(), std::uint8_t{0}); }
 
-  /// True if the table must be started again before it can move to `tick`.
+  /// Returns true if start_over() must be called to move to `tick`.
   bool must_start_over(std::uint64_t tick) const { return tick >= base_ + kTurn; }
-  /// Moves the table so that its first row is `tick`. No cycle after `last` may be claimed. Returns the number of bytes
-  /// by which the rows were moved to the front.
+  /// Removes the rows before `tick`, and moves the others to the front of the table. No tick after `last` may be
+  /// claimed. Returns the number of bytes by which the rows were moved.
   std::uint64_t start_over(std::uint64_t tick, std::uint64_t last) {
     move_to(tick);
     const auto first = std::min(tick - base_, kRows);
     const auto rows = last < tick ? 0 : std::min(last + 1 - tick, kRows - first);
-    std::copy_n(taken_.data() + first * count_, rows * count_, taken_.begin());  // kTurn rows lie between, or none
+    /// The rows move by at least kTurn rows, or not at all.
+    std::copy_n(taken_.data() + first * count_, rows * count_, taken_.begin());
     clear(base_ + std::max(first, rows), base_ + first + rows);
     const auto moved = (tick - base_) * count_;
     base_ = tick;
@@ -104,9 +105,9 @@ class Banks {
   /// Returns the address of the first bank's byte in a tick, for translated code. The row of the next tick is count()
   /// bytes later.
   std::uint8_t* row(std::uint64_t tick) { return &byte_of(std::max(tick, start_), 0); }
-  /// Returns the address of a pointer to the row after the last row that a core can wait for.
+  /// Returns the address of a pointer to the row after the last row for which a core can wait.
   const std::uint8_t* const* horizon() const { return &horizon_; }
-  /// Returns a table to which translated code writes if the memory has a single user. Its content is not used.
+  /// Returns a table to which translated code writes if the memory has a single user. The content is not used.
   std::uint8_t* unread() { return unread_.data(); }
 
   void visit(state::Visitor& v) {
@@ -125,8 +126,8 @@ class Banks {
  private:
   static constexpr std::uint64_t kRows = kTurn + kReach + kLongestBlock;
 
-  /// Returns the claims from the start of the table to the last claim. The result is short, because nearly all of the
-  /// table is free.
+  /// Returns the claims from the start of the table to the last claim. The result is short, because most of the table
+  /// is free.
   std::vector<std::uint8_t> taken_from_start() const {
     const auto begin = std::min<std::uint64_t>((start_ - base_) * count_, taken_.size());
     MEBOTS_ASSERT(start_ >= base_, "the table begins before what it shows");
@@ -154,13 +155,13 @@ class Banks {
 
   unsigned count_;
   std::uint64_t base_ = 0;   // tick of the table's first row
-  std::uint64_t start_ = 0;  // rows of earlier ticks were cleared
+  std::uint64_t start_ = 0;  // rows of earlier ticks were removed
   std::vector<std::uint8_t> taken_;
   std::vector<std::uint8_t> unread_;
   const std::uint8_t* horizon_ = nullptr;
 };
 
-/// Connects one core to the banks. Converts the core's active cycles to ticks.
+/// Connects a core to the banks. Converts active cycles of the core to ticks.
 class BankSchedule {
  public:
   explicit BankSchedule(Banks& banks) : banks_(&banks) {}
@@ -168,15 +169,14 @@ class BankSchedule {
   /// Sets the number of ticks for which an access occupies its bank, at least 1.
   void set_ticks(std::uint32_t ticks) { ticks_ = ticks; }
 
-  /// Sets the difference between the core's cycles and the banks' ticks: active cycle `cycle` is tick `cycle + offset`
-  /// (modulo 2^64).
+  /// Active cycle `cycle` of the core is tick `cycle + offset` of the banks (modulo 2^64).
   void set_offset(std::uint64_t offset) { offset_ = offset; }
 
   /// Returns the number of cycles from active cycle `cycle` to the first cycle in which the bank is free.
   std::uint32_t wait(std::uint64_t cycle, std::uint32_t address) const {
     return banks_->wait(cycle + offset_, address);
   }
-  /// Returns the number of cycles from active cycle `cycle` on in which conflicts are possible.
+  /// Returns the number of cycles from active cycle `cycle` in which conflicts are possible.
   std::uint64_t cycles_left(std::uint64_t cycle) const { return banks_->ticks_left(cycle + offset_); }
 
   /// Claims a bank for an access in active cycle `cycle`. Returns the number of cycles that the access waits.

@@ -13,12 +13,11 @@
 namespace mebots::soc {
 namespace {
 
-/// Minimum number of presence bytes. With this size, the allocator maps the presence bytes near the bytes of a large
-/// memory, and translated code can address them with a short displacement. At other addresses, an access needs one more
-/// instruction.
+/// Minimum size of the array of presence bytes. The allocator maps arrays of this size near the bytes of a large
+/// memory. Translated code can then address them with one instruction less, relative to the memory.
 constexpr std::size_t kLeastPresenceBytes = std::size_t{256} << 10;
 
-/// Shifts to the left; bit 0 becomes 1 if an even number of bits 7, 3, 2 and 1 is set.
+/// Shifts to the left, and sets bit 0 if an even number of the bits 7, 3, 2 and 1 is set.
 constexpr auto kNextShift = [] {
   constexpr unsigned kTaps = 0x8e;
   std::array<std::uint8_t, 256> next{};
@@ -121,8 +120,8 @@ void InstructionCache::set_alone(bool alone) {
 std::uint32_t InstructionCache::fetch(std::uint32_t line, std::uint64_t tick) {
   if (const auto* entry = find(line); entry != nullptr) {
     if (!is_shared()) return 0;
-    // Another core has started the refill of this line. The wait is at most the time of a refill from this tick on. If
-    // this core had an earlier tick than the other core, it would have started its own refill.
+    // Another core has started the refill of this line. The wait is at most the time of a refill, because a core with
+    // an earlier tick would have started the refill itself.
     const auto arrival = arrivals_[static_cast<std::size_t>(entry - entries_.data())];
     const auto wait = arrival > tick ? arrival - tick : 0;
     return static_cast<std::uint32_t>(std::min<std::uint64_t>(wait, refill_cycles_));
@@ -145,7 +144,7 @@ void InstructionCache::visit(state::Visitor& v) {
   v("shift_register", state_.shift_register);
   v("refills", state_.refills);
   if (!v.restores() || !is_shared()) return;
-  pending_refills_.resize(entries_.size());  // lists all lines, because it is not known here which have arrived
+  pending_refills_.resize(entries_.size());  // lists all entries, because it is unknown which lines have arrived
   std::iota(pending_refills_.begin(), pending_refills_.end(), std::size_t{0});
   set_alone(is_alone_);
 }

@@ -15,28 +15,26 @@ namespace mebots::soc {
 
 class Memory;
 
-/// Stores the shape and the timing of an instruction cache, as the board defines them. Sizes and number of ways are
-/// powers of two.
+/// Shape and timing of an instruction cache. All sizes and the number of ways are powers of two.
 struct InstructionCacheSettings {
   std::uint32_t size = 0;  // bytes; 0 = no cache
   std::uint32_t line = 16;
   std::uint32_t ways = 4;
   std::uint32_t refill_cycles = 0;      // cycles from a miss until the core has its instruction
-  std::uint32_t refill_soc_cycles = 0;  // cluster only: additional cycles in the clock of the SoC
-  bool invalid_ways_first = false;      // cluster only: a refill prefers an invalid way
+  std::uint32_t refill_soc_cycles = 0;  // cluster only: additional cycles of the SoC's clock
+  bool invalid_ways_first = false;      // cluster only: if true, a refill prefers an invalid way
 };
 
-/// Models which lines a cache contains. It stores no instructions; they are always read from memory.
+/// Models which lines a cache contains. Does not store instructions, which are always read from memory.
 ///
-/// A hit changes no state, as in the chip. The way for a refill comes from an 8-bit shift register that advances with
-/// every refill (source: GVSoC, models/cache, which assigns it to GAP's fabric controller). Therefore present lines
-/// need no check until one of them is evicted. A cluster's cache may prefer invalid ways, as in
-/// pulp-platform/icache_mp_128_pf (icache_bank_mp_128.sv). In this case, the shift register only advances if all ways
-/// of the set are valid.
+/// A hit changes no state, as in the chip. An 8-bit shift register selects the way for a refill and advances with every
+/// refill (source: GVSoC, models/cache, which assigns it to GAP's fabric controller). A cluster's cache may prefer
+/// invalid ways, as in pulp-platform/icache_mp_128_pf (icache_bank_mp_128.sv). The shift register then only advances if
+/// all ways of the set are valid.
 ///
-/// If a cache has only one user, this user has already waited for each line that is present. If several cores share the
-/// cache, a core may need a line whose refill another core has started. Translated code must not treat such a line as
-/// present until settle() reports that all cores have passed the time of its arrival. Until then, cores call fetch().
+/// If several cores share the cache, a core may need a line whose refill another core has started. Such a line does not
+/// count as present until settle() is called for a tick at or after its arrival. Until then, cores must call fetch()
+/// for this line.
 class InstructionCache {
  public:
   enum class Users : std::uint8_t { one, several };
@@ -45,15 +43,15 @@ class InstructionCache {
   InstructionCache(const InstructionCache&) = delete;
   InstructionCache& operator=(const InstructionCache&) = delete;
 
-  /// Covers all regions of the memory. Throws Error if two of them share a line.
+  /// Prepares the cache for all regions of the memory. Throws Error if two regions share a line.
   void cover(const Memory& memory);
 
   std::uint32_t line_of(std::uint32_t address) const { return address >> line_bits_; }
   std::uint32_t address_of(std::uint32_t line) const { return line << line_bits_; }
   std::uint32_t words_per_line() const { return 1U << (line_bits_ - 2); }
   std::uint32_t refill_cycles() const { return refill_cycles_; }
-  /// Sets the number of cycles that later refills take. Only allowed for a shared cache. For other caches, translated
-  /// code contains the number as a constant.
+  /// Sets the number of cycles of later refills. The cache must be shared, because translated code contains this number
+  /// as a constant for other caches.
   void set_refill_cycles(std::uint32_t cycles) {
     MEBOTS_ASSERT(is_shared());
     refill_cycles_ = cycles;
@@ -62,16 +60,16 @@ class InstructionCache {
 
   bool is_shared() const { return !arrivals_.empty(); }
 
-  /// True if the cache contains the line or is fetching it.
+  /// Returns true if the cache contains the line or is fetching it.
   bool holds(std::uint32_t line) const { return find(line) != nullptr; }
-  /// True if the line is in a covered memory and has arrived for all cores.
+  /// Returns true if the cache contains the line, and the line has arrived for all cores.
   bool has_arrived(std::uint32_t line) const {
     const auto* entry = find(line);
     return entry != nullptr && *entry->present != 0;
   }
-  /// Returns the presence byte of the line that contains this address. The presence bytes of the next lines of the same
-  /// memory follow this byte. A byte is 1 if its line has arrived, so that translated code can test it with one
-  /// instruction. If no covered memory contains the address, returns null.
+  /// Returns the presence byte of the line that contains this address, or null if no covered memory contains the
+  /// address. The byte is 1 if the line has arrived. The presence bytes of the next lines of the same memory follow
+  /// this byte.
   const std::uint8_t* presence(std::uint32_t address) const;
   /// Fetches the line if it is absent. Returns the number of cycles that a fetch in cycle `tick` waits.
   std::uint32_t fetch(std::uint32_t line, std::uint64_t tick);
@@ -90,38 +88,37 @@ class InstructionCache {
     }
     return refill_cycles_;
   }
-  /// Informs a shared cache that no core will access it before this tick.
+  /// Must be called for a shared cache when no core will access the cache before this tick.
   void settle(std::uint64_t tick) {
     if (!pending_refills_.empty()) [[unlikely]]
       note_arrivals(tick);
   }
-  /// Only for a shared cache: `alone` must be true if no other core can need a line before it arrives for the core that
-  /// fetches it.
+  /// Only for a shared cache. `alone` must be true if no other core can need a line before the line has arrived for the
+  /// core that fetches it.
   void set_alone(bool alone);
-  /// Invalidates all lines.
   void flush();
-  /// Returns the number of lines fetched from memory since reset of the chip.
   std::uint64_t refills() const { return state_.refills; }
 
   void visit(state::Visitor& v);
 
-  static constexpr std::uint32_t kNoLine = ~std::uint32_t{0};  // marks an empty entry; no code is in the last line
+  /// Marks an empty entry; the last line of the address space contains no code.
+  static constexpr std::uint32_t kNoLine = ~std::uint32_t{0};
 
   struct Entry {
-    std::uint8_t* present = nullptr;  // presence byte of `line`; derived from `line`
+    std::uint8_t* present = nullptr;  // presence byte of `line`; follows from `line`
     std::uint32_t line = kNoLine;
 
     void visit(state::Visitor& v) { v("line", line); }
   };
 
-  /// Stores what a refill changes. Translated code accesses it if the cache has one user.
+  /// Data that a refill changes. Translated code accesses them if the cache has one user.
   struct State {
     Entry* entries = nullptr;  // sorted by set, then by way
     std::uint64_t refills = 0;
     std::uint8_t shift_register = 0;
-    std::array<std::uint8_t, 256> next_shift{};  // next value for each value of the shift register
+    std::array<std::uint8_t, 256> next_shift{};  // next value of the shift register, for each value
   };
-  /// Bit of the advanced shift register that is the lowest bit of the way to refill.
+  /// After the shift register has advanced, the number of the way to refill starts at this bit.
   static constexpr unsigned kWayBit = 1;
   const State& state() const { return state_; }
   /// Returns the byte offset of the first entry in the set of a line.
@@ -137,7 +134,6 @@ class InstructionCache {
     }
     return nullptr;
   }
-  /// Stores the presence bytes of the lines of one memory.
   struct Presence {
     std::uint32_t base = 0;
     std::uint32_t size = 0;
@@ -158,7 +154,7 @@ class InstructionCache {
     state_.shift_register = state_.next_shift[state_.shift_register];
     return (state_.shift_register >> kWayBit) & (ways_ - 1);
   }
-  /// Returns the presence byte of a line. If no covered memory contains the line, returns a dummy byte.
+  /// Returns the presence byte of a line, or a dummy byte if no covered memory contains the line.
   std::uint8_t* byte_of(std::uint32_t line) {
     if (line - covered_first_ >= covered_count_) cover_line(line);
     return line - covered_first_ < covered_count_ ? &covered_[line - covered_first_] : &nowhere_;
@@ -174,22 +170,23 @@ class InstructionCache {
   std::uint32_t refill_cycles_;
   bool invalid_ways_first_;
   std::vector<Entry> entries_;
-  std::vector<std::uint64_t> arrivals_;  // tick in which each line arrives; empty if the cache has one user
+  /// Tick in which the line of each entry arrives; empty if the cache has one user.
+  std::vector<std::uint64_t> arrivals_;
   State state_;
-  // These members are not part of a state, because they follow from the entries. They are the presence bytes of each
-  // memory, and the memory that was found last.
+  // Presence bytes of each memory, and the memory that was found last. Not part of a state, because they can be
+  // computed from the entries.
   std::vector<Presence> presence_;
   std::uint8_t* covered_ = nullptr;
   std::uint32_t covered_first_ = 0;
   std::uint32_t covered_count_ = 0;
   std::uint8_t nowhere_ = 0;
-  // Only for a shared cache: indices of entries whose lines may not have arrived for all cores. The list may also
-  // contain lines that have arrived. Not part of a state.
+  // Only for a shared cache: indices of the entries whose lines may not have arrived for all cores. May also contain
+  // entries whose lines have arrived. Not part of a state.
   std::vector<std::size_t> pending_refills_;
-  bool is_alone_;  // value of set_alone()
+  bool is_alone_;  // last argument of set_alone()
 };
 
-/// Creates the cache that the settings describe. If they describe no cache, returns null.
+/// Returns the cache that the settings describe, or null if they describe none.
 std::unique_ptr<InstructionCache> make_instruction_cache(const InstructionCacheSettings& settings,
                                                          InstructionCache::Users users);
 

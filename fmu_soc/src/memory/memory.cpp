@@ -15,11 +15,11 @@
 namespace mebots::soc {
 namespace {
 
-/// Minimum size of a region that is searched, saved and restored page by page. Pages that no program has accessed then
+/// Minimum size of a region that is searched, saved and restored page by page, so that pages that were never accessed
 /// take no time.
 constexpr std::size_t kLargeSize = std::size_t{8} << 20;
-/// Calls `visit` with the start and the size of pieces that together contain all bytes that are not 0. A large array
-/// has one piece for each page.
+/// Calls `visit` with the start and the size of pieces that together contain all bytes other than 0. A large array has
+/// one piece per page.
 template <typename Visit>
 void for_pieces(const std::uint8_t* bytes, std::size_t size, Visit visit) {
   if (size < kLargeSize) {
@@ -52,7 +52,8 @@ void for_marked(const Region& region, std::uint8_t marks, Visit visit) {
   });
 }
 
-/// Visits the pages of a large region that contain bytes other than 0: the numbers of the pages, and their bytes.
+/// Saves or restores a large region: the numbers of the pages that contain bytes other than 0, and the bytes of these
+/// pages.
 void visit_pages(Region& region, state::Visitor& v) {
   std::vector<std::uint32_t> pages;
   std::vector<std::uint8_t> bytes;
@@ -86,7 +87,7 @@ void visit_pages(Region& region, state::Visitor& v) {
   }
 }
 
-/// Allocates bytes that are 0. calloc() maps large blocks, and the system allocates their pages at the first write.
+/// Allocates bytes that are 0. With calloc(), the system allocates the pages of a large block at the first write.
 ZeroedBytes zeroed(std::size_t size) {
   auto* bytes = static_cast<std::uint8_t*>(std::calloc(size, 1));
   if (bytes == nullptr) throw std::bad_alloc();

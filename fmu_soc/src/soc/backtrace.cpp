@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMostFrames = 8;
 constexpr std::uint32_t kMostWords = 2048;
-/// Maximum distance of a stack pointer below a memory at which it counts as a stack overflow of that memory.
+/// If a stack pointer is at most this distance below a memory, it counts as a stack overflow of that memory.
 constexpr std::uint32_t kOverrun = 1U << 16;
 
 struct Frame {
@@ -33,7 +33,7 @@ bool is_return_address(const Memory& memory, std::uint32_t address) {
   return address % 2 == 0 && (is_call(memory, address - 4, 4) || is_call(memory, address - 2, 2));
 }
 
-/// Returns the lowest address in memory of the stack with this stack pointer.
+/// Returns the lowest address of the stack that is in memory.
 std::uint32_t first_word(const Memory& memory, std::uint32_t pointer) {
   pointer = (pointer + 3) & ~3U;
   if (memory.find(pointer, 4) != nullptr) return pointer;

@@ -11,7 +11,7 @@
 namespace mebots::soc {
 
 void Decisions::picture_stored(const PictureTimes& times, const CoreWork& work) {
-  // The times are checked, because a device of any library may have reported them.
+  // The times are checked, because a device from any library may have reported them.
   if (times.asked > times.exposed || times.exposed > times.read_out || times.read_out > times.stored) {
     throw Error(fmt::format(
         "picture_stored(): a device of the board says that its picture was requested at {} ps, exposed from "
@@ -35,8 +35,8 @@ void Decisions::sent(std::string_view sender, Picoseconds now, const CoreWork& w
   decision.part(DecisionPart::request) = picture_->exposed - picture_->asked;
   decision.part(DecisionPart::exposure) = picture_->read_out - picture_->exposed;
   decision.part(DecisionPart::read_out) = picture_->stored - picture_->read_out;
-  // The fabric controller sends the set-points. Its time may be one instruction later than the time of a device or of
-  // the cluster.
+  // The fabric controller sends the set-points. Its time may be up to one instruction later than the time of a device
+  // or of the cluster.
   const auto span = std::max<Picoseconds>(now - begun_, 0);
   const auto inference = std::clamp<Picoseconds>(work.cluster - before_.cluster, 0, span);
   const auto deciding = std::clamp<Picoseconds>(work.controller - before_.controller, 0, span - inference);

@@ -14,14 +14,14 @@
 
 namespace mebots::soc {
 
-/// Names the parts of the time from the request for a picture to published set-points, in the order of the FMU's
-/// outputs. docs/concepts/latency.md defines them for users.
+/// Parts of the time from the request for a picture to published set-points, in the order of the FMU's outputs.
+/// docs/concepts/latency.md defines them.
 enum class DecisionPart : std::uint8_t { request, exposure, read_out, wait, inference, deciding, sending };
 inline constexpr std::size_t kDecisionParts = 7;
 
-/// Stores the work of the cores from reset to some time.
+/// Work of the cores from reset to some time.
 struct CoreWork {
-  Picoseconds cluster = 0;     // time in which a cluster core was awake, or all cluster cores waited for the DMA
+  Picoseconds cluster = 0;  // time in which a cluster core was awake, or in which all cluster cores waited for the DMA
   Picoseconds controller = 0;  // time in which the fabric controller was awake and the cluster did nothing
   Picoseconds controller_awake = 0;
   std::array<std::uint64_t, kMostClusterCores> core_cycles{};  // cycles in which each cluster core was awake
@@ -36,10 +36,10 @@ struct CoreWork {
   }
 };
 
-/// Stores the times of one decision, or their sums over several decisions.
+/// Times of one decision, or their sums over several decisions.
 struct Decision {
   std::array<Picoseconds, kDecisionParts> parts{};
-  Picoseconds latency = 0;  // time from the request to the end; measured separately, not the sum of the parts
+  Picoseconds latency = 0;  // time from the request to the end, measured separately from the parts
   std::array<Picoseconds, kMostHarts>
       awake{};  // awake time of each hart since the picture could be used, indexed by hart number
 
@@ -51,7 +51,7 @@ struct Decision {
   }
 };
 
-/// Measures decisions. A decision lasts from a picture to the set-points that the program computes from this picture.
+/// Measures decisions. A decision lasts from a picture to the set-points that the program computes from it.
 ///
 ///   picture_stored()   a picture is in memory. If no decision is in progress, one about this picture begins. Otherwise
 ///                      the picture waits, and replaces the picture that was waiting, if any. Throws Error if times are
@@ -61,7 +61,7 @@ struct Decision {
 ///   published()        the sent values are visible outside: the end of the FMU's step.
 class Decisions {
  public:
-  /// `sender` is the name of the board's device that sends set-points. If the name is empty, there are no decisions.
+  /// `sender` is the name of the device that sends set-points. If it is empty, there are no decisions.
   explicit Decisions(std::string sender) : sender_(std::move(sender)) {}
 
   void picture_stored(const PictureTimes& times, const CoreWork& work);
@@ -70,7 +70,6 @@ class Decisions {
 
   std::uint64_t count() const { return count_; }
   const Decision& last() const { return last_; }
-  /// Returns the sum over all decisions.
   const Decision& sum() const { return sum_; }
   Picoseconds longest() const { return longest_; }
 
@@ -80,10 +79,10 @@ class Decisions {
   std::string sender_;
   std::optional<PictureTimes> picture_;  // picture of the decision that is in progress
   std::optional<PictureTimes> next_;
-  Picoseconds begun_ = 0;          // time at which this decision could begin
-  CoreWork before_;                // work of the cores up to that time
+  Picoseconds begun_ = 0;          // time at which the decision in progress could begin
+  CoreWork before_;                // work of the cores up to `begun_`
   std::optional<Decision> ended_;  // decision whose set-points were sent, but not published yet
-  Picoseconds requested_ = 0;      // time at which the picture of that decision was requested
+  Picoseconds requested_ = 0;      // time at which the picture of `ended_` was requested
   Picoseconds sent_at_ = 0;
   std::uint64_t count_ = 0;
   Decision last_;

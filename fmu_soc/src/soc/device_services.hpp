@@ -19,22 +19,20 @@
 
 namespace mebots::soc {
 
-/// Stores the functions that receive the messages of a chip. Each of them may be empty.
+/// Functions that receive the messages of a chip. Each may be empty.
 struct Listeners {
   std::function<void(std::string_view line)> console;
   std::function<void(std::string_view text)> faults;
   std::function<void(std::string_view text)> observe = {};  // receives messages of debugger and profile
-  /// Receives the bytes of serial ports; if empty, `console` receives their lines.
+  /// Receives the bytes of serial ports. If it is empty, `console` receives their lines.
   std::function<void(std::uint8_t byte)> console_byte = {};
   /// Reads input for serial ports. Returns a byte, or another result of ConsolePort::read_console(). If `waits` is
   /// true, the core sleeps, and the function may wait for input until the wall clock has reached the time of the chip.
   std::function<int(Picoseconds now, bool waits)> console_input = {};
 };
 
-/// Provides the services of a chip to its devices.
 class DeviceServices final : public ChipHost, private PictureRoll {
  public:
-  /// Refers to the parts of the chip that serve devices.
   struct Parts {
     Hardware& hardware;
     const Timeline& timeline;

@@ -16,7 +16,7 @@ namespace mebots::soc {
 DeviceSet::DeviceSet(const BoardDescription& board, std::span<const std::filesystem::path> library_folders)
     : board_(board), kinds_(board, library_folders) {}
 
-/// Creates the parts of the board before the devices, because devices look up the parts that are attached to them.
+/// The parts are created before the devices, because devices look up the parts that are attached to them.
 void DeviceSet::make(ChipHost& host) {
   add_parts(host);
   add_on_bus(host);
@@ -55,7 +55,6 @@ void DeviceSet::add_on_bus(ChipHost& host) {
   }
 }
 
-/// Connects devices with the interrupt controllers that their entries name.
 void DeviceSet::connect_interrupts() {
   for (const auto& [entry, device] : members_) {
     if (entry->interrupt_controller.empty()) continue;
@@ -92,7 +91,7 @@ void DeviceSet::note_roles(const BoardDevice& entry, Device& device) {
   }
 }
 
-/// Checks that each part is attached to an existing connection point to which no other part is attached.
+/// Checks that each part is attached to an existing connection point, and that no two parts share a connection point.
 void DeviceSet::check_attachments(const ChipHost& host) const {
   std::vector<std::string> places(host.places().begin(), host.places().end());
   for (const auto& entry : board_.devices) {

@@ -22,21 +22,19 @@
 
 namespace mebots::soc {
 
-/// Contains the devices of a chip and the parts of its board, except for the devices that the cluster creates itself.
+/// The devices of a chip and the parts of its board, without the devices that the cluster creates.
 class DeviceSet {
  public:
-  /// Stores a device together with its entry in the board file.
   struct Member {
     const BoardDevice* entry = nullptr;
     Device* device = nullptr;
   };
-  /// Stores an address range of a device and the interrupt of the device.
   struct Slot {
     std::string name;
     std::uint32_t base = 0;
     std::uint32_t size = 0;  // bytes
     int interrupt = -1;
-    InterruptController* controller = nullptr;  // controller that receives the interrupt; null = the core receives it
+    InterruptController* controller = nullptr;  // controller that receives the interrupt; null = the core itself
     Device* device = nullptr;
     bool sets_power = false;  // true if the device sets clocks, voltage or the power of the cluster
   };
@@ -52,18 +50,17 @@ class DeviceSet {
   /// Creates all devices. Throws Error if the devices of the board are not compatible with each other.
   void make(ChipHost& host);
 
-  /// Iterate over the members: first the parts of the board, then the devices. Each group is in the order of the board
-  /// file.
+  /// Iterate over the parts of the board and then the devices, each in the order of the board file.
   auto begin() const { return members_.begin(); }
   auto end() const { return members_.end(); }
   /// Returns the device with this name, or null if the board has no such device.
   Device* find(std::string_view name) const;
-  /// Return the storage of a device's variable, or null if no device has it. See mebots/soc/device.hpp.
+  /// Return the storage of a variable, or null if no device has this variable. See mebots/soc/device.hpp.
   double* input(std::string_view variable) const;
   const double* output(std::string_view variable) const;
-  /// Returns the present state of each device that has states.
+  /// Returns the present state of each device that has several states.
   std::vector<State> states() const;
-  /// True while a picture that the program has requested is not in memory yet.
+  /// Returns true while a picture that the program has requested is not in memory yet.
   bool wait_for_picture() const;
   std::vector<Device*> made() const;
 
@@ -74,17 +71,16 @@ class DeviceSet {
     return nullptr;
   }
   PowerManager* power_manager() const { return power_manager_; }
-  /// Returns GAP8's event unit of the fabric controller. On a board without this device, returns null.
+  /// Returns the fabric controller's event unit of GAP8, or null if the board has none.
   gap8_devices::EventUnit* event_unit() const { return event_unit_; }
   gap8_devices::Signals& signals() { return signals_; }
   const gap8_devices::Signals& signals() const { return signals_; }
 
-  /// Discards cached data about the devices. Must be called at every access, at every event, and at every change that a
-  /// caller outside the chip makes.
+  /// Discards cached data about the devices. Must be called at every access, at every event, and at every change by a
+  /// caller outside the chip.
   void touch() { cached_ = {}; }
   void begin_step(Picoseconds now) const;
   void end_program();
-  /// Returns the next time at which a device acts without an access.
   Picoseconds next_event();
   void forget_next_event() { cached_.next_event = false; }
   void advance(Picoseconds time);
@@ -92,19 +88,18 @@ class DeviceSet {
   void update_lines(Hart& hart, const Cluster* cluster, int cluster_interrupt);
   void acknowledge(unsigned line, Hart& hart);
 
-  /// Returns the clocks, the voltage and the power of the cluster that the firmware has requested. If no device sets
-  /// them, returns null.
+  /// Returns the clocks, the voltage and the cluster's power that the firmware has requested, or null if no device sets
+  /// them.
   const PowerSettings* power_settings() const;
   bool power_is_applied() const { return cached_.power; }
   void set_power_applied() { cached_.power = true; }
-  /// True if a device has ended the program.
   bool have_exited() const { return signals_.exit_code || (power_manager_ != nullptr && power_manager_->exited()); }
   std::int32_t exit_code() const;
 
   void visit(state::Visitor& v);
 
  private:
-  /// Stores data about the devices that are valid until the next touch(). Not part of a state.
+  /// Which data about the devices are valid. Reset by touch(). Not part of a state.
   struct Cached {
     bool next_event = false;
     bool lines = false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes the error messages that explain why a core cannot continue.
+// Error messages that explain why a core cannot continue.
 #include "hart/csr_numbers.hpp"
 #include "hart/extensions.hpp"
 #include "isa/encoding.hpp"
@@ -46,13 +46,12 @@ bool is_access_fault(std::uint32_t cause) {
   return cause == cause::kFetchAccess || cause == cause::kLoadAccess || cause == cause::kStoreAccess;
 }
 
-/// Returns the number of bytes that the failed access or fetch needed.
 std::uint32_t access_size(const Exception& what, const BlockCache& blocks) {
   if (what.cause == cause::kFetchAccess) return 2;
   return std::max<std::uint32_t>(traits_of(blocks.decode_word(what.instruction).op).size, 1);
 }
 
-/// Returns the reason why a core could not access an address although a memory contains it.
+/// Returns the reason why a core could not access an address that a memory contains.
 std::string memory_text(const Region& region, std::uint32_t address, std::uint32_t size, const Timing& timing) {
   if (!region.holds(address, size)) {
     return fmt::format("the {} bytes from 0x{:08x} on do not all lie in memory {}, which ends at 0x{:08x}", size,
@@ -63,7 +62,7 @@ std::string memory_text(const Region& region, std::uint32_t address, std::uint32
   return fmt::format("{}: physical memory protection (pmpcfg, pmpaddr) forbids this access", place);
 }
 
-/// Returns a text that describes the address of an access fault: what the board has at this address, or lacks.
+/// Returns a text about the address of an access fault: what the board has there, or lacks.
 std::string address_text(const Exception& what, const Soc& soc, const BlockCache& blocks) {
   const auto address = what.value;
   const auto& board = soc.board();
@@ -101,7 +100,7 @@ std::string text_of(const Exception& what, const Soc& soc, const Hart& hart) {
   return advice.empty() ? text : fmt::format("{}; {}", text, advice);
 }
 
-/// Returns a text that describes the stack: whether it is outside all memories, and the callers found on it.
+/// Returns a text about the stack: whether it is outside all memories, and the callers found on it.
 std::string stack_text(const Exception& what, const Elf& program, const Memory& memory) {
   std::string text;
   if (what.stack_pointer != 0 && memory.find(what.stack_pointer & ~3U, 4) == nullptr) {

@@ -23,8 +23,7 @@ Memory make_memory(const BoardDescription& board) {
   return memory;
 }
 
-/// Returns the timing of the core that the board names. If the board names no core, returns the timing of the chip's
-/// core.
+/// Returns the timing of the core that the board names. If the board names no core, uses the chip's core.
 Timing timing_of(const BoardDescription& board, const Chip& chip) {
   auto timing = chip.timing;
   timing.kind = core_kind(board.core).value_or(timing.kind);
@@ -33,7 +32,7 @@ Timing timing_of(const BoardDescription& board, const Chip& chip) {
   return timing;
 }
 
-/// Returns the first device of a kind on the board, or null if the board has no such device.
+/// Returns the board's first device of a kind, or null if the board has no such device.
 const BoardDevice* device_of(const BoardDescription& board, std::string_view kind) {
   const auto found = std::ranges::find(board.devices, kind, &BoardDevice::kind);
   return found == board.devices.end() ? nullptr : &*found;
@@ -68,8 +67,7 @@ Hardware::Hardware(const BoardDescription& board, const Chip& chip, const Settin
                    .keeps_written_mtvec = settings.keeps_written_mtvec,
                    .has_gap8_interrupts = device_of(board, kGap8EventUnitKind) != nullptr}) {}
 
-/// Connects the fabric controller to the memories. Large memories with short latencies are connected first, because the
-/// first two memories are on the fast path.
+/// The first two memories are on the fast path. Therefore large memories with short latencies come first.
 void Hardware::connect_memories() {
   MEBOTS_ASSERT(board_.memories.size() == memory_.regions().size());
   std::vector<MemoryPort> ports;
@@ -98,9 +96,9 @@ std::uint32_t Hardware::wait_of_controller(std::size_t memory) const {
   return latency ? latency->fabric_controller : 0;
 }
 
-/// Sets the latencies of memories for which the board states cycles of the SoC's clock. An access, a refill and a beat
-/// of the DMA each take at least one cycle of the slower clock. The reason is the AXI bus between the two clock
-/// domains: it has the same width on both sides.
+/// Only has an effect if the board states latencies in cycles of the SoC's clock. An access, a refill and a beat of the
+/// DMA each take at least one cycle of the slower clock, because the AXI bus between the clock domains has the same
+/// width on both sides.
 void Hardware::set_latencies(std::uint32_t soc_hz) {
   if (!cluster_ || !has_latencies()) return;
   const auto ticks_of = [&](std::uint64_t soc_cycles) {
@@ -115,7 +113,7 @@ void Hardware::set_latencies(std::uint32_t soc_hz) {
   const auto& cache = board_.instruction_cache(Place::cluster);
   latencies.refill_cycles = cache.refill_cycles + ticks_of(cache.refill_soc_cycles);
   latencies.access_ticks = ticks_of(1);
-  // Uses the latency of the largest memory outside the cluster, because the DMA mainly accesses this memory.
+  // The DMA gets the latency of the largest memory outside the cluster, because it mainly accesses this memory.
   const auto outside = std::ranges::find_if(
       cluster_->ports(), [&](const MemoryPort& port) { return board_.memories[port.region].latency.has_value(); });
   const auto least = chip_.dma.latency - chip_.interconnect.cluster_to_soc;  // latency of the DMA itself
@@ -172,7 +170,7 @@ void Hardware::add_cluster(const Settings& settings, DeviceHost& host) {
   cluster_ = std::make_unique<Cluster>(memory_, cluster, chip_.instruction_energy);
 }
 
-/// Selects the cluster devices: those of GAP8, or those of MEbots' boards.
+/// Selects the cluster's registers: those of GAP8, or those of MEbots' boards.
 void Hardware::choose_peripherals(ClusterSettings& cluster, DeviceHost& host) {
   if (const auto* gap8 = device_of(board_, kGap8ClusterKind); gap8 != nullptr) {
     cluster.has_gap8_interrupts = true;

@@ -22,40 +22,41 @@
 
 namespace mebots::soc {
 
-/// Contains the cores and memories of a chip, and connects them.
+/// The cores and memories of a chip, and the connections between them.
 class Hardware {
  public:
-  /// `board` and `chip` must outlive this object. `bus` serves accesses outside the memories.
+  /// `board` and `chip` must outlive this object. `bus` performs accesses outside the memories.
   Hardware(const BoardDescription& board, const Chip& chip, const Settings& settings, Bus& bus);
   Hardware(const Hardware&) = delete;
   Hardware& operator=(const Hardware&) = delete;
 
-  /// Adds the cluster if both board and settings define one. The board file selects the kinds of its devices.
+  /// Adds the cluster, if both board and settings define one.
   void add_cluster(const Settings& settings, DeviceHost& host);
-  /// Connects the fabric controller to the memories. Includes the memories of the cluster if the cluster is on.
+  /// Connects the fabric controller to its memories, and to those of the cluster if the cluster is on.
   void connect_memories();
-  /// Sets the latencies with which the cluster accesses the SoC. They depend on the clocks of cluster and SoC.
+  /// Sets the latencies of the cluster's accesses to the SoC, which depend on the clocks of cluster and SoC.
   void set_latencies(std::uint32_t soc_hz);
-  /// Copies each segment to its load address. The program's start-up code must copy it to its run address. Throws Error
-  /// for a segment outside the memories. A segment without bytes may also be in the address range of a device.
+  /// Copies each segment of the program to its load address. The program's start-up code must copy the segment to its
+  /// run address. Throws Error if a segment is outside the memories. A segment without bytes may also be at the address
+  /// of a device.
   void load_program(const Elf& program, const DeviceSet& devices);
-  /// Writes bytes to memory between two instructions. If the bytes are not all in one memory, returns false without
-  /// effect.
+  /// Writes bytes to memory between two instructions. Returns false without effect if no memory contains all of the
+  /// bytes.
   bool poke(std::uint32_t address, std::span<const std::uint8_t> bytes);
 
   const Chip& chip() const { return chip_; }
   const BoardDescription& board() const { return board_; }
   Memory& memory() { return memory_; }
   const Memory& memory() const { return memory_; }
-  /// Returns the instruction cache of the fabric controller, or null if it has no instruction cache.
+  /// Returns the fabric controller's instruction cache, or null if it has none.
   InstructionCache* instruction_cache() { return instruction_cache_.get(); }
   const InstructionCache* instruction_cache() const { return instruction_cache_.get(); }
   Hart& controller() { return controller_; }
   const Hart& controller() const { return controller_; }
-  /// Returns the cluster, or null if the chip has no cluster.
+  /// Returns the cluster, or null if the chip has none.
   Cluster* cluster() { return cluster_.get(); }
   const Cluster* cluster() const { return cluster_.get(); }
-  /// Returns the interrupt line of the fabric controller that events of the cluster use, or -1 if they use none.
+  /// Returns the fabric controller's interrupt line for events of the cluster, or -1 if they use none.
   int cluster_interrupt() const { return cluster_interrupt_; }
   unsigned harts() const { return 1 + (cluster_ ? cluster_->cores() : 0); }
   Hart& hart(unsigned number) {

@@ -35,9 +35,8 @@ PowerState PowerAccount::power_state() const {
           cluster != nullptr ? static_cast<double>(cluster->clock_hz()) : 0.0};
 }
 
-/// Returns the counts and times up to `now` from which the energy is computed. For the fabric controller, the first
-/// memory is L2; its accesses to L1 count as accesses to its own memory through the interconnect. For a core of the
-/// cluster, the first memory is L1, and all others are L2.
+/// For the fabric controller, the first memory is L2, and its accesses to all other memories, including L1, count as
+/// fc_memory_accesses. For a core of the cluster, the first memory is L1, and all others are L2.
 Activity PowerAccount::activity_at(Picoseconds now) const {
   const auto& counters = hardware_.controller().counters();
   Activity activity;

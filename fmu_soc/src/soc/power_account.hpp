@@ -11,31 +11,30 @@
 
 namespace mebots::soc {
 
-/// Computes the energy of a chip and stores its voltage.
+/// Computes the energy of a chip, and stores its voltage.
 class PowerAccount {
  public:
   PowerAccount(const Hardware& hardware, const Timeline& timeline, const Settings& settings);
 
-  /// Returns the energy from the start to `time`, which may be later than now.
+  /// Returns the energy from the start to `time`, which may be later than the present time.
   EnergyLedger energy_at(Picoseconds time) const;
-  /// Returns the energy up to the start of the fabric controller's next instruction or of its sleep. Used by observers
-  /// during a run.
+  /// Returns the energy up to the start of the fabric controller's next instruction or of its sleep. Observers call
+  /// this function during a run.
   EnergyLedger energy_at_core() const { return energy_at(timeline_.core_time()); }
   /// Returns the energy that a device has used since the start [J].
   double energy_j(const Device& device) const { return device.energy_j(timeline_.supplied_until(timeline_.now())); }
-  /// Returns the energy that a cluster core has used in addition to that of its gated clock [J].
+  /// Returns the energy that a cluster core has used since the start, without the energy of its gated clock [J].
   double cluster_core_energy_j(unsigned core) const { return meter_.core_j(core, core_activity(core)); }
-  /// Returns the energy by which the total increases if one count of a hart, such as instructions or accesses,
-  /// increases by one at the present power settings.
+  /// Returns by how much the total energy increases if one count of a hart, such as instructions or accesses, increases
+  /// by one.
   CountEnergy energy_per_count(unsigned hart) const;
-  /// Returns the number of words that refills transfer, divided by the number of cycles in which the fabric controller
-  /// waits for its instruction cache.
+  /// Returns the number of words that refills transfer per cycle in which the fabric controller waits for its
+  /// instruction cache.
   double refill_words_per_fetch_cycle() const;
 
   double clock_hz() const { return timeline_.clock().hz(); }
   std::uint32_t voltage_mv() const { return voltage_mv_; }
   double voltage_v() const { return voltage_mv_ / 1e3; }
-  /// Returns the activity of the chip from the start to `now`.
   Activity activity_at(Picoseconds now) const;
   void set_voltage(std::uint32_t voltage_mv) { voltage_mv_ = voltage_mv; }
   /// Must be called after clocks or voltage have changed. `before` is the activity up to the change.

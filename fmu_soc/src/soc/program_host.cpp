@@ -17,8 +17,8 @@ constexpr unsigned kArgument7 = 17;
 constexpr std::uint32_t kCommandSize = 8;
 constexpr std::uint64_t kPayload = 0xffff'ffff'ffff;
 
-/// True if the word `tohost` has an upper half. It has none if the size of the symbol is 4 bytes, or if another symbol
-/// is at the address of the upper half.
+/// Returns true if the word `tohost` has an upper half. It has none if its symbol has a size of 4 bytes, or if another
+/// symbol is at the address of the upper half.
 bool has_upper_half(const Elf& program, std::uint32_t tohost) {
   for (const auto& symbol : program.symbols()) {
     if (symbol.address == tohost && symbol.size == 4) return false;
@@ -57,9 +57,8 @@ bool ProgramHost::is_half_stored(std::uint64_t command) const {
   return !has_lower_half && upcoming_store(hardware_.memory(), hardware_.controller().pc(), x, *stop_word_).has_value();
 }
 
-/// Serves a command of 64 bits. The upper 8 bits are the number of the device, the next 8 bits are the device's
-/// command, and the low 48 bits are the payload. Returns true if the program ends. Source: riscv-isa-sim,
-/// fesvr/device.h; fesvr/htif.cc for the reply.
+/// The upper 8 bits of a command are the number of the device, the next 8 bits are the device's command, and the low 48
+/// bits are the payload. Source: riscv-isa-sim, fesvr/device.h; fesvr/htif.cc for the reply.
 bool ProgramHost::serve_command(std::uint64_t command) {
   const auto device = static_cast<unsigned>(command >> 56);
   const auto what = static_cast<unsigned>(command >> 48 & 0xffU);
@@ -78,9 +77,9 @@ void ProgramHost::clear_command() {
   hardware_.poke(*stop_word_, std::span(kNone).first(has_upper_half_ ? kCommandSize : 4));
 }
 
-/// Serves a system call of the HTIF, which is device 0. There are eight 64-bit words at `block`: the number of the call
-/// and its arguments. The first word receives the result. Returns true if the call ends the program. Source:
-/// riscv-isa-sim, fesvr/syscall.cc.
+/// Executes a system call of the host-target interface (HTIF). `block` is the address of eight 64-bit words: the number
+/// of the call and its arguments. The first word receives the result. Returns true if the call ends the program.
+/// Source: riscv-isa-sim, fesvr/syscall.cc.
 bool ProgramHost::serve_system_call(std::uint32_t block) {
   std::array<std::uint64_t, 8> words{};
   const auto bytes = std::span(reinterpret_cast<std::uint8_t*>(words.data()), sizeof words);
@@ -101,8 +100,7 @@ bool ProgramHost::serve_system_call(std::uint32_t block) {
   return false;
 }
 
-/// Serves a semihosting call, which is an ebreak between two instructions that have no effect. Source: RISC-V
-/// Semihosting 1.0.
+/// A semihosting call is an ebreak between two instructions without effect. Source: RISC-V Semihosting 1.0.
 bool ProgramHost::serve_semihosting() {
   constexpr std::array<std::uint32_t, 3> kCall{0x01f01013, 0x00100073, 0x40705013};
   std::array<std::uint32_t, 3> words{};

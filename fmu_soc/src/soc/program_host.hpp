@@ -11,7 +11,6 @@
 
 namespace mebots::soc {
 
-/// Contains the host's reply to a call by the program.
 struct HostReply {
   std::uint32_t value = 0;
   std::optional<std::uint32_t> exit_code = {};  // if set, the run ends with this exit code
@@ -19,7 +18,7 @@ struct HostReply {
   static HostReply exit(std::uint32_t code) { return {0, code}; }
 };
 
-/// Serves the calls that a program makes to the host. No time passes on the chip during a call.
+/// Executes the calls that a program makes to the host. No time passes on the chip during a call.
 class HostCalls {
  public:
   HostCalls() = default;
@@ -27,54 +26,53 @@ class HostCalls {
   HostCalls& operator=(const HostCalls&) = delete;
   virtual ~HostCalls() = default;
 
-  /// Serves a semihosting call: slli x0, x0, 31; ebreak; srai x0, x0, 7, with the operation in a0 and its parameter in
-  /// a1. Source: RISC-V Semihosting 1.0, which adopts the operations of Arm's "Semihosting for AArch32 and AArch64".
+  /// Executes a semihosting call: slli x0, x0, 31; ebreak; srai x0, x0, 7, with the operation in a0 and its parameter
+  /// in a1. Source: RISC-V Semihosting 1.0, which adopts the operations of Arm's "Semihosting for AArch32 and AArch64".
   virtual HostReply semihosting(std::uint32_t operation, std::uint32_t parameter) = 0;
-  /// Serves a system call through `tohost`, with seven arguments. Source: riscv-isa-sim, fesvr/syscall.cc.
+  /// Executes a system call through `tohost`, with seven arguments. Source: riscv-isa-sim, fesvr/syscall.cc.
   virtual HostReply system_call(std::uint32_t number, std::span<const std::uint32_t> arguments) = 0;
-  /// Serves a system call through ecall, with the number in a7, six arguments from a0 on, and the result in a0. Source:
-  /// RISC-V Linux; newlib, libgloss/riscv.
+  /// Executes a system call through ecall: number in a7, six arguments from a0, result in a0. Source: RISC-V Linux;
+  /// newlib, libgloss/riscv.
   virtual HostReply environment_call(std::uint32_t number, std::span<const std::uint32_t> arguments) = 0;
-  /// Executes a command through `tohost` to a device other than that of system calls. The command has no reply.
+  /// Executes a command that the program sends through `tohost` to another device than that of system calls. The
+  /// command has no reply.
   virtual void device_command(unsigned device, unsigned command, std::uint64_t payload) = 0;
 };
 
-/// Detects the calls of a program to the machine that simulates it: semihosting, and commands through the word
-/// `tohost`, which also ends the program. The calls are only served in `mebots-soc run`, without FMI. They are not part
-/// of a state.
+/// Detects the calls of a program to the host: semihosting, ecalls, and commands through the word `tohost`, which also
+/// ends the program. Calls are only executed in `mebots-soc run`, without FMI. Not part of a state.
 class ProgramHost {
  public:
   ProgramHost(Hardware& hardware, const Elf& program) : hardware_(hardware), program_(program) {}
 
   /// Watches the word at this address as `tohost`. Throws Error if no memory contains the word.
   void watch(std::uint32_t address);
-  /// Sets the object that serves the calls; null removes it. If `serves_ecall` is true, an ecall is a system call.
-  /// Otherwise, an ecall is an exception.
+  /// Sets the object that executes the calls; null removes it. If `serves_ecall` is true, an ecall is a system call.
+  /// Otherwise it is an exception.
   void serve(HostCalls* calls, bool serves_ecall = false) {
     calls_ = calls;
     serves_ecall_ = calls != nullptr && serves_ecall;
   }
 
-  /// Returns the value of the watched word, including the upper half if the program has one. 0 means that there is no
-  /// command.
+  /// Returns the value of the watched word, including its upper half if it has one; 0 = no command.
   std::uint64_t command() const;
-  /// Returns true if the program is about to store the other half of this command, and if this store changes the
-  /// command. A 32-bit core may store the two halves in either order.
+  /// Returns true if the program is about to store the other half of this command, so that the command will change. A
+  /// 32-bit core may store the two halves in either order.
   bool is_half_stored(std::uint64_t command) const;
-  /// Serves a command. Returns true if the command ends the program.
+  /// Executes a command. Returns true if the command ends the program.
   bool serve_command(std::uint64_t command);
-  /// Serves a command that a cluster core has stored, before that core executes its next instruction. Returns true if
-  /// the command ends the program.
+  /// Executes a command that a cluster core has stored, before the core's next instruction. Returns true if the command
+  /// ends the program.
   bool serve_stored() { return command() != 0 && serve_command(command()); }
-  /// Serves the ebreak at the fabric controller's pc. If the ebreak is not a semihosting call, returns false.
+  /// Executes the semihosting call at the fabric controller's pc. Returns false if the ebreak there is no semihosting
+  /// call.
   bool serve_semihosting();
-  /// Serves the ecall at the fabric controller's pc. If ecall is an exception, returns false.
+  /// Executes the system call at the fabric controller's pc. Returns false if an ecall is an exception.
   bool serve_environment_call();
 
-  /// Returns the exit code if the program has ended itself by a semihosting call or an ecall. Otherwise returns
-  /// nullopt.
+  /// Returns the exit code of a program that has ended itself by a semihosting call or an ecall, otherwise nullopt.
   std::optional<std::uint32_t> exit_code() const { return exit_code_; }
-  /// Returns the name of the function that the fabric controller executes. If it is unknown, the text is empty.
+  /// Returns the name of the function that the fabric controller executes, or an empty text if it is unknown.
   std::string function() const { return program_.where(hardware_.controller().pc()); }
 
  private:
@@ -84,7 +82,7 @@ class ProgramHost {
   Hardware& hardware_;
   const Elf& program_;
   std::optional<std::uint32_t> stop_word_;
-  /// True if `tohost` has 64 bits; only then the program can send commands to devices of the host.
+  /// True if `tohost` has 64 bits. Only then can the program send commands to other devices.
   bool has_upper_half_ = false;
   HostCalls* calls_ = nullptr;
   bool serves_ecall_ = false;

@@ -26,8 +26,7 @@ std::uint32_t checked_clock(const Chip& chip, const Settings& settings) {
   return clock_hz;
 }
 
-/// Returns the board with the settings: registers that show parameters of the chip contain the values of these
-/// parameters.
+/// Returns the board, in which registers that show a parameter of the chip contain the value of this parameter.
 BoardDescription with_settings(BoardDescription board, const Settings& settings) {
   for (auto& device : board.devices) {
     for (auto& reg : device.registers) {
@@ -38,8 +37,8 @@ BoardDescription with_settings(BoardDescription board, const Settings& settings)
   return board;
 }
 
-/// Throws Error if the program needs F and the core lacks it. Otherwise the program would stop only at its first
-/// floating-point instruction, perhaps late in a run.
+/// Throws Error if the program needs the extension F and the core lacks it. Otherwise the program would stop at its
+/// first floating-point instruction, perhaps late in a run.
 void require_float_registers(const BoardDescription& board, const Elf& program) {
   if (!program.uses_float_registers() || board.isa.has(Extension::f)) return;
   throw Error(fmt::format(
@@ -124,7 +123,6 @@ void Soc::run(Picoseconds until, std::uint64_t cycle_limit, bool is_alone) {
       notify(first);
       continue;
     }
-    // The fabric controller leads the cluster by at most kLead ticks.
     const auto lead = cluster == kNever ? kNever : hardware_.cluster()->later(cluster, kLead);
     const auto stop_at = std::min(event, lead);
     const bool stop_comes = stop_at <= until;
@@ -161,7 +159,7 @@ void Soc::advance_cluster(Picoseconds until, Picoseconds last, std::uint64_t cyc
   auto* cluster = hardware_.cluster();
   do {
     cluster->advance(until, last, cycle_limit);
-    // If a cluster core has accessed devices of GAP8's SoC, their effects apply now.
+    // Applies the effects of accesses to GAP8's SoC by a cluster core.
     if (devices_.event_unit() != nullptr && !devices_.power_is_applied()) {
       apply_power_settings(cluster->fabric_event_time());
       if (devices_.signals().exit_code && running()) {
@@ -237,7 +235,7 @@ void Soc::report_fault() const {
   if (listeners_.faults) listeners_.faults(fault_text());
 }
 
-/// Reports to the work account and to the listener that the state of the chip may have changed at `time`.
+/// Informs the work account and the listener that the state of the chip may have changed at `time`.
 void Soc::notify(Picoseconds time) {
   work_.pass(time);
   if (listener_ != nullptr) listener_->changed(time);
@@ -258,7 +256,7 @@ void Soc::update_lines() {
 
 /// Applies the settings that a core has requested at `time`. The cluster's clock changes at that time, because all
 /// cluster cores have reached it. All other settings change after the fabric controller's last instruction, which may
-/// be later than `time`, but was executed with the old settings.
+/// be later than `time`.
 void Soc::apply_power_settings(Picoseconds time) {
   devices_.set_power_applied();
   const auto* settings = devices_.power_settings();

@@ -28,18 +28,17 @@
 
 namespace mebots::soc {
 
-/// The chip with its devices and its program: a core that runs while time advances.
+/// The chip with its devices and its program.
 ///
-/// Time rule: `advance(t)` executes every instruction of the fabric controller that starts at or before t, and every
-/// event of a device up to t. Therefore a request made at SoC time s is visible outside after the first call with t >=
-/// s.
+/// Time: `advance(t)` executes every instruction of the fabric controller that starts at or before t, and every event
+/// of a device up to t. Therefore a request that the program makes at time s is visible outside after the first call
+/// with t >= s.
 ///
-/// Fabric controller and cluster: while the fabric controller is awake, it is ahead of the cluster by at most kLead
-/// ticks of the cluster; the cluster is never ahead. An access of the fabric controller to the cluster's devices, or to
-/// the power manager, waits until the cluster has reached the same time. While the fabric controller sleeps, the
-/// cluster runs up to the next event of a device; an event of the cluster wakes the controller at the time of that
-/// event. Fabric controller and cluster see each other's events in the order of time, with one exception: an interrupt
-/// from the cluster may reach an awake fabric controller up to kLead ticks late.
+/// Order: while the fabric controller is awake, it is ahead of the cluster by at most kLead ticks of the cluster, and
+/// never behind. Its accesses to the cluster's registers and to the power manager wait until the cluster has reached
+/// the same time. While the fabric controller sleeps, the cluster runs up to the next event of a device or up to an
+/// event that wakes the fabric controller. The fabric controller and the cluster receive each other's events in the
+/// order of time. Exception: an interrupt from the cluster may reach an awake fabric controller up to kLead ticks late.
 class Soc final {
  public:
   static constexpr Picoseconds kWithoutEnd = kNever - 1;
@@ -52,53 +51,53 @@ class Soc final {
 
   /// Begins a step. The parameters and inputs of the devices must already be set.
   void begin_step();
-  /// Advances to `time_ns`, which must not be in the past.
+  /// Advances the chip to `time_ns`, which must not be in the past.
   void advance(std::int64_t time_ns);
-  /// Runs until any core has executed `cycle_limit` active cycles, until a time, until the end of the run, or until a
-  /// sleep that no event can end. `mebots-soc run` uses this function, without FMI.
+  /// Runs until a core has executed `cycle_limit` active cycles, until time `until`, until the end of the program, or
+  /// until a sleep that no event can end. Used by `mebots-soc run`, without FMI.
   void run_cycles(std::uint64_t cycle_limit, Picoseconds until = kWithoutEnd);
-  /// Switches the supply off: afterwards nothing runs, and nothing consumes energy.
+  /// Switches the supply off. Afterwards, nothing runs or consumes energy.
   void power_off();
 
   End end() const { return timeline_.end(); }
   bool running() const { return timeline_.running(); }
   std::int32_t exit_code() const;
-  /// True if the fabric controller sleeps, and no device and no core of the cluster will ever act again.
+  /// Returns true if the fabric controller sleeps, and no event of a device or of the cluster will ever occur.
   bool sleeps_for_good();
-  /// True if the fabric controller is in an endless loop that no interrupt can end.
+  /// Returns true if the fabric controller is in an endless loop that no interrupt can end.
   bool spins() const { return running() && hart().spins(); }
-  /// Returns the first core that ended the program with an error code while it was in the handler of an exception.
-  /// Other cores in handlers do not count.
+  /// Returns the core that ended the program with an error code while it was in an exception handler. If there is no
+  /// such core, returns nullopt.
   std::optional<int> gave_up() const;
-  /// True if a core cannot continue, or ended on an exception.
+  /// Returns true if a core cannot continue, or ended the program in an exception handler.
   bool faulted() const;
-  /// Returns a text with the reason why a core cannot continue: function, line, instruction and callers. Returns an
-  /// empty text if no core has faulted.
+  /// Returns a text that explains why a core cannot continue, with function, line, instruction and callers. The text is
+  /// empty if no core has faulted.
   std::string fault_text() const;
-  /// Returns a text like fault_text() about the first exception of the fabric controller after the last return from a
-  /// handler. Returns an empty text if there is no such exception.
+  /// Returns a text like fault_text() about the fabric controller's first exception since a handler last returned. The
+  /// text is empty if there is no such exception.
   std::string unfinished_exception_text() const;
 
   Picoseconds now() const { return timeline_.now(); }
   Picoseconds sleep_time() const { return timeline_.slept_at(now()); }
-  /// Returns the start of a hart's next instruction, or of its sleep. For observers during a run.
+  /// Returns the start time of a hart's next instruction or of its sleep. Used by observers during a run.
   Picoseconds core_time(unsigned number = kFabricControllerHart) const;
-  /// Returns the start of an active cycle of a hart after its last sleep and its last change of clock.
+  /// Returns the start time of an active cycle of a hart. Since that cycle, the hart must not have slept, and its clock
+  /// must not have changed.
   Picoseconds core_time_at(unsigned number, std::uint64_t cycle) const;
 
   Hart& hart() { return hardware_.controller(); }
   const Hart& hart() const { return hardware_.controller(); }
-  /// Returns a hart. cluster/peripherals.hpp defines the numbers of harts.
+  /// Returns the hart with this number; see cluster/peripherals.hpp.
   Hart& hart(unsigned number) { return hardware_.hart(number); }
   const Hart& hart(unsigned number) const { return hardware_.hart(number); }
   unsigned harts() const { return hardware_.harts(); }
-  /// True if a hart can run. A cluster that is off has no state.
+  /// Returns true if the hart can run. The cores of a cluster that is off cannot.
   bool is_on(unsigned number) const { return number == kFabricControllerHart || cluster()->powered(); }
-  /// Returns the number of instructions that all cores have retired since the start.
   std::uint64_t instructions() const;
-  /// Returns the cluster; null if the chip has none.
+  /// Returns the cluster, or null if the chip has none.
   const Cluster* cluster() const { return hardware_.cluster(); }
-  /// Returns the cache of the fabric controller; null if there is none.
+  /// Returns the fabric controller's instruction cache, or null if it has none.
   const InstructionCache* instruction_cache() const { return hardware_.instruction_cache(); }
   const Memory& memory() const { return hardware_.memory(); }
   bool poke(std::uint32_t address, std::span<const std::uint8_t> bytes) { return hardware_.poke(address, bytes); }
@@ -115,7 +114,7 @@ class Soc final {
 
   /// Sets the observer of a hart; null removes it. Not part of a state.
   void observe(unsigned number, Observer* observer);
-  /// Sets the listener to changes of state; null removes it. Not part of a state.
+  /// Sets the listener for changes of the chip's state; null removes it. Not part of a state.
   void listen(StateListener* listener) {
     listener_ = listener;
     bus_.set_listening(listener != nullptr);

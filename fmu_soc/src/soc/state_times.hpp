@@ -10,17 +10,18 @@
 
 namespace mebots::soc {
 
-/// Names the states of a chip, in the order of the FMU's outputs. `cluster`: the cluster is on. `controller`: the
-/// fabric controller is awake. `waiting`: a requested picture has not arrived. `asleep`: none of these conditions
-/// holds. If several conditions hold, the first of them determines the state.
+/// States of a chip. `cluster`: the cluster is on. `controller`: the fabric controller is awake. `waiting`: a requested
+/// picture has not arrived. `asleep`: none of these conditions holds. If several conditions hold, the first in this
+/// list determines the state. The enumerators are in the order of the FMU's outputs.
 enum class ChipState : std::uint8_t { asleep, waiting, cluster, controller, off };
 
-/// Measures the time that a chip spends in each state. Time without supply is not counted.
+/// Measures how long a chip is in each state. Does not count time without supply.
 class StateTimes {
  public:
   static constexpr std::size_t kCounted = 4;
 
-  /// Sets the state from `time` on. If `time` is before the last change, sets the state without counting time.
+  /// Sets the state from `time` on, and counts the time in the previous state. If `time` is before the last change,
+  /// counts no time.
   void pass(Picoseconds time, ChipState state) {
     if (time > since_) {
       if (state_ != ChipState::off) total_[static_cast<std::size_t>(state_)] += time - since_;
@@ -42,9 +43,9 @@ class StateTimes {
   std::array<Picoseconds, kCounted> total_{};
 };
 
-/// Is called at each time at which the state of a chip may have changed, except for changes by instructions alone.
-/// These are the times of accesses to devices, of events of devices, of sleep, wake-up or end of a core, and the end of
-/// the time that the caller requested. The times of successive calls never decrease.
+/// Called whenever the state of a chip may have changed, except by instructions alone: at accesses to devices, events
+/// of devices, sleep, wake-up and end of a core, and at the end of an advance of the chip. The times of successive
+/// calls never decrease.
 class StateListener {
  public:
   StateListener() = default;

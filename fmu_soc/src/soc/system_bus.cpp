@@ -16,7 +16,7 @@ namespace {
 /// Below this address, each core accesses its own registers.
 constexpr std::uint32_t kSharedDevices = 0x1000'0000;
 
-/// Addresses of the SoC's peripherals, and of the fabric controller's own peripherals at both of their addresses.
+/// Address ranges of the SoC's peripherals, and of the fabric controller's own peripherals at both of their addresses.
 /// Source: archi/chips/gap/memory_map.h.
 struct Area {
   std::uint32_t base;
@@ -28,11 +28,10 @@ constexpr std::string_view kMtimerKind = "aclint_mtimer";
 constexpr std::uint32_t kMtime = 0x7ff8;  // offsets in such a device
 constexpr std::uint32_t kMtimeHigh = 0x7ffc;
 
-/// Executes the CSR instruction at the core's pc if it reads `time` or `timeh`, or accesses `satp`, on a board with a
-/// timer of the platform. `time` shows MTIME. `satp` reads 0 and ignores writes, as in a core whose only mode of
-/// address translation is Bare. The reason is that programs clear `satp` at their start. In U mode, both accesses are
-/// illegal instructions. Returns false for any other instruction. Source: RISC-V Privileged Specification 20211203,
-/// sections 3.2.1 and 4.1.11.
+/// Executes the CSR instruction at the pc if the board has a timer of the platform and the instruction reads `time` or
+/// `timeh`, or accesses `satp`. `time` shows MTIME. `satp` reads 0 and ignores writes, as in a core without address
+/// translation, because programs clear `satp` at their start. Returns false for other instructions, and in U mode.
+/// Source: RISC-V Privileged Specification 20211203, sections 3.2.1 and 4.1.11.
 bool serves_platform_register(Hardware& hardware, const DeviceSet& devices, Picoseconds now) {
   constexpr std::uint32_t kSystem = 0x73;
   constexpr std::uint32_t kTime = 0xc01;
@@ -80,8 +79,8 @@ std::string UnmodelledRegisters::text(std::uint32_t address, bool stores, std::s
                      function.empty() ? "" : " in ", function, stores ? "is lost" : "reads 0", what);
 }
 
-/// True if an access of the fabric controller must wait: it accesses a device that it shares with the cluster, and the
-/// cluster has not reached the same time.
+/// Returns true if an access of the fabric controller must wait, because it accesses a device that the cluster can also
+/// access, and the cluster has not reached the same time.
 bool SystemBus::must_wait(std::uint32_t address, Picoseconds now) const {
   const auto* cluster = hardware_.cluster();
   if (timeline_.next_of(cluster) >= now) return false;
@@ -198,7 +197,7 @@ BusReply SystemBus::from_cluster(const ClusterAccess& access, Picoseconds time) 
                                                 : unmodelled(access.address, false, false);
 }
 
-/// Serves an access to registers that no device of the board has. This access takes as long as an access to a device.
+/// Handles an access to registers that the board does not model. It takes as long as an access to a device.
 BusReply SystemBus::unmodelled(std::uint32_t address, bool stores, bool by_fabric_controller) {
   if (devices_.event_unit() == nullptr || !UnmodelledRegisters::are_at(address)) return {};
   if (unmodelled_.is_new(address) && report_) {

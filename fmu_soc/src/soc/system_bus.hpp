@@ -16,31 +16,28 @@
 
 namespace mebots::soc {
 
-/// Handles accesses of GAP8's programs to registers that no device of the board models. RI5CY of 2018 has no access
-/// faults: such a load returns some value (here 0), such a store has no effect, and the program continues. Each address
-/// is reported once, because it may explain a difference from the real chip. Not part of a state.
+/// Handles accesses of GAP8's programs to registers that the board does not model. RI5CY of 2018 has no access faults:
+/// a load returns some value (here 0), a store has no effect, and the program continues. Each address is reported once,
+/// because it may explain a difference from the real chip. Not part of a state.
 class UnmodelledRegisters {
  public:
-  /// True if GAP8 has peripherals at this address. Elsewhere, an access is a fault.
+  /// Returns true if GAP8 has peripherals at this address. Accesses to other addresses are faults.
   static bool are_at(std::uint32_t address);
 
-  /// Returns the text of the report on an access. `entry` is the device whose address range contains the address; null
-  /// if there is none.
+  /// Returns the text that reports an access. `entry` is the device at the address; null = no device.
   std::string text(std::uint32_t address, bool stores, std::string_view function, const BoardDevice* entry) const;
-  /// True for the first access to an address.
   bool is_new(std::uint32_t address);
 
  private:
   std::set<std::uint32_t> warned_;
 };
 
-/// The bus of the fabric controller: devices of the SoC, and registers of the cluster.
+/// The bus of the fabric controller to devices of the SoC and to registers of the cluster.
 ///
-/// An access to the cluster's registers, or to a device that sets power, waits until the cluster has reached the same
-/// time (BusReply::Kind::later).
+/// An access to the cluster's registers, or to a device that sets power, must wait until the cluster has reached the
+/// same time. The reply is then BusReply::Kind::later.
 class SystemBus final : public Bus {
  public:
-  /// Receives a report. If it is empty, reports are dropped.
   using Report = std::function<void(std::string_view text)>;
 
   SystemBus(Hardware& hardware, Timeline& timeline, DeviceSet& devices, ProgramHost& program_host, Report report)
@@ -50,7 +47,7 @@ class SystemBus final : public Bus {
         program_host_(program_host),
         report_(std::move(report)) {}
 
-  /// If `listens` is true, a listener must be called after each access. No load is quiet then.
+  /// If `listens` is true, no load is quiet, because a listener must be called after each access.
   void set_listening(bool listens) { listens_ = listens; }
 
   BusReply load(std::uint32_t address, std::uint64_t cycle) override;
@@ -63,7 +60,7 @@ class SystemBus final : public Bus {
   bool watched(std::uint32_t /*address*/) override { return program_host_.command() != 0; }
   bool called_host(std::uint32_t cause) override;
 
-  /// Serves an access of a cluster core to a device of the SoC, at the fabric controller's time if that is later.
+  /// Performs an access of a cluster core to a device of the SoC, at the fabric controller's time if that is later.
   BusReply from_cluster(const ClusterAccess& access, Picoseconds time);
 
  private:

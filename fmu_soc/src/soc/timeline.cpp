@@ -22,8 +22,7 @@ void Timeline::wake(Picoseconds time) {
   asleep_ = false;
 }
 
-/// Ends the program at `time`. If the fabric controller is awake and has passed `time`, the program ends at its time
-/// instead. If the fabric controller sleeps, it continues to sleep.
+/// If the fabric controller sleeps, it continues to sleep.
 void Timeline::finish(End why, Picoseconds time) {
   end_ = why;
   end_time_ = std::max(core_time(), time);

@@ -11,10 +11,10 @@
 
 namespace mebots::soc {
 
-/// Names the reason for which a chip has stopped.
+/// The reason why a chip has stopped.
 enum class End : std::uint8_t { none, exited, faulted, powered_off, host, stopped };
 
-/// Stores the time of a chip: the clock of the fabric controller, its sleep, and the end of the program.
+/// The time of a chip: the clock of the fabric controller, its sleep, and the end of the program.
 class Timeline {
  public:
   explicit Timeline(const Hart& hart) : hart_(hart) {}
@@ -23,17 +23,15 @@ class Timeline {
   const Clock& clock() const { return clock_; }
   Picoseconds now() const { return now_; }
   void reach(Picoseconds time) { now_ = time; }
-  /// Returns the time at which the fabric controller's next instruction or its sleep starts.
+  /// Returns the start time of the fabric controller's next instruction or of its sleep.
   Picoseconds core_time() const { return clock_.time_of(hart_.counters().cycles); }
 
   End end() const { return end_; }
   bool running() const { return end_ == End::none; }
-  /// True while the fabric controller waits for an interrupt, and after it has ended.
+  /// Returns true while the fabric controller waits for an interrupt, and after the end of the program.
   bool asleep() const { return asleep_; }
   Picoseconds asleep_since() const { return asleep_since_; }
-  /// True while the chip is in retention sleep.
   bool retained() const { return retained_; }
-  /// Returns the number of the core that has ended the program.
   int ended_by() const { return ended_by_; }
   void set_ended_by(unsigned core) { ended_by_ = static_cast<std::int32_t>(core); }
 
@@ -43,7 +41,7 @@ class Timeline {
   void end_retention(Picoseconds time);
   /// Ends the program at `time`, or at the fabric controller's time if that is later.
   void finish(End why, Picoseconds time);
-  /// Switches the supply of the chip off at the present time.
+  /// Switches off the chip's supply at the present time.
   void power_off();
 
   Picoseconds slept_at(Picoseconds now) const {
@@ -56,10 +54,10 @@ class Timeline {
   Picoseconds supplied_until(Picoseconds time) const {
     return end_ == End::powered_off ? std::min(time, end_time_) : time;
   }
-  /// Returns the time that a run without a time limit has reached. After the end of the program, this is the time of
-  /// the end. Otherwise it is the latest time of all cores.
+  /// Returns the time that a run without a time limit has reached: the end of the program or, if the program still
+  /// runs, the latest time of all cores.
   Picoseconds reached(const Cluster* cluster) const;
-  /// Returns the next time at which the cluster acts. If the cluster has nothing to do, returns kNever.
+  /// Returns the time of the cluster's next activity, or kNever if it has nothing to do.
   Picoseconds next_of(const Cluster* cluster) const {
     return cluster != nullptr && running() ? cluster->next() : kNever;
   }
@@ -77,9 +75,9 @@ class Timeline {
   Picoseconds end_time_ = 0;
   bool asleep_ = false;
   Picoseconds asleep_since_ = 0;
-  Picoseconds slept_ = 0;  // total time asleep, up to the last wake-up
+  Picoseconds slept_ = 0;  // total time asleep up to the last wake-up
   bool retained_ = false;
-  Picoseconds retention_ = 0;  // total time in retention sleep, up to the last wake-up
+  Picoseconds retention_ = 0;  // total time in retention sleep up to the last wake-up
 };
 
 }  // namespace mebots::soc

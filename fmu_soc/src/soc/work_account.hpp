@@ -12,28 +12,26 @@
 
 namespace mebots::soc {
 
-/// Measures the work of a chip: its time in each state, the time of its cores, and decisions from pictures to
-/// set-points.
+/// Measures the work of a chip: its time in each state, the work of its cores, and its decisions.
 class WorkAccount {
  public:
   /// `sender` is the name of the device that sends set-points; see Decisions.
   WorkAccount(const Hardware& hardware, const Timeline& timeline, const DeviceSet& devices, std::string sender)
       : hardware_(hardware), timeline_(timeline), devices_(devices), decisions_(std::move(sender)) {}
 
-  /// Returns the time that the chip has spent in each state up to now. The whole duration of an instruction in progress
-  /// counts.
+  /// Returns how long the chip was in each state up to now, including the whole duration of an instruction in progress.
   const StateTimes& state_times() const { return state_times_; }
   const Decisions& decisions() const { return decisions_; }
 
-  /// Adds the time since the last call to the previous state of the chip, and determines the new state. The time of the
-  /// call is `time`, or the fabric controller's time if the controller is awake and has advanced further.
+  /// Adds the time since the last call to the previous state of the chip, and determines the new state. The present
+  /// time is `time`, or the fabric controller's time if the controller is awake and has advanced further.
   void pass(Picoseconds time);
   void picture_stored(const PictureTimes& times) { decisions_.picture_stored(times, work_at(times.stored)); }
   void setpoints_sent(std::string_view sender, Picoseconds now);
   /// Publishes the set-points that were sent in this step. Must be called at the end of each step.
   void publish(Picoseconds now) { decisions_.published(now); }
-  /// Must be set to true for a program without a world. Its set-points are published when they are sent. Not part of a
-  /// state.
+  /// Must be set to true for a program that runs without FMI. Its set-points are published as soon as they are sent.
+  /// Not part of a state.
   void set_alone(bool alone) { alone_ = alone; }
 
   void visit(state::Visitor& v);
@@ -50,7 +48,7 @@ class WorkAccount {
   StateTimes state_times_;
   Decisions decisions_;
   bool alone_ = false;
-  /// Awake time of the fabric controller while the cluster did nothing, up to work_noted_.
+  /// Time, up to work_noted_, in which the fabric controller was awake and the cluster did nothing.
   Picoseconds controller_work_ = 0;
   Picoseconds work_noted_ = 0;
   Picoseconds cluster_work_noted_ = 0;

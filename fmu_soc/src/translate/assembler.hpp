@@ -29,14 +29,15 @@ namespace mebots::soc::translate {
 using Xbyak::Label;
 using Xbyak::Reg32;
 
-/// Features of the host's processor. They are read when the library is loaded, because each query is slow in a virtual
-/// machine.
+/// Returns the features of the host's processor. They are read when the library is loaded, because a query is slow in a
+/// virtual machine.
 const Xbyak::util::Cpu& host_processor();
 
-/// A jump with a distance of 32 bits.
+/// Makes Xbyak encode a jump with a 32-bit distance.
 inline constexpr auto kNear = Xbyak::CodeGenerator::T_NEAR;
 
-/// Returns the offset of a member of HostState, or of a counter, from the start of Execution.
+/// These functions return the offset of a member from the start of Execution. `member` is its offset in HostState or
+/// Counters.
 constexpr int offset_of_host(std::size_t member) {
   return static_cast<int>(offsetof(Execution, host) + member);
 }
@@ -44,38 +45,42 @@ constexpr int offset_of_counter(std::size_t member) {
   return static_cast<int>(offsetof(Execution, counters) + member);
 }
 
-/// Offset of a hardware loop from Execution.
+/// Returns the offset of a hardware loop's registers from the start of Execution.
 constexpr int offset_of_loop(unsigned loop) {
   return static_cast<int>(offsetof(Execution, loops) + sizeof(HardwareLoop) * loop);
 }
 
-/// Addresses of the pieces of code that all regions share.
+/// Addresses of the code that all regions share.
 struct Stubs {
-  const std::uint8_t* prologue = nullptr;  // at its executable address
-  const std::uint8_t* leave = nullptr;     // at its writable address; eax = number of the exit
-  /// Performs the rare instruction after exit eax (writable address). Null if translated code is left there.
+  const std::uint8_t* prologue = nullptr;  // executable address
+  const std::uint8_t* leave = nullptr;     // writable address; expects the number of the exit in eax
+  /// Executes the rare instruction after exit eax: calls Options::perform. Writable address. Null if Options::perform
+  /// is null.
   const std::uint8_t* perform = nullptr;
-  /// Parks a core before a block that may not begin (writable address). rdx holds the address of the block's entry; rcx
-  /// holds the value that load_next_point() has loaded.
+  /// Leaves translated code before a block that may not begin. If the core has reached its limit, stores a resume point
+  /// and continues with the next core of the round. Writable address. Expects the address of the block's entry in rdx,
+  /// and the value that load_next_point() loaded in rcx.
   const std::uint8_t* park = nullptr;
-  /// Subroutine (writable address). Fetches line edx into the set whose entries begin at byte offset rax; [rcx] is the
-  /// line's presence byte. Null if there is no instruction cache, or if other cores use the cache.
+  /// Subroutine that fetches a cache line. Writable address. Expects the line in edx, the byte offset of the line's set
+  /// in rax, and the address of the line's presence byte in rcx. Null if the core has no instruction cache, or shares
+  /// it with other cores.
   const std::uint8_t* fetch = nullptr;
-  /// Subroutine (writable address). Counts an access at offset ecx of the second memory, and counts the cycles that the
-  /// access waits. edx holds the cycles of the block before the access. If the interpreter must perform the access, the
-  /// subroutine only sets eax to a negative value. Changes rdx. Null if no other core uses that memory.
+  /// Subroutine that counts an access to the second memory and the cycles that the access waits. Writable address.
+  /// Expects the offset of the access in ecx, and the cycles of the block before the access in edx. If the interpreter
+  /// must perform the access, only sets eax to a negative value. Changes rdx. Null if no other core uses the second
+  /// memory.
   const std::uint8_t* far = nullptr;
-  /// Subroutine (writable address). Performs a quiet load of eax bytes at address ecx: see Bus::load_quietly(). edx
-  /// holds the cycles of the block before the load. Sets rax to the cycles that the load waits, and HostState::loaded
-  /// to the value. If the load is not quiet, sets rax to a negative value. Changes rdx. Null if Options::perform is
-  /// null.
+  /// Subroutine that performs a quiet load (see Bus::load_quietly()). Writable address. Expects the size in eax, the
+  /// address in ecx, and the cycles of the block before the load in edx. Stores the value in HostState::loaded, and
+  /// returns the wait cycles in rax. If the load is not quiet, returns a negative value. Changes rdx. Null if
+  /// Options::perform is null.
   const std::uint8_t* device = nullptr;
 };
 
-/// Exit number of a run that ended without an exit of a region.
+/// Exit number of a run that did not end at an exit of a region.
 inline constexpr std::uint64_t kNoExit = 0xffffffff;
 
-/// Inputs of all regions of a translator: memories, blocks and options.
+/// Data that the assembler needs to translate regions.
 struct TranslationContext {
   const CodeMemory& code_memory;
   const BlockCache& blocks;
@@ -84,8 +89,8 @@ struct TranslationContext {
   ExitTable& exits;
 };
 
-/// The assembler that lowerings write to. Its parts write host code for guest registers, counts, line fetches and
-/// edges. Needs a processor with BMI1, BMI2 and LZCNT.
+/// Writes the host code of regions. Lowerings call its parts, which write the code for guest registers, counts, cache
+/// lines and edges. Requires a processor with BMI1, BMI2 and LZCNT. The code uses these registers:
 ///
 ///   rbx    Execution
 ///   r14    bytes of the first fast memory
@@ -97,25 +102,24 @@ struct TranslationContext {
 ///   rax, rcx, rdx, xmm0 to xmm2  scratch; the other registers hold guest registers, zero-extended
 class Assembler : public Xbyak::CodeGenerator {
  public:
-  /// Writes host code at offset `used` of the code memory.
   Assembler(const TranslationContext& context, std::size_t used, const Stubs& stubs);
 
-  /// Defers a warm path: code that runs often, but not each time. The assembler places it after the region's hot code.
+  /// Defers code that runs often, but not each time. The assembler places it after the region's hot code.
   void defer_warm(std::function<void()> emit) { warm_.push_back(std::move(emit)); }
-  /// Defers a cold path: code that is hardly ever needed. The assembler places it last, so that no line of the host's
-  /// caches contains both hot and cold code.
+  /// Defers code that hardly ever runs. The assembler places it last, so that no cache line of the host contains both
+  /// hot and cold code.
   void defer_cold(std::function<void()> emit) { cold_.push_back(std::move(emit)); }
   void emit_deferred();
 
-  /// Returns the label of a constant of 16 bytes. emit_constants() writes all constants.
+  /// Returns the label of a 16-byte constant. emit_constants() writes all constants.
   const Label& constant(std::uint64_t low, std::uint64_t high) { return constants_[{low, high}]; }
   void emit_constants();
 
-  /// True if the table can be addressed relative to r14, the start of the first memory.
+  /// Returns true if code can address the table relative to r14, which contains the start of the first memory.
   bool is_near(const void* table, std::size_t size) const;
   int from_first_memory(const void* table) const;
-  /// Returns the operand for the marks of one or two words of the first memory; ecx has the number of the first word.
-  /// May change rdx.
+  /// Returns the operand for the marks of one or two words of the first memory. ecx must contain the number of the
+  /// first word. The written code may change rdx.
   Xbyak::Address marks_of_word(unsigned words);
 
   const CodeMemory& code_memory;
@@ -146,9 +150,8 @@ void EdgeWriter::branch(const Instruction* at, Jump jump_to) {
   });
 }
 
-/// Writes the stubs, at the start of the code memory.
 Stubs emit_stubs(Assembler& a);
-/// Writes the code of a region. Each of its nodes has an entry.
+/// Writes the code of a region, and returns an entry for each node.
 std::vector<Entry> emit_region(Assembler& a, const Region& region);
 
 }  // namespace mebots::soc::translate

@@ -7,11 +7,10 @@
 
 namespace mebots::soc::translate {
 
-/// Allocates memory for host code and maps it twice: writable at one address, and executable at another address. No
-/// address is both writable and executable.
+/// Memory for host code. The memory is mapped at two addresses: one is writable, and the other is executable.
 class CodeMemory {
  public:
-  /// Allocates `size` bytes. If the host does not allow memory with two mappings, returns null.
+  /// Allocates `size` bytes. Returns null if the host does not allow two mappings of the same memory.
   static std::unique_ptr<CodeMemory> create(std::size_t size);
   ~CodeMemory();
   CodeMemory(const CodeMemory&) = delete;
@@ -19,12 +18,12 @@ class CodeMemory {
 
   std::uint8_t* writable() const { return writable_; }
   std::size_t size() const { return size_; }
-  /// Returns the executable address of the byte whose writable address is `at`.
+  /// Returns the executable address of the byte at the writable address `at`.
   const std::uint8_t* executable(const std::uint8_t* at) const { return executable_ + (at - writable_); }
 
-  /// Must be called after executed code was overwritten, because the processor may still hold the old code. Executes a
-  /// serialising instruction, which is needed because the code is written at another address than the one at which it
-  /// is executed (Intel SDM volume 3, 8.1.3). Such an instruction is slow in virtual machines.
+  /// Must be called after executed code was overwritten. Executes a serialising instruction, which the processor
+  /// requires because the code is written at another address than the one at which it is executed (Intel SDM volume 3,
+  /// 8.1.3).
   static void serialise();
 
  private:

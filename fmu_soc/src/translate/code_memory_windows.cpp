@@ -13,7 +13,7 @@ std::unique_ptr<CodeMemory> CodeMemory::create(std::size_t size) {
   if (file == nullptr) return nullptr;
   void* const writable = MapViewOfFile(file, FILE_MAP_WRITE, 0, 0, size);
   void* const executable = MapViewOfFile(file, FILE_MAP_READ | FILE_MAP_EXECUTE, 0, 0, size);
-  CloseHandle(file);  // the memory exists as long as the two views
+  CloseHandle(file);  // the memory exists as long as its two views
   if (writable == nullptr || executable == nullptr) {
     if (writable != nullptr) UnmapViewOfFile(writable);
     if (executable != nullptr) UnmapViewOfFile(executable);

@@ -14,7 +14,6 @@ std::uint32_t CycleAccounting::waits_before(const Instruction* at) const {
   return a_.ram[0].wait_cycles * at->accesses_before;
 }
 
-/// Writes code that adds the counts of the block's instructions up to and including `at`.
 void CycleAccounting::count(const Instruction* at, std::uint32_t extra_cycles) {
   MEBOTS_ASSERT(at[1].index == at->index + 1 && at[1].cycles_before >= at->cycles_before);
   const auto& sums = at[1];
@@ -23,7 +22,6 @@ void CycleAccounting::count(const Instruction* at, std::uint32_t extra_cycles) {
   a_.paddq(xmm15, ptr[rip + a_.constant(counts, sums.energy_before_fj)]);
 }
 
-/// Undoes count().
 void CycleAccounting::take_back(const Instruction* at) {
   MEBOTS_ASSERT(at[1].index == at->index + 1);
   const auto& sums = at[1];
@@ -55,9 +53,9 @@ void CycleAccounting::spend(const Xbyak::Reg64& cycles) {
   }
 }
 
-/// Jumps to `leave` if the block's last instruction might start at or after the limit. The first instruction stalls for
-/// `stall` cycles. If the limit is loose, jumps only if the limit is already reached. Also jumps if other cores use the
-/// instruction cache and a line of the first instruction is absent.
+/// If the limit is strict, jumps if the block's last instruction might start at or after the limit. If the limit is
+/// loose, jumps if the limit is already reached. Also jumps if other cores use the instruction cache and a line of the
+/// first instruction is absent.
 void CycleAccounting::jump_at_limit(const Block& block, std::uint32_t stall, Label& leave) {
   if (!a_.options.loose_limit) {
     a_.cmp(r15, a_.blocks.fetch_bound(block) + stall);
@@ -77,7 +75,7 @@ void CycleAccounting::jump_at_limit(const Block& block, std::uint32_t stall, Lab
 
 void CycleAccounting::jump_if_stalled(const Instruction* at, std::uint64_t stalled_by, Label& stalled) {
   if (at->index != 0 || stalled_by == 0) return;
-  // In the first block of a run, the last instruction is in Execution::pipeline.
+  // In the first block of a run, the previous instruction is in Execution::pipeline, which is not checked.
   a_.movd(ecx, xmm15);
   a_.test(ecx, ecx);
   a_.jz(stalled, kNear);
@@ -107,14 +105,13 @@ void CycleAccounting::copy_start_of(const Instruction* at, const Xbyak::Reg64& t
   if (const auto before = at->cycles_before + waits_before(at); before != 0) a_.add(to, before);
 }
 
-/// True if an observer needs this step.
 bool CycleAccounting::is_noted(const Instruction* at, std::uint32_t next) const {
   if (a_.options.flow == nullptr) return false;
   return (at->op == Op::jal && at->rd != kNoRegister) || a_.options.flow->may_leave_function(at->pc, next);
 }
 
-/// Records a step after `at`. `set_next` stores the target of the step. All instructions up to `at` are counted.
-/// Changes rcx and rdx.
+/// Writes code that records a step from `at`. `set_next` writes the code that stores the target. All instructions up to
+/// `at` must have been counted. The code changes rcx and rdx.
 template <typename SetNext>
 void CycleAccounting::record_flow(const Instruction* at, SetNext set_next) {
   MEBOTS_ASSERT(a_.options.flow != nullptr);
@@ -137,13 +134,13 @@ void CycleAccounting::record_flow_to(const Instruction* at, std::uint32_t next) 
   record_flow(at, [this, next](const Xbyak::Address& place) { a_.mov(place, next); });
 }
 
-/// Records that execution continues after `at` at the address in register `next`.
+/// Writes code that records a step from `at` to the address in register `next`.
 void CycleAccounting::record_flow_to(const Instruction* at, const Xbyak::Reg32& next) {
   record_flow(at, [this, next](const Xbyak::Address& place) { a_.mov(place, next); });
 }
 
-/// Writes code that records a step to the next instruction of the block. The code adds the block's sums up to `at`
-/// before it records the step, and subtracts them afterwards.
+/// Writes code that records the step from `at` to the next instruction of the block. The code counts the block's
+/// instructions up to `at` before it records the step, and subtracts them afterwards.
 void CycleAccounting::record_flow_inside(const Instruction* at) {
   if (is_block_end(at[1].op) || !is_noted(at, at[1].pc)) return;
   count(at, 0);
@@ -151,8 +148,8 @@ void CycleAccounting::record_flow_inside(const Instruction* at) {
   take_back(at);
 }
 
-/// If other cores use the first memory, claims the bank of the word at offset eax for this access. If `word_in_ecx` is
-/// set, ecx holds the number of the word. Changes ecx and edx.
+/// If cores share the first memory, writes code that claims a bank. If `word_in_ecx` is true, ecx must contain the
+/// number of the word. Otherwise eax must contain the offset of the access. The code changes ecx and rdx.
 void CycleAccounting::claim_bank(const Instruction* at, bool word_in_ecx) {
   if (a_.options.banks == nullptr) return;
   const auto count = static_cast<int>(a_.options.banks->count());
@@ -182,7 +179,7 @@ void CycleAccounting::claim_bank(const Instruction* at, bool word_in_ecx) {
   });
 }
 
-/// Adds the counts of a run to the counters. The guest registers must already be stored. Changes rsi and rdx.
+/// Guest registers must have been stored before. The code changes rsi and rdx.
 void CycleAccounting::add_to_counters() {
   if (a_.options.flow != nullptr) a_.mov(ptr[rbx + offset_of_host(offsetof(HostState, position))], r15);
   copy_counted(rdx);

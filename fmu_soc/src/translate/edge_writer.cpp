@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes edges out of a block: to another block of the region, to other translated code, and back to the interpreter.
 #include "translate/edge_writer.hpp"
 
 #include "mebots/assert.hpp"
@@ -13,7 +12,8 @@ using namespace Xbyak::util;
 
 namespace {
 
-/// A loop begins at a line of the host's caches, so that its speed does not depend on the code before it.
+/// Alignment of loops. A loop begins at a cache line of the host, so that its speed does not depend on the code before
+/// it.
 constexpr std::size_t kLoopAlignment = 64;
 
 }  // namespace
@@ -74,21 +74,20 @@ void EdgeWriter::resume(const Instruction* at) {
   a_.jmp(perform_all_, kNear);
 }
 
-/// Returns the region's node to which `link` leads. If the region has no such node, or the node does not start at `pc`,
-/// returns null.
+/// Returns the region's node to which `link` leads, or null if the region has no such node or the node does not start
+/// at `pc`.
 const Node* EdgeWriter::node_at(std::uint32_t link, std::uint32_t pc) const {
   const auto number = linked(a_.blocks, link, pc);
   return number == 0 ? nullptr : region_->find(number);
 }
 
-/// Leaves translated code before a block if one of the block's instructions might start after the limit.
+/// Writes an exit before a block, taken if the limit does not allow the block to begin.
 void EdgeWriter::check_limit(const Node& node, std::uint32_t stall, const Exit& at_limit) {
   Label leave;
   a_.cycles.jump_at_limit(*node.block, stall, leave);
   a_.defer_cold([this, &node, stall, at_limit, leave]() mutable {
     a_.L(leave);
-    // If the limit is strict, a stall needs one more cycle. Therefore the next run may have to begin in the
-    // interpreter.
+    // If the limit is strict, the stall needs one more cycle, so the next run may have to begin in the interpreter.
     if (stall == 0 || a_.options.loose_limit) {
       park(node, at_limit, stall);
     } else {
@@ -97,7 +96,7 @@ void EdgeWriter::check_limit(const Node& node, std::uint32_t stall, const Exit& 
   });
 }
 
-/// Checks the limit after a jump.
+/// Writes the check of the limit after a jump to a node.
 void EdgeWriter::check_limit(const Node& node) {
   Exit exit;
   exit.pc = node.block->pc;
@@ -106,22 +105,23 @@ void EdgeWriter::check_limit(const Node& node) {
   clear_pipeline_state();
 }
 
-/// Stores the pc and the block, for a run that begins in the interpreter.
+/// Writes code that stores the pc and the block, for a run that begins in the interpreter.
 void EdgeWriter::store_next_block(const Node& node) {
   a_.mov(dword[rbx + static_cast<int>(offsetof(Execution, pc))], node.block->pc);
   a_.mov(dword[rbx + static_cast<int>(offsetof(Execution, next_block))], node.number);
 }
 
-/// Loads rcx with the resume point of the next core of the round, or 0. The host often predicts the jump to this
-/// address wrongly, and detects the error only after this load. Therefore the load comes before the other code.
+/// Writes code that loads the resume point of the round's next core into rcx, or 0 if no core follows. The host often
+/// mispredicts the jump to this address, and detects the error only after this load. Therefore the load comes before
+/// other code.
 void EdgeWriter::load_next_point() {
   if (a_.options.banks == nullptr) return;  // there are no rounds
   a_.mov(rcx, ptr[rbx + static_cast<int>(offsetof(Execution, host.resume_point_of_next))]);
   a_.mov(rcx, ptr[rcx]);
 }
 
-/// Leaves translated code before a block, and sets a resume point so that the next run begins with this block. The
-/// cycles of the stall are counted in the next run.
+/// Writes an exit before a block, and sets a resume point so that the next run begins with this block. The next run
+/// counts the cycle of the stall.
 void EdgeWriter::park(const Node& node, const Exit& exit, std::uint32_t stall) {
   static_assert(sizeof(Pipeline) == sizeof(std::uint64_t));
   load_next_point();
@@ -137,9 +137,9 @@ void EdgeWriter::park(const Node& node, const Exit& exit, std::uint32_t stall) {
   a_.jmp(park_all_, kNear);
 }
 
-/// Leaves translated code at an entry of a node, before any register is loaded. Three cases determine the state of the
-/// pipeline. After a fall-through, it is in HostState::straight_pipeline. After a jump, the pipeline is empty. At the
-/// start of a run, the state in Execution::pipeline remains valid.
+/// Writes an exit at an entry of a node, before guest registers are loaded. After a fall-through,
+/// HostState::straight_pipeline contains the state of the pipeline. After a jump, the pipeline is empty. At the start
+/// of a run, Execution::pipeline is still valid.
 void EdgeWriter::park_at_entry(const Node& node, const Exit& exit, std::uint32_t stall) {
   const auto pipeline = ptr[rbx + static_cast<int>(offsetof(Execution, pipeline))];
   load_next_point();
@@ -186,7 +186,7 @@ Entry EdgeWriter::emit_entry(const Node& node, bool runs_into_node) {
   a_.L(stalled_entries_[index_of(node)]);
   check(true, 1);
   if (a_.blocks.fetched() != nullptr && a_.fetches.are_inline())
-    a_.fetches.emit(*node.block, node.first, nullptr);  // fetched before the stall
+    a_.fetches.emit(*node.block, node.first, nullptr);  // lines are fetched before the stall
   a_.cycles.spend(1);
   a_.jmp(inside);
   entry.straight = a_.code_memory.executable(a_.getCurr());
@@ -204,7 +204,8 @@ Entry EdgeWriter::emit_entry(const Node& node, bool runs_into_node) {
   return entry;
 }
 
-/// Leaves the block by a jump after `at`. Counts everything except the cycle of an unaligned target.
+/// Writes a jump out of the block. The code counts all cycles and instructions of the block up to the jump, except for
+/// the cycle of an unaligned target.
 void EdgeWriter::jump(const Instruction* at, std::uint32_t pc, bool jumped) {
   MEBOTS_ASSERT(is_branch(at->op) || is_jump(at->op));
   const auto extra = is_branch(at->op) ? kTakenBranchExtra : 0U;
@@ -230,12 +231,12 @@ void EdgeWriter::jump(const Instruction* at, std::uint32_t pc, bool jumped) {
   leave_chained(exit);
 }
 
-/// Leaves the block through a new patch point.
+/// Writes an exit with a new patch point.
 void EdgeWriter::leave_chained(Exit exit) {
   MEBOTS_ASSERT(exit.patch_point == 0 && !exit.indirect);
   a_.registers.store_all();
-  // Until a patch point is patched, it leads to the next instruction. The target of the jump is data, so patching does
-  // not change code.
+  // Until a patch point is patched, it leads to the next instruction. The target of the jump is data, so that patching
+  // does not change code.
   exit.patch_point = a_.exits.add_patch_point();
   constexpr auto kJumpBytes = 6;
   a_.jmp(ptr[rip + static_cast<int>(a_.exits.place_of(exit.patch_point) - (a_.getCurr() + kJumpBytes))]);
@@ -246,7 +247,7 @@ void EdgeWriter::leave_chained(Exit exit) {
 
 void EdgeWriter::jump_indirect(const Instruction* at) {
   MEBOTS_ASSERT(at->op == Op::jalr);
-  // The most likely target of an indirect jump is its previous target.
+  // The previous target of an indirect jump is its most likely next target.
   if (const auto* node = at->link != 0 ? region_->find(at->link) : nullptr; node != nullptr) {
     Label guessed;
     a_.cmp(eax, node->block->pc);

@@ -14,10 +14,9 @@ namespace mebots::soc::translate {
 
 class Assembler;
 
-/// The edges of a region's blocks: from other code into the region, from block to block, and out of the region.
-/// After a jump, the pipeline is empty. After a fall-through, the last instructions of a block may delay the next
-/// block. The edge adds that delay. HostState::straight_pipeline keeps the pipeline's state, for code that leaves the
-/// next block early.
+/// Writes the edges of a region's blocks: into the region, from block to block, and out of the region. After a jump,
+/// the pipeline is empty. After a fall-through, the last instructions of a block may delay the next block, and the edge
+/// counts this delay. HostState::straight_pipeline then contains the state of the pipeline.
 class EdgeWriter {
  public:
   explicit EdgeWriter(Assembler& assembler) : a_(assembler) {}
@@ -27,30 +26,32 @@ class EdgeWriter {
   void begin_node(std::size_t index);
   /// Returns the block whose code is being written.
   const Block& block() const { return *present_->block; }
-  /// Writes the entries of a node. If `runs_into_node` is true, the node's code must follow directly. If it is false, a
-  /// jump leads to the node's code.
+  /// Writes the entries of a node. If `runs_into_node` is true, the caller must write the node's code directly
+  /// afterwards. Otherwise the entries end with a jump to the node's code.
   Entry emit_entry(const Node& node, bool runs_into_node);
   /// Writes the code that all exits of the region share.
   void emit_exits();
 
-  // Writers of the edges of an instruction.
+  // The following functions write the edges of one instruction.
 
-  /// Writes the edges of a branch. `jump_to(label)` writes a jump that is taken if the branch is taken.
+  /// Writes the edges of a branch. `jump_to(label)` must write a jump to the label that is taken if the branch is
+  /// taken.
   template <typename Jump>
   void branch(const Instruction* at, Jump jump_to);
   void jump(const Instruction* at, std::uint32_t pc, bool jumped);
-  /// Jumps to the address in eax.
+  /// Writes a jump to the address in eax.
   void jump_indirect(const Instruction* at);
-  /// Continues from the end of a block with the block at `pc`. `is_last` is true if no other code of the node follows.
+  /// Writes the edge from the end of a block to the block at `pc`. `is_last` must be true if no other code of the node
+  /// follows.
   void fall_through(const Instruction* at, std::uint32_t link, std::uint32_t pc, bool is_last);
-  /// Jumps to the start of a hardware loop.
+  /// Writes a jump to the start of a hardware loop.
   void iterate(const Instruction* at, unsigned loop);
-  /// Leaves the code of the block before `at`; the interpreter finishes the block.
+  /// Writes an exit before `at`. The interpreter then finishes the block.
   void resume(const Instruction* at);
   void leave_by(const Exit& exit);
 
  private:
-  /// Returns a pipeline state as bits, in the form of HostState::straight_pipeline.
+  /// Returns the state of a pipeline in the form of HostState::straight_pipeline.
   static std::uint64_t bits_of(const Pipeline& pipeline) { return std::bit_cast<std::uint64_t>(pipeline); }
   const Node* straight_successor(const Instruction* at, std::uint32_t link) const;
   void fall_through_to(const Instruction* at, const Node& node, bool is_last);
@@ -74,13 +75,13 @@ class EdgeWriter {
   Assembler& a_;
   const Region* region_ = nullptr;
   std::vector<Xbyak::Label> labels_;
-  const Node* present_ = nullptr;              // being written
-  const Node* following_ = nullptr;            // emitted after it
+  const Node* present_ = nullptr;              // node whose code is being written
+  const Node* following_ = nullptr;            // node whose code is written next
   std::vector<Xbyak::Label> entries_;          // plain entries
   std::vector<Xbyak::Label> stalled_entries_;  // entries with a stall
-  Xbyak::Label leave_all_;                     // stores the registers and leaves by exit eax
-  Xbyak::Label perform_all_;                   // stores the registers and performs the rare instruction after exit eax
-  Xbyak::Label park_all_;  // stores the registers and parks with resume point rdx; rcx as in Stubs::park
+  Xbyak::Label leave_all_;                     // stores the registers and leaves through exit eax
+  Xbyak::Label perform_all_;                   // stores the registers and executes the rare instruction after exit eax
+  Xbyak::Label park_all_;                      // stores the registers and jumps to Stubs::park
 };
 
 }  // namespace mebots::soc::translate

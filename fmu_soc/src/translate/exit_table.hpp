@@ -14,8 +14,8 @@
 
 namespace mebots::soc::translate {
 
-/// Describes the layout of the code memory: first the stubs, then a ring of segments that are filled one after the
-/// other. Each segment begins with its patch points. Patch points are data, in pages without code.
+/// Layout of the code memory: first the stubs, then segments that are filled in a ring. Each segment begins with its
+/// patch points, which are data in pages without code.
 struct Segments {
   static constexpr std::uint32_t kCount = 8;
   static constexpr std::size_t kStubBytes = 4096;
@@ -27,13 +27,13 @@ struct Segments {
   static constexpr std::size_t all_bytes() { return begin_of(kCount); }
 };
 
-/// Stores data that translated code refers to by number and that outlives the assembler: exits, patch points, and
-/// targets of indirect jumps. Exits and patch points belong to the segment that contains their code.
+/// Stores data to which translated code refers by number: exits, patch points, and targets of indirect jumps. Exits and
+/// patch points belong to the segment that contains their code.
 class ExitTable {
  public:
   explicit ExitTable(const CodeMemory& memory) : memory_(memory) {}
 
-  /// Starts to fill a segment. Deletes the exits and patch points that the segment had before.
+  /// Starts to fill a segment. Deletes the segment's previous exits and patch points.
   void begin_segment(std::uint32_t segment) {
     MEBOTS_ASSERT(segment < Segments::kCount);
     segment_ = segment;
@@ -48,27 +48,26 @@ class ExitTable {
     return number_of(exits_[segment_].size() - 1);
   }
   const Exit& exit(std::uint32_t number) const { return exits_[number >> kIndexBits][number & kIndexMask]; }
-  /// Returns the number of exits in the segment that is being filled.
   std::size_t count() const { return exits_[segment_].size(); }
   const Exit& exit_in_work(std::size_t index) const {
     MEBOTS_ASSERT(index < count());
     return exits_[segment_][index];
   }
 
-  /// Adds a patch point without a target to the segment that is being filled. Returns its number, which is at least 1.
+  /// Adds a patch point to the segment that is being filled. Returns its number, which is at least 1.
   std::uint32_t add_patch_point() {
     MEBOTS_ASSERT(free_patch_points() > 0);
     unpatched_[segment_].push_back(nullptr);
     return number_of(unpatched_[segment_].size());
   }
-  /// Returns the writable address at which a patch point stores its target.
+  /// Returns the writable address of a patch point's target.
   std::uint8_t* place_of(std::uint32_t patch_point) const {
     MEBOTS_ASSERT((patch_point & kIndexMask) != 0 && (patch_point & kIndexMask) <= Segments::kPatchPoints);
     return memory_.writable() + Segments::begin_of(patch_point >> kIndexBits) +
            ((patch_point & kIndexMask) - 1) * sizeof(const std::uint8_t*);
   }
   std::size_t free_patch_points() const { return Segments::kPatchPoints - unpatched_[segment_].size(); }
-  /// Returns the address to which a patch point leads now.
+  /// Returns the address to which a patch point leads.
   const std::uint8_t* target_of(std::uint32_t patch_point) const {
     const std::uint8_t* target = nullptr;
     std::memcpy(&target, place_of(patch_point), sizeof target);
@@ -77,12 +76,12 @@ class ExitTable {
   void patch(std::uint32_t patch_point, const std::uint8_t* target) {
     std::memcpy(place_of(patch_point), &target, sizeof target);
   }
-  /// Sets the target that a patch point has while it is not chained to a block. It must be outside translated code.
+  /// Sets the target of a patch point that is not chained to a block. `target` must be outside translated code.
   void set_unpatched(std::uint32_t patch_point, const std::uint8_t* target) {
     unpatched_[patch_point >> kIndexBits][(patch_point & kIndexMask) - 1] = target;
     patch(patch_point, target);
   }
-  /// Restores the target that set_unpatched() has set. If the segment was emptied since then, has no effect.
+  /// Restores the target that set_unpatched() has set. Has no effect if the segment was emptied since then.
   void unpatch(std::uint32_t patch_point) {
     const auto& targets_out = unpatched_[patch_point >> kIndexBits];
     const auto index = patch_point & kIndexMask;
@@ -103,7 +102,7 @@ class ExitTable {
   const CodeMemory& memory_;
   std::uint32_t segment_ = 0;
   std::array<std::vector<Exit>, Segments::kCount> exits_;
-  /// Stores a vector for each segment. Each vector is indexed by patch point.
+  /// For each segment: the target that each patch point has while it is not chained.
   std::array<std::vector<const std::uint8_t*>, Segments::kCount> unpatched_;
 };
 

@@ -14,8 +14,7 @@ bool FetchWriter::are_inline() const {
   return !a_.options.loose_limit;
 }
 
-/// Writes code that sets the zero flag if the cache line of `address` has not arrived in the instruction cache. May
-/// change rdx.
+/// Writes code that sets the zero flag if the cache line of `address` has not arrived. The code may change rdx.
 void FetchWriter::compare_presence(std::uint32_t address) {
   const auto* present = a_.blocks.fetched()->presence(address);
   if (a_.is_near(present, 1)) {
@@ -26,14 +25,13 @@ void FetchWriter::compare_presence(std::uint32_t address) {
   }
 }
 
-/// Writes a jump to `absent` that is taken if the cache line of `address` has not arrived. May change rdx.
 void FetchWriter::jump_when_absent(std::uint32_t address, Label& absent) {
   compare_presence(address);
   a_.je(absent, kNear);
 }
 
-/// Writes code that fetches the absent cache lines of an instruction. Excludes a line that also contains the previous
-/// instruction. If the cache has several users, the interpreter fetches the lines instead. May change eax, rcx and rdx.
+/// If cores share the cache, the code leaves the block, and the interpreter fetches the lines. The code may change eax,
+/// rcx and rdx.
 void FetchWriter::emit(const Block& block, const Instruction* at, const Instruction* before) {
   MEBOTS_ASSERT(a_.blocks.fetched() != nullptr && !is_block_end(at->op));
   const auto& cache = *a_.blocks.fetched();
@@ -59,9 +57,8 @@ void FetchWriter::emit(const Block& block, const Instruction* at, const Instruct
   }
 }
 
-/// Writes code that fetches the line if it is absent. If the line is seldom absent, the code of the refill is placed
-/// after the other code of the region. This saves a jump if the line is present, and costs two jumps if the line is
-/// absent.
+/// Writes code that fetches a line if it is absent. If the line is seldom absent, the refill is placed after the other
+/// code of the region. This saves a jump if the line is present, and costs two jumps if it is absent.
 void FetchWriter::emit_line(std::uint32_t line, std::uint32_t address, bool often_absent) {
   Label present;
   if (often_absent) {
@@ -81,7 +78,7 @@ void FetchWriter::emit_line(std::uint32_t line, std::uint32_t address, bool ofte
   });
 }
 
-/// Writes code that fetches an absent line. Changes eax, rcx and rdx.
+/// Writes code that fetches an absent line. The code changes eax, rcx and rdx.
 void FetchWriter::emit_refill(std::uint32_t line, std::uint32_t address) {
   MEBOTS_ASSERT(a_.stubs.fetch != nullptr);
   const auto* present = a_.blocks.fetched()->presence(address);

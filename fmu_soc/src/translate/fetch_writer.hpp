@@ -10,17 +10,16 @@ namespace mebots::soc::translate {
 
 class Assembler;
 
-/// Writes host code that fetches lines of the instruction cache.
 class FetchWriter {
  public:
   explicit FetchWriter(Assembler& assembler) : a_(assembler) {}
 
-  /// True if translated code refills the cache. If the cache has several users, the interpreter refills it instead.
+  /// Returns true if translated code refills the cache. If cores share the cache, the interpreter refills it instead.
   bool are_inline() const;
-  /// Writes the code that fetches the absent cache lines of the instruction `at`. Excludes a line that also contains
-  /// the previous instruction `before`.
+  /// Writes code that fetches the absent cache lines of `at`, except for a line that also contains the previous
+  /// instruction `before`.
   void emit(const Block& block, const Instruction* at, const Instruction* before);
-  /// Writes a jump to `absent` that is taken if the line of this address is absent. The written code may change rdx.
+  /// Writes a jump to `absent` that is taken if the cache line of `address` is absent. The code may change rdx.
   void jump_when_absent(std::uint32_t address, Xbyak::Label& absent);
 
  private:

@@ -21,7 +21,7 @@ void for_successors(const Node& node, Visit visit) {
   for (; !is_block_end(at->op); ++at) {
     if ((is_branch(at->op) || is_jump(at->op)) && at->link != 0) visit(at->link);
   }
-  if (at->op == Op::loop_end && at[1].link != 0) visit(at[1].link);  // the block with which the next iteration begins
+  if (at->op == Op::loop_end && at[1].link != 0) visit(at[1].link);  // first block of the next iteration
   if (at->link != 0) visit(at->link);
 }
 
@@ -57,7 +57,7 @@ class LoopFinder {
     states_[i] = State::done;
   }
 
-  /// Multiplies the weights of a loop's body, which consists of all nodes that reach `last` without passing `head`.
+  /// Multiplies the weights of a loop's nodes: `head`, and all nodes that reach `last` without passing `head`.
   void weigh(std::size_t head, std::size_t last) {
     region_.nodes[head].is_loop_head = true;
     std::vector<bool> inside(region_.nodes.size());
@@ -81,14 +81,14 @@ class LoopFinder {
   std::vector<std::vector<std::size_t>> from_;
 };
 
-/// Returns the block that was executed most recently after the end of a node. If no block was, returns 0.
+/// Returns the block that was executed most recently after the end of a node, or 0 if no block was executed there.
 std::uint32_t next_of(const Node& node) {
   const auto* at = node.end();
   return at->link != 0 || at->index == 0 || !is_jump(at[-1].op) ? at->link : at[-1].link;
 }
 
-/// Places the successor of each node directly after the node, unless the successor was already placed. Between two such
-/// nodes, no jump is needed.
+/// Places the successor of each node directly after the node, unless the successor was already placed. The first of two
+/// such nodes needs no jump to the second.
 void put_in_order(Region& region) {
   std::vector<Node> ordered;
   ordered.reserve(region.nodes.size());

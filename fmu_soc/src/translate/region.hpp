@@ -10,15 +10,14 @@
 
 namespace mebots::soc::translate {
 
-/// Describes a block that is part of a region.
 struct Node {
   std::uint32_t number = 0;  // number of the block
   const Block* block = nullptr;
   const Instruction* first = nullptr;
-  std::uint32_t weight = 1;   // estimate of how often it runs: 8 to the power of its loop depth
-  bool is_loop_head = false;  // true if a loop of the region begins with it
+  std::uint32_t weight = 1;   // estimated frequency of execution: 8 to the power of the loop depth
+  bool is_loop_head = false;  // if true, a loop of the region begins with this block
 
-  /// Returns the slot after the node's last instruction. Its index is the number of instructions of the node.
+  /// Returns the slot after the node's last instruction. Its index is the number of instructions.
   const Instruction* end() const {
     const auto* at = first;
     while (!is_block_end(at->op)) ++at;
@@ -26,8 +25,7 @@ struct Node {
   }
 };
 
-/// Lists blocks that are translated together. Guest registers stay in host registers from one of these blocks to the
-/// next.
+/// Blocks that are translated together. Guest registers stay in host registers between these blocks.
 struct Region {
   std::vector<Node> nodes;  // in the order of their code; the first node is the block whose translation was requested
 
@@ -39,26 +37,26 @@ struct Region {
   }
 };
 
-/// Returns a region that starts with the block `head`. It also contains blocks that were executed after it, directly or
-/// through others, up to a maximum size. Excludes blocks that already have code.
+/// Returns a region that starts with the block `head`. It also contains blocks that were executed after `head`,
+/// directly or through other blocks, up to a maximum size. Excludes blocks that already have code.
 Region grow_region(const BlockCache& blocks, std::uint32_t head, const std::function<bool(std::uint32_t)>& has_code);
 
-/// Returns the number of the block to which the link of an instruction leads. If this block does not start at `pc`, or
-/// if the link is not set, returns 0.
+/// Returns the number of the block to which the link of an instruction leads, or 0 if the link is not set or the block
+/// does not start at `pc`.
 inline std::uint32_t linked(const BlockCache& blocks, std::uint32_t link, std::uint32_t pc) {
   return link != 0 && blocks.block(link).pc == pc ? link : 0;
 }
 
-/// True if the first instruction of the block stalls because the previous block ends with a load. `end` is the slot
+/// Returns true if the block's first instruction stalls because the previous block ends with a load. `end` is the slot
 /// after that load.
 inline bool stalls(const Block& block, const Instruction* end) {
   MEBOTS_ASSERT(is_block_end(end->op));
   return end->index != 0 && block.stall_after(executed(end[-1], false)) != 0;
 }
 
-/// True if the cycles of a jump at the start of the block depend, or may depend, on the last instructions of the
-/// previous block. `end` is the slot after these instructions. A misaligned load at the end of a block is not
-/// considered, because the interpreter executes it.
+/// Returns true if the last instructions of the previous block may change the cycles of a jump at the start of the
+/// block. `end` is the slot after these instructions. Ignores misaligned loads at the end of a block, because the
+/// interpreter executes them.
 inline bool delays_jump(const BlockCache& blocks, const Block& block, const Instruction* end) {
   MEBOTS_ASSERT(is_block_end(end->op));
   if (!block.early_jump) return false;

@@ -10,15 +10,14 @@
 namespace mebots::soc::translate {
 namespace {
 
-/// The host registers that hold guest registers, in the order of `Registers`. The first registers of the list have the
-/// shortest encodings.
+/// The host registers that hold guest registers, those with the shortest encodings first.
 constexpr std::array<int, kHostRegisters> kHosts{Xbyak::Operand::RSI, Xbyak::Operand::RDI, Xbyak::Operand::RBP,
                                                  Xbyak::Operand::R8,  Xbyak::Operand::R9,  Xbyak::Operand::R10,
                                                  Xbyak::Operand::R11, Xbyak::Operand::R12, Xbyak::Operand::R13};
-/// Weighted number of uses of each guest register.
+/// Numbers of uses of each guest register, weighted by Node::weight.
 struct Uses {
   std::array<std::uint64_t, kGuestRegisters> all{};
-  std::array<std::uint64_t, kGuestRegisters> in_vectors{};  // by dot products and operations on floats
+  std::array<std::uint64_t, kGuestRegisters> in_vectors{};  // uses by dot products and floating-point operations
 
   void add(const Instruction& at, std::uint8_t reg, std::uint32_t weight) {
     all[reg] += weight;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes the edges that need no jump: from the end of a block to the next block, and to the next iteration of a
-// hardware loop.
+// Edges without a jump: from the end of a block to the next block or to the next iteration of a hardware loop.
 #include "translate/assembler.hpp"
 
 #include "mebots/assert.hpp"
@@ -18,14 +17,13 @@ static_assert(offsetof(Pipeline, before) == 0 && offsetof(Pipeline, two_before) 
 }  // namespace
 
 /// Returns the node to which a link at the end of a block leads. Returns null if the node is not in the region, or if
-/// the previous instructions change the node's cycles in another way than by a stall.
+/// the previous instructions may change the cycles of a jump in the node.
 const Node* EdgeWriter::straight_successor(const Instruction* at, std::uint32_t link) const {
   if (link == 0) return nullptr;
   const auto* node = a_.blocks.block(link).valid() ? region_->find(link) : nullptr;
   return node != nullptr && !delays_jump(a_.blocks, *node->block, at) ? node : nullptr;
 }
 
-/// Writes code that continues with the block at `pc`. `is_last` must be true if no other code of the node follows.
 void EdgeWriter::fall_through(const Instruction* at, std::uint32_t link, std::uint32_t pc, bool is_last) {
   MEBOTS_ASSERT(is_block_end(at->op) && at->index > 0);
   const auto* node = straight_successor(at, link);
@@ -56,13 +54,13 @@ void EdgeWriter::fall_through_to(const Instruction* at, const Node& node, bool i
   check_limit(node, stalls ? 1U : 0U, at_limit);
   if (stalls) {
     if (a_.blocks.fetched() != nullptr && a_.fetches.are_inline())
-      a_.fetches.emit(*node.block, node.first, nullptr);  // fetched before the stall
+      a_.fetches.emit(*node.block, node.first, nullptr);  // lines are fetched before the stall
     a_.cycles.spend(1);
   }
   if (!is_last || &node != following_) a_.jmp(label_of(node), kNear);
 }
 
-/// Writes a jump to the start of a hardware loop. The program may have changed the start since the last iteration.
+/// The program may have changed the start since the last iteration.
 void EdgeWriter::iterate(const Instruction* at, unsigned loop) {
   MEBOTS_ASSERT(at->op == Op::loop_end && loop < 2);
   const auto start = dword[rbx + offset_of_loop(loop) + static_cast<int>(offsetof(HardwareLoop, start))];
@@ -86,8 +84,8 @@ void EdgeWriter::iterate(const Instruction* at, unsigned loop) {
   leave_by(exit);
 }
 
-/// Writes code that stores the pipeline's state for the next block, which is entered without a jump after `end`. All
-/// instructions before `end` must have been counted. Changes rcx and rdx.
+/// Writes code that stores the state of the pipeline for the next block, which follows `end` without a jump. All
+/// instructions before `end` must have been counted. The code changes rcx and rdx.
 void EdgeWriter::save_pipeline_state(const Instruction* end) {
   MEBOTS_ASSERT(is_block_end(end->op) && end->index > 0);
   const auto straight_pipeline = ptr[rbx + static_cast<int>(offsetof(Execution, host.straight_pipeline))];
@@ -96,8 +94,8 @@ void EdgeWriter::save_pipeline_state(const Instruction* end) {
     a_.mov(straight_pipeline, rdx);
     return;
   }
-  // The state of the pipeline consists of two instructions. If the block has only one instruction, the instruction
-  // before the block is needed, too. In the first block of a run, that instruction is in Execution::pipeline.
+  // The pipeline contains two instructions. A block with one instruction also needs the instruction before the block.
+  // In the first block of a run, that instruction is in Execution::pipeline.
   Label straight;
   a_.mov(rdx, straight_pipeline);
   a_.test(rdx, rdx);
@@ -114,7 +112,7 @@ void EdgeWriter::save_pipeline_state(const Instruction* end) {
   a_.mov(straight_pipeline, rdx);
 }
 
-/// Writes code that clears the stored state before a jump to a node.
+/// Writes code that clears the stored state of the pipeline before a jump to a node.
 void EdgeWriter::clear_pipeline_state() {
   a_.mov(qword[rbx + static_cast<int>(offsetof(Execution, host.straight_pipeline))], 0);
 }

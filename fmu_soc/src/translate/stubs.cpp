@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The stubs that all regions share: prologue and epilogue of translated code, the change to the next core of a round,
+// The code that all regions share: prologue and epilogue of translated code, the change to the next core of a round,
 // refills of the instruction cache, and accesses to a memory that cores share.
 #include "hart/data_path.hpp"
 #include "mebots/assert.hpp"
@@ -16,17 +16,16 @@ using namespace Xbyak::util;
 namespace {
 
 constexpr std::size_t kStubAlignment = 16;
-/// The prologue's return address and six saved registers leave the stack eight bytes off the alignment of a call.
+/// Aligns the stack for calls, because the return address and six saved registers leave it eight bytes off.
 constexpr int kStackPadding = 8;
 
-/// Calls wait_for_far() with the calling convention of translated code.
 [[gnu::sysv_abi]] std::uint64_t wait_for_far_from_code(Execution& execution, std::uint64_t cycle,
                                                        std::uint32_t offset) noexcept {
   return wait_for_far(execution, cycle, offset);
 }
 
-/// Ends the run of a core that reached its limit in translated code, after its guest registers were stored. Stores the
-/// core's resume point (rdx), and jumps to the resume point of the next core of the round (rcx).
+/// Writes the end of a core's run at its limit, after its guest registers were stored. Stores the core's resume point
+/// (rdx), and jumps to the resume point of the round's next core (rcx).
 void emit_next_core(Assembler& a, const Label& next_core, const Label& done) {
   const auto begin = ptr[rbx + offset_of_host(offsetof(HostState, begin))];
   const auto end = ptr[rbx + offset_of_host(offsetof(HostState, end))];
@@ -47,8 +46,8 @@ void emit_next_core(Assembler& a, const Label& next_core, const Label& done) {
   a.jmp(done);
 }
 
-/// Calls Options::perform for exit eax, after the counts and guest registers were stored, and jumps to the code of the
-/// next block.
+/// Writes the call of Options::perform for exit eax, and a jump to the code of the next block. Counts and guest
+/// registers must have been stored.
 void emit_perform(Assembler& a, const Label& begin, const Label& done) {
   a.mov(rdi, rbx);
   a.mov(esi, eax);
@@ -64,8 +63,8 @@ void emit_perform(Assembler& a, const Label& begin, const Label& done) {
   a.jmp(done, kNear);
 }
 
-/// Refills a line as InstructionCache::refill() does if the cache has only one user, and counts the wait cycles.
-/// Changes rax, rcx and rdx.
+/// Writes the refill of a line, as InstructionCache::refill() does if the cache has only one user, and counts the wait
+/// cycles. The code changes rax, rcx and rdx.
 void emit_fetch_stub(Assembler& a) {
   using Cache = InstructionCache;
   static_assert(std::is_standard_layout_v<Cache::State> && std::is_standard_layout_v<Cache::Entry>);
@@ -98,7 +97,7 @@ void emit_fetch_stub(Assembler& a) {
   a.ret();
 }
 
-/// Performs a quiet load, and stores its value in HostState::loaded. Returns the wait cycles; -1 if the load is not
+/// Performs a quiet load, and stores its value in HostState::loaded. Returns the wait cycles, or -1 if the load is not
 /// quiet.
 [[gnu::sysv_abi]] std::int64_t load_quietly_from_code(Execution& execution, std::uint64_t cycle, std::uint32_t address,
                                                       std::uint32_t size) noexcept {
@@ -110,8 +109,8 @@ void emit_fetch_stub(Assembler& a) {
   return reply.wait_cycles;
 }
 
-/// Calls `function(execution, cycle, ecx, eax)`, whose result is in rax. The cycle is that of the block's start plus
-/// rdx. Changes only rax and rdx. The function may compute with floats.
+/// Writes a call of `function(execution, cycle, ecx, eax)`, whose result is in rax. `cycle` is the cycle of the block's
+/// start plus rdx. The code changes only rax and rdx. The function may use floating-point operations.
 template <typename Function>
 void emit_call(Assembler& a, Function* function) {
   // Saves the registers that a called function may change (System V ABI). Their number keeps the stack aligned.
@@ -146,7 +145,7 @@ void emit_call(Assembler& a, Function* function) {
   for (auto reg = saved.rbegin(); reg != saved.rend(); ++reg) a.pop(*reg);
 }
 
-/// Calls wait_for_far() and counts the returned cycles.
+/// Writes a call of wait_for_far(), and counts the cycles that it returns.
 void emit_far_stub(Assembler& a) {
   MEBOTS_ASSERT(a.options.banks != nullptr, "a core whose second memory is shared shares the first one");
   static_assert(kOutsideBanks >> 63 == 1 && Banks::kReach < std::uint64_t{1} << 31,
@@ -211,7 +210,7 @@ Stubs emit_stubs(Assembler& a) {
   a.ret();
 
   a.L(limit);
-  if (has_floats) leave_floats();  // such a core is alone: there is no next one
+  if (has_floats) leave_floats();  // such a core has no next core
   emit_next_core(a, next_core, done);
 
   if (a.options.perform != nullptr) {

@@ -10,8 +10,8 @@
 
 namespace mebots::soc::translate {
 
-/// Maps known targets of indirect jumps to their code. Translated code uses the table. The table has one entry per two
-/// bytes of 128 KiB of code. Real programs have about this code size, so that hot targets rarely evict each other.
+/// Maps known targets of indirect jumps to their code, for translated code. The table has one entry per two bytes of
+/// 128 KiB of guest code. Real programs have about this size, so hot targets rarely evict each other.
 class TargetTable {
  public:
   static constexpr std::uint32_t kStep = 2;  // number of bytes of guest code per entry
@@ -23,8 +23,8 @@ class TargetTable {
     const std::uint8_t* code;
   };
 
-  /// Removes the entry for pc 0, because calloc() sets all entries to zero, which would match pc 0. calloc() is used
-  /// because pages that are never accessed take no memory.
+  /// Uses calloc(), because pages that are never accessed then take no memory. All entries are then zero, so the entry
+  /// for pc 0 must be removed.
   TargetTable() : targets_(static_cast<Target*>(std::calloc(kMask / kStep + 1, sizeof(Target)))) {
     if (targets_ == nullptr) throw std::bad_alloc();
     forget(0);
@@ -44,7 +44,7 @@ class TargetTable {
     void operator()(Target* targets) const { std::free(targets); }
   };
 
-  static constexpr std::uint32_t kNone = 1;  // marks an empty entry; no valid pc is odd
+  static constexpr std::uint32_t kNone = 1;  // marks an empty entry; valid addresses are even
   Target& entry_of(std::uint32_t pc) { return targets_[(pc & kMask) / kStep]; }
 
   std::unique_ptr<Target[], Free> targets_;

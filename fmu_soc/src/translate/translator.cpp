@@ -13,7 +13,7 @@
 namespace mebots::soc::translate {
 namespace {
 
-/// Upper bounds for a region. This much space must be free before a region is begun.
+/// Upper bounds for the size of a region. This much space must be free before a region is translated.
 constexpr std::size_t kMostRegionBytes = std::size_t{256} << 10;
 constexpr std::size_t kMostRegionPatchPoints = 4096;
 
@@ -57,7 +57,7 @@ class HostTranslator : public Translator {
       made.blocks.push_back({node.number, node.block->pc});
       translated_ += node.end()->index;
     }
-    // Blocks that follow the region may have code already.
+    // Blocks that follow the region may already have code.
     for (auto exit = first_exit; exit < exits_.count(); ++exit) chain_where_known(exits_.exit_in_work(exit));
     return entries_[block];
   }
@@ -68,7 +68,7 @@ class HostTranslator : public Translator {
       std::uint64_t exit;
       Execution* execution;
     };
-    // Translated code follows the System V ABI on each system.
+    // Translated code uses the System V ABI on all systems.
     using Enter = Return(__attribute__((sysv_abi))*)(Execution*, const std::uint8_t*);
     const auto enter =
         reinterpret_cast<Enter>(const_cast<std::uint8_t*>(stubs_.prologue));  // functions are never const
@@ -115,10 +115,11 @@ class HostTranslator : public Translator {
     const std::uint8_t* begin = nullptr;  // start of its code; null = dropped
     const std::uint8_t* end = nullptr;
     std::vector<RegionBlock> blocks;
-    std::vector<std::uint32_t> patched_to;  // patch points that lead to its code, or once did
+    std::vector<std::uint32_t> patched_to;  // patch points that lead to the region's code, or have led to it
   };
 
-  /// Chains blocks: makes a patch point of a region jump to the code of another region, without a return to the caller.
+  /// Makes a patch point of a region jump to the code of another region, without a return to the caller (block
+  /// chaining).
   void chain(const Exit& exit, const Entry& entry, bool stalled) {
     MEBOTS_ASSERT(exit.patch_point != 0 && entry.plain != nullptr);
     MEBOTS_ASSERT(!stalled || exit.straight, "a jump leaves no load before it");
@@ -151,8 +152,8 @@ class HostTranslator : public Translator {
     return number;
   }
 
-  /// Drops a region, so that no jump leads to its code any more. The code stays in memory until its segment is filled
-  /// again, because the last run may have ended at an exit of this region.
+  /// Drops a region, so that no jump leads to its code. The code stays in memory until its segment is filled again,
+  /// because the last run may have ended at an exit of this region.
   void drop(std::uint32_t number) {
     MEBOTS_ASSERT(number != 0 && number < regions_.size());
     auto& region = regions_[number];
@@ -179,7 +180,7 @@ class HostTranslator : public Translator {
     exits_.begin_segment(segment);
   }
 
-  /// Makes space for one more region. If the present segment is full, drops the regions of the next one.
+  /// Frees space for one more region. If the present segment is full, drops the regions of the next segment.
   void make_room() {
     if (used_ + kMostRegionBytes <= Segments::begin_of(segment_ + 1) &&
         exits_.free_patch_points() >= kMostRegionPatchPoints)
@@ -229,10 +230,10 @@ std::unique_ptr<Translator> make_translator(const BlockCache& blocks, const Exec
   for (const auto& ram : execution.ram) {
     if (ram.base % 4 != 0) return nullptr;
   }
-  if (options.banks != nullptr) {  // translated code keeps their ticks and claims
+  if (options.banks != nullptr) {  // translated code contains the ticks and claims of these banks
     if (!options.loose_limit) return nullptr;
     if (execution.ram[0].wait_cycles != 0 || execution.ram[0].base / 4 % options.banks->count() != 0) return nullptr;
-    // A block must not run past the table of banks. The longest instruction is a division; a load or store can be two
+    // A block must not run beyond the bank table. The longest instruction is a division. A load or store can take two
     // bus accesses.
     const auto& far = execution.ram[1];
     const std::uint64_t far_wait =

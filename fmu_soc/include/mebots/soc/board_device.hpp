@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-/// Entries under "devices" of a board description. The reader passes each entry to the device that the entry describes.
+/// Data structures for the entries of the list "devices" in a board file.
 namespace mebots::soc {
 
 struct BoardRegister {
@@ -23,12 +23,12 @@ struct BoardRegister {
   std::string sends;        // variable that a store into a described device sets; empty = none
   double units_per_si = 1;  // register word = value in SI units * units_per_si
   bool commits = false;     // if true, a store into this register changes all outputs of the device at the same time
-  /// Smallest value that the register may send, as a signed number; empty = no limit.
+  /// Smallest value that a store to the register may contain, as a signed number; empty = no limit.
   std::optional<std::int32_t> least;
   std::optional<std::int32_t> most;
 };
 
-/// Maps a word to a state: if the firmware stores `value` into the register, the device enters `state`.
+/// Describes a state change: if the firmware stores `value` into the register, the device enters `state`.
 struct BoardOpcode {
   std::string name;
   std::string register_name;
@@ -47,7 +47,6 @@ struct BoardVariable {
   double start = 0;           // start value of a number; false is 0 and true is 1
 
   bool is_number() const { return type != "String" && type != "Binary"; }
-  /// Returns true if the variable is an input or a parameter of the FMU.
   bool is_input() const { return causality != Causality::output; }
   [[deprecated("use is_input()")]] bool goes_in() const { return is_input(); }
 };
@@ -65,7 +64,7 @@ struct BoardValue {
   std::int32_t value = 0;
 };
 
-/// Lists the names of the values that a register can contain.
+/// Names the values that a register can contain.
 struct BoardEnumeration {
   std::string name;
   std::vector<BoardValue> items;  // sorted by value
@@ -77,12 +76,12 @@ struct BoardPart {
   double charge_per_byte = 0;  // [C] for each transferred byte, in addition to the current of the part's state
 };
 
-/// Describes a voltage regulator and lists what it supplies.
+/// Describes a voltage regulator and the parts that it supplies.
 struct BoardRegulator {
   std::vector<std::string> loads;  // names of parts and other regulators, or kChipLoad
   double efficiency = 1;           // output power divided by input power
 };
-/// Names the chip in the list of a regulator's loads.
+/// The name of the chip in BoardRegulator::loads.
 inline constexpr std::string_view kChipLoad = "chip";
 
 struct BoardDevice {
@@ -110,19 +109,18 @@ struct BoardDevice {
   std::string power_variable() const { return name + ".power"; }
   std::string energy_variable() const { return name + ".energy"; }
 
-  /// Returns the size of the device's address range in bytes.
   std::uint32_t size() const {
     const auto registers_end = registers.empty() ? 0 : registers.back().offset + 4;
     return std::max(span, registers_end);
   }
-  /// Returns the state of this name. Throws Error if the device has none.
+  /// Returns the state with this name. Throws Error if the device has no such state.
   const BoardState& state(std::string_view state_name) const {
     for (const auto& candidate : states) {
       if (candidate.name == state_name) return candidate;
     }
     throw Error("board: device " + name + " needs a state \"" + std::string(state_name) + "\" with its current");
   }
-  /// Returns null if the device has no such variable.
+  /// Returns the variable with this name, or null if the device has no such variable.
   const BoardVariable* variable(std::string_view variable_name) const {
     const auto found = std::find_if(variables.begin(), variables.end(),
                                     [&](const BoardVariable& candidate) { return candidate.name == variable_name; });

@@ -11,9 +11,9 @@
 #include <string>
 #include <string_view>
 
-/// Kinds of devices: an entry of a board file names a kind, which creates the device.
+/// Kinds of devices. An entry of a board file names a kind, and this kind creates the device.
 ///
-/// You can write your own kinds in C++, in a shared library that the board file names:
+/// You can write your own kinds in C++. Compile them into a shared library, and name this library in the board file:
 ///
 ///     class Wheels final : public mebots::soc::Device { ... };
 ///     std::unique_ptr<mebots::soc::Device> make(const mebots::soc::BoardDevice& entry, mebots::soc::DeviceHost& host);
@@ -21,12 +21,12 @@
 ///
 ///     "libraries": ["wheels.so"], "devices": [{"name": "left", "kind": "wheels", ...}]
 ///
-/// mebots_device_library() of the installed CMake package builds the library. mebots-boardgen --skeleton generates its
-/// source.
+/// The CMake function mebots_device_library() of the installed package builds the library. The command mebots-boardgen
+/// --skeleton generates its source.
 namespace mebots::soc {
 
 /// Stores the times at which a picture was requested, the exposure of its first row began, its read-out began, and its
-/// last pixel was written into the chip's memory. The times must not decrease in this order.
+/// last pixel was stored in the chip's memory. Each time must be at or after the previous one.
 struct PictureTimes {
   Picoseconds asked = 0;
   Picoseconds exposed = 0;
@@ -41,7 +41,7 @@ struct PictureTimes {
   }
 };
 
-/// Provides the services of the chip that a device may call. Outlives the device.
+/// Provides the chip's services to a device. A DeviceHost outlives the devices that use it.
 class DeviceHost {
  public:
   DeviceHost() = default;
@@ -49,23 +49,23 @@ class DeviceHost {
   DeviceHost& operator=(const DeviceHost&) = delete;
   virtual ~DeviceHost() = default;
 
-  /// Reads or writes the chip's memories, for a device that transfers data without the core. If the bytes are not all
-  /// in one memory, returns false and changes nothing.
+  /// Reads or writes the chip's memories, for a device that transfers data without the core. If no memory contains all
+  /// of the bytes, returns false and changes nothing.
   virtual bool read_memory(std::uint32_t address, std::span<std::uint8_t> bytes) const = 0;
   virtual bool write_memory(std::uint32_t address, std::span<const std::uint8_t> bytes) = 0;
   virtual bool is_memory(std::uint32_t address, std::uint32_t size) const = 0;
 
   /// Prints a line on the firmware's console.
   virtual void print(std::string_view line) = 0;
-  /// Reports to the user that the firmware uses the device wrongly.
+  /// Reports to the user that the firmware uses the device incorrectly.
   virtual void complain(std::string_view text) = 0;
-  /// Returns the name of the function that the fabric controller executes, for the texts of complain(). If the function
-  /// is unknown, returns an empty text.
+  /// Returns the name of the function that the fabric controller executes, or an empty text if the function is unknown.
+  /// Devices use the name in texts for complain().
   virtual std::string function() const { return {}; }
 
-  /// Reports that a picture is in memory. This can begin a decision. Throws Error if the times are not in order.
+  /// Reports that a picture is in memory. Throws Error if the times are not in order.
   virtual void picture_stored(const PictureTimes& /*times*/) {}
-  /// Reports that set-points were sent. If the board names this sender, this ends the time from picture to set-point.
+  /// Reports that set-points were sent. If the board names `sender`, the measured time from picture to set-points ends.
   virtual void setpoints_sent(std::string_view /*sender*/, Picoseconds /*now*/) {}
 };
 
@@ -75,9 +75,9 @@ struct DeviceKind {
   std::unique_ptr<Device> (*make)(const BoardDevice& entry, DeviceHost& host);
 };
 
-/// Describes a shared library. The simulation refuses a library that was built with other headers.
+/// Describes a shared library of device kinds. The chip refuses a library that was compiled with other headers.
 struct DeviceLibrary {
-  /// Version of the interface. Must be incremented with every change of the headers that such a library includes.
+  /// Version of the interface. Must be incremented whenever a header that such a library includes changes.
   static constexpr std::uint32_t kInterface = 6;
 
   std::uint32_t interface = kInterface;
@@ -87,8 +87,8 @@ struct DeviceLibrary {
 
 }  // namespace mebots::soc
 
-/// Defines the kinds of a shared library: MEBOTS_DEVICE_KINDS({"left_wheel", make_left}, {"right_wheel", make_right}).
-/// The macro must be used once per library, outside any namespace.
+/// Defines the kinds of a shared library, for example MEBOTS_DEVICE_KINDS({"left_wheel", make_left}, {"right_wheel",
+/// make_right}). Must be used exactly once in the library, outside any namespace.
 #define MEBOTS_DEVICE_KINDS(...)                                                                                \
   extern "C" __attribute__((visibility("default"))) const mebots::soc::DeviceLibrary* mebots_device_library() { \
     static const mebots::soc::DeviceKind kinds[] = {__VA_ARGS__};                                               \

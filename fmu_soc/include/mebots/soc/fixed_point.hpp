@@ -5,14 +5,14 @@
 #include <cstdint>
 #include <limits>
 
-/// Converts physical values to registers, which contain integers of a small unit such as um/s, urad, mV or ppm.
+/// Conversions between physical values and device registers, which contain integers in a small unit such as um/s or mV.
 namespace mebots::soc {
 
 inline constexpr double kMicro = 1e6;
 inline constexpr double kMilli = 1e3;
 
-/// Returns the register word that represents a value in SI units. A value that does not fit in 32 signed bits becomes
-/// the nearest limit, as in a sensor that saturates. NaN becomes 0.
+/// Returns the register word for a value in SI units. A value outside the range of a signed 32-bit integer becomes the
+/// nearest limit. NaN becomes 0.
 inline std::uint32_t to_register(double value, double units_per_si) {
   const double scaled = std::round(value * units_per_si);
   if (std::isnan(scaled)) return 0;

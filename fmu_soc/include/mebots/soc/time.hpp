@@ -6,12 +6,12 @@
 
 namespace mebots::soc {
 
-/// Counts picoseconds since reset of the chip. The range is 106 days.
+/// A time in picoseconds since the chip's reset. The largest time is 106 days.
 using Picoseconds = std::int64_t;
 inline constexpr Picoseconds kNever = std::numeric_limits<Picoseconds>::max();
 inline constexpr Picoseconds kPsPerNs = 1000;
 inline constexpr double kPsPerS = 1e12;
-/// Limits the end of a step, in nanoseconds since the start. An event at most two days later still fits in Picoseconds.
+/// The latest end of a step, in nanoseconds since the start. An event up to two days later still fits in Picoseconds.
 inline constexpr std::int64_t kLongestNs = 9'000'000 * std::int64_t{1'000'000'000};
 
 }  // namespace mebots::soc
