@@ -21,15 +21,13 @@
 #include <string_view>
 #include <vector>
 
-/// Contains code that the master's tests share, mostly for configs that use the probe FMU (tests/fmus/probe.c).
+/// Declares shared code of the master's tests, mostly for configs with the probe FMU (tests/fmus/probe.c).
 namespace mebots::test {
 
-/// Replaces every "PROBE" in `text` by the path of the FMU made from tests/fmus/probe.c, and "COUPLING" by that of
-/// coupling.c.
+/// Replaces "PROBE" and "COUPLING" in `text` by the paths of the FMUs from tests/fmus/probe.c and coupling.c.
 std::string with_probe(std::string text);
 
-/// Creates a copy of a test FMU (tests/fmus/NAME.c) in which `text` replaces a part of the description. The destructor
-/// deletes the copy.
+/// A copy of a test FMU (tests/fmus/NAME.c) in which `text` replaces `part` of the description.
 class ChangedFmu {
  public:
   ChangedFmu(const std::string& name, const std::string& part, const std::string& text);
@@ -39,14 +37,13 @@ class ChangedFmu {
   modeldesc::TemporaryFolder folder_{"mebots-test"};
 };
 
-/// Returns the message of the InputError that `work` throws; "no InputError was thrown" if it throws none.
+/// Returns the message of the InputError that `work` throws, or "no InputError was thrown".
 template <typename Work>
 std::string input_error(Work work);
 
-/// Applies the setting INSTANCE.VARIABLE=VALUE to the system, as `--set` does.
+/// Applies INSTANCE.VARIABLE=VALUE to the system like `--set`.
 void apply_set(master::SystemDescription& system, const std::string& text);
 
-/// Collects the messages of FMUs.
 class Messages final : public master::MessageSink {
  public:
   void message(const Message& message) override {
@@ -59,17 +56,16 @@ class Messages final : public master::MessageSink {
   std::vector<Severity> severities;
 };
 
-/// Performs a complete run in this process, from the text of a config to the text of results.csv.
+/// A complete run in this process, from the text of a config to the text of results.csv.
 class TestRun {
  public:
   explicit TestRun(const std::string& config);
 
   master::Simulation& simulation() { return *simulation_; }
   TestRun& initialize();
-  /// Initialises the run and steps to its end.
   TestRun& to_end();
   std::string csv();
-  /// Returns the column of a variable in results.csv. `name` is the name without unit.
+  /// Returns the column of a variable in results.csv. `name` contains no unit.
   std::vector<double> column(const std::string& name);
 
   modeldesc::TemporaryFolder folder{"mebots-test"};
@@ -88,18 +84,16 @@ class TestRun {
   std::optional<master::Simulation> simulation_;
 };
 
-/// Contains exit code and output of the mebots program.
 struct ProgramResult {
   int code = -1;
   std::string out;
   std::string err;
 };
 
-/// Runs the program with these arguments in `folder`.
 ProgramResult run_program(const std::vector<std::string>& arguments, const std::filesystem::path& folder);
 
-/// Runs a sandboxed FMU once. Returns which part of the sandbox this system rejects; empty if none. Tests that need the
-/// sandbox are skipped with this text as the reason.
+/// Runs a sandboxed FMU once. Returns the reason why this system does not support the sandbox; empty if it does. Tests
+/// that need the sandbox use it as the reason to skip.
 const std::string& sandbox_refusal();
 
 template <typename Work>

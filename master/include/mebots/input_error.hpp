@@ -5,8 +5,8 @@
 
 namespace mebots {
 
-/// Thrown if MEbots cannot use an input of the user, such as a call, the command line, the config, an FMU, a start
-/// value or the results folder. The program `mebots` then exits with code 2.
+/// Thrown for an error that the user can correct, for example in the config, in an FMU or on the command line. The
+/// program `mebots` then exits with code 2.
 class InputError : public Error {
  public:
   using Error::Error;

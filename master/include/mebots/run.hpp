@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-/// Includes all headers that a program needs to run systems of FMUs.
+/// Includes all headers for running systems of FMUs.
 #include "mebots/mission.hpp"
 #include "mebots/version.hpp"

@@ -6,7 +6,7 @@
 
 namespace mebots::master {
 
-/// Calls `read` and returns its result. Converts exceptions of `read` to InputError.
+/// Calls `read` and returns its result. Converts Error to InputError.
 template <typename Read>
 auto refused_as_input(const Read& read) {
   try {
@@ -18,7 +18,7 @@ auto refused_as_input(const Read& read) {
   }
 }
 
-/// Returns the whole content of a file named by the user. Throws InputError.
+/// Returns the content of a file of the user. Throws InputError if the file cannot be read.
 inline std::string input_text(const std::filesystem::path& file) {
   return refused_as_input([&] { return text_of(file); });
 }

@@ -17,7 +17,7 @@
 namespace mebots::master {
 namespace {
 
-/// The object file that contains this code: the program, or a shared object.
+/// The program or shared object that contains this code.
 struct Home {
   std::filesystem::path folder;
   bool is_extension;  // true for a shared object that Python has loaded; false for the program
@@ -29,8 +29,7 @@ Home find_home() {
   link_map* object = nullptr;
   const bool known = dladdr1(reinterpret_cast<const void*>(&find_home), &info, reinterpret_cast<void**>(&object),
                              RTLD_DL_LINKMAP) != 0;
-  // The loader stores an empty name for the program. /proc/self/exe contains the program's path, independently of
-  // argv[0].
+  // The loader stores an empty name for the program. /proc/self/exe contains its path, independently of argv[0].
   if (!known || object == nullptr || object->l_name == nullptr || object->l_name[0] == '\0') {
     return {std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path(), false};
   }
@@ -42,8 +41,7 @@ const Home& home() {
   return found;
 }
 
-// The relative paths to the folders of data and of programs. They start at the folder of the program or of the Python
-// extension.
+// Paths to the folders of data and programs, relative to the folder of the program or of the Python extension.
 constexpr std::string_view kDataOfProgram[] = {"..", "../share/mebots"};
 constexpr std::string_view kDataOfExtension[] = {"share/mebots", "../..", "../../../../share/mebots"};
 constexpr std::string_view kProgramsOfProgram[] = {"."};
@@ -57,7 +55,7 @@ void append(const std::filesystem::path& folder, std::span<const std::string_vie
   }
 }
 
-/// Returns the folder of the first `mebots` in PATH, with links resolved; an empty path if PATH has no `mebots`.
+/// Returns the folder of the first `mebots` in PATH with resolved links; an empty path if PATH has no `mebots`.
 std::filesystem::path folder_in_path() {
   const char* text = std::getenv("PATH");
   if (text == nullptr) return {};

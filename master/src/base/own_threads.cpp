@@ -23,7 +23,7 @@ struct Known {
 };
 
 Known& known() {
-  static Known& all = *new Known;  // never destroyed: threads may outlive main()
+  static Known& all = *new Known;  // never destroyed, because threads may outlive main()
   return all;
 }
 

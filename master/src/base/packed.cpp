@@ -16,7 +16,7 @@ constexpr std::size_t kMostBytes = std::size_t{256} << 20;
 
 using Decompressor = std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)>;
 
-/// Returns the size of the unpacked content, which the last four bytes of a gzip file state (little-endian).
+/// Returns the size of the decompressed content from the last four bytes of a gzip file (little-endian).
 std::size_t size_at_end_of(std::string_view file) {
   std::size_t size = 0;
   for (std::size_t i = 1; i <= sizeof(std::uint32_t); ++i) {
@@ -36,7 +36,7 @@ std::string gunzipped(std::string_view bytes) {
   const Decompressor decompressor(libdeflate_alloc_decompressor(), &libdeflate_free_decompressor);
   if (decompressor == nullptr) throw Error(ErrorCode::system_failure, "out of memory while decompressing");
   std::string result(size, '\0');
-  constexpr std::size_t* kExactly = nullptr;  // a smaller size is an error, too
+  constexpr std::size_t* kExactly = nullptr;  // also rejects a smaller result
   if (libdeflate_gzip_decompress(decompressor.get(), bytes.data(), bytes.size(), result.data(), size, kExactly) !=
       LIBDEFLATE_SUCCESS) {
     throw damaged();

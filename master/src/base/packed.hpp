@@ -8,8 +8,8 @@
 
 namespace mebots::master {
 
-/// Unpacks a gzip file with one member and returns the content. Throws Error if the bytes are not such a file, or if
-/// the content has more than 256 MiB.
+/// Decompresses a gzip file with one member. Throws Error if the bytes are not such a file, or if the result is larger
+/// than 256 MiB.
 std::string gunzipped(std::string_view bytes);
 
 }  // namespace mebots::master

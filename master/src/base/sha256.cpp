@@ -25,7 +25,7 @@ class Sha256 {
     if (EVP_DigestUpdate(context_.get(), bytes.data(), bytes.size()) != 1) fail();
   }
 
-  /// Returns the hash of all bytes that were added so far. More bytes may be added afterwards.
+  /// Returns the hash of all bytes until now. More bytes may follow.
   std::string so_far() const {
     Sha256 copy;
     if (EVP_MD_CTX_copy_ex(copy.context_.get(), context_.get()) != 1) fail();

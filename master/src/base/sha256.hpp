@@ -14,7 +14,7 @@ std::string sha256(std::string_view bytes);
 /// Returns the SHA-256 of a file as 64 hexadecimal digits. Throws InputError if the file cannot be read.
 std::string sha256_of_file(const std::filesystem::path& file);
 
-/// Computes the SHA-256 of the first part of a growing file. Reads each byte only once.
+/// Computes SHA-256 values of a growing file and reads each byte only once.
 class GrowingFileHash {
  public:
   GrowingFileHash();
@@ -22,8 +22,8 @@ class GrowingFileHash {
   GrowingFileHash(const GrowingFileHash&) = delete;
   GrowingFileHash& operator=(const GrowingFileHash&) = delete;
 
-  /// Returns the hash of the first `bytes` bytes, which must not decrease between calls. The file may have been
-  /// renamed. Throws InputError if the file is shorter than `bytes`.
+  /// Returns the SHA-256 of the first `bytes` bytes. `bytes` must not decrease between calls. The file may be renamed
+  /// between calls. Throws InputError if the file is shorter.
   std::string up_to(const std::filesystem::path& file, std::uint64_t bytes);
 
  private:

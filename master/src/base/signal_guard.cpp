@@ -8,7 +8,7 @@
 namespace mebots::master {
 namespace {
 
-// A signal handler may access only global variables, and only lock-free atomic ones.
+// A signal handler may access only lock-free atomic global variables.
 struct Slot {
   std::atomic<std::atomic<bool>*> flag{nullptr};
   std::atomic<int> signal{0};
@@ -19,7 +19,7 @@ static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<std::atomic<
 
 constexpr std::array kSignals = {SIGINT, SIGTERM, SIGHUP};
 
-// The mutex protects these variables.
+// Protected by guards_mutex.
 std::mutex guards_mutex;
 int guards = 0;
 int to_raise = 0;
@@ -37,12 +37,13 @@ void on_signal(int signal) {
 void install() {
   struct sigaction action {};
   action.sa_handler = on_signal;
-  // A second signal has its default effect, so that it ends the process even if a call to an FMU does not return.
+  // After the first signal, restores the default action, so that the second signal ends the process even if a call to
+  // an FMU does not return.
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
   sigemptyset(&action.sa_mask);
   for (std::size_t i = 0; i < kSignals.size(); ++i) {
     sigaction(kSignals[i], nullptr, &handlers_before[i]);
-    // A signal that is ignored (nohup) stays ignored.
+    // An ignored signal (nohup) stays ignored.
     if (handlers_before[i].sa_handler != SIG_IGN) sigaction(kSignals[i], &action, nullptr);
   }
 }

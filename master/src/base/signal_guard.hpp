@@ -15,16 +15,16 @@
 
 namespace mebots::master {
 
-/// While guards exist, the first SIGINT, SIGTERM or SIGHUP sets the flags of all guards; the second signal has its
-/// default effect and ends the process. A signal that the process ignores stays ignored. The destructor of the last
-/// guard restores the earlier handlers, and raises the signal again if a guard requires this. Thread-safe. If more than
-/// kMost guards exist, the flags of the additional guards are not set.
+/// Sets a flag on SIGINT, SIGTERM or SIGHUP. The first signal sets the flags of all guards that exist; the second
+/// signal ends the process. A signal that the process ignores stays ignored. The destructor of the last guard restores
+/// the previous signal handlers. It raises the signal again if a guard has requested Afterwards::raise. Thread-safe. If
+/// more than kMost guards exist, the flags of the additional guards are not set.
 class SignalGuard {
  public:
   static constexpr int kMost = 256;
   enum class Afterwards {
-    nothing,  ///< the flag is the signal's only effect
-    raise,    ///< after the last guard's destruction, the signal is raised again and reaches the earlier handler
+    nothing,  ///< the signal only sets the flag
+    raise,    ///< the last destructor raises the signal again for the previous handler
   };
 
   /// `flag` must outlive the guard.
@@ -41,24 +41,23 @@ class SignalGuard {
   int slot_ = -1;
 };
 
-/// Thrown after an interrupt by the user. Ends the run at the last communication point that all instances reached.
+/// Thrown after an interrupt by the user. The run ends at the last communication point that all instances have reached.
 class InterruptedError : public Error {
  public:
-  /// `what_else` names further effects of the interrupt, such as a killed process of an instance.
+  /// `what_else` describes further effects of the interrupt, such as a killed process.
   explicit InterruptedError(const std::string& what_else = "") : Error(ErrorCode::interrupted, what_else) {}
 };
 
-/// A flag that is always false, for runs without interrupts.
+/// A flag that is always false, for runs that cannot be interrupted.
 inline const std::atomic<bool> kNeverInterrupted{false};
 
-/// Throws InterruptedError if the flag is set. Call this between any two calls to FMUs, so that a step with many calls
+/// Throws InterruptedError if the flag is set. Must be called between two calls to FMUs, so that a step with many calls
 /// can be interrupted.
 inline void stop_if_interrupted(const std::atomic<bool>& interrupted) {
   if (interrupted.load(std::memory_order_relaxed)) throw InterruptedError();
 }
 
-/// Builds a line of text without heap memory, for signal handlers and forked processes. Truncates texts that are too
-/// long.
+/// A line of text without heap memory, for signal handlers and forked processes. Truncates long texts.
 class SignalLine {
  public:
   SignalLine& operator<<(std::string_view text) {

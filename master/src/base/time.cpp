@@ -17,7 +17,7 @@ namespace {
 
 __extension__ using WideUnsigned = unsigned __int128;
 
-constexpr std::int64_t kExactDouble = std::int64_t{1} << 53;  // a double can represent all whole numbers up to this one
+constexpr std::int64_t kExactDouble = std::int64_t{1} << 53;  // a double can represent all smaller whole numbers
 constexpr std::int64_t kLongestTime_s = 9'200'000'000;
 constexpr std::int64_t kLargestWrittenDenominator = kNanosecondsPerSecond;
 
@@ -39,9 +39,9 @@ int bit_width(WideUnsigned value) {
   return high != 0 ? 64 + std::bit_width(high) : std::bit_width(static_cast<std::uint64_t>(value));
 }
 
-/// Returns true if p / q differs from x = m / 2^shift by at most 1e-15 x. `p`, `q` and `m` are whole numbers.
+/// True if p / q differs from x = m / 2^shift by at most 1e-15 x.
 bool means(std::int64_t p, std::int64_t q, std::int64_t m, int shift) {
-  // |p 2^shift - m q| <= 1e-15 m q. Convergents of x satisfy p <= x q + 1, so p 2^shift is below 2^102.
+  // |p 2^shift - m q| <= 1e-15 m q. Convergents of x satisfy p <= x q + 1, so that p 2^shift is below 2^102.
   const auto product = WideInteger{m} * q;
   const auto difference = magnitude((WideInteger{p} << shift) - product);
   constexpr std::int64_t kPerTolerance = 1'000'000'000'000'000;
@@ -49,9 +49,8 @@ bool means(std::int64_t p, std::int64_t q, std::int64_t m, int shift) {
   return difference < kFits && difference * kPerTolerance <= product;
 }
 
-/// Returns the ratio that a number above 0 and below 2^34 represents. By Legendre's theorem, any ratio within the
-/// tolerance is a convergent of the number's continued fraction. Therefore the result is the first convergent within
-/// the tolerance.
+/// Finds a ratio near x, which must be above 0 and below 2^34. By Legendre's theorem, each ratio within the tolerance
+/// is a convergent of the continued fraction of x. Returns the first convergent within the tolerance.
 std::optional<ExactTime> ratio_near(double x) {
   int exponent = 0;
   const auto m = static_cast<std::int64_t>(std::ldexp(std::frexp(x, &exponent), 53));
@@ -87,8 +86,8 @@ std::optional<std::int64_t> to_nanoseconds(double seconds) {
   if (!std::isfinite(seconds) || std::abs(seconds) > kLongestTimeS) return std::nullopt;
   const double scaled = seconds * 1e9;
   const double whole = std::round(scaled);
-  // The decimal number was rounded to a double, and its product with 1e9 was rounded again. Together, the error is at
-  // most two units in the last place.
+  // The decimal number and its product with 1e9 were both rounded. The total error is at most two units in the last
+  // place.
   const double rounding = 2 * std::numeric_limits<double>::epsilon() * std::abs(scaled);
   if (std::abs(scaled - whole) > rounding + 1e-9) return std::nullopt;
   return static_cast<std::int64_t>(whole);
@@ -142,12 +141,12 @@ std::int64_t nearest_whole(WideInteger numerator, WideInteger denominator) {
 double nearest_double(WideInteger numerator, std::int64_t denominator) {
   MEBOTS_ASSERT(denominator > 0 && denominator <= std::int64_t{1} << 60);
   const auto size = magnitude(numerator);
-  // Both numbers are exact as doubles, so only their quotient is rounded.
+  // Both numbers are exact as doubles. Only their quotient is rounded.
   if (size <= kExactDouble && denominator <= kExactDouble) {
     return static_cast<double>(static_cast<std::int64_t>(numerator)) / static_cast<double>(denominator);
   }
-  // The quotient of the shifted numerator has at least 66 bits. Its lowest bit is far below the precision of a double.
-  // Therefore this bit is used to record a remainder, and the conversion to a double rounds only once.
+  // The quotient of the shifted numerator has at least 66 bits, more than a double. Its lowest bit can therefore
+  // represent the remainder, so that only the conversion to a double rounds.
   MEBOTS_ASSERT(bit_width(static_cast<WideUnsigned>(size)) <= 126);
   const int shift = 127 - bit_width(static_cast<WideUnsigned>(size));
   const auto shifted = static_cast<WideUnsigned>(size) << shift;

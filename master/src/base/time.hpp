@@ -10,69 +10,68 @@
 
 namespace mebots::master {
 
-/// Simulated time is counted in whole nanoseconds. It is converted to seconds only for FMUs and in files.
+/// Simulated time is a whole number of nanoseconds. Only FMUs and files use seconds.
 inline constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 
-/// The longest accepted time [s]. 64 bits can count this many seconds in nanoseconds.
+/// The longest accepted time in seconds. In nanoseconds, it fits into 64 bits.
 inline constexpr double kLongestTimeS = 9.2e9;
 
-/// The largest denominator of a ratio that exact_time() finds for a decimal number.
+/// The largest denominator of a result of exact_time(double) that is not a whole number of nanoseconds.
 inline constexpr std::int64_t kLargestDenominator = 1'000'000;
 
-/// Holds intermediate results of exact arithmetic with times.
+/// The type of intermediate results in exact arithmetic.
 __extension__ using WideInteger = __int128;
 
-/// A time [s] as a ratio of whole numbers in lowest terms. The numerator is at most 9.2e18, the denominator at most
-/// 1e9.
+/// A time in seconds as a ratio of whole numbers in lowest terms. The numerator is at most 9.2e18, and the denominator
+/// is at most 1e9.
 struct ExactTime {
   std::int64_t numerator = 0;
-  std::int64_t denominator = 1;  ///< greater than 0
+  std::int64_t denominator = 1;  ///< positive
 
   bool operator==(const ExactTime&) const = default;
   bool is_whole_nanoseconds() const { return kNanosecondsPerSecond % denominator == 0; }
 };
 
-/// Converts a decimal number of seconds to nanoseconds. Returns empty if the time is not a whole number of nanoseconds,
-/// not finite, or longer than kLongestTimeS. Tolerates the binary rounding error of a decimal fraction (0.1, 0.002),
-/// but not a fraction of a nanosecond.
+/// Converts seconds to nanoseconds. Tolerates the rounding error of a decimal fraction such as 0.1 in binary. Returns
+/// nullopt if the time is not a whole number of nanoseconds, not finite, or longer than kLongestTimeS.
 std::optional<std::int64_t> to_nanoseconds(double seconds);
 
-/// Converts a decimal number of seconds to an exact time. Prefers whole nanoseconds, as to_nanoseconds() does.
-/// Otherwise returns a ratio whose denominator is at most kLargestDenominator and which differs from the number by at
-/// most 1e-15 (relative). Returns empty if neither exists.
+/// Converts seconds to an exact time: whole nanoseconds if to_nanoseconds() accepts the time, otherwise a ratio. The
+/// denominator of the ratio is at most kLargestDenominator. Its relative difference from `seconds` is at most 1e-15.
+/// Returns nullopt if there is no such time.
 std::optional<ExactTime> exact_time(double seconds);
 
-/// Reads a ratio of whole numbers such as "1/60" or "-1/3". Returns empty for any other text, for a denominator above
+/// Parses a ratio of whole numbers, such as "1/60" or "-1/3". Returns nullopt for other texts, for a denominator above
 /// 1e9, and for a time longer than kLongestTimeS.
 std::optional<ExactTime> read_ratio(std::string_view text);
 
 ExactTime exact_time_of(std::int64_t time_ns);
 
-/// Converts a time [s], which is an argument of a call, to nanoseconds. Throws InputError if the time is neither a
-/// whole number of nanoseconds nor a ratio that exact_time() accepts. Rounds a ratio to nanoseconds. `what` names the
-/// time in the error.
+/// Converts a time from seconds to nanoseconds. Rounds a ratio that exact_time() has found. Throws InputError if
+/// exact_time() does not accept the time. The error contains `what`, the name of the time.
 std::int64_t nanoseconds_of(double seconds, std::string_view what);
-/// Converts a duration as nanoseconds_of() converts a time. Throws InputError unless the duration is greater than 0.
+/// Converts a duration like nanoseconds_of(). Throws InputError if the duration is not positive.
 std::int64_t duration_of(double seconds, std::string_view what);
 
-/// Returns the ratio in lowest terms. The result must fit into an ExactTime.
+/// Reduces a ratio to lowest terms. The result must fit into an ExactTime.
 ExactTime reduced(WideInteger numerator, WideInteger denominator);
 
 /// Rounds to whole nanoseconds, ties to even.
 std::int64_t to_nanoseconds(const ExactTime& time);
 
-/// Returns the double nearest to numerator / denominator, ties to even. The numerator's magnitude must be below 2^126,
-/// the denominator between 1 and 2^60.
+/// Returns the double nearest to numerator / denominator, ties to even. The magnitude of the numerator must be below
+/// 2^126. The denominator must be from 1 to 2^60.
 double nearest_double(WideInteger numerator, std::int64_t denominator);
 
-/// Returns numerator / denominator rounded to a whole number, ties to even. The denominator must be greater than 0.
+/// Returns numerator / denominator rounded to a whole number, ties to even. The denominator must be positive.
 std::int64_t nearest_whole(WideInteger numerator, WideInteger denominator);
 
 /// Returns the double nearest to the time in seconds.
 double to_seconds(std::int64_t time_ns);
 double to_seconds(const ExactTime& time);
 
-/// Returns the time in seconds as a text: "0.002", or "1/60" if it is not a whole number of nanoseconds.
+/// Formats a time in seconds, such as "0.002". A time that is not a whole number of nanoseconds is a ratio, such as
+/// "1/60".
 std::string time_text(const ExactTime& time);
 std::string time_text(const WrittenTime& written);
 

@@ -7,8 +7,8 @@
 
 namespace mebots::master {
 
-// `denominator_` is at most 1e9 * 1e9, and |t| is at most 9.2e9 s. Therefore numerators of seconds are below 1e28 and
-// numerators of nanoseconds below 1e37. A number of 128 bits can be up to 1.7e38.
+// denominator_ is at most 1e9 * 1e9, and |t| is at most 9.2e9 s. Numerators are below 1e28 for seconds and below 1e37
+// for nanoseconds. 128 bits represent numbers up to 1.7e38.
 TimeGrid::TimeGrid(std::int64_t start_ns, const ExactTime& step)
     : start_ns_(start_ns), step_ns_(to_nanoseconds(step)), is_whole_(step.is_whole_nanoseconds()) {
   MEBOTS_ASSERT(step.numerator > 0);

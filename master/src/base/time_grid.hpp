@@ -7,37 +7,37 @@
 
 namespace mebots::master {
 
-/// The communication points of a run: t_k = t_0 + k p / q. They are computed exactly and never as a running sum. t_0 is
-/// a whole number of nanoseconds, and p / q is the step. The internal time of a point is t_k rounded to nanoseconds,
-/// ties to even. It identifies the point, because no two points have the same internal time. An FMU receives the
-/// doubles nearest to t_k and to the step.
+/// The communication points of a run: t_k = t_0 + k p / q, where p / q is the step. t_0 is a whole number of
+/// nanoseconds. The points are computed exactly, not as a running sum. The internal time of a point is t_k rounded to
+/// nanoseconds, ties to even. Different points have different internal times. FMUs receive the doubles nearest to t_k
+/// and to the step.
 class TimeGrid {
  public:
-  /// The shortest step that is not a whole number of nanoseconds.
+  /// The minimum of steps that are not whole numbers of nanoseconds.
   static constexpr std::int64_t kShortestRatioNs = 10;
 
-  /// Creates a grid that starts at 0 and has a step of one nanosecond.
+  /// Creates a grid with the start time 0 and a step of one nanosecond.
   TimeGrid() = default;
-  /// The step must be above 0. A step that is not a whole number of nanoseconds must be at least kShortestRatioNs.
+  /// The step must be positive. If it is not a whole number of nanoseconds, it must be at least kShortestRatioNs.
   TimeGrid(std::int64_t start_ns, const ExactTime& step);
 
-  /// Returns the internal time of the point t_k.
+  /// Returns the internal time of point k.
   std::int64_t time_ns(std::int64_t k) const { return is_whole_ ? start_ns_ + k * step_ns_ : rounded_ns(k); }
-  /// True if a point t_k with k >= 0 has this time.
+  /// True if a point with k >= 0 has this internal time.
   bool is_point(std::int64_t time_ns) const;
-  /// Returns the number k of the last communication point that is not after this time.
+  /// Returns the index k of the last communication point that is not after `time_ns`.
   std::int64_t point_at(std::int64_t time_ns) const;
 
-  /// Returns the double nearest to the point that has this internal time [s]. A time between points is converted
-  /// directly.
+  /// Returns the time in seconds for an FMU: the double nearest to t_k if `time_ns` is the internal time of a point,
+  /// otherwise the double nearest to `time_ns`.
   double time_s(std::int64_t time_ns) const { return is_whole_ ? to_seconds(time_ns) : exact_s(time_ns); }
-  /// Returns the double nearest to the duration between two points, or between two times that are not points [s]. If
-  /// only one of the two times is a point, returns the difference of their doubles.
+  /// Returns the double nearest to the duration in seconds. Both times must be points, or both must not be points.
+  /// Otherwise, returns the difference of their doubles.
   double length_s(std::int64_t from_ns, std::int64_t to_ns) const {
     return is_whole_ ? to_seconds(to_ns - from_ns) : exact_length_s(from_ns, to_ns);
   }
-  /// True if at least `duration_ns` have passed from one point to another. Tolerates a difference of one nanosecond if
-  /// the step is not a whole number of nanoseconds, because internal time is then rounded.
+  /// True if at least `duration_ns` have passed. Tolerates one nanosecond less if the step is not a whole number of
+  /// nanoseconds, because internal times are rounded.
   bool has_passed(std::int64_t from_ns, std::int64_t to_ns, std::int64_t duration_ns) const {
     return to_ns - from_ns >= duration_ns - (is_whole_ ? 0 : 1);
   }

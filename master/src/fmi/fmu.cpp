@@ -25,7 +25,7 @@
 namespace mebots::master {
 namespace {
 
-/// Returns the paths of the files in binaries/ of an unpacked FMU, relative to this folder.
+/// Returns the relative paths of all files in binaries/ of an unpacked FMU.
 std::vector<std::string> binaries(const std::filesystem::path& folder) {
   std::vector<std::string> names;
   std::error_code ignored;
@@ -36,7 +36,7 @@ std::vector<std::string> binaries(const std::filesystem::path& folder) {
   return names;
 }
 
-/// Returns a text that suggests what to do about a library that cannot be loaded.
+/// Returns advice for a library that cannot be loaded.
 std::string way_out(std::string_view why, const std::filesystem::path& folder) {
   if (why.find("undefined symbol: Py") != std::string_view::npos ||
       why.find("undefined symbol: _Py") != std::string_view::npos) {
@@ -46,8 +46,7 @@ std::string way_out(std::string_view why, const std::filesystem::path& folder) {
   return fmt::format("Install the missing library, or put it into binaries/{} of the FMU", folder.filename().string());
 }
 
-/// Returns a text that suggests what to do about an FMU that has binaries only for Windows. `library` is the library
-/// for 64-bit Windows.
+/// Returns advice for an FMU with binaries only for Windows. `library` is the library for 64-bit Windows.
 std::string windows_way_out(const std::filesystem::path& folder, const std::filesystem::path& library) {
   const auto* const other = is_folder(folder / "sources")
                                 ? "The FMU contains its sources: compile them (FMPy: `fmpy compile`)"
@@ -58,15 +57,15 @@ std::string windows_way_out(const std::filesystem::path& folder, const std::file
   return fmt::format(". {}, or: {}", windows::find_wine().missing, other);
 }
 
-/// True if a library in the folder is still loaded, because dlclose() does not unload every library. The loader would
-/// use this library for the next FMU with the same path.
+/// True if a library of the folder is still loaded, because dlclose() does not unload every library. The loader would
+/// use it for the next FMU with the same path.
 bool has_loaded_from(const std::filesystem::path& folder) {
   const auto start = folder.string() + "/";
   return std::ranges::any_of(modeldesc::loaded_libraries(modeldesc::UniqueSymbols::skip),
                              [&](const auto& library) { return library.file.native().starts_with(start); });
 }
 
-/// Throws InputError about a missing library. `file` is the path of the library; the FMU is unpacked in `folder`.
+/// Throws InputError for the missing library `file`. `folder` contains the unpacked FMU.
 [[noreturn]] void fail_without_binary(const std::filesystem::path& archive, const std::filesystem::path& folder,
                                       const std::filesystem::path& file, const std::filesystem::path& for_windows) {
   auto found = binaries(folder);
@@ -101,15 +100,15 @@ Fmu::~Fmu() {
 
 void Fmu::unload() {
   if (windows_library_) {
-    // The process of the library ends together with this process.
+    // A fatal status forbids further calls. The process of the library ends with this process.
     if (corrupted_) static_cast<void>(windows_library_.release());
     windows_library_.reset();
     functions_ = {};
     return;
   }
   auto* const library = std::exchange(library_, nullptr);
-  // After fmi2Fatal, no code of the FMU may be called. Therefore the library stays loaded, because unloading it would
-  // run its destructors.
+  // After a fatal status, no code of the FMU may be called. The library stays loaded, because unloading runs its
+  // destructors.
   if (library == nullptr || corrupted_ || kept_loaded_ || threads_left() != 0) return;
   const auto handlers = handlers_in_libraries();
   call_library(archive_, "unloaded", [&] { dlclose(library); });
@@ -144,8 +143,8 @@ std::shared_ptr<const modeldesc::ModelDescription> Fmu::model(const modeldesc::S
 
 void Fmu::require_library() {
   if (is_loaded()) return;
-  // When the first thread of a process starts, the C++ library of an FMU records this in its memory. Starting a thread
-  // here ensures that this happens when the first library is loaded, not during a later run.
+  // The C++ library of an FMU records in its memory that the process has started a thread. Starting a thread here
+  // ensures that this happens before later runs.
   static const bool has_had_threads = [] {
     std::thread([] {}).join();
     return true;

@@ -27,36 +27,33 @@ namespace windows {
 class WindowsLibrary;
 }
 
-/// An FMU that is unpacked into a temporary folder. The constructor reads the description. The shared library is loaded
-/// on its first use. The destructor deletes the folder. It also unloads the library, unless a thread may still execute
-/// the library's code.
+/// An FMU that is unpacked into a temporary folder. The shared library is loaded when it is first needed. The
+/// destructor deletes the folder and unloads the library. It does not unload the library if a thread may still execute
+/// its code.
 class Fmu {
  public:
-  /// Opens and unpacks an archive. `wish` is the requested kind of the FMU's instances. If `wish` is empty, the kind is
-  /// co-simulation if the FMU offers it, otherwise model exchange. Throws InputError if the file is not an FMU of
-  /// version 1.0, 2.0 or 3.0.
+  /// Opens and unpacks an archive. If `wish` is empty, the kind is co-simulation or, if the FMU does not offer it,
+  /// model exchange. Throws InputError if the file is not an FMU of FMI 1.0, 2.0 or 3.0.
   explicit Fmu(std::filesystem::path archive, std::optional<FmuKind> wish = {});
-  /// Opens an FMU that another process has unpacked into `folder`. The other process must delete the folder.
+  /// Opens an FMU that another process has unpacked into `folder` and will delete.
   Fmu(std::filesystem::path archive, std::filesystem::path folder, std::optional<FmuKind> wish = {});
   ~Fmu();
   Fmu(const Fmu&) = delete;
   Fmu& operator=(const Fmu&) = delete;
 
   const std::filesystem::path& archive() const { return archive_; }
-  /// Returns the folder with the unpacked FMU.
   const std::filesystem::path& folder() const { return folder_; }
   const modeldesc::ModelDescription& description() const { return description_; }
-  /// Returns notices about the archive that the user should see.
+  /// Returns notices about the archive for the user.
   const std::vector<std::string>& notices() const { return notices_; }
-  /// Returns the description for these values of structural parameters. In it, each array of FMI 3.0 is replaced by its
-  /// elements. Calls with the same values return the same object while it is in use. The result must not outlive the
-  /// FMU.
+  /// Returns the description of the FMU with these values of structural parameters. Each array (FMI 3.0) is replaced by
+  /// its elements. Calls with the same values return the same object while it is in use. The result must not outlive
+  /// the FMU.
   std::shared_ptr<const modeldesc::ModelDescription> model(const modeldesc::StructuralValues& values = {});
-  /// Loads the shared library, unless it is already loaded. Throws InputError that names the missing library or
-  /// function if loading fails.
+  /// Loads the shared library if it is not loaded. Throws InputError with the name of a missing library or function.
   void require_library();
-  /// Returns the functions of the FMU's library; loads it if necessary. `Functions` must be the function table for the
-  /// FMU's version of FMI. Throws the same errors as require_library().
+  /// Returns the functions of the shared library, and loads it if necessary. `Functions` must match the FMU's version
+  /// of FMI. Throws like require_library().
   template <typename Functions>
   const Functions& functions() {
     require_library();
@@ -64,66 +61,63 @@ class Fmu {
   }
   /// Returns the kind of the FMU's instances. Throws InputError if the FMU does not offer the requested kind.
   FmuKind kind() const;
-  /// Returns the path of the shared library for this platform, even if it does not exist.
+  /// Returns the path of the shared library for this platform. The file need not exist.
   std::filesystem::path library_file() const;
-  /// True if the FMU has a library for 64-bit Windows and none for this platform.
+  /// True if the FMU has a library for 64-bit Windows and no library for this platform.
   bool is_for_windows_alone() const;
-  /// True if the FMU is only for Windows and wine can run it. Such a library is loaded in a separate process.
+  /// True if the FMU is only for Windows and wine is available. Its library is loaded in a separate process.
   bool runs_under_wine() const;
   bool is_loaded() const { return library_ != nullptr || windows_library_ != nullptr; }
-  /// Returns the `link_map` of the loaded shared library. Returns null if the library is not loaded.
+  /// Returns the `link_map` of the shared library; null if it is not loaded.
   const void* library() const { return library_; }
-  /// Unloads the shared library, which the destructor would do otherwise. No instance may exist. Throws InputError if
-  /// the library throws an exception.
+  /// Unloads the shared library before the destructor does. No instance may exist. Throws InputError if the library
+  /// throws an exception.
   void unload();
-  /// Keeps the shared library loaded until the process ends.
   void keep_loaded() { kept_loaded_ = true; }
-  /// True after an instance returned the status fatal. Afterwards, no instance of this FMU may be called.
+  /// True after an instance has returned the status fatal. No instance of this FMU may then be called.
   bool corrupted() const { return corrupted_; }
   void set_corrupted() { corrupted_ = true; }
-  /// Returns the changes that loading the library caused in this process, as ProcessState describes them. The second
-  /// and later calls return an empty list.
+  /// Returns the process-wide changes that the loading of the library caused. Further calls return an empty list.
   std::vector<std::string> take_changes_at_load() { return std::exchange(changes_at_load_, {}); }
-  /// Returns the descriptors that were open before the FMU's library was loaded. The FMU must not close these
-  /// descriptors, but may close all others.
+  /// Returns the file descriptors that were open before the library was loaded. The FMU must not close them.
   const OpenFiles& files_of_others() const { return files_of_others_; }
-  /// Counts a new instance. Returns true for the first few instances, whose calls are checked for changes of the
-  /// process. Calls to other instances are not checked individually, because a check takes as long as a thousand small
-  /// calls. May be called from any thread.
+  /// Counts a new instance. Returns true if calls to this instance must be checked for process-wide changes. Only the
+  /// first few instances are checked, because a check takes as long as a thousand small calls. May be called from any
+  /// thread.
   bool enter() {
     ++instances_;
     return watched_++ < kMostWatched;
   }
-  /// Counts a freed instance. If it was the last one, returns the number of running threads that were started since the
-  /// library was loaded. Otherwise returns 0. May be called from any thread.
+  /// Counts a freed instance. After the last one, returns the number of running threads that were started since the
+  /// library was loaded; otherwise 0. May be called from any thread.
   std::size_t leave() { return --instances_ == 0 ? threads_left() : 0; }
-  /// Returns the imported functions that change the process. Reads them from the files of the libraries.
+  /// Returns the imported functions that change the process, read from the files of the libraries.
   const LibraryImports& imports();
-  /// Returns why the FMU is not clean, if its libraries show a reason before the first instance. Returns nullopt if no
-  /// reason is visible.
+  /// Returns the reason why the FMU is not clean, if its libraries show a reason before the first instance; otherwise
+  /// nullopt.
   std::optional<std::string> uncleanliness();
-  /// True if an instance was created in this process at any time.
+  /// True if an instance was ever created in this process.
   bool used() const { return watched_ != 0; }
-  /// Returns a description of how the memory of the libraries differs from its content directly after loading. Returns
-  /// nullopt if it does not differ. No instance may exist.
+  /// Describes the difference between the memory of the libraries now and directly after loading; nullopt if there is
+  /// none. No instance may exist.
   std::optional<std::string> difference() const;
-  /// Returns why the FMU computes with data outside of its instances' states. Returns nullopt if it does not.
+  /// Returns the reason why the FMU computes with data outside of its instances' states; nullopt if it does not.
   std::optional<std::string> state_elsewhere();
-  /// Stores the result that difference() or state_elsewhere() had in the process in which the FMU runs.
+  /// Sets the result of difference() or state_elsewhere() in the separate process of the FMU.
   void set_difference_elsewhere(std::string text);
 
-  /// Returns the floating-point environment that the library set while it was loaded. Returns nullopt if the library
-  /// changed nothing. After loading, the environment of the thread was restored.
+  /// Returns the floating-point environment that the library set while it was loaded; nullopt if it changed nothing.
+  /// The environment of the thread was then restored.
   const std::optional<FloatEnvironment>& floats_at_load() const { return floats_at_load_; }
-  /// Returns true on the first call only. The caller that receives true must report this FMU's floating-point
-  /// environment. May be called from any thread.
+  /// Returns true on the first call. The caller must then report the floating-point environment of the FMU. May be
+  /// called from any thread.
   bool claim_float_report() { return !floats_reported_.exchange(true); }
-  /// Returns the folder of the FMU's resources as a `file:///` URI, for fmi2Instantiate.
+  /// Returns the `file:///` URI of the folder `resources`, for fmi2Instantiate.
   std::string resource_uri() const;
-  /// Returns the folder with the unpacked FMU as a `file:///` URI, for fmiInstantiateSlave (FMI 1.0).
+  /// Returns the `file:///` URI of the unpacked FMU, for fmiInstantiateSlave (FMI 1.0).
   std::string location_uri() const;
-  /// Returns the path of the FMU's resources folder with a separator at its end, for fmi3Instantiate... Returns an
-  /// empty text if there is no such folder.
+  /// Returns the path of the folder `resources` with a separator at the end, for FMI 3.0; an empty text if there is no
+  /// such folder.
   std::string resource_path() const;
 
  private:
@@ -136,9 +130,9 @@ class Fmu {
 
   std::filesystem::path archive_;
   std::optional<FmuKind> wish_;
-  std::unique_ptr<UnpackFolder> own_folder_;  // null if another process unpacked the FMU
+  std::unique_ptr<UnpackFolder> own_folder_;  // null if another process has unpacked the FMU
   std::filesystem::path folder_;
-  // Declared before the description, because reading the description appends notices.
+  // Must be initialised before description_, because reading the description adds notices.
   std::vector<std::string> notices_;
   modeldesc::ModelDescription description_;
   void* library_ = nullptr;
@@ -148,9 +142,9 @@ class Fmu {
   OpenFiles files_of_others_;
   std::set<pid_t> threads_of_others_;
   std::atomic<int> instances_{0};
-  std::atomic<int> watched_{0};  // number of instances so far, including freed ones
+  std::atomic<int> watched_{0};  // number of all instances, including freed ones
   std::optional<FloatEnvironment> floats_at_load_;
-  std::optional<LibraryState> at_load_;    // state of the loaded libraries
+  std::optional<LibraryState> at_load_;    // state of the libraries directly after loading
   std::optional<LibraryImports> imports_;  // imports of libraries that are not loaded
   mutable std::mutex elsewhere_mutex_;
   std::string difference_elsewhere_;
@@ -158,25 +152,23 @@ class Fmu {
   FmuFunctions functions_;  // empty if the library is not loaded
   std::mutex models_mutex_;
   std::map<modeldesc::StructuralValues, std::weak_ptr<const modeldesc::ModelDescription>> models_;
-  std::unique_ptr<windows::WindowsLibrary> windows_library_;  // used in place of library_ for an FMU that wine runs
+  std::unique_ptr<windows::WindowsLibrary> windows_library_;  // replaces library_ if wine runs the FMU
 };
 
-/// Opens each archive once, for all of its instances and for consecutive runs.
+/// Opens each archive once for all its instances and for all runs.
 class FmuLibrary {
  public:
-  /// Returns the FMU with the content that the file had when it was first opened, even if the file has changed. After a
-  /// fatal status, opens the archive again. An archive is a separate FMU for each kind of simulation, because
-  /// co-simulation and model exchange may have different libraries.
+  /// Returns the FMU of an archive. Its content is that of the first call, even if the file has changed. After a fatal
+  /// status, opens the archive again. Each kind of simulation has its own Fmu, because its library may differ.
   std::shared_ptr<Fmu> open(const std::filesystem::path& archive, std::optional<FmuKind> wish = {});
-  /// Drops the FMUs that were used and are not clean. The next call of open() for such an FMU unpacks and loads it
-  /// again.
+  /// Removes the FMUs that were used and are not clean. open() then unpacks and loads such an FMU again.
   void forget_changed();
 
  private:
   std::map<std::pair<std::filesystem::path, std::optional<FmuKind>>, std::shared_ptr<Fmu>> fmus_;
 };
 
-/// Returns the path as a `file:///` URI. Special characters are percent-encoded.
+/// Returns the `file:///` URI of a path. Special characters are percent-encoded.
 std::string file_uri(const std::filesystem::path& path);
 
 }  // namespace mebots::master

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Unpacks FMUs. This code has a separate file because the host process does not need it: the host process receives an
-// FMU that the master has unpacked.
+// Unpacks FMUs. A separate file, because the host process does not need this code. It receives an unpacked FMU.
 #include "io/fmu_archive.hpp"
 #include "fmi/fmu.hpp"
 #include "fmi/windows_library.hpp"
@@ -13,7 +12,7 @@ Fmu::Fmu(std::filesystem::path archive, std::optional<FmuKind> wish)
       own_folder_(std::make_unique<UnpackFolder>()),
       folder_(own_folder_->path()),
       description_(unpack_fmu(archive_, folder_, notices_)) {
-  std::filesystem::create_directories(folder_ / "resources");  // an FMU may rely on this folder
+  std::filesystem::create_directories(folder_ / "resources");  // FMUs may rely on this folder
 }
 
 std::shared_ptr<Fmu> FmuLibrary::open(const std::filesystem::path& archive, std::optional<FmuKind> wish) {

@@ -15,22 +15,19 @@
 namespace mebots::master {
 namespace {
 
-/// Returns the text in the form in which messages show it, such as "'2.0'".
 std::string shown_text(const std::optional<std::string>& text, const char* address) {
   if (text) return fmt::format("'{}'", *text);
   return address == nullptr ? "nothing" : "an address where nothing can be read";
 }
 
-/// Describes a text that a function of the FMU's library must return.
 struct Expected {
   const char* function;
   const char* doing;  ///< completes "the library was ..." in crash messages
   const char* text;
   const char* consequence = "";
-  bool may_continue = false;  ///< true if the returned text may be longer, such as "3.0.2"
+  bool may_continue = false;  ///< true permits a longer text, such as "3.0.2"
 };
 
-/// Throws InputError if the FMU's function does not return the expected text.
 template <typename Function>
 void require_text(const LibraryOwner& owner, const Expected& expected, Function* function) {
   const char* const answer = call_library(owner.archive, expected.doing, function);
@@ -45,8 +42,7 @@ constexpr const char* kVersionCall = "asked for its version";
 constexpr const char* kPlatformCall = "asked for its platform";
 constexpr const char* kOtherSizes = ": the FMU's number types differ in size from those of mebots";
 
-/// Throws InputError if a function is null and `is_needed` returns true for it. `for_each` must be for_each_function()
-/// of the FMI version.
+/// Throws InputError if a needed function is null. `for_each` must be for_each_function() of the FMI version.
 template <typename Functions, typename ForEach, typename IsNeeded>
 void require_functions(const LibraryOwner& owner, const Functions& functions, ForEach for_each, IsNeeded is_needed) {
   std::vector<std::string> missing;

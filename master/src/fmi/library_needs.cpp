@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 using modeldesc::ElfSymbol;
 using modeldesc::LoadedLibrary;
 
-/// The folders that ld.so(8) searches last. Those in /etc/ld.so.conf.d are missing in this list; a library in one of
-/// them is identified only by its name.
+/// The folders that ld.so(8) searches last, except those of /etc/ld.so.conf.d. A library in one of those is identified
+/// only by its name.
 constexpr const char* kSystemFolders[] = {"/lib/x86_64-linux-gnu",
                                           "/usr/lib/x86_64-linux-gnu",
                                           "/lib/aarch64-linux-gnu",
@@ -81,8 +81,8 @@ std::vector<std::string> environment_folders() {
   return folders;
 }
 
-/// Resolves needed libraries as ld.so(8) does, with one exception: the FMU's own libraries take precedence over
-/// libraries that the process has loaded. Callers must check whether this exception changes the result.
+/// Finds needed libraries like ld.so(8), except that libraries of the FMU take precedence over loaded libraries.
+/// Callers must check whether this exception changes the result.
 class NeedsReader {
  public:
   NeedsReader(const fs::path& folder, const std::vector<LoadedLibrary>& loaded)
@@ -167,7 +167,7 @@ class NeedsReader {
     return any_own_symbol([&](const ElfSymbol& symbol) { return !symbol.defined && symbol.name == name; });
   }
 
-  /// Calls the predicate for the FMU's own files, but not for those of the system.
+  /// True if the predicate is true for a symbol in the FMU's own files.
   template <typename Predicate>
   bool any_own_symbol(Predicate is_it) const {
     return std::ranges::any_of(needs_.libraries, [&](const NewLibrary& library) {

@@ -27,8 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The system libraries that are not examined. The list of process functions contains all of their functions that
-/// change the process.
+/// System libraries that are not examined. process_functions() contains all of their functions that change the process.
 constexpr auto kKnownLibraries = std::to_array<std::string_view>(
     {"libc.so.6", "libm.so.6", "libdl.so.2", "libpthread.so.0", "librt.so.1", "libgcc_s.so.1", "libstdc++.so.6",
      "ld-linux-x86-64.so.2", "ld-linux-aarch64.so.1"});
@@ -50,12 +49,12 @@ std::uint64_t all_loads() {
   return loads;
 }
 
-/// Returns the number of library loads that mebots has not caused.
+/// Returns how many libraries were loaded, except by mebots itself.
 std::uint64_t foreign_loads() {
   return all_loads() - own_loads.load();
 }
 
-/// Returns the address and size of the part of a library that the loader makes read-only after relocation.
+/// Returns the address and size of the part of a library that is read-only after relocation.
 std::pair<std::uintptr_t, std::size_t> read_only_part(const dl_phdr_info& info) {
   for (std::size_t i = 0; i < info.dlpi_phnum; ++i) {
     const auto& header = info.dlpi_phdr[i];
@@ -80,7 +79,7 @@ struct Range {
   std::uintptr_t end;
 };
 
-/// Returns the ranges of memory that no file backs: heap, stacks, and the zero-initialised parts of libraries.
+/// Returns the memory without a file: heap, stacks, and the zero-initialised parts of libraries.
 std::vector<Range> anonymous_memory() {
   std::vector<Range> ranges;
   std::ifstream maps("/proc/self/maps");
@@ -116,8 +115,8 @@ bool is_in(std::uintptr_t address, const std::vector<Range>& ranges) {
                              [address](const Range& range) { return address >= range.begin && address < range.end; });
 }
 
-/// True for the memory that GCC's C++ library reserves for exceptions when it is loaded. This memory is one free block
-/// whose first word is its size. In the data of the library, the size also follows the pointer to the block.
+/// True for a pointer to the memory that GCC's C++ library reserves for exceptions. This memory is a free block whose
+/// first word is its size. In the data of the library, the size also follows the pointer.
 bool is_exception_pool(std::span<const std::uintptr_t> words, std::size_t at) {
   const auto size_at = [&](std::size_t place) { return place < words.size() ? words[place] : 0; };
   // NOLINTNEXTLINE(performance-no-int-to-ptr): addresses of loaded libraries come as numbers
@@ -145,14 +144,13 @@ bool for_each_block(std::uintptr_t address, std::size_t size,
   return true;
 }
 
-/// True if all bytes of the block are zero. Compares the block with itself, shifted by one byte: if both are equal,
-/// all bytes are equal to the first one.
+/// True if all bytes are zero. The block is equal to itself shifted by one byte only if all bytes are equal.
 bool is_zero(std::span<const std::byte> block) {
   return block.empty() ||
          (block[0] == std::byte{0} && std::memcmp(block.data(), block.data() + 1, block.size() - 1) == 0);
 }
 
-/// Returns the words of a memory range without the zeros at its end.
+/// Returns the words of a memory range without trailing zeros.
 std::vector<std::uintptr_t> words_of(std::span<const std::byte> bytes, std::uintptr_t address) {
   std::vector<std::uintptr_t> words;
   for (std::size_t at = -address % sizeof(std::uintptr_t); at < bytes.size(); at += sizeof(std::uintptr_t)) {
@@ -164,7 +162,7 @@ std::vector<std::uintptr_t> words_of(std::span<const std::byte> bytes, std::uint
   return words;
 }
 
-/// Returns the loader's record (`link_map`) of the library that contains this address.
+/// Returns the `link_map` of the library that contains this address.
 const void* record_of(std::uintptr_t address) {
   Dl_info info{};
   void* record = nullptr;
@@ -238,14 +236,14 @@ std::vector<fs::path> libraries_of(const fs::path& folder) {
   return files;
 }
 
-/// Finds pointers to memory that a library allocated while it was loaded.
+/// Finds pointers to memory that a library has allocated while it was loaded.
 class LibraryState::OwnedMemory {
  public:
   OwnedMemory() : anonymous_(anonymous_memory()), libraries_(memory_of_libraries()) {}
 
   bool is_pointed_to_by(std::span<const std::uintptr_t> words, const void* own_record) const {
     for (std::size_t i = 0; i < words.size(); ++i) {
-      if (words[i] == reinterpret_cast<std::uintptr_t>(own_record)) continue;  // the pointer belongs to the loader
+      if (words[i] == reinterpret_cast<std::uintptr_t>(own_record)) continue;  // the loader stores this pointer
       if (words[i] % alignof(std::max_align_t) != 0 || !is_in(words[i], anonymous_) || is_in(words[i], libraries_))
         continue;
       if (!is_exception_pool(words, i)) return true;
@@ -290,7 +288,7 @@ LibraryState::Object LibraryState::object_of(const dl_phdr_info& info) {
     const auto& header = info.dlpi_phdr[i];
     const auto begin = info.dlpi_addr + header.p_vaddr;
     if (header.p_type == PT_LOAD && (header.p_flags & PF_W) != 0) {
-      // The linker places the read-only part at the start of the writable segment.
+      // The read-only part is at the start of the writable segment.
       const auto skipped = fixed == begin ? std::min<std::size_t>(fixed_size, header.p_memsz) : 0;
       object.segments.push_back(memory_at(begin + skipped, header.p_memsz - skipped));
     }

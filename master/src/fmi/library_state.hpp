@@ -20,57 +20,56 @@
 
 namespace mebots::master {
 
-/// Contains those functions which a list of libraries imports and which change the process. They are read from the ELF
-/// files of the libraries.
+/// The functions that a list of libraries imports and that change the process. They are read from ELF files.
 struct LibraryImports {
   std::vector<const ProcessFunction*> functions;
-  std::vector<std::string> unknown;  ///< names of needed libraries that are neither in the FMU nor known to mebots
+  std::vector<std::string> unknown;  ///< names of needed libraries that are not in the FMU and not known to mebots
   bool opens_libraries = false;      ///< true if a library imports dlopen()
   ProcessReach reach = ProcessReach::nothing;
 
-  /// Returns a text such as "it imports srand(), which changes random numbers". Returns nullopt if the libraries do not
-  /// change the process.
+  /// Describes the imported functions, such as "it imports srand(), which changes random numbers"; nullopt if they do
+  /// not change the process.
   std::optional<std::string> reason() const;
 };
 
-/// The symbol with which a library declares that no instance depends on static memory which another instance or an
-/// earlier step has changed. The static memory of such a library contains only constants, data that existing instances
-/// share, and the reference count of these data.
+/// A library exports this symbol if no instance depends on static memory that other instances or earlier steps have
+/// changed. Its static memory may contain constants, data that all instances share, and the reference count of these
+/// data.
 inline constexpr std::string_view kKeepsNoState = "mebots_keeps_no_state_outside_instances";
 
-/// Reads the imports from the ELF files. A file that cannot be read counts as an unknown needed library.
+/// Reads the imports of ELF files. A file that cannot be read counts as an unknown library.
 LibraryImports read_imports(std::span<const std::filesystem::path> libraries);
 
-/// Returns those ELF files of an unpacked FMU that are built for this machine.
+/// Returns the ELF files of an unpacked FMU for this machine.
 std::vector<std::filesystem::path> libraries_of(const std::filesystem::path& folder);
 
-/// A copy of the memory of an FMU's libraries directly after loading. Contains all writable segments of the libraries,
-/// and the calling thread's copy of their thread-local variables.
+/// A copy of the memory of an FMU's libraries directly after loading. It contains all writable segments, and the
+/// thread-local variables of the calling thread.
 ///
-/// An FMU is clean if three conditions are met. Its libraries import no function that changes the process. Their static
-/// objects own no heap memory. After all instances were freed, the libraries' memory is the same as directly after
-/// loading. After a run with clean FMUs, the next run in the process starts as in a new process.
+/// An FMU is clean if three conditions are met. Its libraries import no function that changes the process. Its static
+/// objects own no heap memory. After all instances were freed, the memory of its libraries is the same as directly
+/// after loading. A run after clean FMUs starts like a run in a new process.
 class LibraryState {
  public:
-  /// Copies the memory of the loaded libraries of this folder.
+  /// Copies the memory of all loaded libraries in `folder`.
   explicit LibraryState(const std::filesystem::path& folder);
 
   const LibraryImports& imports() const { return imports_; }
-  /// Returns a text such as "static objects of libgain.so.1 own memory, which a run may change". Returns nullopt if
-  /// static objects own no memory, or if the library exports kKeepsNoState.
+  /// Describes static objects that own heap memory, such as "static objects of libgain.so.1 own memory, which a run may
+  /// change". Returns nullopt if there are none, or if the library exports kKeepsNoState.
   const std::optional<std::string>& owned_memory() const { return owned_memory_; }
-  /// Returns a text such as "static variables of libgain.so.1 changed". Returns nullopt if all memory is unchanged. No
+  /// Describes changed memory, such as "static variables of libgain.so.1 changed"; nullopt if no memory has changed. No
   /// instance may exist.
   std::optional<std::string> difference() const {
     return difference_in([](const Object&) { return true; });
   }
-  /// Compares like difference(), but ignores libraries that export kKeepsNoState. Instances may exist.
+  /// Describes changed memory like difference(), but ignores libraries that export kKeepsNoState. Instances may exist.
   std::optional<std::string> difference_while_used() const {
     return difference_in([](const Object& object) { return !object.keeps_no_state; });
   }
 
  private:
-  /// A copy of bytes without the zeros at their end.
+  /// A copy of memory without its trailing zeros.
   struct Memory {
     std::uintptr_t address = 0;
     std::size_t size = 0;
@@ -78,7 +77,7 @@ class LibraryState {
 
     bool is_unchanged() const;
   };
-  /// Thread-local variables. In a thread that has not used them yet, they have the content of `fresh`.
+  /// Thread-local variables. `fresh` is their content in a thread that has not used them.
   struct ThreadMemory {
     std::uintptr_t library = 0;  ///< load address of the library
     std::vector<std::byte> fresh;
@@ -103,8 +102,8 @@ class LibraryState {
   std::uint64_t loads_ = 0;
 };
 
-/// Counts the libraries that mebots itself loads, so that they can be distinguished from those that FMUs load. Must
-/// exist while mebots loads a library.
+/// Must exist while mebots itself loads a library. Counts these libraries to distinguish them from those that FMUs
+/// load.
 class OwnLoad {
  public:
   OwnLoad();
@@ -116,41 +115,39 @@ class OwnLoad {
   std::uint64_t before_;
 };
 
-/// A library that the process would additionally load if it loaded an FMU.
+/// A library that this process would load together with an FMU.
 struct NewLibrary {
   std::filesystem::path file;
   modeldesc::ElfLibrary elf;
 };
 
-/// Lists the libraries and symbols that an FMU contains and needs. They are read from its ELF files.
+/// The libraries and symbols that an FMU contains and needs, read from its ELF files.
 struct LibraryNeeds {
   std::vector<NewLibrary> libraries;  ///< the FMU's own library is the first
-  /// Maps the name by which the loader finds a library to its file.
+  /// Files of the FMU; the key is the name by which the loader finds a library.
   std::map<std::string, std::filesystem::path> brought;
-  std::set<std::string> names;             ///< names of all needed libraries, including indirectly needed ones
-  std::set<std::filesystem::path> shared;  ///< files that the FMU needs and that the process has already loaded
-  bool loads_libraries = false;            ///< true if the FMU imports dlopen, so that all ELF files in the FMU count
-  std::string interpreter;                 ///< "a Python interpreter" if the FMU embeds one; otherwise empty
+  std::set<std::string> names;             ///< names of all directly and indirectly needed libraries
+  std::set<std::filesystem::path> shared;  ///< needed files that this process has already loaded
+  bool loads_libraries = false;            ///< true if the FMU imports dlopen and may load any of its ELF files
+  std::string interpreter;                 ///< "a Python interpreter" if the FMU contains one; otherwise empty
 
-  /// Returns those of `texts` that occur in files of the FMU. If an FMU loads a library by name, its files contain this
-  /// name.
+  /// Returns those of `texts` that occur in files of the FMU. A library that is loaded by name occurs in these files.
   std::set<std::string_view> mentioned(const std::vector<std::string_view>& texts) const;
 };
 
-/// Reads the library in `file` and all libraries that it needs. `folder` contains the unpacked FMU; `loaded` lists the
-/// libraries that the process has loaded. Throws Error if a file is not a library.
+/// Reads the library in `file` and all libraries that it needs. `folder` contains the unpacked FMU. `loaded` contains
+/// the libraries of this process. Throws Error if a file is not a library.
 LibraryNeeds read_library_needs(const std::filesystem::path& file, const std::filesystem::path& folder,
                                 const std::vector<modeldesc::LoadedLibrary>& loaded);
 
-/// True if the loader can find the library by this name, which is its SONAME or the name of its file.
+/// True if `name` is the SONAME or file name of the library.
 bool has_name(const modeldesc::LoadedLibrary& library, const std::string& name);
 
-/// True if the library is part of the C library, which every process loads exactly once.
+/// True for a part of the C library, which every process loads only once.
 bool is_c_library(std::string_view name);
 
 class Fmu;
 
-/// States whether an FMU's library was loaded into this process, and why not.
 struct Admission {
   bool loaded = false;
   bool certain = false;  ///< if it shared the process, it or another FMU would use a library or variable of another
@@ -160,10 +157,10 @@ struct Admission {
 
 enum class Risk { refuse, accept };
 
-/// Loads an FMU's library into this process. Does not load it if the FMU's ELF files show that it would share libraries
-/// or symbols with the program or with other FMUs. The result depends on the libraries that the process has already
-/// loaded. If `risk` is Risk::accept, sharing that is merely possible does not prevent loading: see Admission::certain.
-/// Throws InputError if the library cannot be loaded at all. May be called from any thread.
+/// Loads an FMU's library into this process. Does not load it if it would share libraries or symbols with the program
+/// or with other FMUs. The ELF files and the libraries of this process determine this. If `risk` is Risk::accept, loads
+/// the library unless the sharing is certain (Admission::certain). Throws InputError if the library cannot be loaded at
+/// all. May be called from any thread.
 Admission load_into_this_process(const std::shared_ptr<Fmu>& fmu, Risk risk);
 
 }  // namespace mebots::master

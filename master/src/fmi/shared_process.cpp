@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks whether FMUs can share this process. The loader identifies needed libraries by name, keeps one copy of a
-// unique symbol (STB_GNU_UNIQUE), and looks up symbols in the program and its libraries first. Therefore FMUs in one
-// process can bind to each other's code and variables. The loader's namespaces (dlmopen) are no solution: there are 16,
+// Checks whether FMUs can share this process. The loader identifies libraries by name, keeps one copy of a unique
+// symbol (STB_GNU_UNIQUE), and searches symbols in the program and its libraries first. FMUs in one process can
+// therefore use code and variables of each other. Namespaces of the loader (dlmopen) do not help: there are only 16,
 // each with its own C library.
 #include "fmi/library_state.hpp"
 
@@ -42,7 +42,7 @@ Reason possible(std::string reason) {
   return Admission{false, false, std::move(reason)};
 }
 
-/// Stores an FMU that this process has loaded.
+/// An FMU whose library this process has loaded.
 struct Resident {
   std::weak_ptr<Fmu> fmu;
   std::string archive;
@@ -56,8 +56,8 @@ std::string readable(const std::string& symbol) {
   return name ? std::string(name.get()) : symbol;
 }
 
-/// True if two definitions of a unique symbol collide. The loader keeps only the first definition. This is harmless
-/// only if both are constants with equal bytes.
+/// True if two definitions of a unique symbol conflict. The loader keeps only the first one. This is harmless only for
+/// constants with equal bytes.
 bool collide(const ElfSymbol& one, const ElfSymbol& other) {
   return one.name == other.name && (one.constant.empty() || one.constant != other.constant);
 }
@@ -70,8 +70,8 @@ std::vector<ElfSymbol> unique_symbols(const LibraryNeeds& needs) {
   return symbols;
 }
 
-/// Returns the names that the libraries both define and look up. The loader may prefer a definition of such a name in
-/// another library. Unique symbols are not included, because they are compared separately.
+/// Returns the names of symbols that the libraries define and use. The loader may use a definition in another library
+/// instead. Excludes unique symbols, which are compared separately.
 std::set<std::string> preemptible_names(const LibraryNeeds& needs) {
   std::set<std::string> bound;
   for (const auto& library : needs.libraries) {
@@ -82,7 +82,7 @@ std::set<std::string> preemptible_names(const LibraryNeeds& needs) {
   std::set<std::string> names;
   for (const auto& library : needs.libraries) {
     for (const auto& symbol : library.elf.symbols) {
-      // The C++ library compares types by their names, so a second definition of a type is harmless.
+      // The C++ library compares types by name. A second definition of a type is harmless.
       const bool type = symbol.name.starts_with("_ZTI") || symbol.name.starts_with("_ZTS");
       if (symbol.preemptible && !symbol.unique && !type && bound.contains(symbol.name)) names.insert(symbol.name);
     }
@@ -90,7 +90,7 @@ std::set<std::string> preemptible_names(const LibraryNeeds& needs) {
   return names;
 }
 
-/// Finds conflicts between an FMU and the libraries of the process.
+/// Finds conflicts between an FMU and the libraries of this process.
 class ProcessComparison {
  public:
   ProcessComparison(const LibraryNeeds& needs, const std::vector<LoadedLibrary>& loaded,
@@ -132,7 +132,7 @@ class ProcessComparison {
     return std::nullopt;
   }
 
-  /// Finds conflicts of library names. Includes the names of libraries that another FMU in this process may load later.
+  /// Finds conflicts of library names, also with libraries that another FMU may load later.
   Reason resident_names() const {
     for (const auto& resident : *residents_) {
       const auto mentioned_here = mentioned(*needs_, resident.needs.brought);
@@ -155,7 +155,7 @@ class ProcessComparison {
     return std::nullopt;
   }
 
-  /// Returns the names of libraries in the archive that the code of the other FMU may open while it runs.
+  /// Returns the names in `brought` that the FMU `other` may open while it runs.
   static std::set<std::string_view> mentioned(const LibraryNeeds& other,
                                               const std::map<std::string, fs::path>& brought) {
     if (!other.loads_libraries || brought.empty()) return {};
@@ -199,7 +199,7 @@ class ProcessComparison {
   }
 
   /// Finds conflicts of symbols. The loader searches the program, its libraries, and libraries opened with RTLD_GLOBAL
-  /// before the FMU's own libraries.
+  /// before the libraries of the FMU.
   Reason global_symbols() const {
     void* const program = dlopen(nullptr, RTLD_LAZY);
     if (program == nullptr) return std::nullopt;
@@ -252,12 +252,11 @@ class ProcessComparison {
   const std::map<fs::path, std::string>* archives_;
 };
 
-/// Stores the FMUs in this process. Also stores the library folders of FMUs that were closed, because some of their
-/// libraries may still be loaded.
+/// The FMUs in this process, and the folders of closed FMUs, whose libraries may still be loaded.
 struct Residents {
   std::mutex mutex;
   std::vector<Resident> all;
-  std::map<fs::path, std::string> archives;  // maps the folder of an unpacked FMU to its archive
+  std::map<fs::path, std::string> archives;  // key: folder of an unpacked FMU; value: its archive
 
   static Residents& of_this_process() {
     static Residents residents;

@@ -22,8 +22,7 @@ namespace mebots::master {
 namespace {
 
 constexpr const char* kPrefix = "mebots-fmu";
-/// The name of a file in the folder that the owning process locks. The kernel releases the lock when this process ends
-/// in any way.
+/// A file in the folder that the owning process locks. The kernel releases the lock when this process ends in any way.
 constexpr const char* kOwnerFile = "owner";
 
 int open_owner_file(const std::filesystem::path& file, int more_flags) {
@@ -43,7 +42,7 @@ struct Paths {
 
 /// Returns the paths of earlier folders that can be used again.
 Paths& free_paths() {
-  static Paths& all = *new Paths;  // never destroyed, because an FMU may be closed when the process ends
+  static Paths& all = *new Paths;  // never destroyed, because an FMU may be closed at the end of the process
   return all;
 }
 
@@ -57,8 +56,7 @@ modeldesc::TemporaryFolder make_folder() {
       free.paths.pop_back();
     }
   }
-  // There are two reasons why the path may be unusable: TMPDIR has changed, or another process has created a folder
-  // with this name.
+  // The path is unusable if TMPDIR has changed, or if another process has created a folder with this name.
   std::error_code error;
   if (!path.empty() && path.parent_path() == std::filesystem::temp_directory_path(error)) {
     if (auto folder = modeldesc::TemporaryFolder::at(path)) return std::move(*folder);
@@ -71,8 +69,7 @@ modeldesc::TemporaryFolder make_folder() {
 UnpackFolder::UnpackFolder() : folder_(make_folder()) {
   static std::once_flag once;
   std::call_once(once, remove_abandoned_unpack_folders);
-  // The folder receives its final name after it was locked. Therefore other processes never find an unlocked folder
-  // with this name.
+  // The file receives its final name after it is locked. Other processes therefore never find an unlocked owner file.
   const auto owner = folder_.path() / kOwnerFile;
   const auto unlocked = folder_.path() / "new";
   lock_.file = open_owner_file(unlocked, O_CREAT);
@@ -99,7 +96,7 @@ void remove_abandoned_unpack_folders() {
   for (const auto& entry : std::filesystem::directory_iterator(parent, error)) {
     const auto& folder = entry.path();
     if (!folder.filename().string().starts_with(std::string(kPrefix) + "-") || !is_ours(folder)) continue;
-    // If a folder contains no owner file, another process is creating the folder at this moment.
+    // If the folder has no owner file, another process is creating the folder.
     const int file = open_owner_file(folder / kOwnerFile, 0);
     if (file < 0) continue;
     if (::flock(file, LOCK_EX | LOCK_NB) == 0) std::filesystem::remove_all(folder, error);

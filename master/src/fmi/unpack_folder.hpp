@@ -7,8 +7,8 @@
 
 namespace mebots::master {
 
-/// A temporary folder that contains an unpacked FMU; the destructor deletes it. If a process is killed, its folders
-/// remain. The next process that creates an UnpackFolder deletes the remaining folders of ended processes.
+/// A temporary folder with an unpacked FMU. The destructor deletes the folder. A process that creates an UnpackFolder
+/// deletes the folders that killed processes have left.
 class UnpackFolder {
  public:
   /// Throws Error if there is no folder for temporary files.
@@ -16,11 +16,10 @@ class UnpackFolder {
   UnpackFolder(const UnpackFolder&) = delete;
   UnpackFolder& operator=(const UnpackFolder&) = delete;
 
-  /// Makes the path available to later folders of this process. No library in this folder may still be loaded. Reusing
-  /// a path saves memory, because the loader keeps every path that it has searched.
+  /// Permits later folders of this process to use this path. No library in the folder may be loaded. Using a path again
+  /// saves memory, because the loader stores every path that it has searched.
   void release_path();
 
-  /// Returns the folder into which the FMU is to be unpacked.
   std::filesystem::path path() const { return folder_.path() / "fmu"; }
 
  private:
@@ -33,11 +32,11 @@ class UnpackFolder {
     int file = -1;
   };
 
-  Lock lock_;  // held until the folder is deleted, so that no other process deletes the folder at the same time
+  Lock lock_;  // prevents other processes from deleting the folder
   modeldesc::TemporaryFolder folder_;
 };
 
-/// Deletes the folders that killed processes of this user have left.
+/// Deletes the folders of killed processes of this user.
 void remove_abandoned_unpack_folders();
 
 }  // namespace mebots::master

@@ -26,7 +26,7 @@
 namespace mebots::master::windows {
 namespace {
 
-Process* current = nullptr;  // global, because the functions of FMI have no argument for it
+Process* current = nullptr;  // global, because FMI functions have no argument for it
 
 std::map<std::string, std::string> environment_for(const std::filesystem::path& settings) {
   std::map<std::string, std::string> variables;
@@ -37,18 +37,18 @@ std::map<std::string, std::string> environment_for(const std::filesystem::path& 
   }
   variables["WINEPREFIX"] = settings.string();
   variables["WINEDEBUG"] = "-all";
-  variables["WINEDLLOVERRIDES"] = "mscoree,mshtml=";  // otherwise wine offers to download .NET and a browser
+  variables["WINEDLLOVERRIDES"] = "mscoree,mshtml=";  // prevents offers to download .NET and a browser
   variables.erase("DISPLAY");                         // prevents windows
   return variables;
 }
 
-/// Ends this process with the signal that Linux sends for the same fault. Handlers recognise a fault by the code in the
-/// signal's data (isolation/guard.cpp), which raise() does not set. However, a process may send itself a signal with
-/// any code (rt_sigqueueinfo(2)).
+/// Ends this process with the signal that Linux sends for the same fault. raise() does not set the code of the signal,
+/// by which handlers recognise a fault (isolation/guard.cpp). A process may send itself any code with
+/// rt_sigqueueinfo(2).
 [[noreturn]] void end_by_fault(int signal, std::uint64_t address) {
   siginfo_t info{};
   info.si_signo = signal;
-  info.si_code = SEGV_MAPERR;  // 1, as the first code of each of these signals
+  info.si_code = SEGV_MAPERR;  // 1, the first code of all these signals
   info.si_addr = std::bit_cast<void*>(address);
   syscall(SYS_rt_sigqueueinfo, getpid(), signal, &info);
   std::signal(signal, SIG_DFL);
@@ -56,7 +56,7 @@ std::map<std::string, std::string> environment_for(const std::filesystem::path& 
   _exit(EXIT_FAILURE);
 }
 
-/// A structured exception of Windows, and the signal that Linux sends for the same fault.
+/// A structured exception of Windows and the signal of the same fault on Linux.
 struct StructuredException {
   std::uint32_t code;
   int signal;
@@ -88,7 +88,7 @@ const StructuredException& exception_of(std::uint32_t code) {
   return found == kExceptions.end() ? kOther : *found;
 }
 
-/// Returns a text that explains a common error of LoadLibrary.
+/// Explains a common error of LoadLibrary.
 std::string load_error_text(std::uint32_t code) {
   switch (code) {
     case 126:
@@ -104,13 +104,13 @@ std::string load_error_text(std::uint32_t code) {
   }
 }
 
-/// Converts a path to one on wine's drive Z:, with the separators of Windows.
+/// Converts a path to Windows, where wine's drive Z: is the root folder.
 std::string windows_path(std::string path) {
   std::ranges::replace(path, '/', '\\');
   return "Z:" + path;
 }
 
-/// Converts the location of the resources for Windows. The location is a URI before FMI 3.0, and a path in FMI 3.0.
+/// Converts the location of the resources: a URI before FMI 3.0, a path in FMI 3.0.
 std::string windows_place(const std::string& place) {
   constexpr std::string_view kScheme = "file://";
   return place.starts_with(kScheme) ? "file:///Z:" + place.substr(kScheme.size()) : windows_path(place);
@@ -118,7 +118,7 @@ std::string windows_place(const std::string& place) {
 
 }  // namespace
 
-/// The process mebots-windows-host.exe under wine. One pipe transfers requests, another one replies.
+/// The process mebots-windows-host.exe under wine, with a pipe for requests and a pipe for replies.
 class Process {
  public:
   explicit Process(const std::filesystem::path& settings) {
@@ -162,7 +162,7 @@ class Process {
     std::array<int, 2> from{};
     if (pipe2(to.data(), O_CLOEXEC) != 0 || pipe2(from.data(), O_CLOEXEC) != 0)
       throw Error(ErrorCode::system_failure, fmt::format("no pipe: {}", std::strerror(errno)));
-    std::signal(SIGPIPE, SIG_IGN);  // if the process has ended, the next read detects it
+    std::signal(SIGPIPE, SIG_IGN);  // the next read detects the end of the process
     requests_ = to[1];
     replies_ = from[0];
     std::vector<std::string> texts{find_wine().program.string(), find_wine().host.string()};
@@ -192,7 +192,7 @@ class Process {
     while (!bytes.empty()) {
       const auto written = ::write(requests_, bytes.data(), bytes.size());
       if (written < 0 && errno == EINTR) continue;
-      if (written < 0) return;  // the reading of replies ends as well
+      if (written < 0) return;  // the next read detects the end of the process
       bytes.remove_prefix(static_cast<std::size_t>(written));
     }
   }
@@ -208,7 +208,7 @@ class Process {
     }
   }
 
-  /// Ends this process with the same signal or exit code as the process of the library, which must have ended.
+  /// Ends this process with the signal or exit code of the library's process, which must have ended.
   [[noreturn]] void end_alike() {
     int status = 0;
     while (waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
@@ -226,7 +226,7 @@ class Process {
     const auto& exception = exception_of(code);
     std::fprintf(stderr, "mebots-fmu-host: the FMU's library for Windows raised exception %#x (%s)\n", code,
                  exception.text);
-    const int here = 0;  // an address on the stack, which allows a stack overflow to be recognised
+    const int here = 0;  // an address on the stack, which identifies a stack overflow
     if (exception.signal == SIGABRT) std::abort();
     end_by_fault(exception.signal, code == kStackOverflow ? reinterpret_cast<std::uintptr_t>(&here) : address);
   }
@@ -262,7 +262,7 @@ struct SignatureOf;
 template <typename Result, typename... Arguments>
 struct SignatureOf<Result (*)(Arguments...)> : Signature<Arguments...> {};
 
-// In these functions, an array and its length are not adjacent arguments.
+// Functions in which an array and its length are not adjacent.
 static_assert(SignatureOf<decltype(&fmi2GetDirectionalDerivative)>::length_of(5) == 4);
 static_assert(SignatureOf<decltype(&fmi2GetDirectionalDerivative)>::length_of(6) == 2);
 static_assert(SignatureOf<decltype(&fmi2SerializedFMUstateSize)>::length_of(2) < 0);
@@ -273,8 +273,8 @@ static_assert(SignatureOf<decltype(&fmi3GetOutputDerivatives)>::length_of(3) == 
 static_assert(SignatureOf<decltype(&fmi3GetIntervalFraction)>::length_of(3) == 2);
 static_assert(SignatureOf<decltype(&fmi3DoStep)>::length_of(4) < 0);
 
-/// The index of the argument that contains the location of the resources. Only the functions that create an instance
-/// have this argument. They are recognised by their types.
+/// The index of the argument with the location of the resources. Only the functions that create an instance have it,
+/// which are recognised by their argument types.
 template <typename... Arguments>
 constexpr std::size_t kPlaceArgument = (std::is_same_v<Arguments, const fmi2CallbackFunctions*> || ...) ? 3
                                        : (std::is_same_v<Arguments, fmi3LogMessageCallback> || ...)     ? 2
@@ -379,8 +379,7 @@ class Sender {
   const std::tuple<Arguments...>* arguments_;
 };
 
-/// A function of FMI in this process that forwards its calls to the library. `member` distinguishes functions that have
-/// the same type.
+/// An FMI function that sends its calls to the library's process. `member` distinguishes functions of the same type.
 template <auto member, typename Pointer>
 struct Stub;
 
@@ -412,7 +411,7 @@ struct Stub<member, Result (*Table::*)(Arguments...)> {
   }
 };
 
-/// Returns a table of stubs. `exported` contains the byte 1 for each function that the library exports.
+/// Returns a table of stubs. `exported` contains '\1' for each function that the library exports.
 template <typename Table, typename ForEach>
 Table make_table(ForEach for_each_function, std::string_view exported) {
   Table table;

@@ -11,22 +11,22 @@ namespace mebots::master::windows {
 
 class Process;
 
-/// An FMU's library for Windows, which runs in the process mebots-windows-host.exe under wine. Each of its functions()
-/// forwards its call to this process. If that process ends, this process ends in the same way: by the corresponding
-/// signal after a structured exception, otherwise with the same exit code. Therefore the master reports the same as for
-/// an FMU for Linux. A process can have at most one such library.
+/// An FMU's library for Windows in the process mebots-windows-host.exe under wine. functions() forward their calls to
+/// that process. If that process ends, this process ends in the same way: by the same signal after a structured
+/// exception, otherwise with the same exit code. The master then reports the same as for a library for Linux. A process
+/// can have only one such library.
 class WindowsLibrary {
  public:
-  /// Starts wine, creates its settings in the new folder `settings`, and loads the library. Throws InputError if the
-  /// library cannot be loaded.
+  /// Starts wine with settings in the new folder `settings`, and loads the library. Throws InputError if the library
+  /// cannot be loaded.
   WindowsLibrary(const LibraryOwner& owner, const std::filesystem::path& library,
                  const std::filesystem::path& settings);
-  /// Unloads the library and waits until its process has ended.
+  /// Unloads the library and waits for the end of its process.
   ~WindowsLibrary();
   WindowsLibrary(const WindowsLibrary&) = delete;
   WindowsLibrary& operator=(const WindowsLibrary&) = delete;
 
-  /// Returns the functions that the library exports. Functions that it does not export are null.
+  /// Returns the exported functions of the library. Other functions are null.
   FmuFunctions functions() const { return functions_; }
 
  private:

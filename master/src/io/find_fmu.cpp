@@ -22,8 +22,8 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kSuffix = ".fmu";
 
-// The maximum number of problems for which all folders are searched and the nearest of many names is found. These
-// searches are slow, and messages show no more problems than these.
+// The number of problems with a full search for the FMU and for similar names. These searches are slow, and messages
+// show no more problems.
 constexpr std::size_t kFullyAnswered = 20;
 
 void append_search_path(std::string_view search_path, std::vector<fs::path>& folders) {
@@ -46,7 +46,6 @@ std::vector<std::string> names_in(const std::vector<fs::path>& folders) {
   return {names.begin(), names.end()};
 }
 
-/// Formats the folders as text for an error.
 std::string listed(const std::vector<fs::path>& folders) {
   std::vector<std::string> texts;
   texts.reserve(folders.size());
@@ -82,7 +81,7 @@ const FmuSearch::Answer& FmuSearch::find(std::string_view text) {
 
 FmuSearch::Answer FmuSearch::look_for(std::string_view text) {
   std::error_code error;
-  const auto path = beside_ / text;  // an absolute path stays unchanged
+  const auto path = beside_ / text;  // an absolute path does not change
   const auto status = fs::status(path, error);
   if (!is_fmu_name(text) || fs::is_regular_file(status)) {
     auto found = fs::exists(status) ? fs::canonical(path, error) : fs::path();
@@ -92,7 +91,7 @@ FmuSearch::Answer FmuSearch::look_for(std::string_view text) {
                         path.lexically_normal().string(), error.message())};
   }
   if (!folders_) folders_ = fmu_folders(beside_);
-  // All available FMU names are in `names_`, except those in folders that cannot be listed.
+  // names_ contains all available FMUs, except those in folders that cannot be listed.
   if (problems_ >= kFullyAnswered && !listed_.empty() && !std::ranges::binary_search(names_, text))
     return {{}, problem_of_name(text)};
   for (const auto& folder : *folders_) {

@@ -16,8 +16,8 @@ namespace {
 
 constexpr const char* kDescription = "modelDescription.xml";
 
-/// Returns the text of modelDescription.xml without unpacking the other files. Returns nullopt if the archive has no
-/// such file at its root.
+/// Returns the text of modelDescription.xml without unpacking other files; nullopt if it is not at the root of the
+/// archive.
 std::optional<std::string> description_text(const std::filesystem::path& archive) {
   const modeldesc::ArchiveReader reader(modeldesc::open_zip(archive), archive.string());
   const auto entry = std::ranges::find(reader.entries(), kDescription, &modeldesc::ArchiveReader::Entry::name);
@@ -37,7 +37,7 @@ std::optional<modeldesc::ModelDescription> read_description(const std::filesyste
   }
 }
 
-/// Throws InputError about an archive in place of an error about an unpacked file.
+/// Throws InputError with the name of the archive instead of the unpacked file.
 [[noreturn]] void throw_as_input(const Error& error, const std::filesystem::path& archive,
                                  const std::filesystem::path& file) {
   std::string what = error.what();
@@ -75,7 +75,7 @@ modeldesc::ModelDescription read_fmu_description(const std::filesystem::path& ar
   } catch (const Error& error) {
     throw_as_input(error, archive, kDescription);
   }
-  // The whole archive is unpacked, because the error message depends on the names of all files.
+  // Unpacks the whole archive, because the error message contains the names of its files.
   const modeldesc::TemporaryFolder folder("mebots");
   std::vector<std::string> notices;
   return unpack_fmu(archive, folder.path(), notices);

@@ -16,15 +16,15 @@ namespace mebots::master {
 modeldesc::ModelDescription unpack_fmu(const std::filesystem::path& archive, const std::filesystem::path& folder,
                                        std::vector<std::string>& notices);
 
-/// Returns the description of an FMU of FMI 1.0, 2.0 or 3.0 without unpacking the FMU. Throws InputError if the file is
+/// Reads the description of an FMU of FMI 1.0, 2.0 or 3.0 without unpacking the FMU. Throws InputError if the file is
 /// not such an FMU.
 modeldesc::ModelDescription read_fmu_description(const std::filesystem::path& archive);
 
-/// Reads descriptions from FMU archives without unpacking them. Each description is read only once.
+/// Reads descriptions from FMU archives, each one only once.
 class FmuDescriptions {
  public:
-  /// Returns the description of an FMU. Returns null if the file does not contain a valid description. In this
-  /// case, read_fmu_description() throws an error that states the reason.
+  /// Returns the description of an FMU; null if the file does not contain a valid description. read_fmu_description()
+  /// then throws an error with the reason.
   const modeldesc::ModelDescription* find(const std::filesystem::path& archive);
 
  private:

@@ -42,8 +42,8 @@ double real_cell(const CsvReader& reader, const WantedSignal& wanted) {
   return value;
 }
 
-/// Returns a cell as a value of a config. Spreadsheets and programs may write whole numbers as 3.0 and Booleans as
-/// TRUE.
+/// Converts a cell to a value of a config. Accepts 3.0 for the whole number 3, and TRUE for true, because spreadsheets
+/// write them.
 WrittenValue as_written(std::string_view cell, Type type) {
   if (type == Type::string || type == Type::binary) return std::string(cell);
   const auto text = data::trimmed(cell);
@@ -63,8 +63,7 @@ WrittenValue as_written(std::string_view cell, Type type) {
   return static_cast<std::int64_t>(*number);
 }
 
-/// Reads a cell that contains an Integer, an enumeration item, a Boolean or a text. The rules are those for values in a
-/// config.
+/// Reads an Integer, an enumeration item, a Boolean or a text like a value of a config.
 modeldesc::Value other_cell(const CsvReader& reader, const WantedSignal& wanted) {
   const auto cell = reader.cell(wanted.column);
   const auto type = wanted.variable->type;

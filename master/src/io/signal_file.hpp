@@ -15,7 +15,7 @@
 
 namespace mebots::master {
 
-/// A column that contains the values of a variable over time. The value of a Real variable is factor * cell + offset.
+/// A column with values of a variable over time. The value of a Real is factor * cell + offset.
 struct WantedSignal {
   std::size_t column = 0;
   const modeldesc::ModelDescription* model = nullptr;
@@ -24,14 +24,13 @@ struct WantedSignal {
   double offset = 0;
 };
 
-/// A CSV file of signals. One column contains times; the other columns contain values. A title may end with a unit, as
-/// in "speed [km/h]". Values of continuous Reals are interpolated between rows. All other values are constant until the
-/// next row.
+/// A CSV file with a column of times and columns of values. A title may end with a unit, such as "speed [km/h]".
+/// Continuous Reals are interpolated between rows. Other values are constant until the next row.
 class SignalFile {
  public:
-  /// Reads the header of the file. `name` is the name of the file in errors. If `time_column` is empty, the time column
-  /// is the one named time or t, in upper or lower case. Times are in seconds, unless the title of the column contains
-  /// another unit. Throws InputError if the header is invalid.
+  /// Reads the header of the file. Errors contain `name`. If `time_column` is empty, uses the column `time` or `t`, in
+  /// upper or lower case. Times are in seconds if the title contains no other unit. Throws InputError if the header is
+  /// invalid.
   SignalFile(const std::filesystem::path& file, std::string name, const std::string& time_column);
   SignalFile(const SignalFile&) = delete;
   SignalFile& operator=(const SignalFile&) = delete;
@@ -39,12 +38,12 @@ class SignalFile {
   const std::string& name() const { return reader_.name(); }
   const std::vector<data::CsvTitle>& titles() const { return titles_; }
   std::size_t time_column() const { return time_column_; }
-  /// Returns the index of the column with this name. The name may contain the unit.
+  /// Returns the index of the column with this title, with or without the unit.
   std::optional<std::size_t> find(std::string_view title) const;
 
-  /// Reads all rows, and returns one signal for each wanted column. Must be called only once. Throws InputError with
-  /// line, column and value if a variable cannot have the value of a cell. Throws the same error if a time is invalid
-  /// or less than the previous time, or if three rows have the same time.
+  /// Reads all rows and returns a signal for each wanted column. Must be called only once. Throws InputError with line,
+  /// column and value if a cell is not a valid value of its variable, if a time is invalid or less than the previous
+  /// time, or if three rows have the same time.
   std::vector<std::shared_ptr<const Signal>> read(std::span<const WantedSignal> wanted);
 
  private:
@@ -56,7 +55,7 @@ class SignalFile {
   data::CsvReader reader_;
   std::vector<data::CsvTitle> titles_;
   std::size_t time_column_ = 0;
-  double second_ = 1;  // number of seconds in the column's unit of time
+  double second_ = 1;  // seconds per unit of the time column
 };
 
 }  // namespace mebots::master

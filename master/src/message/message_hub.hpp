@@ -25,9 +25,9 @@ class MessageSink {
   virtual void message(const Message& message) = 0;
 };
 
-/// Passes each message to all listeners, one message at a time. May be called from any thread. Messages arrive during
-/// calls to FMUs, and an exception must not pass through the FMU's code. Therefore an exception of a listener is
-/// stored, and rethrow() throws it later.
+/// Delivers each message to all listeners, one message at a time. May be called from any thread. FMUs send messages
+/// during calls, and a C++ exception must not pass through an FMU. If a listener throws, the exception is stored for
+/// rethrow().
 class MessageHub final : public MessageSink {
  public:
   using Listener = std::function<void(const Message&)>;
@@ -47,8 +47,8 @@ class MessageHub final : public MessageSink {
     }
   }
 
-  /// Throws the exception that a listener has thrown since the last call, if any. The stepping thread must call
-  /// rethrow() between two calls to FMUs.
+  /// Throws the first stored exception of a listener, if any. The stepping thread must call rethrow() between two calls
+  /// to FMUs.
   void rethrow() {
     if (!failed_.load(std::memory_order_relaxed)) return;
     const std::lock_guard lock(mutex_);
@@ -63,8 +63,8 @@ class MessageHub final : public MessageSink {
   std::atomic<bool> failed_{false};
 };
 
-/// Holds back the messages of slaves that step in parallel. After the step, passes them on in the order of the
-/// instances. Therefore the log does not depend on the number of threads.
+/// Stores the messages of slaves that step in parallel, and delivers them after the step in the order of the instances.
+/// The order of the log therefore does not depend on the number of threads.
 class OrderedMessages final : public MessageSink {
  public:
   /// `target` must outlive this object.
@@ -74,7 +74,7 @@ class OrderedMessages final : public MessageSink {
   void message(const Message& message) override;
 
   void hold() { holds_ = true; }
-  /// Passes on all held messages: first those of the first instance, then those of the second, and so on.
+  /// Delivers all stored messages in the order of `instances`.
   void release(const std::vector<std::string>& instances);
 
  private:
@@ -88,19 +88,18 @@ class OrderedMessages final : public MessageSink {
 
   MessageSink* target_;
   std::mutex mutex_;
-  bool holds_ = false;  // changes only while no slave is stepping
+  bool holds_ = false;  // must change only while no slave is stepping
   std::vector<Kept> kept_;
 };
 
-/// Limits the size of all messages during one call to an FMU, and counts the messages that are dropped. Not
-/// thread-safe.
+/// Limits the size of all messages during one call to an FMU, and counts the dropped messages. Not thread-safe.
 class MessageLimit {
  public:
   static constexpr std::size_t kMostBytes = std::size_t{32} << 20;
 
   explicit MessageLimit(std::size_t most_bytes = kMostBytes) : most_bytes_(most_bytes) {}
 
-  /// Returns true if a message of this length is accepted. Otherwise counts the message as dropped.
+  /// Returns true if a message of this length is accepted. Otherwise, counts the message as dropped.
   bool take(std::size_t text_bytes) {
     constexpr std::size_t kFrameBytes = 64;
     if (bytes_ + text_bytes + kFrameBytes > most_bytes_) {
@@ -111,7 +110,7 @@ class MessageLimit {
     return true;
   }
 
-  /// Resets the counts, after one or several calls to an FMU. Returns a notice if messages were dropped.
+  /// Resets the counts for the next call to an FMU. Returns a notice if messages were dropped.
   std::optional<std::string> restart() {
     bytes_ = 0;
     const auto dropped = std::exchange(dropped_, 0);

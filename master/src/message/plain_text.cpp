@@ -15,13 +15,12 @@ std::uint8_t byte_at(std::string_view text, std::size_t at) {
   return at < text.size() ? static_cast<std::uint8_t>(text[at]) : 0;
 }
 
-/// Returns the length of the well-formed character that starts at `at` (RFC 3629, section 4). Returns 0 if there is no
-/// well-formed character.
+/// Returns the length of the UTF-8 character at `at` (RFC 3629, section 4); 0 if it is not well-formed.
 std::size_t character_at(std::string_view text, std::size_t at) {
   const auto first = byte_at(text, at);
   if (first < 0x80) return 1;
   const std::size_t length = first < 0xc2 ? 0 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : first < 0xf5 ? 4 : 0;
-  // The range of the second byte excludes overlong forms, surrogates, and code points above U+10FFFF.
+  // Excludes overlong forms, surrogates, and code points above U+10FFFF.
   const int low = first == 0xe0 ? 0xa0 : first == 0xf0 ? 0x90 : 0x80;
   const int high = first == 0xed ? 0x9f : first == 0xf4 ? 0x8f : 0xbf;
   const auto second = byte_at(text, at + 1);
@@ -32,8 +31,7 @@ std::size_t character_at(std::string_view text, std::size_t at) {
   return length;
 }
 
-/// Returns the index of the first byte that is not part of a well-formed character. Returns the size of the text if
-/// there is no such byte.
+/// Returns the index of the first byte that is not valid UTF-8; the size of the text if there is no such byte.
 std::size_t first_invalid(std::string_view text) {
   std::size_t at = 0;
   while (at < text.size()) {

@@ -8,13 +8,12 @@
 
 namespace mebots::master {
 
-/// The interface of an FMU through which an instance is simulated.
 enum class FmuKind : std::uint8_t {
   co_simulation,   ///< the FMU contains its own solver
   model_exchange,  ///< a solver of the master integrates the FMU's equations
 };
 
-/// These functions return the name of a kind: in a config, and in modelDescription.xml.
+/// Returns the name of the kind in a config ("co_simulation") or in modelDescription.xml ("CoSimulation").
 constexpr std::string_view word_of(FmuKind kind) {
   return kind == FmuKind::co_simulation ? "co_simulation" : "model_exchange";
 }
@@ -22,7 +21,8 @@ constexpr std::string_view element_of(FmuKind kind) {
   return kind == FmuKind::co_simulation ? "CoSimulation" : "ModelExchange";
 }
 
-/// Returns what the FMU declares for a kind of simulation. Returns null if the FMU does not offer this kind.
+/// Returns the content of <CoSimulation> or <ModelExchange> in modelDescription.xml; null if the FMU has no such
+/// element.
 inline const modeldesc::Implementation* implementation_of(const modeldesc::ModelDescription& model, FmuKind kind) {
   if (kind == FmuKind::co_simulation) return model.co_simulation ? &*model.co_simulation : nullptr;
   return model.model_exchange ? &*model.model_exchange : nullptr;

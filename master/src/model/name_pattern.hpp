@@ -5,7 +5,7 @@
 
 namespace mebots::master {
 
-/// True if `text` contains `*` or `?`, so that fits() compares it as a pattern.
+/// True if `text` is a pattern, which contains `*` or `?`.
 inline bool is_pattern(std::string_view text) {
   return text.find_first_of("*?") != std::string_view::npos;
 }

@@ -14,7 +14,7 @@
 
 namespace mebots::master {
 
-/// An override of a variable whose description was checked.
+/// An override whose variable was found and checked.
 struct Override {
   const OverrideDescription* description = nullptr;
   ResolvedVariable variable;
@@ -22,27 +22,23 @@ struct Override {
   std::shared_ptr<const Signal> signal;   ///< values for the action `signal`
 };
 
-/// Stores the overrides of a system and the times at which they are active. The overrides for the columns of the
-/// section `inputs` come first, and are always active.
+/// The overrides of a system, and the times at which they are active. The first inputs() overrides come from the
+/// section `inputs` of the config. They are always active.
 class OverrideSchedule {
  public:
-  /// Checks all overrides. Throws InputError if a variable is unknown or cannot be overridden, or if a value has the
-  /// wrong type or unit.
+  /// Throws InputError if a variable is unknown or cannot be overridden, or if a value has the wrong type or unit.
   explicit OverrideSchedule(const ResolvedSystem& system);
 
   const std::vector<Override>& overrides() const { return overrides_; }
-  /// Returns the number of overrides that the section `inputs` defines.
   std::size_t inputs() const { return inputs_; }
-  /// Returns the time at which the run starts.
   std::int64_t start_ns() const { return start_ns_; }
   const TimeGrid& grid() const { return grid_; }
-  /// Returns the time at which an override begins, if this time is already known.
+  /// Returns the start time of an override; nullopt if its start depends on a condition that has not been true yet.
   std::optional<std::int64_t> begin_of(std::size_t override) const;
-  /// Returns the time since which the override has been active. Returns nullopt if the override is not active at
-  /// `time_ns`.
+  /// Returns the start time of an override; nullopt if the override is not active at `time_ns`.
   std::optional<std::int64_t> since(std::size_t override, std::int64_t time_ns) const;
 
-  /// Starts an override. Must be called when the condition of the override has been true for its duration.
+  /// Starts an override whose condition has been true for its duration.
   void start(std::size_t override, std::int64_t time_ns) { started_ns_[override] = time_ns; }
   void visit(state::Visitor& v) { v("started_ns", started_ns_); }
 
@@ -51,7 +47,7 @@ class OverrideSchedule {
   TimeGrid grid_;
   std::size_t inputs_;
   std::vector<Override> overrides_;
-  std::vector<std::optional<std::int64_t>> started_ns_;  // start times of overrides that have a condition
+  std::vector<std::optional<std::int64_t>> started_ns_;  // start times of overrides with a condition
 };
 
 /// Describes the action of an override, such as "offset 3".

@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::string_view kFrame = "frame";
 
-/// Returns the start value of a parameter that describes the frame. For the frame `x.frame` and the name "width", this
-/// parameter is `x.width`.
+/// Returns the start value of a parameter of the frame. For the frame `x.frame` and the name "width", this is
+/// `x.width`.
 std::optional<PictureSide> side(const ResolvedSystem& system, const VariableName& frame, std::string_view name) {
   const auto index = system.description->index_of(frame.instance);
   if (!index || !frame.variable.ends_with(kFrame)) return std::nullopt;

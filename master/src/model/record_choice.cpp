@@ -19,11 +19,10 @@ using modeldesc::Type;
 using modeldesc::Variability;
 using modeldesc::Variable;
 
-/// A set of patterns. Stores which of the patterns have matched a name.
+/// A set of patterns, and whether each of them has matched a name.
 ///
-/// The literal beginning of a pattern is its text before the first * or ?. A name is compared only with patterns whose
-/// literal beginning is also the beginning of the name. Therefore a name requires only one look-up for each length of a
-/// literal beginning, even in a long list of patterns such as "cell.branch[7].*".
+/// A name is compared only with patterns that begin like the name, up to their first * or ?. The search needs one
+/// look-up for each length of such a beginning, even in a long list of patterns such as "cell.branch[7].*".
 class Patterns {
  public:
   explicit Patterns(const std::vector<RecordPattern>& patterns) : patterns_(&patterns), used_(patterns.size(), false) {
@@ -36,7 +35,7 @@ class Patterns {
 
   enum class Fit { none, pattern, outright };
 
-  /// Returns `outright` if a pattern equals the name. Otherwise returns `pattern` if a pattern matches the name.
+  /// Returns `outright` if a pattern equals the name, or `pattern` if a pattern matches it.
   Fit fit(std::string_view name) const {
     auto best = Fit::none;
     for_each_fitting(name, [&](std::size_t i) {
@@ -48,11 +47,9 @@ class Patterns {
     });
     return best;
   }
-  /// Marks every pattern that matches `name` as used.
   void use(std::string_view name) {
     for_each_fitting(name, [&](std::size_t i) { used_[i] = true; });
   }
-  /// Throws InputError with suggestions from `names` if a pattern was never used.
   void check(const std::string& what, const std::vector<std::string>& names) const {
     for (std::size_t i = 0; i < used_.size(); ++i) {
       if (used_[i]) continue;
@@ -62,7 +59,6 @@ class Patterns {
     }
   }
 
-  /// Throws InputError if one of the patterns equals `name`.
   void refuse(const std::string& name, std::string_view why) const {
     for (const auto& [pattern, place] : *patterns_) {
       if (pattern == name) throw InputError(ErrorCode::wrong_type, fmt::format("{}: '{}' {}", place, name, why));
@@ -88,7 +84,7 @@ class Patterns {
 
   const std::vector<RecordPattern>* patterns_;
   std::vector<bool> used_;
-  std::unordered_map<std::string_view, std::vector<std::size_t>> by_beginning_;  // maps literal beginnings to patterns
+  std::unordered_map<std::string_view, std::vector<std::size_t>> by_beginning_;  // patterns by their literal beginnings
   std::set<std::size_t> lengths_;                                                // lengths of the literal beginnings
 };
 
@@ -97,7 +93,7 @@ void for_each_variable(const ResolvedSystem& system,
   for (std::size_t i = 0; i < system.instances.size(); ++i) {
     const auto& model = *system.instances[i].model;
     for (const auto& variable : model.variables) {
-      if (is_osmp_part(model, variable)) continue;  // the address would not be valid later
+      if (is_osmp_part(model, variable)) continue;  // its pointer would become invalid
       const ResolvedVariable candidate{i, &variable};
       work(candidate, system.text(candidate));
     }
@@ -107,8 +103,7 @@ void for_each_variable(const ResolvedSystem& system,
 }  // namespace
 
 bool fits(std::string_view text, std::string_view pattern) {
-  // Matches greedily and stores one point for backtracking: if the rest of the pattern does not match, the last star
-  // matches one more character.
+  // Matches greedily. If the rest of the pattern does not match, the last * matches one more character.
   std::size_t t = 0;
   std::size_t p = 0;
   std::size_t star = std::string_view::npos;
@@ -149,8 +144,8 @@ std::vector<ResolvedVariable> recorded_variables(const ResolvedSystem& system) {
     if (is_clocked(variable) && !system.instances[candidate.instance].clocks_tick) return;
     const bool output = shown && (is_number(variable.type) || (variable.type == Type::string && record.texts));
     const auto fit = wanted.fit(name);
-    // A pattern without a star selects every variable that has this name. A pattern with a star selects outputs, but no
-    // binaries. It selects texts only if the config requests this, because reading a text may take an FMU much time.
+    // A name without * selects any variable. A pattern with * selects outputs, but no Binaries. It selects Strings only
+    // if the config requests them, because reading them may be slow.
     const bool by_pattern = record.patterns ? fit == Patterns::Fit::pattern : true;
     if (output || variable.causality == Causality::output) names.push_back(name);
     if (fit != Patterns::Fit::outright && !(output && by_pattern)) return;

@@ -18,13 +18,12 @@
 #include <string_view>
 #include <vector>
 
-/// Declares the system after all names were resolved, and after all checks that are possible before the first step.
+/// Declares the system after all names were resolved and checked.
 namespace mebots::master {
 
 class Fmu;
 
-/// Identifies a variable of an instance. Points into the description of the instance's FMU, which exists as long as the
-/// system.
+/// A variable of an instance. Points into the description of the instance's FMU, which exists as long as the system.
 struct ResolvedVariable {
   std::size_t instance = 0;
   const modeldesc::Variable* variable = nullptr;
@@ -33,14 +32,14 @@ struct ResolvedVariable {
   auto operator<=>(const ResolvedVariable&) const = default;
 };
 
-/// The start value of a scalar. It is set before initialisation.
+/// The start value of a scalar, which is set before initialisation.
 struct StartValue {
   const modeldesc::Variable* variable = nullptr;
   modeldesc::Value value;
 };
 
-/// An entry of a map: the value `from` of the output becomes the value `to` of the input. The values are Integers,
-/// numbers of Enumeration items, or Booleans (0 and 1).
+/// An entry of a connection's map. If the output has the value `from`, the input receives the value `to`. Enumerations
+/// are represented by the numbers of their items, Booleans by 0 and 1.
 struct ValuePair {
   std::int64_t from = 0;
   std::int64_t to = 0;
@@ -48,93 +47,89 @@ struct ValuePair {
   bool operator==(const ValuePair&) const = default;
 };
 
-/// A scalar connection. The input is factor * value + offset. Factor and offset include the conversion of units. Only
-/// Reals have factors other than 1 or offsets other than 0. A connection that ends at an OSMP binary is resolved into
-/// three scalar connections; a connection from an OSMP binary to a Binary is one.
+/// A connection of two scalars. The input is factor * output + offset. Factor and offset include the conversion of
+/// units. If the input is not a Real, the factor is 1 and the offset is 0.
 struct ResolvedConnection {
   ResolvedVariable from;
   ResolvedVariable to;
-  /// True for a part of an OSMP binary, which is valid only in this process and only for a limited time.
+  /// True for one of the three Integers of an OSMP binary. Its pointer is valid only in this process and for a limited
+  /// time.
   bool pointer = false;
   double factor = 1;
   double offset = 0;
-  /// True if the connection is inside a continuous system, which evaluates it; it is not transferred at communication
+  /// True if the solver of a continuous system evaluates the connection. It is then not evaluated at communication
   /// points.
   bool inner = false;
-  /// True if it connects a Binary and an OSMP binary, which is then represented by its `base.lo`.
+  /// True between a Binary and an OSMP binary. The variable of the OSMP binary is then its `base.lo`.
   bool converts = false;
-  bool narrows = false;  ///< true if each value is checked to be in the range of the input's type
-  bool sum = false;      ///< true for a term of a sum: the input is the sum of all connections that end at it
-  std::vector<ValuePair> map = {};  ///< sorted by `from`; all other values are passed on unchanged
+  bool narrows = false;             ///< true if values outside of the range of the input's type are an error
+  bool sum = false;                 ///< true if the input is the sum of all connections that end at it
+  std::vector<ValuePair> map = {};  ///< sorted by `from`; values without an entry are not changed
 
   bool changes_value() const { return factor != 1 || offset != 0; }
-  /// True if the connection transfers a Real at communication points and the input has no other source.
+  /// True for a connection of Reals that is evaluated at communication points and is the only source of its input.
   bool moves_real() const;
-  /// True if moves_real() is true and both variables are continuous. Only then can the deviation of the input from its
-  /// source be measured.
+  /// True if moves_real() is true and both variables are continuous.
   bool is_continuous() const;
 };
 
-/// Settings of the process that runs an FMU which embeds an interpreter.
+/// Settings for an FMU that contains an interpreter, such as Python.
 struct Interpreter {
-  bool embedded = false;  ///< true: the FMU's library stays loaded, because interpreters cannot be unloaded safely
-  /// Path of Python's library if the FMU uses its symbols without naming a library for them; otherwise empty.
+  bool embedded = false;  ///< true: the FMU's library is not unloaded, because interpreters cannot be unloaded safely
+  /// Path of Python's library if the FMU uses its symbols but does not declare the dependency; otherwise empty.
   std::string library;
-  std::string python_path;  ///< folder of the virtual environment's packages, which is added to PYTHONPATH
+  std::string python_path;  ///< folder with the packages of the virtual environment, for PYTHONPATH
 };
 
 struct ResolvedInstance {
   const InstanceDescription* description = nullptr;
-  std::shared_ptr<Fmu> fmu;                ///< used by fmi/ and higher layers, but not by model/
-  modeldesc::StructuralValues structural;  ///< the values of structural parameters (FMI 3.0) that the system sets
-  /// Description of the FMU, in which each array is replaced by its elements.
+  std::shared_ptr<Fmu> fmu;                ///< must not be used by model/, which is below the layer of Fmu
+  modeldesc::StructuralValues structural;  ///< values of structural parameters (FMI 3.0) that the system sets
+  /// Description of the FMU. Each array is replaced by its elements.
   std::shared_ptr<const modeldesc::ModelDescription> model;
   FmuKind kind = FmuKind::co_simulation;
   bool clocks_tick = false;        ///< true if the master handles the clocks of the instance
-  IsolationDescription isolation;  ///< as described; a separate process if the FMU cannot share one
+  IsolationDescription isolation;  ///< isolation of the config; a separate process if the FMU cannot share one
   Interpreter interpreter;         ///< used only if the FMU runs in a separate process
   std::vector<StartValue> starts;
   std::vector<std::string> log_categories;
-  /// Tolerance for fmi2SetupExperiment: that of the config, otherwise the FMU's default.
+  /// The tolerance of the config or, if absent, the default of the FMU.
   std::optional<double> tolerance;
 
-  /// Returns what modelDescription.xml declares for the kind of this instance.
+  /// Returns the element <CoSimulation> or <ModelExchange> of the FMU.
   const modeldesc::Implementation& implementation() const { return *implementation_of(*model, kind); }
-  /// Returns the arguments of fmi2SetupExperiment for a run from `start_ns` to `stop_ns`.
   Experiment experiment(std::int64_t start_ns, std::int64_t stop_ns) const;
 };
 
-/// The model exchange instances that are integrated together by one solver.
+/// Model exchange instances that are integrated together by one solver.
 struct ResolvedContinuousSystem {
   std::vector<std::size_t> members;  ///< in the order of the config
   const SolverDescription* solver = nullptr;
-  /// Connections between clocks, and between clocked variables.
   std::vector<ResolvedConnection> clock_connections = {};
 };
 
-/// A group of co-simulation instances whose clocks are connected, or a single instance that has clocks. The members
-/// step together from tick to tick.
+/// Co-simulation instances whose clocks are connected, or a single instance with clocks. The members step together to
+/// the next tick.
 struct ResolvedClockGroup {
   std::vector<std::size_t> members;             ///< in the order of the config
   std::vector<ResolvedConnection> connections;  ///< connections between clocks, and between clocked variables
 };
 
-/// An input or a bond whose coupling error affects the length of communication steps.
+/// An input or a power bond whose coupling error is measured by step control.
 struct MeasuredCoupling {
   std::string name;
   CouplingTolerance tolerance = {};
-  const BondDescription* bond = nullptr;  ///< null if the input of a connection is measured
+  const BondDescription* bond = nullptr;  ///< null if an input is measured
   std::size_t connection = 0;             ///< index in ResolvedSystem::connections
 };
 
-/// States what step control measures, and whether it repeats steps whose error is too large.
+/// The inputs and bonds that step control measures, and whether it repeats steps whose error is too large.
 struct ResolvedStepControl {
   std::vector<MeasuredCoupling> measured;
   bool rolls_back = false;
 };
 
-/// An unconnected input whose values are in a column of a file. The column is stored as an override that is active
-/// during the whole run.
+/// An unconnected input and the column of a file that contains its values.
 struct InputSignal {
   OverrideDescription description;
   std::shared_ptr<const Signal> signal;

@@ -7,7 +7,6 @@
 #include <optional>
 #include <string>
 
-/// Declares the communication points of a run and the reason for its end. All layers use these types.
 namespace mebots::master {
 
 /// The arguments of fmi2SetupExperiment.
@@ -17,22 +16,21 @@ struct Experiment {
   std::optional<double> tolerance = {};      ///< if absent, toleranceDefined is fmi2False
 };
 
-/// A communication point that all slaves have reached.
+/// A communication point that all instances have reached.
 struct Point {
   std::int64_t step = 0;  ///< index of the point on the grid
   std::int64_t time_ns = 0;
 };
 
-/// Describes why a run ended.
 struct End {
   EndReason reason = EndReason::stop_time;
   std::string text;  ///< a sentence for users
 };
 
-/// Describes an instance that failed without ending the run.
+/// Describes an instance that failed while the run continued.
 struct InstanceLoss {
   std::string name;
-  /// Start of the step, or the communication point, at which the instance failed.
+  /// Start of the step in which the instance failed, or the communication point.
   std::optional<std::int64_t> at_ns = {};
   std::string text;
 };

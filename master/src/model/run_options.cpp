@@ -36,7 +36,7 @@ void RunOptions::visit(state::Visitor& v) {
 
 namespace {
 
-// The names of states and end reasons, in the order of the enumerations.
+// Names in the order of the enumerations.
 constexpr std::array<std::string_view, 5> kStates = {"open", "ready", "running", "ended", "failed"};
 constexpr std::array<std::string_view, 6> kReasons = {"stop_time",   "stop_condition", "terminated",
                                                       "interrupted", "closed",         "failed"};

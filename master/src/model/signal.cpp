@@ -16,7 +16,7 @@ std::size_t SignalTimes::row_at(std::int64_t time_ns, SignalSide side, std::size
   constexpr std::size_t kNearby = 8;  // number of rows that are checked before a binary search
   MEBOTS_ASSERT(!times_s_.empty());
   if (time_ns < ns(0)) return kNone;
-  // Finds the first row whose time is after `time_ns`. The search starts at `near`.
+  // Finds the first row after `time_ns`, starting at `near`.
   auto next = near < size() && ns(near) <= time_ns ? near + 1 : 0;
   for (std::size_t i = 0; i < kNearby && next != 0 && next < size() && ns(next) <= time_ns; ++i) ++next;
   if (next == 0 || (next < size() && ns(next) <= time_ns)) {
@@ -42,7 +42,7 @@ double Signal::real_at(const SignalTime& time, SignalSide side, std::size_t& nea
   if (!linear_ || row + 1 == values.size() || times_->ns(row) == time.ns) return values[row];
   const double from = values[row];
   const double to = values[row + 1];
-  if (from == to) return from;  // avoids rounding: the weights may not add up to 1
+  if (from == to) return from;  // the weights may not add up to 1
   const double from_s = times_->s(row);
   const double to_s = times_->s(row + 1);
   const double weight = (to_s - time.s) / (to_s - from_s);

@@ -7,17 +7,17 @@
 
 namespace mebots::master {
 
-/// The multistep methods of CVODE.
+/// Multistep methods of the solver CVODE.
 enum class SolverMethod : std::uint8_t {
-  bdf,    ///< orders 1 to 5, for stiff systems
-  adams,  ///< orders 1 to 12, for systems that are not stiff
+  bdf,    ///< backward differentiation formulas of orders 1 to 5, for stiff systems
+  adams,  ///< Adams-Moulton formulas of orders 1 to 12, for systems that are not stiff
 };
 
-/// Describes how a continuous system is integrated. docs/master/model-exchange.md lists the defaults.
+/// Settings of the solver of a continuous system. docs/master/model-exchange.md lists the defaults.
 struct SolverDescription {
   SolverMethod method = SolverMethod::bdf;
   std::optional<double> relative_tolerance = {};
-  std::optional<double> absolute_tolerance = {};  ///< factor by which the nominal value of a state is multiplied
+  std::optional<double> absolute_tolerance = {};  ///< multiplied by the nominal value of each state
   std::optional<double> max_step_s = {};
   std::int64_t max_steps = 100'000;  ///< maximum number of solver steps in one communication step
   bool restarts_at_points = false;   ///< true: the solver restarts at every communication point

@@ -9,7 +9,7 @@
 
 namespace mebots::master {
 
-/// Counts the work that the solver does for a continuous system.
+/// Counts the steps, evaluations and events of a solver.
 struct SolverCounts {
   std::int64_t steps = 0;
   std::int64_t rejected_steps = 0;  ///< steps that the error test rejected, or in which Newton's method failed
@@ -34,9 +34,9 @@ struct SolverCounts {
   }
 };
 
-/// The counters of one continuous system.
+/// The statistics of the solver of one continuous system.
 struct SolverStatistics {
-  std::vector<std::string> members;  ///< names of its instances
+  std::vector<std::string> members;  ///< names of the instances
   std::int64_t states = 0;
   std::int64_t event_indicators = 0;
   double relative_tolerance = 0;

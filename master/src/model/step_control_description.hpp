@@ -11,25 +11,26 @@ namespace mebots::master {
 /// Limits the coupling error of one communication step. The error is an integral over the step. Its limit is the
 /// tolerance times the maximum length of a step.
 struct CouplingTolerance {
-  double relative = 1e-3;  ///< relative to the largest magnitude so far of the source's value or of the bond's power
+  double relative = 1e-3;  ///< relative to the largest magnitude until now of the source's value or the bond's power
   double absolute = 1e-6;  ///< for an input, a multiple of its nominal value; for a bond, in the unit of its power
 };
 
-/// The tolerance of one input or bond.
+/// The tolerance of one input or power bond.
 struct NamedTolerance {
   std::string name;                            ///< name of a bond, or "instance.input"
-  std::optional<CouplingTolerance> tolerance;  ///< if absent, the input or bond is not measured
+  std::optional<CouplingTolerance> tolerance;  ///< nullopt: the input or bond is not measured
   std::string place;
 };
 
 enum class Rollback {
-  never,        ///< a step that exceeds the tolerance is accepted; the next step is shorter
-  if_possible,  ///< such a step is repeated with half the length, if all instances can restore their states
+  never,        ///< accepts a step that exceeds the tolerance and shortens the next step
+  if_possible,  ///< repeats such a step with half the length, if all instances can restore their states
   required,
 };
 
-/// Describes how the length of the communication step depends on the coupling error. Lengths are in steps of the
-/// system. The controller's defaults are those of ECCO (Sadjina, Kyllingstad, Skjong, Pedersen 2017).
+/// Settings of step control, which adapts the length of communication steps to the coupling error. Lengths are
+/// multiples of the system's step. The defaults of the controller are those of ECCO (Sadjina, Kyllingstad, Skjong,
+/// Pedersen 2017).
 struct StepControlDescription {
   std::int64_t min_steps = 1;
   std::int64_t max_steps = 1;

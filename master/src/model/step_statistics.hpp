@@ -8,18 +8,17 @@
 
 namespace mebots::master {
 
-/// Counts the communication steps of a run under step control. Lengths are in steps of the grid.
+/// Counts the communication steps of a run with step control. Lengths are multiples of the system's step.
 struct StepStatistics {
   std::int64_t steps = 0;
   std::int64_t rejected = 0;  ///< steps that were repeated
-  std::int64_t above = 0;     ///< steps that were accepted although their error exceeds the tolerance
+  std::int64_t above = 0;     ///< steps that were accepted although their error exceeded the tolerance
   std::int64_t smallest = 0;
   std::int64_t largest = 0;
-  double error_sum = 0;  ///< sum of the errors, each divided by its limit
+  double error_sum = 0;  ///< sum of the errors; each error is divided by its limit
   double largest_error = 0;
   std::vector<std::int64_t> worst;  ///< number of steps in which each input or bond had the largest error
 
-  /// Counts a step that was not repeated.
   void add(std::int64_t length, double error);
 
   void visit(state::Visitor& v) {

@@ -41,8 +41,8 @@ std::vector<std::string> SystemDescription::instance_names() const {
 }
 
 std::optional<VariableName> SystemDescription::split(std::string_view text) const {
-  // The name of an instance, followed by a dot, is never the beginning of another name. Therefore at most one prefix of
-  // the text is the name of an instance.
+  // No instance name followed by a dot is the beginning of another name. At most one prefix of the text is therefore an
+  // instance.
   for (auto dot = text.find('.'); dot != std::string_view::npos; dot = text.find('.', dot + 1)) {
     const auto instance = text.substr(0, dot);
     if (dot + 1 < text.size() && find_instance(instance) != nullptr) {

@@ -22,7 +22,7 @@ std::optional<T> parsed(const std::string& text) {
   return parsed_number<T>(std::string_view(text).substr(has_plus ? 1 : 0));
 }
 
-/// Builds error messages that contain the problem, the place of the value and the type of the variable.
+/// Throws errors with the problem, the place of the value and the type of the variable.
 class Complaint {
  public:
   Complaint(const Variable& variable, const WrittenValue& written, const std::string& place)
@@ -57,8 +57,8 @@ std::optional<std::int64_t> signed_value(const WrittenValue& written) {
   return std::nullopt;
 }
 
-/// Returns a whole number. Throws InputError if it is outside of the range of the variable's type. A UInt64 of 2^63 or
-/// more is returned as a signed number with the same bits.
+/// Returns a whole number. Throws InputError if it is outside of the range of the type. A UInt64 above 2^63 - 1 becomes
+/// a negative number with the same bits.
 std::int64_t whole_value(Type type, const WrittenValue& written, const Complaint& complaint) {
   const auto value = signed_value(written);
   if (const auto* text = std::get_if<UntypedText>(&written); text != nullptr && !value && type == Type::uint64) {
@@ -110,7 +110,7 @@ std::int64_t enumeration_value(const modeldesc::ModelDescription& description, c
                              variable.name, *number, suggest("", names)));
 }
 
-/// Converts hexadecimal digits, two for each byte, to the bytes of a Binary.
+/// Converts pairs of hexadecimal digits to the bytes of a Binary.
 std::string binary_value(const WrittenValue& written, const Complaint& complaint) {
   const auto* text = std::get_if<std::string>(&written);
   if (const auto* untyped = std::get_if<UntypedText>(&written)) text = &untyped->text;

@@ -5,10 +5,9 @@
 
 namespace mebots::master {
 
-/// Returns the conversion from one unit to another. Units that have the same name and no definitions are the same unit.
-/// If their names differ, both units must be defined and have the same dimension. If `difference` is true, the value is
-/// a difference of two values, so that offsets do not apply. Throws Error (wrong_unit) with the reason if no conversion
-/// exists.
+/// Returns the conversion from one unit to another. If one of the units has no definition, both must have the same
+/// name. Otherwise, both must have the same dimension. If `difference` is true, offsets of units are ignored, because
+/// the value is a difference. Throws Error (wrong_unit) with the reason if there is no conversion.
 modeldesc::UnitConversion conversion_between(const modeldesc::Unit& from, const modeldesc::Unit& to, bool difference);
 
 }  // namespace mebots::master

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Determines which instances step together from tick to tick of their clocks, and which connections transfer values at
-// ticks.
+// Determines which instances step together from tick to tick, and which connections transfer values at ticks.
 #include "resolve/clock_groups.hpp"
 
 #include "resolve/instance_groups.hpp"
@@ -16,7 +15,7 @@ namespace {
 using modeldesc::Causality;
 using modeldesc::Type;
 
-/// Returns those connections between these members that transfer values at ticks of clocks.
+/// Returns the connections of clocks and clocked variables between these members.
 std::vector<ResolvedConnection> connections_within(const ResolvedSystem& system,
                                                    const std::vector<std::size_t>& members) {
   std::vector<ResolvedConnection> found;

@@ -6,15 +6,15 @@
 
 namespace mebots::master {
 
-/// True if the master handles the clocks of an instance. This requires FMI 3.0, the support of event mode, and an input
-/// or output of type Clock.
+/// True if the master handles the clocks of an instance. This requires FMI 3.0, an event mode, and a Clock as input or
+/// output.
 bool has_ticking_clocks(const modeldesc::ModelDescription& model, FmuKind kind);
 
-/// True if the connection connects clocks or clocked variables. Such a connection transfers values at instants at which
-/// the clocks of both ends tick.
+/// True for a connection of clocks or clocked variables. Such a connection transfers values only while clocks of both
+/// ends tick.
 bool is_carried_by_ticks(const ResolvedConnection& connection);
 
-/// Moves connections between clocked variables from the system to its clock groups and continuous systems. Throws
+/// Moves connections of clocks and clocked variables from the system to its clock groups and continuous systems. Throws
 /// InputError if the members of a group cannot step together.
 void resolve_clock_groups(ResolvedSystem& system);
 

@@ -21,7 +21,7 @@ using modeldesc::Causality;
 using modeldesc::Type;
 using modeldesc::Variable;
 
-/// Returns the range in which a floating-point type represents all whole numbers exactly: up to 2^53 or 2^24.
+/// Returns the range in which a floating-point type represents all whole numbers: up to 2^53 or 2^24.
 fmi::WholeLimits exact_range(Type type) {
   constexpr std::int64_t kExactInDouble = std::int64_t{1} << 53;
   constexpr std::int64_t kExactInFloat = std::int64_t{1} << 24;
@@ -43,7 +43,7 @@ bool is_within(const fmi::WholeLimits& inner, const fmi::WholeLimits& outer) {
   return inner.low >= outer.low && inner.high <= outer.high;
 }
 
-/// Checks a scalar connection, and determines how its value is converted.
+/// Checks a scalar connection and determines the conversion of its value.
 class ConnectionCheck {
  public:
   ConnectionCheck(const ResolvedSystem& system, const ConnectionDescription& description,
@@ -64,7 +64,7 @@ class ConnectionCheck {
     return connection_;
   }
 
-  /// Returns a notice of the conversion for the user. Returns an empty text if the value is not converted.
+  /// Returns a notice about the conversion for the user; an empty text if the value is not converted.
   const std::string& notice() const { return notice_; }
 
  private:
@@ -108,7 +108,7 @@ class ConnectionCheck {
     if (from_.fmi3->element || to_.fmi3->element) fail("arrays of Clocks are not supported");
   }
 
-  /// True for an output, and for an input clock that has its own timing.
+  /// True for an output, and for an input clock with its own timing.
   bool is_source() const {
     return from_.causality == Causality::output ||
            (from_.type == Type::clock && from_.causality == Causality::input && from_.fmi3->timing->is_time_based());
@@ -160,8 +160,8 @@ class ConnectionCheck {
     }
   }
 
-  /// True if the type of the input includes all values of the output's type. If the input is an enumeration, a whole
-  /// number in its range may still not be one of its items; Ensemble checks this at every step.
+  /// True if the input's type includes all values of the output's type. A number may still not be an item of an
+  /// enumeration. Ensemble checks this at every step.
   bool widens() const {
     const bool from_whole = fmi::is_whole(from_.type) || from_.type == Type::boolean;
     if (fmi::is_float(to_.type)) {
@@ -173,8 +173,8 @@ class ConnectionCheck {
     return is_within(range_of(model(connection_.from), from_), fmi::limits_of(to_.type));
   }
 
-  /// True if the key `narrow` can permit this connection. In this case, each value must be checked. Values of clocked
-  /// variables, and values that a solver transfers between model exchange instances, are not checked.
+  /// True if `narrow` can permit this connection. Each value must then be checked, which is not possible for clocked
+  /// variables and for connections of two model exchange instances.
   bool can_narrow() const {
     if (connection_.pointer || is_clocked(from_) || is_clocked(to_)) return false;
     if (kind(connection_.from) == FmuKind::model_exchange && kind(connection_.to) == FmuKind::model_exchange) {
@@ -216,7 +216,7 @@ class ConnectionCheck {
     return result;
   }
 
-  /// Returns the unit of a variable. The result includes the definition if the FMU defines the unit.
+  /// Returns the unit of a variable, with the FMU's definition if it has one.
   modeldesc::Unit unit_of(const ResolvedVariable& variable) const {
     const auto& name = variable.variable->unit;
     if (const auto* defined = model(variable).unit(name)) return *defined;
@@ -226,7 +226,7 @@ class ConnectionCheck {
     return unit;
   }
 
-  /// Checks the units of both ends. If both variables have a unit, determines the conversion.
+  /// Checks the units of both ends and determines their conversion.
   void check_units() {
     if (!description_.convert_units || from_.unit.empty() || to_.unit.empty()) return;
     constexpr const char* kRemedy =
@@ -279,7 +279,7 @@ class ConnectionCheck {
   std::string notice_;
 };
 
-/// Returns the variables `name.base.lo`, `name.base.hi` and `name.size`. Returns nullopt unless all of them exist.
+/// Returns the variables `name.base.lo`, `name.base.hi` and `name.size`; nullopt if one of them does not exist.
 std::optional<std::vector<ResolvedVariable>> binary_parts(const ResolvedSystem& system, const VariableName& name) {
   const auto instance = system.description->index_of(name.instance);
   if (!instance) return std::nullopt;
@@ -298,9 +298,8 @@ bool is_scalar(const ResolvedSystem& system, const VariableName& name) {
   return instance && system.instances[*instance].model->find(name.variable) != nullptr;
 }
 
-/// Checks that a buffer is valid whenever the reader uses it. It is valid until the next step of its owner ends. If the
-/// reader steps less often than the owner, it reads the buffer at the start of its step, while the buffer is valid. If
-/// the reader steps more often, the buffer is not valid in all of its steps.
+/// Throws InputError unless the step of the reader is a multiple of the owner's step. A buffer is valid until the end
+/// of the owner's next step, and the reader reads it at the start of the reader's step.
 void check_buffer_lives(const ResolvedSystem& system, const ResolvedConnection& connection, const std::string& place) {
   const auto& owner = *system.instances[connection.from.instance].description;
   const auto& reader = *system.instances[connection.to.instance].description;
@@ -322,7 +321,7 @@ ResolvedConnection plain_connection(const ResolvedVariable& from, const Resolved
   return connection;
 }
 
-/// Returns the elements of an array in row-major order. Returns an empty list if the name is not that of an array.
+/// Returns the elements of an array in row-major order; an empty list if the name is not an array.
 std::vector<ResolvedVariable> elements_of(const ResolvedSystem& system, const VariableName& name) {
   const auto instance = system.description->index_of(name.instance);
   if (!instance) return {};
@@ -335,13 +334,12 @@ std::vector<ResolvedVariable> elements_of(const ResolvedSystem& system, const Va
   return elements;
 }
 
-/// Returns the indices of an array element as a text, such as "[3]" for the element `y[3]` of the array `y`.
+/// Returns the indices of an array element, such as "[3]" for `y[3]`.
 std::string_view indices_of(const ResolvedVariable& element) {
   return std::string_view(element.variable->name).substr(element.variable->fmi3->element->array.size());
 }
 
-/// Returns the connections between the elements of two arrays. Returns an empty list if neither name is that of an
-/// array.
+/// Returns the connections of the elements of two arrays; an empty list if neither name is an array.
 std::vector<ResolvedConnection> array_connections(const ResolvedSystem& system,
                                                   const ConnectionDescription& connection) {
   const auto from = elements_of(system, connection.from);
@@ -365,7 +363,7 @@ std::vector<ResolvedConnection> array_connections(const ResolvedSystem& system,
   return result;
 }
 
-/// Returns the connections between a Binary and the parts of an OSMP binary. Returns an empty list for any other pair.
+/// Returns the connections of a Binary with an OSMP binary; an empty list for any other pair.
 std::vector<ResolvedConnection> converted(const ResolvedSystem& system, const ConnectionDescription& connection,
                                           const std::optional<std::vector<ResolvedVariable>>& from_parts,
                                           const std::optional<std::vector<ResolvedVariable>>& to_parts) {
@@ -418,8 +416,8 @@ std::vector<ResolvedConnection> scalars_of(const ResolvedSystem& system, const C
 
 namespace {
 
-/// Returns the key by which connections are sorted: by target; the terms of a sum also by source, factor and offset.
-/// Therefore the order in the config has no effect.
+/// Returns the key for sorting connections, so that their order in the config has no effect: the target and, for the
+/// terms of a sum, source, factor and offset.
 auto order_of(const ResolvedConnection& connection) {
   return std::tuple(connection.to.instance, connection.to.variable, connection.from.instance, connection.from.variable,
                     connection.factor, connection.offset);
@@ -436,7 +434,7 @@ void check_sources(const ResolvedSystem& system, const std::vector<PlacedConnect
     const auto& other = connections[i];
     if (one.connection.to != other.connection.to || (one.connection.sum && other.connection.sum)) continue;
     const auto& [first, second] = std::minmax(one, other, [](const auto& a, const auto& b) {
-      return a.description < b.description;  // both point into one list
+      return a.description < b.description;  // both point into the same list
     });
     throw InputError(
         ErrorCode::invalid_connection,

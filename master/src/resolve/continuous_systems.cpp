@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Determines which model exchange instances are integrated together by one solver, and which connections this solver
-// evaluates.
+// Determines which model exchange instances one solver integrates, and which connections it evaluates.
 #include "model/resolved_system.hpp"
 #include "resolve/clock_groups.hpp"
 #include "resolve/instance_groups.hpp"
@@ -18,7 +17,7 @@ namespace {
 using modeldesc::Type;
 using modeldesc::Variability;
 
-/// Returns the variables whose values are set by a scenario or a signal file.
+/// Returns the variables that a scenario or a signal file sets.
 std::set<ResolvedVariable> overridden_variables(const ResolvedSystem& system) {
   std::set<ResolvedVariable> variables;
   for (const auto& [input, signal] : system.inputs) variables.insert(input);
@@ -51,9 +50,9 @@ class Grouping {
   }
 
  private:
-  /// Marks inner connections. A connection is inner if both ends belong to model exchange instances and no override
-  /// changes either end. An input with an override is constant between communication points; therefore its connection
-  /// is not inner. A sum is evaluated as a whole; therefore either all or none of its connections are inner.
+  /// Marks the inner connections. Both ends of an inner connection are variables of model exchange instances and have
+  /// no override. An input with an override is constant between communication points, so that its connection cannot be
+  /// inner. In a sum, either all connections are inner or none.
   void mark_inner_connections() {
     const auto overridden = overridden_variables(system_);
     std::map<ResolvedVariable, bool> inner_sums;
@@ -74,8 +73,8 @@ class Grouping {
     }
   }
 
-  /// Returns the solver settings of the member that has settings. If no member has any, returns those of the whole
-  /// system. Throws InputError if several members have settings, even if they are equal.
+  /// Returns the solver settings of a member or, if no member has any, those of the whole system. Throws InputError if
+  /// several members have settings.
   const SolverDescription* solver_of(const std::vector<std::size_t>& members) const {
     const InstanceDescription* namer = nullptr;
     for (const auto member : members) {

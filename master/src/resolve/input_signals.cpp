@@ -33,7 +33,6 @@ class ColumnUnit {
              std::string place)
       : model_(model), variable_(variable), unit_(std::move(unit)), place_(std::move(place)) {}
 
-  /// Returns the factor and offset of the conversion. The value in the variable's unit is factor * cell + offset.
   modeldesc::UnitConversion conversion() const {
     if (!fmi::is_float(variable_.type))
       refuse(fmt::format("a variable of type {} has no unit", to_string(variable_.type)));
@@ -76,8 +75,7 @@ class ColumnUnit {
   std::string place_;
 };
 
-/// Reads the signal files of a system. First collects the signals that are needed from each file, so that each file is
-/// read only once.
+/// Reads the signal files of a system. Collects the needed signals first, so that each file is read once.
 class SignalReader {
  public:
   explicit SignalReader(ResolvedSystem& system) : system_(system) {}
@@ -98,7 +96,6 @@ class SignalReader {
     ResolvedVariable variable;
     std::optional<std::size_t> entry;  // index in the scenario; nullopt for an input
   };
-  /// A signal file that was opened, and its description.
   struct Opened {
     Opened(const SignalFileDescription& asked) : description(asked), file(asked.path, asked.name, asked.time) {}
 
@@ -246,7 +243,7 @@ class SignalReader {
   }
 
   ResolvedSystem& system_;
-  std::list<Opened> files_;  // a list, because the readers must not move in memory
+  std::list<Opened> files_;  // a list, because its elements must not move in memory
 };
 
 }  // namespace

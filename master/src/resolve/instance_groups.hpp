@@ -17,28 +17,28 @@ class InstanceGroups {
   explicit InstanceGroups(std::size_t instances);
 
   void join(std::size_t one, std::size_t other);
-  /// Returns the groups of those instances for which `belongs` returns true. The groups are sorted by their first
-  /// members, and the members are in ascending order.
+  /// Returns the groups of all instances for which `belongs` is true. Sorts the groups by their first members, and the
+  /// members in ascending order.
   std::vector<std::vector<std::size_t>> of(const std::function<bool(std::size_t)>& belongs) const;
 
  private:
   std::size_t leader(std::size_t instance) const;
 
-  std::vector<std::size_t> leaders_;  // for each instance, an earlier instance of its group, or the instance itself
+  std::vector<std::size_t> leaders_;  // for each instance: an earlier instance of its group, or the instance itself
 };
 
-/// Throws InputError about the value of a key of an instance.
+/// Throws InputError for the value of an instance's key.
 [[noreturn]] void refuse_key(const ResolvedSystem& system, std::size_t instance, std::string_view key,
                              const std::string& what);
 
-/// The words by which messages describe a group and its members.
+/// The words for a group and its members in messages.
 struct GroupWords {
   std::string_view member;  ///< such as "is of model exchange"
   std::string_view group;   ///< such as "continuous system"
 };
 
-/// Checks that the members of a group can step together. Throws InputError if members have different steps or divide
-/// discarded steps, or if a member of several may fail without ending the run.
+/// Throws InputError if the members of a group cannot step together: if their steps differ, if a member divides
+/// discarded steps, or if one of several members may fail while the run continues.
 void check_members(const ResolvedSystem& system, const std::vector<std::size_t>& members, const GroupWords& words);
 
 }  // namespace mebots::master

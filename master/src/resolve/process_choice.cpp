@@ -21,7 +21,7 @@
 namespace mebots::master {
 namespace {
 
-/// The instances of one FMU that run in this process.
+/// The instances of an FMU in this process.
 struct Group {
   std::shared_ptr<Fmu> fmu;
   std::vector<ResolvedInstance*> instances;
@@ -31,8 +31,8 @@ bool demands_shared(const ResolvedInstance* instance) {
   return instance->description->isolation.process == ProcessKind::shared;
 }
 
-/// Returns the instances of the master's process, grouped by FMU. The largest groups come first, because the later one
-/// of two FMUs that cannot share a process is moved to separate processes.
+/// Returns the instances in this process, grouped by FMU. The largest groups come first, because the later one of two
+/// FMUs that cannot share a process gets separate processes.
 std::vector<Group> groups_by_size(ResolvedSystem& system) {
   std::vector<Group> groups;
   std::map<const Fmu*, std::size_t> places;
@@ -55,7 +55,6 @@ std::string listed_names(const std::vector<ResolvedInstance*>& instances) {
   return fmt::format("{}{}", fmt::join(names, ", "), more == 0 ? "" : fmt::format(" and {} more", more));
 }
 
-/// Moves all of these instances to separate processes, and adds a notice that states the reason.
 void isolate(ResolvedSystem& system, const std::vector<ResolvedInstance*>& instances, const std::string& reason) {
   for (auto* instance : instances) {
     instance->isolation.process = ProcessKind::own;
@@ -92,7 +91,7 @@ void load(ResolvedSystem& system, const Group& group) {
                                        admission.reason));
 }
 
-/// If an FMU permits only one instance in a process, moves all of its instances except the first to separate processes.
+/// If an FMU permits only one instance per process, moves its other instances to separate processes.
 void part_single_instances(ResolvedSystem& system) {
   std::map<const Fmu*, const ResolvedInstance*> users;
   for (auto& instance : system.instances) {
@@ -108,7 +107,7 @@ void part_single_instances(ResolvedSystem& system) {
   }
 }
 
-/// Throws InputError or adds a notice if the config uses a feature that an FMU for Windows does not have under wine.
+/// Throws InputError or adds a notice if the config uses a feature that is not available for FMUs under wine.
 void check_windows_fmus(ResolvedSystem& system) {
   for (const auto& instance : system.instances) {
     if (!instance.isolation.alone() || !instance.fmu->runs_under_wine()) continue;

@@ -25,7 +25,7 @@ using modeldesc::Variable;
 
 std::vector<StartValue> resolve_starts(const InstanceDescription& instance,
                                        const modeldesc::ModelDescription& description) {
-  std::map<std::string, StartValue> starts;  // the last assignment to a name counts: settings follow the config
+  std::map<std::string, StartValue> starts;  // the last assignment applies: settings follow the config
   for (const auto& assignment : instance.parameters) {
     starts[assignment.variable] = checked_start(instance, description, assignment);
   }
@@ -38,7 +38,7 @@ std::vector<StartValue> resolve_starts(const InstanceDescription& instance,
   return result;
 }
 
-/// The log categories that the config requests, by instance name.
+/// The log categories that the config requests; the key is the name of an instance.
 using LogSections = std::unordered_map<std::string_view, const std::vector<std::string>*>;
 
 LogSections log_sections(const SystemDescription& system) {
@@ -53,8 +53,8 @@ std::vector<std::string> log_categories(const LogSections& sections, const Insta
   return {std::begin(kDefaultLogCategories), std::end(kDefaultLogCategories)};
 }
 
-/// Adds a notice for each requested log category that the FMU does not declare. This is not an error, because some FMUs
-/// do not declare all of their categories.
+/// Adds a notice for each requested log category that the FMU does not declare. This is no error, because some FMUs do
+/// not declare all of their categories.
 void note_unknown_categories(ResolvedSystem& system) {
   for (const auto& log : system.description->log) {
     const auto instance = system.description->index_of(log.instance);
@@ -73,8 +73,8 @@ void note_unknown_categories(ResolvedSystem& system) {
   }
 }
 
-/// Sets the instance's tolerance to that of the config. If the config has none, uses the FMU's default. If the default
-/// is not above 0, ignores it and adds a notice.
+/// Sets the tolerance of an instance: that of the config or, if absent, the FMU's default. Ignores a default that is
+/// not positive, and adds a notice.
 void resolve_tolerance(ResolvedInstance& instance, std::vector<std::string>& notices) {
   const auto& description = *instance.description;
   if (!description.pass_tolerance) return;
@@ -88,8 +88,8 @@ void resolve_tolerance(ResolvedInstance& instance, std::vector<std::string>& not
   }
 }
 
-/// Adds a notice about parts of modelDescription.xml that the reader ignored because they are invalid. The notice names
-/// only the first part, because a file may have any number of such parts.
+/// Adds a notice about invalid parts of modelDescription.xml that the reader has ignored. The notice contains only the
+/// first part and the number of the others.
 void note_structure_faults(const ResolvedInstance& instance, std::vector<std::string>& notices) {
   const auto& faults = instance.model->structure_faults;
   if (faults.empty()) return;
@@ -98,7 +98,6 @@ void note_structure_faults(const ResolvedInstance& instance, std::vector<std::st
                                 faults.front(), others));
 }
 
-/// Adds the notices about the FMUs' archives to the notices of the system.
 void note_archives(ResolvedSystem& system) {
   std::set<const Fmu*> seen;
   for (const auto& instance : system.instances) {
@@ -108,8 +107,8 @@ void note_archives(ResolvedSystem& system) {
   }
 }
 
-/// Checks an instance whose discarded steps are to be repeated as several shorter steps. Its FMU must be able to
-/// restore its state and to take steps of any length.
+/// Throws InputError if the FMU cannot divide discarded steps. It must be able to restore its state and to take steps
+/// of any length.
 void check_division(const ResolvedInstance& instance) {
   if (!instance.description->divide_discarded || instance.kind == FmuKind::model_exchange) return;
   const auto& flags = *instance.model->co_simulation;
@@ -121,8 +120,7 @@ void check_division(const ResolvedInstance& instance) {
                   flags.can_get_and_set_fmu_state ? "canHandleVariableCommunicationStepSize" : "canGetAndSetFMUstate"));
 }
 
-/// If an Integer is a part of an OSMP binary, returns the name of the binary. Otherwise returns the variable's own
-/// name.
+/// Returns the name of the OSMP binary that contains the Integer, or the name of the variable if it is no such Integer.
 std::string whole_name(const modeldesc::ModelDescription& description, const Variable& variable) {
   if (!is_osmp_part(description, variable)) return variable.name;
   for (const std::string_view ending : kOsmpEndings) {
@@ -131,8 +129,8 @@ std::string whole_name(const modeldesc::ModelDescription& description, const Var
   return variable.name;
 }
 
-/// True if the alternative form of an input is connected. The text `x.base64` is an alternative to the binary `x`, so
-/// only one of them needs a connection.
+/// True if the alternative of an input is connected. The text `x.base64` is an alternative to the binary `x`. Only one
+/// of them needs a connection.
 bool has_connected_alternative(const modeldesc::ModelDescription& description, const Variable& variable,
                                const std::set<const Variable*>& served) {
   constexpr std::string_view kEnding = ".base64";
@@ -142,7 +140,7 @@ bool has_connected_alternative(const modeldesc::ModelDescription& description, c
   return part != nullptr && is_osmp_part(description, *part) && served.count(part) != 0;
 }
 
-/// Throws an error if the config sets an input that a connection overwrites, because the value would have no effect.
+/// Throws InputError if the config sets an input that a connection overwrites.
 void refuse_values_of_connected_inputs(const ResolvedSystem& system) {
   using Target = std::pair<std::size_t, std::string_view>;
   std::map<Target, const Assignment*> given;
@@ -161,7 +159,6 @@ void refuse_values_of_connected_inputs(const ResolvedSystem& system) {
   }
 }
 
-/// True for an input clock with its own timing.
 bool has_own_timing(const Variable& variable) {
   return variable.type == modeldesc::Type::clock && variable.fmi3->timing->is_time_based();
 }
@@ -234,7 +231,7 @@ std::string checked_setting(const InstanceDescription& instance, Fmu& fmu, const
     whole.variable = variable->name;
     return text_of(checked_start(instance, description, whole));
   }
-  const auto model = fmu.model(structural_values(instance, description));  // has the names of elements, for the error
+  const auto model = fmu.model(structural_values(instance, description));  // names of array elements for the error
   return text_of(checked_start(instance, *model, setting));
 }
 
@@ -267,7 +264,7 @@ ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library
     system.instances.push_back(std::move(resolved));
   }
   note_archives(system);
-  choose_processes(system, interrupted);  // reports a missing library or function
+  choose_processes(system, interrupted);  // also reports a missing library or function
   note_unknown_categories(system);
   for (const auto& instance : system.instances) check_division(instance);
   resolve_connections(system, interrupted);

@@ -11,31 +11,31 @@
 #include <string>
 #include <string_view>
 
-/// Converts the user's description to a checked system: opens FMUs and resolves names.
+/// Opens the FMUs of a system description, and resolves and checks its names.
 namespace mebots::master {
 
-/// Opens the FMUs, resolves all names and checks types, causalities, units, start values and connections. `description`
-/// must outlive the result. Throws InputError, and InterruptedError between two FMUs.
+/// Opens the FMUs, resolves all names, and checks types, causalities, units, start values and connections.
+/// `description` must outlive the result. Throws InputError. Throws InterruptedError after an interrupt.
 ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library,
                        const std::atomic<bool>& interrupted = kNeverInterrupted);
 
-/// Returns the FMU of an instance, unpacked and described; its library is not loaded. Throws InputError that names the
+/// Opens and unpacks the FMU of an instance without loading its library. Throws InputError with the name of the
 /// instance.
 std::shared_ptr<Fmu> open_fmu(const InstanceDescription& instance, FmuLibrary& library);
 
-/// Calls `work`, and adds the place of the FMU in the config to the InputErrors that it throws.
+/// Calls `work`. Adds the place of the FMU in the config to each InputError of `work`.
 void with_place_of_fmu(const InstanceDescription& instance, const std::function<void()>& work);
 
-/// Returns the values that an instance's description sets for its structural parameters (FMI 3.0). Throws InputError.
+/// Returns the values of structural parameters (FMI 3.0) in the description of an instance. Throws InputError.
 modeldesc::StructuralValues structural_values(const InstanceDescription& instance,
                                               const modeldesc::ModelDescription& description);
 
-/// Returns the variable that a setting of this name changes: a scalar, or the array of an element. If structural
-/// parameters determine the array's size, the element need not exist yet. Returns null for any other name.
+/// Returns the scalar with this name, or the array of the element with this name; null if no variable has this name. If
+/// structural parameters determine the size of the array, the element need not exist.
 const modeldesc::Variable* variable_of_setting(const modeldesc::ModelDescription& description, std::string_view name);
 
-/// Checks name, type and limits of a setting while the sizes of arrays may still change. resolve() checks again whether
-/// an array has the element. Returns the value as text. Throws InputError.
+/// Checks the name, type and limits of a setting before the sizes of arrays are known. resolve() later checks whether
+/// an array element exists. Returns the value as text. Throws InputError.
 std::string checked_setting(const InstanceDescription& instance, Fmu& fmu, const Assignment& setting);
 
 }  // namespace mebots::master

@@ -16,7 +16,7 @@ void SignalCoverage::check(const OverrideDescription& description, const Resolve
   first_ns_ = times.ns(0);
   last_ns_ = times.ns(times.size() - 1);
   const auto from_ns = std::max(system.start_time_ns, description.from_ns);
-  // A signal for an input is needed until the start of the FMU's last step. A signal that replaces an output is needed
+  // A signal of an input is needed until the start of the FMU's last step. A signal that replaces an output is needed
   // until the end of the run.
   const bool is_output = variable.variable->causality == modeldesc::Causality::output;
   const auto steps = system_.instances[variable.instance].description->steps;
@@ -63,7 +63,7 @@ void SignalCoverage::check_rows(const ResolvedVariable& variable, const Signal& 
     if (signal.linear() ? jump : signal.differ(row - 1, row)) {
       if (changes.late++ == 0) changes.first_ns = time_ns;
     } else if (grid.point_at(times.ns(row - 1)) / steps == point / steps) {
-      ++changes.skipped;  // the interval between two communication points contains both rows
+      ++changes.skipped;  // both rows are between the same two communication points
     }
   }
   auto& most = changes_[variable.instance];

@@ -20,8 +20,8 @@ std::string instance_text(const ResolvedInstance& instance) {
   return fmt::format("'{}' ({})", instance.description->name, instance.model->model_name);
 }
 
-/// True if step control may change the step of the instance. This includes instances whose own step is longer than the
-/// system's step. It also includes model exchange instances, because their solver can stop at any time.
+/// True if step control may change the step of the instance. This includes instances with a longer step than the
+/// system, and model exchange instances, whose solver can stop at any time.
 bool takes_variable_steps(const ResolvedInstance& instance) {
   return instance.description->steps > 1 || instance.kind == FmuKind::model_exchange ||
          instance.model->co_simulation->can_handle_variable_communication_step_size;
@@ -45,7 +45,7 @@ std::span<const BondDescription> bonds_of(const SystemDescription& system) {
   return system.coupling ? std::span(system.coupling->bonds) : std::span<const BondDescription>();
 }
 
-/// Selects the bonds and inputs that are measured, according to the tolerances in the config.
+/// Selects the measured bonds and inputs according to the tolerances in the config.
 class MeasuredChoice {
  public:
   explicit MeasuredChoice(const StepControlDescription& control) : general_(control.tolerance) {
@@ -64,7 +64,7 @@ class MeasuredChoice {
     if (is_measured_by_default) measured_.push_back(std::move(item));
   }
   std::vector<MeasuredCoupling> take() { return std::move(measured_); }
-  /// Returns a tolerance in the config that applies to no bond or input. Returns null if all tolerances apply.
+  /// Returns a tolerance in the config for which no bond or input exists; null if there is no such tolerance.
   const NamedTolerance* unused() const { return named_.empty() ? nullptr : named_.begin()->second; }
 
  private:
@@ -85,8 +85,8 @@ class MeasuredChoice {
                                named.place, named.name, suggest(named.name, names)));
 }
 
-/// Lists the bonds and the inputs that are measured. All bonds and all continuous inputs are measured, unless a
-/// tolerance excludes them.
+/// Lists the measured bonds and inputs. All bonds and all continuous inputs are measured, unless a tolerance excludes
+/// them.
 void find_measured(ResolvedSystem& system) {
   const auto& control = *system.description->step_control;
   MeasuredChoice choice(control);
@@ -106,7 +106,7 @@ void find_measured(ResolvedSystem& system) {
                                control.place));
 }
 
-/// Returns the names of the instances that cannot return to an earlier communication point.
+/// Returns the names of all instances that cannot return to an earlier communication point.
 std::vector<std::string> without_rollback(const ResolvedSystem& system) {
   std::vector<std::string> names;
   for (const auto& instance : system.instances) {

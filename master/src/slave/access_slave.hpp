@@ -7,8 +7,8 @@
 
 namespace mebots::master {
 
-/// A forwarding slave that replaces its ten access functions by two: get() and set(). Their argument `kind`
-/// distinguishes Booleans from Integers, and Binaries from Strings, because these pairs have the same C++ type.
+/// A forwarding slave whose ten access functions call get() or set(). The argument `kind` distinguishes Booleans from
+/// Integers and Binaries from Strings, because each pair has the same C++ type.
 class AccessSlave : public ForwardingSlave {
  public:
   using ForwardingSlave::ForwardingSlave;
@@ -51,7 +51,7 @@ class AccessSlave : public ForwardingSlave {
   virtual void get(ValueKind kind, std::span<const ValueReference> references, Destination values) = 0;
   virtual void set(ValueKind kind, std::span<const ValueReference> references, Source values) = 0;
 
-  /// These functions call the access function of the wrapped slave for this kind.
+  /// Calls the access function of the wrapped slave for `kind`.
   void pass_get(ValueKind kind, std::span<const ValueReference> references, Destination values);
   void pass_set(ValueKind kind, std::span<const ValueReference> references, Source values);
 };

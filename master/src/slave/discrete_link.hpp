@@ -12,12 +12,12 @@
 
 namespace mebots::master {
 
-/// The value of a variable. A Real is stored as double; a whole number, an enumeration or a Boolean as std::int64_t; a
-/// String or a Binary as std::string.
+/// The value of a variable: double for a Real, std::int64_t for a whole number, an enumeration or a Boolean,
+/// std::string for a String or a Binary.
 using LinkValue = std::variant<double, std::int64_t, std::string>;
 
-/// A connection within a group that transfers values only in event mode. A number is converted to factor * value +
-/// offset. A whole number or a Boolean is first replaced according to `map`.
+/// A connection within a group whose value is transferred in event mode. The input is factor * value + offset. Whole
+/// numbers and Booleans are replaced according to `map` before that.
 struct DiscreteLink {
   std::size_t from = 0;  ///< index of the member in the group
   std::size_t to = 0;
@@ -27,17 +27,16 @@ struct DiscreteLink {
   ValueReference to_reference = 0;
   double factor = 1;
   double offset = 0;
-  std::vector<std::pair<std::int64_t, std::int64_t>> map = {};  ///< sorted in ascending order
+  std::vector<std::pair<std::int64_t, std::int64_t>> map = {};  ///< in ascending order
 
-  /// Reads the output of `source` and returns the converted value for the input.
   LinkValue read(Slave& source) const;
 };
 
-/// These functions call the access function of `slave` for this kind of variable.
+/// Calls the access function of `slave` for `kind`.
 LinkValue get_value(Slave& slave, ValueKind kind, ValueReference reference);
 void set_value(Slave& slave, ValueKind kind, ValueReference reference, const LinkValue& value);
 
-/// Returns whether two values are equal. Doubles are compared by their bits.
+/// True if two values are equal. Doubles are compared by their bits.
 bool is_same(const LinkValue& a, const LinkValue& b);
 
 }  // namespace mebots::master

@@ -6,8 +6,8 @@
 
 namespace mebots::master {
 
-/// Evaluates a Taylor polynomial `since_s` seconds after its centre. At the centre, it has the value `value` and the
-/// derivatives `derivatives`, which are those of order 1 and higher.
+/// Evaluates a Taylor polynomial `since_s` seconds after its centre. `value` is its value at the centre. `derivatives`
+/// contains its derivatives at the centre, from order 1.
 inline double extrapolated(double value, std::span<const double> derivatives, double since_s) {
   double sum = 0;
   for (auto order = derivatives.size(); order > 0; --order) {

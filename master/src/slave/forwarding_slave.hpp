@@ -7,7 +7,7 @@
 
 namespace mebots::master {
 
-/// A slave that wraps another slave and forwards every call to it. Base class of slaves that change some of the calls.
+/// A slave that forwards every call to another slave. Derived classes change some of the calls.
 class ForwardingSlave : public Slave {
  public:
   explicit ForwardingSlave(std::unique_ptr<Slave> inner) : inner_(std::move(inner)) {}

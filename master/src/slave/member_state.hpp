@@ -10,15 +10,15 @@
 
 namespace mebots::master {
 
-/// The state of an instance that belongs to a group. Contains the states of its FMU and of its slave. For the first
-/// member of the group, it also contains the state of the group.
+/// The state of an instance in a group: `inner` is the state of the wrapped slave, and `own` is that of the slave
+/// itself. `group` is the state of the group, for the first member only.
 struct MemberState final : SlaveState {
   std::unique_ptr<SlaveState> inner;
   std::vector<std::byte> own;
   std::vector<std::byte> group;
 };
 
-/// These functions convert a state to bytes and back. `inner` must be the slave whose state is `state.inner`.
+/// Converts a state to bytes and back. `inner` must be the slave of `state.inner`.
 std::vector<std::byte> serialize_member(Slave& inner, const MemberState& state);
 std::unique_ptr<MemberState> deserialize_member(Slave& inner, std::span<const std::byte> bytes);
 

@@ -12,7 +12,7 @@
 namespace mebots::master {
 namespace {
 
-/// Mixes bits by the finaliser of SplitMix64 (Steele, Lea, Flood 2014): every input bit affects every output bit.
+/// Mixes bits with the finaliser of SplitMix64 (Steele, Lea, Flood 2014).
 std::uint64_t mixed(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
@@ -25,22 +25,21 @@ double uniform(std::uint64_t bits) {
   return (static_cast<double>(bits >> 11) + 0.5) * 0x1p-53;
 }
 
-/// Returns a normally distributed number (mean 0, standard deviation 1) that depends only on key and time (Box and
-/// Muller, 1958). It requires no state; therefore the order of calls has no effect.
+/// Returns a normally distributed number with mean 0 and standard deviation 1 (Box and Muller, 1958). It depends only
+/// on the arguments, not on earlier calls.
 double gaussian(std::uint64_t key, std::int64_t time_ns) {
   const auto first = mixed(key ^ mixed(static_cast<std::uint64_t>(time_ns)));
   const auto second = mixed(first);
   return std::sqrt(-2 * std::log(uniform(first))) * std::cos(2 * std::numbers::pi * uniform(second));
 }
 
-/// Combines the seed and the name of the variable, so that two variables with the same seed have different noise.
+/// Combines the seed with the name of the variable, so that variables with the same seed have different noise.
 std::uint64_t noise_key(const OverrideDescription& description) {
   auto key = mixed(description.seed);
   for (const char c : description.variable.text()) key = mixed(key ^ static_cast<unsigned char>(c));
   return key;
 }
 
-/// Contains the states of the wrapped slave and of the overrides.
 class OverriddenState final : public SlaveState {
  public:
   std::unique_ptr<SlaveState> inner;
@@ -77,7 +76,7 @@ OverriddenSlave::OverriddenSlave(std::unique_ptr<Slave> inner, const OverrideSch
       Target added;
       added.reference = variable.value_reference;
       added.kind = kind;
-      // True also for a tunable parameter, which is set in the same way.
+      // Also true for a tunable parameter, which is set like an input.
       added.input = variable.causality != modeldesc::Causality::output;
       added.base = plain(variable.start, kind);
       targets_.push_back(std::move(added));
@@ -101,8 +100,8 @@ OverriddenSlave::Value OverriddenSlave::apply(Layer& layer, const Value& value, 
     case OverrideAction::freeze:
       return layer.found;
     case OverrideAction::signal:
-      // If the signal jumps at the start, initialisation uses the value before the jump, and the first step uses the
-      // value after it, as in FMPy.
+      // At a jump at the start, initialization uses the value before the jump, and the first step uses the value after
+      // it, as in FMPy.
       return override.signal->at(signal_time(time_ns_), initialising_ ? SignalSide::before : SignalSide::after,
                                  layer.row);
     case OverrideAction::offset:
@@ -130,8 +129,8 @@ OverriddenSlave::Value OverriddenSlave::apply(Target& target, const Value& value
       continue;
     }
     target.acted = true;
-    // At the first communication point of the override, stores the value without this override. If several values are
-    // set at this point, as during initialisation, keeps the last one.
+    // Stores the value without this override at its first communication point. If several values are set at this point,
+    // stores the last one.
     if (!layer.found_at_ns || layer.found_at_ns == time_ns_) {
       layer.found_at_ns = time_ns_;
       layer.found = result;
@@ -186,7 +185,7 @@ void OverriddenSlave::pass_batch(ValueKind kind, Batch<T>& batch) {
   batch.clear();
 }
 
-/// Sets the inputs that no connection has set since the last step, because the scenario is their only source.
+/// Sets the inputs that no connection has set since the last step. Their only source is the scenario.
 void OverriddenSlave::set_free_inputs() {
   const auto put = [](auto& batch, const Target& target, auto value) {
     batch.references.push_back(target.reference);
@@ -214,7 +213,7 @@ void OverriddenSlave::set_free_inputs() {
   pass_batch(ValueKind::binary, binaries_);
 }
 
-/// Sets the slopes of signals as derivatives, if the FMU uses derivatives of its inputs. A slope of 0 ends the previous
+/// Sets the slopes of signals as derivatives if the FMU uses derivatives of its inputs. The slope 0 ends a previous
 /// slope.
 void OverriddenSlave::set_slopes() {
   if (!inner().takes_input_derivatives()) return;
@@ -239,7 +238,7 @@ StepResult OverriddenSlave::step(std::int64_t start_ns, std::int64_t duration_ns
   return result;
 }
 
-/// Returns a time derivative of the variable after one override. `order` is the order of the derivative, from 1.
+/// Returns the time derivative of order `order`, from 1, after one override.
 double OverriddenSlave::apply(Layer& layer, std::int32_t order, double derivative, std::int64_t since_ns) {
   const auto& override = schedule_->overrides()[layer.override];
   const auto& description = *override.description;
@@ -251,7 +250,7 @@ double OverriddenSlave::apply(Layer& layer, std::int32_t order, double derivativ
       if (order > 1) return 0;
       return override.signal->slope(signal_time(time_ns_), signal_time(time_ns_ + step_ns_), layer.row);
     case OverrideAction::offset:
-    case OverrideAction::noise:  // adds a random value that is new at each point
+    case OverrideAction::noise:  // each point has a new random value
       return derivative;
     case OverrideAction::scale:
       return derivative * description.number;

@@ -12,8 +12,8 @@
 namespace mebots::master {
 
 /// Applies the overrides of a scenario to variables of the wrapped slave. An override of an input changes the value
-/// that this slave receives. An override of an output changes the value that all other slaves read. Overrides take
-/// effect at the slave's own communication points.
+/// that the wrapped slave receives. An override of an output changes the value that other slaves receive. Overrides
+/// take effect at the communication points of this slave.
 class OverriddenSlave final : public AccessSlave {
  public:
   /// `schedule` must outlive the slave. `step_ns` is the length of the slave's steps.
@@ -23,7 +23,7 @@ class OverriddenSlave final : public AccessSlave {
   void enter_initialization() override;
   void exit_initialization() override;
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
-  /// Gets derivatives of outputs after the overrides: 0 for a constant, and the slope for a ramp.
+  /// Gets derivatives of outputs with overrides: 0 for a constant value, the slope for a ramp.
   void get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
                               std::span<double> values) override;
   void set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
@@ -34,7 +34,7 @@ class OverriddenSlave final : public AccessSlave {
   std::vector<std::byte> serialize(const SlaveState& state) override;
   std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) override;
 
-  /// Visits the state of the overrides. The state of the wrapped slave is not part of it.
+  /// Visits the state of the overrides, without the state of the wrapped slave.
   void visit(state::Visitor& v);
 
  private:
@@ -43,12 +43,12 @@ class OverriddenSlave final : public AccessSlave {
 
   using Value = std::variant<double, std::int64_t, std::string>;
 
-  /// An override, and the original value of its variable when it started.
+  /// An override, and the original value of its variable at the start of the override.
   struct Layer {
     std::size_t override = 0;
     std::uint64_t noise_key = 0;
     std::size_t row = 0;                      // row of a signal at which the next search starts; not part of the state
-    std::optional<std::int64_t> found_at_ns;  // nullopt if the override is not active
+    std::optional<std::int64_t> found_at_ns;  // start of the override; nullopt if it is not active
     Value found;
 
     void visit(state::Visitor& v) {
@@ -56,7 +56,7 @@ class OverriddenSlave final : public AccessSlave {
       v("found", found);
     }
   };
-  /// A variable and its overrides, in the order in which they were declared.
+  /// A variable and its overrides in their order in the scenario.
   struct Target {
     ValueReference reference = 0;
     ValueKind kind = ValueKind::real;
@@ -65,10 +65,10 @@ class OverriddenSlave final : public AccessSlave {
     Value base;           // value of the input without overrides
     bool fresh = false;   // true if a value was set since the last step
     bool sloped = false;  // true if a signal provides the derivative; not part of the state
-    // True if the source provides derivatives, so that those of the signal are set together with them; not part of the
-    // state.
+    // True if the source also provides derivatives. They are then set together with those of the signal. Not part of
+    // the state.
     bool connected = false;
-    bool acted = false;  // true if the slave's value differs from `base`
+    bool acted = false;  // true if the value in the wrapped slave differs from `base`
 
     void visit(state::Visitor& v) {
       v("base", base);
@@ -78,7 +78,7 @@ class OverriddenSlave final : public AccessSlave {
     }
   };
 
-  /// Values of unconnected inputs. One call for each type sets them.
+  /// Values of unconnected inputs of one type, which are set by one call.
   template <typename T>
   struct Batch {
     std::vector<ValueReference> references;
@@ -100,7 +100,7 @@ class OverriddenSlave final : public AccessSlave {
   void change_outputs(ValueKind kind, std::span<const ValueReference> references, std::span<T> values);
   template <typename T>
   bool change_inputs(ValueKind kind, std::span<const ValueReference> references, std::vector<T>& values);
-  /// Returns the input or output that has this value reference. Returns null if the scenario does not change it.
+  /// Returns the variable with this value reference; null if the scenario does not change it.
   Target* find(bool input, ValueKind kind, ValueReference reference);
   double changed_derivative(bool input, ValueReference reference, std::int32_t order, double value);
   double changed_derivative(Target& target, std::int32_t order, double value);
@@ -110,7 +110,7 @@ class OverriddenSlave final : public AccessSlave {
 
   const OverrideSchedule* schedule_;
   std::vector<Target> targets_;
-  std::unordered_map<std::uint64_t, std::size_t> places_;  // maps the kind and value reference of a target to its index
+  std::unordered_map<std::uint64_t, std::size_t> places_;  // key: kind and value reference; value: index in targets_
   std::int64_t time_ns_;
   std::int64_t step_ns_;
   bool initialising_ = true;

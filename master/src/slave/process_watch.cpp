@@ -15,7 +15,6 @@
 namespace mebots::master {
 namespace {
 
-/// Returns the archive names of those FMUs that run in this process.
 std::set<std::string> fmus_here(const ResolvedSystem& system) {
   std::set<std::string> names;
   for (const auto& instance : system.instances) {
@@ -24,8 +23,7 @@ std::set<std::string> fmus_here(const ResolvedSystem& system) {
   return names;
 }
 
-/// Returns the quoted names of the instances that run in this process. If there are more than eight, the remaining ones
-/// are only counted.
+/// Returns the quoted names of up to eight instances in this process, and the number of the others.
 std::string instances_here(const ResolvedSystem& system) {
   constexpr std::size_t kShown = 8;
   std::vector<std::string> names;
@@ -47,8 +45,8 @@ ProcessWatch::ProcessWatch(const ResolvedSystem& system, MessageSink& messages)
   begin();
 }
 
-/// Stores the state with which look() compares. Of the file descriptors, only standard input, output and error are
-/// compared, because mebots itself opens and closes others.
+/// Stores the state for look(). Includes only the descriptors of standard input, output and error, because mebots opens
+/// and closes others.
 void ProcessWatch::begin() {
   before_.reset();
   if (reach_ != ProcessReach::nothing) before_.emplace(standard_files(), reach_);

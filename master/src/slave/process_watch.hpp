@@ -12,19 +12,19 @@ namespace mebots::master {
 
 struct ResolvedSystem;
 
-/// Detects process-wide changes while several FMUs are called. Reports the changes and reverts them. A report names an
-/// FMU only if no other FMU runs in this process. InstanceCalls reports changes earlier, directly after each call that
-/// it checks.
+/// Detects process-wide changes while several FMUs are called. Reports and reverts the changes. The report names the
+/// FMU only if no other FMU runs in this process. Some calls are also checked by InstanceCalls, which reports changes
+/// earlier.
 class ProcessWatch {
  public:
-  /// Stores the process-wide state that the FMUs in this process can change, according to the functions that their
-  /// libraries import. `system` and `messages` must outlive this object.
+  /// Stores the process-wide state that the FMUs in this process can change. Their imported functions determine this
+  /// part of the state. Both arguments must outlive this object.
   ProcessWatch(const ResolvedSystem& system, MessageSink& messages);
 
-  /// Compares the process with its previous state, and reports and reverts changes. In the message, `during` follows
-  /// after "changed the whole process".
+  /// Compares the process with the stored state. Reports and reverts changes. The message contains `during` after the
+  /// words "changed the whole process".
   void look(const std::string& during, std::int64_t time_ns);
-  /// True if the signal mask of the calling thread has changed. Costs one system call.
+  /// True if the signal mask of the calling thread has changed. Needs one system call.
   bool is_mask_changed() const { return before_ && before_->is_mask_changed(); }
 
  private:

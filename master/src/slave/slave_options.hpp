@@ -13,14 +13,14 @@
 
 namespace mebots::master {
 
-/// Selects wrappers and observers of slaves. All objects to which the members point must outlive the ensemble.
+/// Selects the wrappers and observers of slaves. All objects to which the members point must outlive the Ensemble.
 struct SlaveOptions {
-  Statistics* statistics = nullptr;  ///< counts and times calls; null: calls are not counted
-  /// Receives the statistics of continuous systems; null: not collected.
+  Statistics* statistics = nullptr;  ///< counts and times calls; may be null
+  /// Receives the statistics of continuous systems; may be null.
   std::vector<SolverStatistics>* solvers = nullptr;
   std::vector<InstanceLoss>* losses = nullptr;     ///< indexed by instance; null: every failure ends the run
-  const OverrideSchedule* overrides = nullptr;     ///< overrides of variables; null: none
-  const std::atomic<bool>* interrupted = nullptr;  ///< if it becomes true, the run ends; null: never
+  const OverrideSchedule* overrides = nullptr;     ///< may be null
+  const std::atomic<bool>* interrupted = nullptr;  ///< true ends the run; may be null
 };
 
 }  // namespace mebots::master

@@ -8,7 +8,7 @@
 
 namespace mebots::master {
 
-/// Counts and times every call to the wrapped slave.
+/// Counts the calls to the wrapped slave and measures their wall time.
 class TimedSlave final : public AccessSlave {
  public:
   /// `statistics` must outlive the slave.
@@ -60,7 +60,7 @@ class TimedSlave final : public AccessSlave {
     timed([&] { pass_set(kind, references, values); });
   }
 
-  /// Calls `work`, counts the call, and returns its duration [s].
+  /// Calls `work`, counts the call and returns its wall time in seconds.
   template <typename Work>
   double timed(Work work) {
     const auto start = std::chrono::steady_clock::now();

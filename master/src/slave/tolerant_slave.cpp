@@ -13,7 +13,7 @@
 namespace mebots::master {
 namespace {
 
-/// Contains the state of a slave. After a failure, this is its time and reason, and the values that were read last.
+/// The state of the slave: that of the wrapped slave or, after a failure, the time, reason and last values.
 class TolerantState final : public SlaveState {
  public:
   std::unique_ptr<SlaveState> inner;  // null after a failure
@@ -29,7 +29,7 @@ void TolerantSlave::attempt(Work work) {
   try {
     work();
   } catch (const InterruptedError&) {
-    throw;  // this is no failure of the instance
+    throw;  // not a failure of the instance
   } catch (const Error& error) {
     loss_->at_ns = time_ns_;
     loss_->text = error.what();

@@ -8,20 +8,20 @@
 
 namespace mebots::master {
 
-/// Lets the run continue if the wrapped slave fails during or after its first step. After the failure, the slave's
-/// outputs keep their last values, and values set for its inputs are ignored.
+/// Lets the run continue if the wrapped slave fails during or after its first step. After the failure, outputs keep
+/// their last values, and inputs are ignored.
 class TolerantSlave final : public AccessSlave {
  public:
-  /// A failure is reported to `messages` and stored in `loss`. Both must outlive the slave.
+  /// Reports a failure to `messages` and stores it in `loss`. Both must outlive the slave.
   TolerantSlave(std::unique_ptr<Slave> inner, MessageSink& messages, InstanceLoss& loss)
       : AccessSlave(std::move(inner)), messages_(&messages), loss_(&loss) {}
 
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
   StepResult finish_step(const std::atomic<bool>& cancel) override;
   void terminate() override;
-  /// Frees the slave. Always returns nullopt: an error is logged and does not affect the run.
+  /// Frees the slave. Logs errors and always returns nullopt, because they do not affect the run.
   std::optional<std::string> free_instance() override;
-  /// Gets derivatives of outputs. They are 0 after a failure, because the outputs are then constant.
+  /// Gets derivatives of outputs. After a failure, they are 0.
   void get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
                               std::span<double> values) override;
   void set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
@@ -32,14 +32,14 @@ class TolerantSlave final : public AccessSlave {
   std::vector<std::byte> serialize(const SlaveState& state) override;
   std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) override;
 
-  /// Visits the state of the slave: time and reason of a failure, and the values that were read last.
+  /// Visits the time and reason of a failure, and the last values of the outputs.
   void visit(state::Visitor& v);
 
  private:
   void get(ValueKind kind, std::span<const ValueReference> references, Destination values) override;
   void set(ValueKind kind, std::span<const ValueReference> references, Source values) override;
 
-  /// Stores the value of each value reference that was read last.
+  /// The last values of a list of outputs.
   template <typename T>
   struct Kept {
     std::vector<ValueReference> references;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests `mebots test`, which runs an FMU alone with inputs and expected outputs in CSV files.
+// Tests `mebots test`, which compares an FMU with expected outputs in CSV files.
 #include "cases/run_case.hpp"
 #include "test_system.hpp"
 
@@ -14,7 +14,7 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// Creates a folder with an FMU, cases and their CSV files.
+/// A folder with an FMU, cases and their CSV files.
 class CaseFolder {
  public:
   CaseFolder() { std::filesystem::copy(PROBE_FMU, path() / "thing.fmu"); }
@@ -22,7 +22,7 @@ class CaseFolder {
   std::filesystem::path path() const { return folder_.path(); }
   void write(const std::string& name, const std::string& text) const { test::write_file(path() / name, text); }
 
-  /// Runs one case and returns its result. `keys` are members of the case in addition to `expected`.
+  /// Runs a case with the expected outputs `expected`. `keys` are further members of the case.
   cases::CaseResult run(const std::string& expected, const std::string& keys = "", bool isolate = false) const {
     write("out.csv", expected);
     write("cases.json", fmt::format(R"({{"cases": {{"one": {{"expected": "out.csv"{}}}}}}})", keys));
@@ -34,7 +34,7 @@ class CaseFolder {
   modeldesc::TemporaryFolder folder_{"mebots-test"};
 };
 
-// The probe has real_out = gain * real_in + offset, and integral += h * real_in with the step 0.1 s.
+// The probe computes real_out = gain * real_in + offset, and adds h * real_in to `integral`, with the step 0.1 s.
 
 TEST(Cases, OutputsThatAreAsExpectedPass) {
   const CaseFolder folder;

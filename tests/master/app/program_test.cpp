@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the program from a user's view: arguments, exit codes, and the content of streams and files.
+// Tests arguments, exit codes, streams and files of the program.
 #include "base/sha256.hpp"
 #include "test_system.hpp"
 
@@ -243,7 +243,7 @@ TEST_F(Program, ASecondRunIntoTheSameFolderIsRefusedByTheFirstOnesNumber) {
 }
 
 TEST_F(Program, AnInterruptIsAnsweredBetweenTwoCallsToFmus) {
-  // 60 instances whose steps take 20 ms each: a communication step takes 1.2 s.
+  // A communication step takes 1.2 s: 60 instances, each of which takes 20 ms.
   std::string instances;
   for (int i = 0; i < 60; ++i) {
     instances += fmt::format(R"({}"i{}": {{"fmu": "PROBE", "parameters": {{"fault": "slow", "fault_time": 0}}}})",
@@ -314,7 +314,7 @@ TEST_F(Program, MistakesOnTheCommandLineAreNamedWithTheWayOut) {
   write_file(folder.path() / "deep.json", std::string(1'000'000, '['));
   expect({"new-fmu", "deep.json"}, "this is nested more than 100 levels deep");
   expect({"new-fmu", "."}, "it is a folder");
-  const std::string long_name(300, 'x');  // std::filesystem throws for a name that no file can have
+  const std::string long_name(300, 'x');  // too long for a file name; std::filesystem throws
   expect({"check", long_name + ".fmu"}, "there is no such file");
   expect({"info", long_name + ".fmu"}, "there is no such file");
   expect({"report", long_name}, "there is no such folder");
@@ -418,7 +418,7 @@ TEST_F(Program, AnInterruptEndsCleanlyWithItsResults) {
   const auto child = fork();
   if (child == 0) {
     if (chdir(folder.path().c_str()) != 0) _exit(99);
-    // Each step sleeps for 20 ms, so the whole run would take 20 s.
+    // Each step takes 20 ms. Without an interrupt, the run takes 20 s.
     execl(MEBOTS_PROGRAM, MEBOTS_PROGRAM, "run", "two.json", "--quiet", "--stop-time", "100", "--set", "a.fault=slow",
           "--set", "a.fault_time=0", nullptr);
     _exit(98);

@@ -15,8 +15,7 @@ namespace {
 using test::TestRun;
 using testing::HasSubstr;
 
-/// Returns t_k in nanoseconds, computed from thirds of a nanosecond. This is an independent computation for steps of n
-/// / 3 nanoseconds.
+/// Returns t_k in nanoseconds for a step of n / 3 ns, computed from thirds of nanoseconds as an independent reference.
 std::int64_t rounded_thirds(std::int64_t thirds) {
   const auto whole = thirds >= 0 ? thirds / 3 : -((-thirds + 2) / 3);
   return whole + (thirds - 3 * whole == 2 ? 1 : 0);
@@ -47,7 +46,7 @@ TEST(TimeGrid, PointsOfARatioAreExactAndNeverDrift) {
 }
 
 TEST(TimeGrid, InternalTimeRoundsTiesToEven) {
-  // With a step of 25 / 2 ns, every second point is half-way between two nanoseconds.
+  // With a step of 12.5 ns, every second point is half-way between two nanoseconds.
   const TimeGrid grid(0, {1, 80'000'000});
   EXPECT_EQ(grid.time_ns(1), 12);
   EXPECT_EQ(grid.time_ns(2), 25);
@@ -55,8 +54,8 @@ TEST(TimeGrid, InternalTimeRoundsTiesToEven) {
   EXPECT_EQ(grid.time_ns(5), 62);
   EXPECT_EQ(grid.time_s(12), 1.25e-8);
   const TimeGrid negative(-100, {1, 80'000'000});
-  EXPECT_EQ(negative.time_ns(1), -88);  // the exact time is -87.5 ns
-  EXPECT_EQ(negative.time_ns(3), -62);  // the exact time is -62.5 ns
+  EXPECT_EQ(negative.time_ns(1), -88);  // exact: -87.5 ns
+  EXPECT_EQ(negative.time_ns(3), -62);  // exact: -62.5 ns
 }
 
 TEST(TimeGrid, ThirdsAreRoundedAsCountedByHand) {
@@ -89,7 +88,7 @@ TEST(TimeGrid, AnInternalTimeNamesOnePoint) {
 }
 
 TEST(TimeGrid, TheExtremesOfTimeDoNotOverflow) {
-  // The largest denominators of step and start, and the ends of the time axis.
+  // The largest denominators of step and start, and the ends of the range of times.
   const std::int64_t end_ns = 9'199'999'999'999'999'999;
   const TimeGrid grid(-end_ns, {999'999'937, 999'999'999});
   const auto last = grid.point_at(0);
@@ -108,13 +107,13 @@ TEST(TimeGrid, ATimeBetweenThePointsIsTakenAsItIs) {
   EXPECT_EQ(grid.length_s(100'000'000, 333'333'333), 1.0 / 3 - 0.1);
 }
 
-/// Returns a config of a probe that outputs the end t + h and the length h of its last step, as the FMU received them.
+/// Returns a config with a probe, whose outputs are the end t + h and the length h of its last step.
 std::string probe_system(const std::string& times, const std::string& instance = "", const std::string& more = "") {
   return fmt::format(R"({{{}, "instances": {{"a": {{"fmu": "PROBE"{}}}}}, "connections": []{}}})", times, instance,
                      more);
 }
 
-/// Checks that an FMU received the doubles nearest to t_k and to the step, in every step of length p / q.
+/// Checks that the FMU received the doubles nearest to t_k and to the step, for steps of p / q seconds.
 void expect_exact_steps(TestRun& run, std::int64_t p, std::int64_t q, std::size_t points) {
   const auto times = run.column("time");
   const auto ends = run.column("a.last_end");
@@ -155,7 +154,7 @@ TEST(RatioSteps, InstancesStepOnMultiples) {
 }
 
 TEST(RatioSteps, ConditionsAndScenariosCountWholeSteps) {
-  // Two steps of 1/60 s are 33333333 or 33333334 ns of internal time; both count as two steps.
+  // In internal time, two steps of 1/60 s are 33333333 or 33333334 ns.
   for (int first = 1; first <= 6; ++first) {
     TestRun run(probe_system(
         R"("step": "1/60", "stop_time": 1)", "",
@@ -175,7 +174,7 @@ TEST(RatioSteps, ARunContinuesFromASavedStateWithTheSameBits) {
   straight.to_end();
   TestRun second(text);
   second.initialize();
-  const auto kept = second.simulation().save_state();  // enables the FMUs to restore an earlier state
+  const auto kept = second.simulation().save_state();  // requires that the FMUs can restore an earlier state
   for (int i = 0; i < 23; ++i) second.simulation().step();
   const auto bytes = second.simulation().serialize(second.simulation().save_state());
   for (int i = 0; i < 9; ++i) second.simulation().step();
@@ -215,7 +214,7 @@ TEST(NegativeTime, ConditionsAndScenariosActBeforeZero) {
   EXPECT_EQ(stopped.to_end().column("time").back(), -0.5);
   EXPECT_THAT(stopped.simulation().end().text, HasSubstr("at -0.7 s"));
 
-  // Overrides: from -0.5 s for 0.3 s, from the start until -0.8 s, and from the time at which a condition holds.
+  // Overrides from -0.5 s for 0.3 s, from the start until -0.8 s, and for 0.2 s after a condition is true.
   TestRun run(probe_system(times, "", R"(, "scenario": [
       {"variable": "a.real_in", "set": 1, "from": -0.5, "duration": 0.3},
       {"variable": "a.real_in", "set": 10, "until": -0.8},

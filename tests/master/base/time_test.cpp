@@ -35,7 +35,7 @@ TEST(Time, RefusesTimesOutOfRange) {
 }
 
 TEST(Time, EveryMultipleOfADecimalStepComesBackAsTheNearestDouble) {
-  // k / 10 is correctly rounded, and the seconds of k * 100 ms must be, too.
+  // k / 10 is correctly rounded. The seconds of k * 100 ms must be equal.
   for (std::int64_t k = 0; k <= 1'000'000; ++k) {
     ASSERT_EQ(to_seconds(k * 100'000'000), static_cast<double>(k) / 10);
   }
@@ -66,8 +66,8 @@ TEST(Time, ADecimalFartherFromARatioThanTheToleranceIsRefused) {
   EXPECT_EQ(exact_time(sixtieth * (1 + 0.9e-15)), (ExactTime{1, 60}));
   EXPECT_EQ(exact_time(sixtieth * (1 + 2e-15)), std::nullopt);
   EXPECT_EQ(exact_time(0.0166666666666), std::nullopt);
-  EXPECT_EQ(exact_time(1.0 / 1'000'003), std::nullopt);  // the denominator is a prime above the largest permitted one
-  EXPECT_EQ(exact_time(1e-8 / 3), std::nullopt);         // 1 / 3e8: the denominator is too large
+  EXPECT_EQ(exact_time(1.0 / 1'000'003), std::nullopt);  // the denominator is a prime above the limit
+  EXPECT_EQ(exact_time(1e-8 / 3), std::nullopt);         // the denominator 3e8 is above the limit
   EXPECT_EQ(exact_time(1e10), std::nullopt);
   EXPECT_EQ(exact_time(std::numeric_limits<double>::quiet_NaN()), std::nullopt);
 }
@@ -94,16 +94,16 @@ TEST(Time, RoundsToWholeNumbersWithTiesToEven) {
   EXPECT_EQ(nearest_whole(-8, 3), -3);
 }
 
-/// Returns true if x is the double nearest to numerator / denominator: neither neighbour of x is nearer.
+/// True if x is the double nearest to numerator / denominator, so that neither neighbour of x is nearer.
 bool is_nearest(WideInteger numerator, std::int64_t denominator, double x) {
-  // For x = m / 2^s, the distance times 2^s and the denominator is |numerator 2^s - m denominator|, a whole number.
+  // For x = m / 2^s, the distance times 2^s times the denominator is the whole number |numerator 2^s - m denominator|.
   const auto distance = [&](double value, int s) {
     const auto m = static_cast<WideInteger>(std::ldexp(value, s));
     const auto difference = (numerator << s) - m * denominator;
     return difference < 0 ? -difference : difference;
   };
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const int s = 54 - std::ilogb(x);  // both neighbours are whole numbers at this scale
+  const int s = 54 - std::ilogb(x);  // both neighbours of x are whole numbers at this scale
   return distance(x, s) <= distance(std::nextafter(x, kInfinity), s) &&
          distance(x, s) <= distance(std::nextafter(x, -kInfinity), s);
 }
@@ -111,7 +111,7 @@ bool is_nearest(WideInteger numerator, std::int64_t denominator, double x) {
 TEST(Time, SecondsOfARatioAreTheNearestDouble) {
   std::mt19937_64 random(1);
   for (int i = 0; i < 200'000; ++i) {
-    // Quotients from 2^-10 to 2^33, so that every product fits into 128 bits.
+    // Quotients from 2^-10 to 2^33. All products then fit into 128 bits.
     const auto denominator = static_cast<std::int64_t>(random() >> (34 + random() % 29)) + 1;
     const auto numerator = WideInteger{denominator} * static_cast<std::int64_t>(random() >> 31) /
                                static_cast<std::int64_t>(1 + random() % 1000) +
@@ -121,7 +121,7 @@ TEST(Time, SecondsOfARatioAreTheNearestDouble) {
     ASSERT_TRUE(is_nearest(numerator, denominator, x)) << x;
     ASSERT_EQ(nearest_double(-numerator, denominator), -x);
   }
-  // If a number is half-way between two doubles, the even one is chosen.
+  // Between two doubles, the even one is chosen.
   constexpr std::int64_t kTwoTo53 = std::int64_t{1} << 53;
   EXPECT_EQ(nearest_double(WideInteger{kTwoTo53} + 1, 1), static_cast<double>(kTwoTo53));
   EXPECT_EQ(nearest_double(WideInteger{kTwoTo53} + 3, 1), static_cast<double>(kTwoTo53) + 4);
@@ -129,7 +129,7 @@ TEST(Time, SecondsOfARatioAreTheNearestDouble) {
 }
 
 TEST(Time, SecondsStayNearestBeyondAHundredDays) {
-  // 123456789.000000003 s is a time whose nanoseconds no double holds exactly.
+  // No double represents this time exactly.
   EXPECT_EQ(to_seconds(std::int64_t{123'456'789'000'000'003}), 123456789.000000003);
   EXPECT_EQ(to_seconds(std::int64_t{-9'007'199'254'740'993}), -9007199.254740993);
 }

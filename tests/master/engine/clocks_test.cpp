@@ -16,7 +16,7 @@ namespace {
 using test::TestRun;
 using testing::HasSubstr;
 
-/// Returns a system of two metronomes, "a" and "b". `parameters` and `more` belong to "a".
+/// Returns a config of two metronomes. `parameters` and `more` belong to "a".
 std::string metronomes(const std::string& connections = "", const std::string& parameters = "",
                        const std::string& more = "") {
   return fmt::format(R"({{"step": 0.1, "stop_time": 1, "instances": {{
@@ -88,7 +88,7 @@ TEST(Clocks, TicksWithoutEndAreReported) {
   }
 }
 
-/// Simulates an FMU with a periodic clock. The FMU itself returns shift and interval of the clock.
+/// An instance with a periodic clock whose shift and interval the FMU itself determines.
 class ShiftedInstance final : public ClockInstance {
  public:
   explicit ShiftedInstance(double shift_s) : shift_s_(shift_s) {}
@@ -103,7 +103,7 @@ class ShiftedInstance final : public ClockInstance {
   double shift_s_;
 };
 
-/// Returns the first tick of a periodic clock with this shift after 2 s, or the error.
+/// Returns the first tick of a periodic clock that starts at 2 s, or the error.
 std::string first_tick(const modeldesc::ClockTiming& timing, double instances_shift_s) {
   modeldesc::Fmi3Part part;
   part.timing = timing;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the transfer of values from outputs to inputs, and steps that are pending, discarded or end early.
+// Tests the transfer of values between instances, and steps that are pending, discarded or end early.
 #include "fmi/fmu.hpp"
 #include "slave/fmi/fmi2_slave.hpp"
 #include "test_system.hpp"
@@ -27,7 +27,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-/// Returns a config of two instances, a and b, of the coupling FMU (tests/fmus/coupling.c).
+/// Returns a config with two instances, a and b, of tests/fmus/coupling.c.
 std::string pair(const std::string& parameters, const std::string& connections, const std::string& more = "",
                  const std::string& times = R"("step": 0.1, "stop_time": 0.2)") {
   return fmt::format(
@@ -65,7 +65,7 @@ TEST(Units, MilliampereHoursBecomeCoulombs) {
 }
 
 TEST(Sums, AnInputGetsTheSumOfItsConnectionsAtEachPoint) {
-  // 3.6 km/h are 1 m/s. `now` is the time: b receives 1 + 2 t + 10 at the start of each step, and outputs it at the
+  // 3.6 km/h is 1 m/s. `now` is the time t. b receives 1 + 2 t + 10 at the start of each step, and outputs it at the
   // end.
   const auto column = [](const std::string& type, const std::string& order) {
     const std::string parts[] = {R"({"from": "a.speed_kmh", "to": "b.speed_in", "sum": true})",
@@ -107,7 +107,7 @@ TEST(Maps, ValuesThatAreNamedBecomeOthers) {
         .size();
   };
   EXPECT_EQ(mapped("7", R"({"7": "high", "-3": "low"})"), 3U);
-  EXPECT_EQ(mapped("5", R"({"7": "low"})"), 3U);        // 5 is unchanged, because it is an item of the target
+  EXPECT_EQ(mapped("5", R"({"7": "low"})"), 3U);        // 5 is an item of the target
   EXPECT_THROW(mapped("6", R"({"7": "low"})"), Error);  // 6 is not an item of the target
   EXPECT_THAT(refused(R"({"from": "a.count", "to": "b.level_in", "map": {"7": "middle"}})"),
               AllOf(HasSubstr("/connections/0/map/7"), HasSubstr("'middle' is not an item")));
@@ -210,8 +210,7 @@ TEST(Types, NarrowerTypesDoNotTakeWiderOnes) {
               HasSubstr("the types differ: Real and Integer"));
 }
 
-/// Returns a config with a loop through both instances: x = G(x). G is the quadratic function of a. b outputs its
-/// input.
+/// Returns a config with a loop x = G(x). a computes the quadratic function G, and b outputs its input.
 std::string loop(const std::string& parameters) {
   return fmt::format(
       R"({{"step": 0.1, "stop_time": 0.1, "instances": {{"a": {{"fmu": "COUPLING", "parameters": {{{}}}}}, "b": {{"fmu": "COUPLING", "parameters": {{"b": 1}}}}}},
@@ -221,18 +220,18 @@ std::string loop(const std::string& parameters) {
 
 TEST(InitialLoops, SolvesALinearLoopThatSweepsMakeDiverge) {
   // The loop is x = 4 - 3 x.
-  EXPECT_NEAR(at_start(loop(R"("a": 4, "b": -3)"), "b.loop_out"), 1, 1e-11);  // Newton's method stops at 1e-12 relative
+  EXPECT_NEAR(at_start(loop(R"("a": 4, "b": -3)"), "b.loop_out"), 1, 1e-11);  // Newton's method stops at 1e-12
 }
 
 TEST(InitialLoops, AQuadraticLoopIsSolved) {
-  // The loop is x = 1.9 - x^2. Repeated evaluation from 0 does not converge, because the magnitude of the slope is
-  // above 1 at both roots.
+  // The loop is x = 1.9 - x^2. Repeated evaluation does not converge, because the slope at both roots has a magnitude
+  // above 1.
   const double x = at_start(loop(R"("a": 1.9, "c": -1)"), "b.loop_out");
   EXPECT_NEAR(x + x * x, 1.9, 1e-11);
 }
 
 TEST(InitialLoops, ALoopWithoutSolutionIsReportedWithItsPath) {
-  TestRun run(loop(R"("a": 1, "b": 1)"));  // the loop is x = 1 + x, which has no solution
+  TestRun run(loop(R"("a": 1, "b": 1)"));  // the loop x = 1 + x has no solution
   try {
     run.initialize();
     FAIL();
@@ -248,7 +247,7 @@ TEST(GaussSeidel, LaterInstancesSeeWhatEarlierOnesJustPutOut) {
         R"({{"step": 0.5, "stop_time": 1.5, {} "instances": {{"a": {{"fmu": "PROBE"}}, "b": {{"fmu": "PROBE"}}}},
         "connections": [{{"from": "a.steps", "to": "b.integer_in"}}]}})",
         algorithm));
-    return run.to_end().column("b.integer_out");  // the steps of a as received by b, plus one
+    return run.to_end().column("b.integer_out");  // the steps of a that b has received, plus one
   };
   EXPECT_THAT(chain(""), ElementsAre(1, 1, 2, 3));
   EXPECT_THAT(chain(R"("algorithm": "jacobi",)"), ElementsAre(1, 1, 2, 3));
@@ -286,8 +285,8 @@ TEST(GaussSeidel, TheOrderNamesEveryInstanceOnce) {
 }
 
 TEST(InputDerivatives, AnFmuThatTakesThemGetsThoseOfItsSource) {
-  // The area under t^2, computed from value and slope at the start of each step: t^2 h + t h^2 is less than the
-  // integral by h^3/3 per step. With held values it would be 0.285.
+  // The area under t^2 from value and slope at the start of each step is t^2 h + t h^2. In each step, it is h^3/3 below
+  // the integral. With held values, the area would be 0.285.
   TestRun run(pair("", R"({"from": "a.ramp_out", "to": "b.ramp_in"})", "", R"("step": 0.1, "stop_time": 1)"));
   run.to_end();
   EXPECT_NEAR(run.column("b.ramp_area").back(), 1.0 / 3 - 10 * 0.001 / 3, 1e-15 * 10);
@@ -297,7 +296,7 @@ TEST(InputDerivatives, OnesThatAreNoNumbersLeaveTheInputHeldWithOneNotice) {
   TestRun run(pair(R"("behaviour": "nan_slope")", R"({"from": "a.ramp_out", "to": "b.ramp_in"})", "",
                    R"("step": 0.1, "stop_time": 1)"));
   run.to_end();
-  EXPECT_NEAR(run.column("b.ramp_area").back(), 0.285, 1e-15 * 10);  // area under t^2 held from the start of each step
+  EXPECT_NEAR(run.column("b.ramp_area").back(), 0.285, 1e-15 * 10);  // area if t^2 is held in each step
   EXPECT_EQ(
       std::ranges::count_if(run.messages.lines,
                             [](const std::string& line) {
@@ -306,8 +305,8 @@ TEST(InputDerivatives, OnesThatAreNoNumbersLeaveTheInputHeldWithOneNotice) {
       1);
 }
 
-/// Simulates two masses with a spring between them. Each instance integrates its mass exactly. Returns the largest
-/// error of both positions over 5 s. The exact solution is x = (cos(sqrt(10) t) +- cos(sqrt(30) t)) / 2.
+/// Simulates two masses with a spring between them, each of which is integrated exactly. Returns the largest error of
+/// both positions over 5 s. The exact solution is x = (cos(sqrt(10) t) +- cos(sqrt(30) t)) / 2.
 double error_of_two_masses(const test::ChangedFmu& fmu, const std::string& algorithm, int steps_per_second) {
   TestRun run(fmt::format(
       R"({{"step": {}, "stop_time": 5, "algorithm": "{}", "instances": {{"a": {{"fmu": "{}", "parameters": {{"mass_x": 1}}}}, "b": {{"fmu": "{}"}}}},
@@ -341,8 +340,8 @@ TEST(CouplingOrder, DerivativesMakeJacobiAndGaussSeidelSecondOrder) {
 }
 
 TEST(InputDerivatives, AnInputWithTwoKnownEndsFollowsALine) {
-  // b steps after a in each step, so it has the values of t^2 at both ends of its step. This gives the trapezoidal
-  // rule, whose result is above 1/3 by h^2/6.
+  // b steps after a and receives t^2 at both ends of its step. The result is that of the trapezoidal rule, h^2/6 above
+  // 1/3.
   TestRun run(pair("", R"({"from": "a.ramp_out", "to": "b.ramp_in"})", R"(, "algorithm": "gauss-seidel")",
                    R"("step": 0.1, "stop_time": 1)"));
   run.to_end();
@@ -357,7 +356,7 @@ TEST(InputDerivatives, TheyAreScaledAsTheValueIs) {
 }
 
 TEST(InputDerivatives, AnOverriddenVariableHasTheDerivativesOfItsOverride) {
-  // The output is t^2 with slope 2 t. The override changes it from 0.5 s on.
+  // The output is t^2 with slope 2 t. The override begins at 0.5 s.
   const auto area = [](const std::string& variable, const std::string& action) {
     TestRun run(pair("", R"({"from": "a.ramp_out", "to": "b.ramp_in"})",
                      fmt::format(R"(, "scenario": [{{"variable": "{}", "from": 0.5, {}}}])", variable, action),
@@ -369,7 +368,7 @@ TEST(InputDerivatives, AnOverriddenVariableHasTheDerivativesOfItsOverride) {
   for (const auto* variable : {"a.ramp_out", "b.ramp_in"}) {
     EXPECT_NEAR(area(variable, R"("set": 3)"), 1.5, 1e-12) << variable;
     EXPECT_NEAR(area(variable, R"("freeze": true)"), 0.125, 1e-12) << variable;
-    // From 0.25 with slope 2 on, the result is the area under a line.
+    // The area under a line from 0.25 with slope 2.
     EXPECT_NEAR(area(variable, R"("ramp": 1.25, "over": 0.5)"), 0.125 + 0.25, 1e-12) << variable;
   }
   const double plain = area("b.bare_in", R"("set": 0)");
@@ -385,7 +384,7 @@ TEST(Pending, APendingStepIsWaitedFor) {
   }
 }
 
-/// The callback for the first step arrives during the second step, and must not end it.
+/// The callback of the first step arrives during the second step and must not end it.
 TEST(Pending, ACallbackOfTheStepBeforeDoesNotEndAStep) {
   TestRun run(pair(R"("behaviour": "stale", "pause": 0.005)", ""));
   run.to_end();
@@ -409,7 +408,7 @@ TEST(Pending, ADiscardThatComesLateIsADiscard) {
   }
 }
 
-/// Interrupts an active run from another thread after a short time.
+/// Interrupts a run from another thread after 20 ms.
 std::jthread interrupt_soon(TestRun& run) {
   return std::jthread([&run] {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -450,7 +449,7 @@ TEST(Pending, AnInstanceWhoseStepCannotBeEndedIsNeitherTerminatedNorFreed) {
   EXPECT_NO_THROW(run.simulation().terminate());
 }
 
-/// Allocates memory for `seconds`, so that it uses the memory of freed slaves again.
+/// Allocates memory for `seconds`, so that memory of freed slaves is used again.
 void reuse_freed_memory(double seconds) {
   const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
   while (std::chrono::steady_clock::now() < until) {
@@ -467,7 +466,7 @@ TEST(Pending, AnInstanceThatIsNotFreedKeepsItsCallbacks) {
     const auto user = interrupt_soon(run);
     EXPECT_EQ(run.simulation().run().reason, EndReason::interrupted);
   }
-  reuse_freed_memory(0.05);  // meanwhile, the step continues and logs
+  reuse_freed_memory(0.05);  // the step still runs and logs
 }
 
 TEST(Pending, AStepThatTheFmuDidNotCancelContinues) {
@@ -480,7 +479,6 @@ TEST(Pending, AStepThatTheFmuDidNotCancelContinues) {
   EXPECT_NO_THROW(run.simulation().terminate());
 }
 
-/// Throws when it receives a message, as a program's listener may do.
 class FailingSink final : public MessageSink {
  public:
   void message(const Message& /*message*/) override { throw std::runtime_error("the listener failed"); }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests clocks in model exchange with tests/fmus/sampler.cpp, an integrator with clocks of all kinds. The FMU refuses
-// every call that FMI 3.0 does not allow at that time. Expected values follow from x' = slope + drive.
+// Tests clocks in model exchange with tests/fmus/sampler.cpp, an integrator with clocks of all kinds. The FMU rejects
+// calls that FMI 3.0 does not permit at that time. Expected values follow from x' = slope + drive.
 #include "test_system.hpp"
 
 #include <fmt/format.h>
@@ -25,15 +25,15 @@ std::string samplers(const std::string& instances, const std::string& connection
                      connections);
 }
 
-/// Returns a system in which `plant` starts at 1. `controller` measures it at 0.1, 0.2, ... and drives it with -2 x
-/// until the next sample.
+/// Returns a config in which `plant` starts at 1. `controller` measures it every 0.1 s and drives it with -2 x until
+/// the next sample.
 std::string control_loop(const std::string& more = "") {
   return samplers(
       sampler("plant", R"("x": 1)", more) + ", " + sampler("controller", "", more),
       R"({"from": "plant.x", "to": "controller.measured"}, {"from": "controller.control", "to": "plant.drive"})");
 }
 
-/// Returns a system in which `a` rises with slope 1. `b` receives the times at which `a` crosses 0.3, 0.6 and 0.9.
+/// Returns a config in which `a` rises with slope 1. `b` receives the times at which `a` crosses 0.3, 0.6 and 0.9.
 std::string crossings(const std::string& more = "", const std::string& parameters = "") {
   return samplers(sampler("a", R"("slope": 1)" + parameters, more) + ", " + sampler("b", "", more),
                   R"({"from": "a.crossed", "to": "b.tap"}, {"from": "a.crossing_time", "to": "b.heard"})");
@@ -42,8 +42,8 @@ std::string crossings(const std::string& more = "", const std::string& parameter
 TEST(ExchangeClocks, PeriodicClocksSampleBetweenCommunicationPoints) {
   TestRun run(control_loop());
   run.to_end();
-  // Between samples x is linear: each period of 0.1 multiplies x by 1 - 2 * 0.1. The sample at the end is the ninth
-  // after the first.
+  // x is linear between samples. Each period of 0.1 s multiplies x by 1 - 2 * 0.1. The last sample is the ninth after
+  // the first one.
   const auto x = run.column("plant.x");
   ASSERT_EQ(x.size(), 5U);
   EXPECT_NEAR(x[1], 0.8 * (1 - 2 * 0.05), 1e-9);
@@ -62,14 +62,14 @@ TEST(ExchangeClocks, TicksAndValuesPassOnAtStateEvents) {
 TEST(ExchangeClocks, CountdownsTickAfterTheirInterval) {
   TestRun run(crossings());
   const auto times = run.to_end().column("a.echo_time");
-  EXPECT_NEAR(times[2], 0.32, 1e-8);  // the value at 0.5 s
+  EXPECT_NEAR(times[2], 0.32, 1e-8);  // value at 0.5 s
   EXPECT_NEAR(times[4], 0.92, 1e-8);
 }
 
 TEST(ExchangeClocks, AClockMayFollowAPeriodicInputClock) {
   TestRun run(samplers(sampler("a", R"("measured": 1)") + ", " + sampler("b"),
                        R"({"from": "a.sample", "to": "b.tap"}, {"from": "a.control", "to": "b.heard"})"));
-  EXPECT_EQ(run.to_end().column("b.sum").back(), -20);  // ten samples of -2 each
+  EXPECT_EQ(run.to_end().column("b.sum").back(), -20);  // ten samples of -2
 }
 
 TEST(ExchangeClocks, HaveTheSameBitsInAProcessOfTheirOwn) {
@@ -81,7 +81,7 @@ TEST(ExchangeClocks, HaveTheSameBitsInAProcessOfTheirOwn) {
   }
 }
 
-/// Runs a config, and returns `name` at the end. The run saves its state at each point and continues in a new run.
+/// Runs a config and returns the last value of `name`. After each point, continues from the saved state in a new run.
 double end_with_stops(const std::string& config, const char* name) {
   auto run = std::make_unique<TestRun>(config);
   run->initialize();

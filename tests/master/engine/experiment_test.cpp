@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests arguments of fmi2SetupExperiment, and values that are legal in C but not in FMI, with tests/fmus/experiment.c.
+// Tests arguments of fmi2SetupExperiment, and values that are valid in C but not in FMI, with tests/fmus/experiment.c.
 #include "io/config/load_system.hpp"
 #include "mebots/mission.hpp"
 #include "test_system.hpp"
@@ -20,7 +20,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-/// Returns a config with one instance `a` of the FMU, from 1 s to 3 s in steps of 0.5 s.
+/// Returns a config with one instance `a`, from 1 s to 3 s in steps of 0.5 s.
 std::string config_of(const std::string& keys, const std::string& fmu = EXPERIMENT_FMU) {
   return fmt::format(R"({{"step": 0.5, "start_time": 1, "stop_time": 3, "connections": [],
                          "instances": {{"a": {{"fmu": "{}"{}}}}}}})",
@@ -60,7 +60,7 @@ TEST(SetupExperiment, PassesTheSameToAProcessOfItsOwn) {
 }
 
 TEST(SetupExperiment, ValuesAreThoseOfTheArguments) {
-  // Euler's method with steps of 1/16 s: x = (15/16)^(16 t). Products of 15/16 are exact as long as they fit.
+  // Euler's method with steps of 1/16 s: x = (15/16)^(16 t).
   TestRun run(config_of(""));
   run.to_end();
   EXPECT_THAT(run.column("a.clock"), ElementsAre(1, 1.5, 2, 2.5, 3));
@@ -104,7 +104,7 @@ TEST(SetupExperiment, KeysSurviveTheWayThroughAnSsp) {
   EXPECT_EQ(summary.instances.front().tolerance, 0.25);
 }
 
-/// Returns a config in which `b` receives the Boolean and the text of `a`.
+/// Returns a config in which `b` receives a Boolean of `a`, and `p` a text of `a`.
 std::string pair_config(const std::string& process) {
   return fmt::format(R"({{"step": 0.5, "stop_time": 1,
     "instances": {{"a": {{"fmu": "{0}", "process": "{1}"}}, "b": {{"fmu": "{0}"}}, "p": {{"fmu": "PROBE"}}}},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests FMUs of FMI 1.0 for co-simulation with tests/fmus/tank1.c.
+// Tests co-simulation FMUs of FMI 1.0 with tests/fmus/tank1.c.
 #include "test_system.hpp"
 
 #include <fmt/format.h>

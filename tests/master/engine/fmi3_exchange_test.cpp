@@ -43,8 +43,8 @@ TEST(Fmi3ModelExchange, IntegratesArraysOfTheConfiguredSize) {
 }
 
 TEST(Fmi3ModelExchange, EvaluatesConnectionsOfArraysAtEveryStepOfTheSolver) {
-  // The position x = cos t of a is the force on b, at b's own frequency. So b moves as y = t sin(t) / 2 in each
-  // element, times the amplitude.
+  // The position x = cos t of a is the force on b, at the natural frequency of b. Each element of b moves as y = t
+  // sin(t) / 2 times the amplitude.
   const auto a = springs("a", R"("count": 2, "x[1]": 1, "x[2]": -2)");
   const auto b = springs("b", R"("count": 2, "x[1]": 0, "x[2]": 0)");
   TestRun run(springs_system(a + ", " + b, R"({"from": "a.x", "to": "b.force", "convert_units": false})"));
@@ -67,7 +67,7 @@ TEST(Fmi3ModelExchange, HasTheSameBitsInAProcessOfItsOwn) {
 TEST(Fmi3ModelExchange, TakesDirectionalDerivativesOfArrays) {
   test::Messages messages;
   const auto fmu = std::make_shared<Fmu>(SPRINGS_FMU);
-  auto [slave, instance] = make_continuous_here({"a", fmu, {{0, 2}}, {}, {}}, messages);  // the array has two masses
+  auto [slave, instance] = make_continuous_here({"a", fmu, {{0, 2}}, {}, {}}, messages);  // two masses
   slave->setup_experiment({});
   slave->enter_initialization();
   slave->exit_initialization();
@@ -79,7 +79,7 @@ TEST(Fmi3ModelExchange, TakesDirectionalDerivativesOfArrays) {
                                       std::vector{2.0}, changes);
     return changes;
   };
-  // x' = v, v' = -x + force, in the order x[1], x[2], v[1], v[2].
+  // x' = v and v' = -x + force, in the order x[1], x[2], v[1], v[2].
   EXPECT_THAT(change("x[2]"), testing::ElementsAre(0, 0, 0, -2));
   EXPECT_THAT(change("v[1]"), testing::ElementsAre(2, 0, 0, 0));
   EXPECT_THAT(change("force[1]"), testing::ElementsAre(0, 0, 2, 0));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests co-simulation of FMI 3.0 with tests/fmus/bank, integrators. Their number is a structural parameter.
+// Tests co-simulation of FMI 3.0 with tests/fmus/bank, integrators whose number is a structural parameter.
 #include "cases/run_case.hpp"
 #include "test_system.hpp"
 
@@ -16,7 +16,7 @@ using test::TestRun;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// Returns a system of two banks. `parameters` are those of bank "a", whose outputs are connected to "b".
+/// Returns a config of two banks, "a" and "b". `parameters` belong to "a".
 std::string banks(const std::string& parameters, const std::string& connections = "", const std::string& more = "") {
   return fmt::format(R"({{"step": 0.5, "stop_time": 1, "instances": {{
     "a": {{"fmu": "{0}", "parameters": {{{1}}}{3}}}, "b": {{"fmu": "{0}", "parameters": {{"lines": 3}}{3}}}}},
@@ -78,7 +78,7 @@ TEST(Fmi3CoSimulation, HasTheSameBitsInAProcessOfItsOwn) {
   EXPECT_EQ(there.to_end().column("b.line.y[1]"), here.to_end().column("b.line.y[1]"));
 }
 
-/// Returns a system of a follower (tests/fmus/follower.cpp). Its inputs have slopes of 2 and -4, from a file.
+/// Returns a config of tests/fmus/follower.cpp, whose inputs have slopes of 2 and -4 from a file.
 std::string follower(const std::string& folder, const std::string& more = "") {
   test::write_file(std::filesystem::path(folder) / "u.csv", "time,f.u[1],f.u[2]\n0,0,1\n2,4,-7\n");
   return fmt::format(R"({{"step": 0.5, "stop_time": 2, "instances": {{"f": {{"fmu": "{}"{}}}}},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the search for loops of initial values: compares it with a search over all edges on random systems.
+// Compares the search for loops of initial values with a search over all edges on random systems.
 #include "engine/ensemble.hpp"
 #include "mebots/modeldesc/archive.hpp"
 #include "mebots/modeldesc/xml.hpp"
@@ -31,7 +31,7 @@ std::size_t below(Random& random, std::size_t limit) {
   return std::uniform_int_distribution<std::size_t>(0, limit - 1)(random);
 }
 
-/// Describes an FMU with random dependencies. Some outputs declare none, so they depend on every input.
+/// An FMU with random dependencies. Outputs that declare none depend on every input.
 struct RandomFmu {
   explicit RandomFmu(Random& random) {
     std::string variables;
@@ -69,7 +69,7 @@ struct RandomFmu {
   }
 
   modeldesc::TemporaryFolder folder{"mebots-test"};
-  std::vector<std::vector<std::size_t>> dependencies;  // inputs on which each output depends
+  std::vector<std::vector<std::size_t>> dependencies;  // inputs of each output
   std::shared_ptr<const modeldesc::ModelDescription> model;
 };
 
@@ -98,7 +98,7 @@ struct RandomSystem {
     return static_cast<std::size_t>(variable.variable - system.instances[variable.instance].model->variables.data());
   }
 
-  /// Returns all edges among connected variables, except those into `without`.
+  /// Returns all edges between connected variables, except those to `without`.
   Edges edges(const std::set<std::pair<std::size_t, std::size_t>>& without = {}) const {
     Edges edges;
     for (const auto& connection : system.connections) {
@@ -122,7 +122,7 @@ struct RandomSystem {
   ResolvedSystem system;
 };
 
-/// Returns the inputs at the edges that close a loop, in the order of a recursive depth-first search.
+/// Returns the inputs that close a loop, in the order of a recursive depth-first search.
 std::vector<std::pair<std::size_t, std::size_t>> torn_by_recursion(const Edges& edges) {
   std::map<std::pair<std::size_t, std::size_t>, int> colours;
   std::vector<std::pair<std::size_t, std::size_t>> torn;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests instances of model exchange as slaves of a system, with tests/fmus/mass.c.
+// Tests model exchange instances in a system, with tests/fmus/mass.c.
 #include "test_system.hpp"
 
 #include <fmt/format.h>
@@ -22,7 +22,7 @@ using testing::AllOf;
 using testing::Each;
 using testing::HasSubstr;
 
-/// Returns a config of masses. `instances` are members of a JSON object, and `connections` are elements of a list.
+/// Returns a config of masses. `instances` and `connections` are parts of its JSON.
 std::string system_of(const std::string& instances, const std::string& connections = "", const std::string& more = "",
                       const std::string& times = R"("step": 0.1, "stop_time": 2)") {
   return fmt::format(R"({{{}, "instances": {{{}}}, "connections": [{}]{}}})", times, instances, connections, more);
@@ -36,8 +36,8 @@ std::string exchange_refused(const std::string& config) {
   return test::input_error([&] { TestRun run(config); });
 }
 
-/// Two masses, connected by a spring of stiffness 3. Each is also on a spring of stiffness 1. a receives the force of
-/// b, and b receives the position of a.
+/// Two masses on springs of stiffness 1, with a spring of stiffness 3 between them. a receives the force of b, and b
+/// receives the position of a.
 const std::string kPair = mass("a", R"("x": 1)") + ", " + mass("b", R"("grip": 3)");
 const std::string kOwnProcess = R"(, "process": "own")";
 const std::string kPairConnections = R"({"from": "b.pull", "to": "a.force"}, {"from": "a.x", "to": "b.other_x"})";
@@ -49,8 +49,7 @@ TEST(ModelExchange, IntegratesOneInstanceExactly) {
 }
 
 TEST(ModelExchange, EvaluatesConnectionsAtEveryStepOfTheSolver) {
-  // The sum oscillates with frequency sqrt(1), the difference with sqrt(1 + 2 * 3). This is exact for any communication
-  // step.
+  // The sum oscillates with the frequency sqrt(1), and the difference with sqrt(1 + 2 * 3), for any communication step.
   for (const auto* times : {R"("step": 0.1, "stop_time": 2)", R"("step": 2, "stop_time": 2)"}) {
     TestRun run(system_of(kPair, kPairConnections, "", times));
     EXPECT_EQ(run.system.continuous_systems.size(), 1U);
@@ -72,8 +71,8 @@ TEST(ModelExchange, HasTheSameBitsInAnyAlgorithmOrderAndThread) {
 }
 
 TEST(ModelExchange, HandlesStateAndTimeEventsAndCountsThem) {
-  // The mass reverses at x = 0.5, at the time asin(0.5) = pi / 6, and is back at 0 at pi / 3. A kick at 1.55 s adds 2
-  // to the speed.
+  // The mass reverses at x = 0.5 at the time asin(0.5) = pi / 6, and returns to 0 at pi / 3. A kick at 1.55 s adds 2 to
+  // the speed.
   const auto config = system_of(mass("a", R"("v": 1, "wall": 0.5, "kick": 2, "kick_time": 1.55)"));
   TestRun run(config);
   const auto x = run.to_end().column("a.x");
@@ -102,8 +101,7 @@ TEST(ModelExchange, PassesDiscreteValuesOnWithinOneEvent) {
 }
 
 TEST(ModelExchange, FollowsTheSlopesOfInputsFromFiles) {
-  // The motion is x'' = t from rest, without a spring: x = t^3 / 6, although the force is known at communication points
-  // only.
+  // x'' = t from rest gives x = t^3 / 6, although the force is known only at communication points.
   modeldesc::TemporaryFolder folder{"mebots-test"};
   test::write_file(folder.path() / "force.csv", "time,a.force\n0,0\n2,2\n");
   const auto inputs = fmt::format(R"(, "inputs": {{"file": "{}"}})", (folder.path() / "force.csv").string());
@@ -164,7 +162,7 @@ TEST(ModelExchange, RefusesDifferentStepsInOneSystem) {
   const auto instances = mass("a", "") + ", " + mass("b", "", R"(, "step": 0.2)");
   EXPECT_THAT(exchange_refused(system_of(instances, kPairConnections)),
               AllOf(HasSubstr("/instances/b/step"), HasSubstr("0.1 s and 0.2 s")));
-  EXPECT_EQ(TestRun(system_of(instances)).to_end().column("a.x").size(), 21U);  // two systems
+  EXPECT_EQ(TestRun(system_of(instances)).to_end().column("a.x").size(), 21U);  // two separate systems
 }
 
 TEST(ModelExchange, RefusesWhatNoMemberCanHave) {

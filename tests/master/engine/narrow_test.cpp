@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests connections to an input whose type lacks some values of the output's type, with tests/fmus/widths.cpp.
+// Tests connections to inputs whose type cannot represent all values of the output, with tests/fmus/widths.cpp.
 #include "test_system.hpp"
 
 #include <fmt/format.h>
@@ -14,8 +14,7 @@ using test::TestRun;
 using testing::AllOf;
 using testing::HasSubstr;
 
-/// Returns a system in which instance a has these inputs. Its output `from` is connected to the input `to` of instance
-/// b.
+/// Returns a config in which the output `from` of a is connected to the input `to` of b. `inputs` are values of a.
 std::string widths(const std::string& inputs, const std::string& from, const std::string& to,
                    const std::string& more = R"(, "narrow": true)") {
   return fmt::format(R"({{"step": 0.5, "stop_time": 1, "instances": {{
@@ -39,7 +38,7 @@ std::string narrowing_error(const std::string& inputs, const std::string& from, 
 }
 
 TEST(Narrow, TakesTheNearestValueOfTheInputsType) {
-  // Recorded with the shortest text that reads back to the same Float32.
+  // The shortest text of a Float32 is recorded.
   EXPECT_EQ(static_cast<float>(narrowed(R"("wide": 0.10000000149)", "wide_out", "single", "single_out")), 0.1F);
   EXPECT_EQ(narrowed(R"("long": 255)", "long_out", "byte", "byte_out"), 255);
   EXPECT_EQ(narrowed(R"("long": 9007199254740993)", "long_out", "wide", "wide_out"), 9007199254740992.0);

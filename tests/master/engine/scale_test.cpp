@@ -42,7 +42,7 @@ Holdings holdings() {
   return now;
 }
 
-/// Prints figures for scripts/scale.sh.
+/// Prints measurements for scripts/scale.sh.
 void report(const char* what, int count, const Holdings& before, const Holdings& after) {
   fmt::print("{} {}: files {} -> {}, mappings {} -> {}, heap {} -> {} bytes\n", count, what, before.files, after.files,
              before.mappings, after.mappings, before.heap_bytes, after.heap_bytes);
@@ -72,12 +72,11 @@ TEST(Scale, AThousandInstancesOfOneFmuRunAsARing) {
       fmt::format(R"({{"step": 1, "stop_time": {}, "record": ["i{}.y"], "instances": {{{}}}, "connections": [{}]}})",
                   kCount + 10, kCount - 1, instances, connections));
   const auto last = run.to_end().column(fmt::format("i{}.y", kCount - 1));
-  // The value of the first input passes one instance per step until it reaches the last output.
+  // The first value passes one instance per step until it reaches the last output.
   EXPECT_EQ(last[kCount - 1], 0);
   EXPECT_EQ(last[kCount], 1);
 }
 
-/// Returns the config of a ring that has `count` instances.
 std::string ring(int count) {
   std::string instances;
   std::string connections;
@@ -89,7 +88,7 @@ std::string ring(int count) {
                      instances, connections);
 }
 
-/// Returns the processor time of ended child processes [s].
+/// Returns the processor time of ended child processes in seconds.
 double childrens_processor_s() {
   rusage usage{};
   getrusage(RUSAGE_CHILDREN, &usage);
@@ -143,8 +142,8 @@ TEST(Scale, InstancesReleaseAllResources) {
     return slave;
   };
   const auto cycle = [&] { start("cycle")->terminate(); };
-  const auto stays = start("stays");                // keeps the data that the FMU's instances share in memory
-  for (int i = 0; i < cycles() / 10; ++i) cycle();  // excludes late one-time allocations from the measured growth
+  const auto stays = start("stays");                // keeps the data that the FMU's instances share
+  for (int i = 0; i < cycles() / 10; ++i) cycle();  // performs allocations that occur only once
   const auto before = holdings();
   for (int i = 0; i < cycles(); ++i) cycle();
   const auto after = holdings();

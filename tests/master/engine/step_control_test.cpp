@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests communication steps whose length follows the coupling error, with FMUs that integrate exactly.
+// Tests step control, which adapts the step to the coupling error, with FMUs that integrate exactly.
 #include "run/run.hpp"
 #include "test_system.hpp"
 
@@ -18,10 +18,9 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
 
-/// Contains parts of a config, as JSON.
 struct Settings {
   std::string control = R"({"max_step": 0.1})";
-  std::string of_a = {};  ///< further keys of an instance
+  std::string of_a = {};  ///< further keys of the instance
   std::string of_b = {};
   std::string of_record = {};
   std::string more = {};  ///< further keys of the config
@@ -29,7 +28,7 @@ struct Settings {
   int seconds = 5;
 };
 
-/// Returns a system of two masses with a spring between them, one in each FMU (fmus/coupling.c). Their inputs are held.
+/// Returns a config of two masses with a spring between them (tests/fmus/coupling.c). Their inputs are held.
 std::string masses(const Settings& settings) {
   static const test::ChangedFmu held("coupling", R"(canInterpolateInputs="true" maxOutputDerivativeOrder="2")", "");
   return fmt::format(R"({{"step": {0}, "stop_time": {1}{2}, {3} "instances": {{
@@ -41,7 +40,7 @@ std::string masses(const Settings& settings) {
                      held.path().string(), settings.of_a, settings.of_b, settings.of_record);
 }
 
-/// Returns the root mean square over time of the error of a.mass_x.
+/// Returns the root mean square of the error of a.mass_x over time.
 double error_of(TestRun& run) {
   const auto times = run.column("time");
   const auto values = run.column("a.mass_x");
@@ -107,7 +106,7 @@ TEST(StepControl, StatisticsCountWhatHappened) {
 }
 
 TEST(StepControl, NeedsFewerStepsThanAFixedStepWhenTheSystemComesToRest) {
-  // Two bodies with a damper between them (fmus/oscillator.c). The transient takes the first second of 20 s.
+  // Two bodies with a damper between them (tests/fmus/oscillator.c). The transient ends after the first of 20 s.
   static const test::ChangedFmu held("oscillator", R"(canInterpolateInputs="true" maxOutputDerivativeOrder="1")", "");
   const auto config = [](const std::string& step, const std::string& control) {
     return fmt::format(R"({{"step": {0}, "stop_time": 20 {2}, "instances": {{
@@ -119,7 +118,7 @@ TEST(StepControl, NeedsFewerStepsThanAFixedStepWhenTheSystemComesToRest) {
   };
   TestRun exact(config("0.00001", ""));
   const auto reference = exact.to_end().column("a.x");
-  // Returns the largest error of a.x at the run's points. The reference is a run with steps of 1e-5 s.
+  // Returns the largest error of a.x compared with a run whose steps are 1e-5 s.
   const auto error = [&](TestRun& run) {
     const auto times = run.column("time");
     const auto values = run.column("a.x");
@@ -139,8 +138,8 @@ TEST(StepControl, NeedsFewerStepsThanAFixedStepWhenTheSystemComesToRest) {
 }
 
 TEST(StepControl, ABondMakesTheEnergyThatIsReported) {
-  // With steps of unequal lengths, the energy gained by both halves equals the energy created by the coupling (see
-  // BondEnergy.IsWhatBothHalves...).
+  // The energy that both halves gain equals the energy that the coupling creates, also for steps of different lengths
+  // (see BondEnergy.IsWhatBothHalves...).
   static const test::ChangedFmu held("oscillator", R"(canInterpolateInputs="true" maxOutputDerivativeOrder="1")", "");
   const modeldesc::TemporaryFolder folder("mebots-test");
   test::write_file(folder.path() / "test.json", fmt::format(R"({{"step": 0.0001, "stop_time": 5, "instances": {{
@@ -171,7 +170,7 @@ TEST(StepControl, NoStepPassesAForcedPoint) {
   TestRun run(masses({.more = scenario}));
   const auto times = run.to_end().column("time");
   EXPECT_THAT(times, AllOf(Contains(1.2345), Contains(2.3456)));
-  // The condition holds from the first point at which a.mass_x is below 0. Its override ends 0.7531 s later.
+  // The condition is true from the first point at which a.mass_x is below 0. Its override ends 0.7531 s later.
   const auto places = run.column("a.mass_x");
   const auto first = std::ranges::find_if(places, [](double x) { return x < 0; }) - places.begin();
   EXPECT_THAT(times, Contains(testing::DoubleNear(times[static_cast<std::size_t>(first)] + 0.7531, 1e-12)));
@@ -202,7 +201,7 @@ TEST(StepControl, AnInstanceWithAStepOfItsOwnKeepsIt) {
   TestRun run(masses(settings));
   const auto times = run.to_end().column("time");
   for (int i = 0; i <= 125; ++i) EXPECT_THAT(times, Contains(testing::DoubleNear(0.04 * i, 1e-12))) << i;
-  // Between its own communication points, the instance with the longer step keeps its old outputs.
+  // The outputs of the instance with the longer step do not change between its own communication points.
   const auto values = run.column("b.mass_x");
   for (std::size_t i = 1; i < times.size(); ++i) {
     const bool on_grid = std::abs(std::remainder(times[i], 0.04)) < 1e-9;
@@ -223,7 +222,7 @@ TEST(StepControl, RowsOfSignalsAreForcedPoints) {
 }
 
 TEST(StepControl, OthersSeeATickAtTheNextPointOfTheGrid) {
-  // A countdown of 0.17 s (fmus/metronome.cpp), and masses that allow longer steps.
+  // A countdown of 0.17 s (tests/fmus/metronome.cpp), and masses that permit longer steps.
   static const test::ChangedFmu held("coupling", R"(canInterpolateInputs="true" maxOutputDerivativeOrder="2")", "");
   TestRun run(
       fmt::format(R"({{"step": 0.01, "stop_time": 1, "step_control": {{"max_step": 0.5, "relative_tolerance": 1}},
@@ -237,8 +236,8 @@ TEST(StepControl, OthersSeeATickAtTheNextPointOfTheGrid) {
   EXPECT_EQ(beats[static_cast<std::size_t>(std::ranges::find(times, 0.45) - times.begin())], 2);
 }
 
-/// Returns a system in which the oscillator's spring rests at 0.1 m until 2.345 s, then at 0. No other instance can
-/// predict this jump.
+/// Returns a config in which the rest position of a spring jumps from 0.1 m to 0 at 2.345 s. Other instances cannot
+/// predict the jump.
 std::string jump(const std::string& rollback, double tolerance = 1e-4) {
   static const test::ChangedFmu held("oscillator", R"(canInterpolateInputs="true" maxOutputDerivativeOrder="1")", "");
   return fmt::format(R"({{"step": 0.00001, "stop_time": 4,
@@ -267,8 +266,7 @@ TEST(StepControl, LimitsTheStepOverAJumpWithRollback) {
 }
 
 TEST(StepControl, ARejectedStepLeavesNoTrace) {
-  // The accepted steps are performed again without repetitions; the bits must be the same. The scenario's column of
-  // forced points comes from the first run.
+  // Repeats only the accepted steps, which a scenario forces. The results must have the same bits.
   TestRun repeated(jump("required"));
   const auto times = repeated.to_end().column("time");
   ASSERT_GT(repeated.simulation().step_statistics()->rejected, 0);

@@ -20,7 +20,7 @@ StepControlDescription description(std::int64_t most = 1'000'000) {
   return result;
 }
 
-/// Controls 2000 steps whose errors are (length / wanted)^order. Returns the last length, which no longer changes.
+/// Returns the length after 2000 steps, whose errors are (length / wanted)^order.
 std::int64_t settled(const StepControlDescription& description, double wanted, int order) {
   StepSizeController controller(description);
   std::int64_t steps = 0;
@@ -32,8 +32,7 @@ std::int64_t settled(const StepControlDescription& description, double wanted, i
 }
 
 TEST(StepSizeController, SettlesWhereTheIntegralPartIsOne) {
-  // safety * e^-(kI + kP) * e^kP = 1, so e = safety^(1 / kI). e is the square of the ratio of the length to the wanted
-  // length.
+  // safety * e^-(kI + kP) * e^kP = 1, so that e = safety^(1 / kI). e is the square of length / wanted.
   const double error = std::pow(0.8, 1 / 0.15);
   for (const int order : {1, 2, 3, 4, 6}) {
     EXPECT_NEAR(static_cast<double>(settled(description(), 100'000, order)), 100'000 * std::sqrt(error), 2) << order;

@@ -31,8 +31,8 @@ TEST(ThreadPolicy, ShortStepsAreNeverTriedInParallel) {
   }
 }
 
-/// Returns how many of 10000 windows the policy steps in parallel. The arguments are the times of a window in both
-/// modes [s].
+/// Returns how many of 10000 windows the policy steps in parallel. The arguments are the durations of a window in
+/// seconds.
 int parallel_windows(double serial_s, double parallel_s) {
   ThreadPolicy policy;
   int parallel = 0;
@@ -61,7 +61,7 @@ TEST(ThreadPolicy, FollowsWhenTheCostsChange) {
 }
 
 TEST(ThreadPolicy, CheapStepsAfterDearOnesAreNotTakenForAGain) {
-  // In this mission, a network computes from time to time. Threads are useful only during that time.
+  // In this mission, threads are useful only while a network computes.
   ThreadPolicy policy;
   double serial_s = 0;
   double taken_s = 0;
@@ -77,7 +77,7 @@ TEST(ThreadPolicy, CheapStepsAfterDearOnesAreNotTakenForAGain) {
   EXPECT_LT(taken_s, 1.003 * serial_s) << "1.0095 when only the last serial run counted";
 }
 
-/// Returns a ring of four instances whose steps are long enough to be tried in parallel. 60 steps are at least three
+/// Returns a config of a ring of four instances whose steps are long enough for threads. 60 steps are at least three
 /// windows.
 std::string ring(const std::string& threads) {
   const auto instance = [](const char* name, const char* more) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that arguments which an FMU passes to callbacks are not trusted.
+// Tests callbacks with invalid arguments of an FMU.
 #include "fmi/call/callbacks.hpp"
 #include "message/message_text.hpp"
 #include "test_system.hpp"
@@ -36,14 +36,13 @@ std::string format(const char* text, ...) {
   return result;
 }
 
-/// Ignores all callbacks.
 class Ignoring final : public CallbackListener {
  public:
   void logged(LoggerCall /*call*/) override {}
   void step_finished(int /*status*/) override {}
 };
 
-/// Runs of one process are independent: only the instances whose library called may be affected.
+/// Runs in one process are independent. Only instances whose library was the caller may be affected.
 TEST(Callbacks, AStepEndOfNoKnownInstanceCountsForTheLibraryThatCalled) {
   Ignoring listener;
   CallbackTarget of_caller(listener, "a");
@@ -111,7 +110,7 @@ std::string format_numbers(const char* text, std::index_sequence<number...> /*al
 TEST(FormatText, HasNoMoreConversionsThanAreSensible) {
   std::string many;
   for (int i = 0; i < 1000; ++i) many += "%d ";
-  // More conversions than arguments: the address sanitizer would detect the access to a missing one.
+  // If a missing argument were read, the address sanitizer would detect it.
   const auto text = format_numbers(many.c_str(), std::make_index_sequence<101>());
   EXPECT_THAT(text, AllOf(StartsWith("0 1 2 "), HasSubstr(" 98 99 %d %d "), Not(HasSubstr("100"))));
 }
@@ -133,10 +132,10 @@ TEST(ReadText, ATextThatEndsWithItsPageIsReadAndOneThatContinuesIsNot) {
 TEST(PlainText, BytesThatAreNotUtf8AreReplacedOneByOne) {
   EXPECT_EQ(valid_utf8("caf\xc3\xa9 \xe2\x82\xac \xf0\x9f\x98\x80"), "caf\xc3\xa9 \xe2\x82\xac \xf0\x9f\x98\x80");
   EXPECT_EQ(valid_utf8("caf\xe9!"), "caf\xef\xbf\xbd!");
-  EXPECT_EQ(valid_utf8("\xc0\xaf"), "\xef\xbf\xbd\xef\xbf\xbd");                  // overlong form of a character
-  EXPECT_EQ(valid_utf8("\xed\xa0\x80"), "\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd");  // surrogate code point
+  EXPECT_EQ(valid_utf8("\xc0\xaf"), "\xef\xbf\xbd\xef\xbf\xbd");                  // overlong form
+  EXPECT_EQ(valid_utf8("\xed\xa0\x80"), "\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd");  // surrogate
   EXPECT_EQ(valid_utf8("\xe2\x82"), "\xef\xbf\xbd\xef\xbf\xbd");                  // truncated character
-  EXPECT_EQ(valid_utf8("\xf4\x90\x80\x80").size(), 12U);                          // code point above U+10FFFF
+  EXPECT_EQ(valid_utf8("\xf4\x90\x80\x80").size(), 12U);                          // above U+10FFFF
 }
 
 TEST(PlainText, RemovesAllControlCharactersOfTerminals) {

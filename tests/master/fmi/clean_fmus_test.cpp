@@ -51,7 +51,7 @@ TEST(CleanFmus, ImportsShowWhatAnFmuCanChangeInTheProcess) {
   EXPECT_EQ(Fmu(leftover("nothing")).imports().reach, ProcessReach::nothing);
   EXPECT_EQ(Fmu(leftover("environment")).imports().reach, ProcessReach::everything);
   EXPECT_EQ(Fmu(kBinaryDir / "fmus/fmu_battery.fmu").imports().reach, ProcessReach::descriptors);  // files
-  EXPECT_EQ(Fmu(kBinaryDir / "fmus/fmu_soc.fmu").imports().reach, ProcessReach::everything);       // it loads devices
+  EXPECT_EQ(Fmu(kBinaryDir / "fmus/fmu_soc.fmu").imports().reach, ProcessReach::everything);       // loads devices
   EXPECT_EQ(reach_of("dlsym"), ProcessReach::everything);
   EXPECT_EQ(reach_of("fclose"), ProcessReach::descriptors);
   EXPECT_EQ(reach_of("sin"), ProcessReach::nothing);
@@ -66,7 +66,7 @@ TEST(CleanFmus, AStaticObjectWithMemoryOfItsOwnIsSeenWhenTheLibraryIsLoaded) {
 TEST(CleanFmus, RandomNumbersStartAsInAFreshProcess) {
   renew_c_library();
   const int first = std::rand();
-  constexpr int kFirstOfAll = 1804289383;  // the first number that the GNU C library draws without srand()
+  constexpr int kFirstOfAll = 1804289383;  // first number of the GNU C library without srand()
   EXPECT_EQ(first, kFirstOfAll);
   std::srand(7);
   std::rand();

@@ -15,7 +15,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-/// Creates the probe FMU with a changed description. If `library` is given, it replaces the FMU's library.
+/// A copy of the probe FMU with a changed description and, if given, another library.
 class ChangedProbe {
  public:
   explicit ChangedProbe(const std::function<void(std::string&)>& change,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that libraries and symbols of FMUs stay separate: each FMU (tests/fmus/tenant) must use its own gain.
+// Tests that libraries and symbols of FMUs stay separate. Each FMU (tests/fmus/tenant) must use its own gain.
 #include "fmi/library_state.hpp"
 #include "mebots/modeldesc/elf_library.hpp"
 #include "slave/isolation/child_process.hpp"
@@ -27,7 +27,7 @@ std::string fmu_path(const std::string& name) {
   return fmt::format("{}/tenant_{}.fmu", TENANT_FMUS, name);
 }
 
-/// Returns a config with instances i0, i1 ... of these FMUs. Each has u = 0.5, so that a gain of 2 gives 1.
+/// Returns a config with an instance i0, i1 ... of each FMU. The input is 0.5. A gain of 2 gives 1.
 std::string config_of(const std::vector<std::string>& fmus, const std::string& keys = "") {
   std::vector<std::string> instances;
   for (std::size_t i = 0; i < fmus.size(); ++i)
@@ -56,7 +56,7 @@ class Separation : public testing::Test {
 
 struct Pair {
   std::string kind;
-  std::string word;  // word that the notice must contain
+  std::string word;  // a word of the notice
 };
 
 void PrintTo(const Pair& pair, std::ostream* stream) {
@@ -172,7 +172,7 @@ TEST(FmuHost, LoadsTheCLibraryAloneAndExportsNothingElse) {
   EXPECT_THAT(host.needed, Not(IsEmpty()));
   EXPECT_TRUE(std::ranges::all_of(host.needed, master::is_c_library))
       << fmt::format("{}", fmt::join(host.needed, ", "));
-  // The linker copies variables of the C library into a program; the host also replaces _exit() and exec().
+  // The linker copies variables of the C library into a program. The host also replaces _exit() and exec().
   std::vector<std::string> of_c_library;
   for (const auto& library : modeldesc::loaded_libraries(modeldesc::UniqueSymbols::skip)) {
     if (!master::is_c_library(library.soname)) continue;

@@ -17,7 +17,7 @@ using testing::AllOf;
 using testing::AnyOf;
 using testing::HasSubstr;
 
-/// Reads a config from a text, in which "PROBE" is replaced by the path of the probe FMU.
+/// Reads a config from a text. "PROBE" is replaced by the path of the probe FMU.
 SystemDescription read(const std::string& text) {
   const modeldesc::TemporaryFolder folder("mebots-test");
   const auto file = folder.path() / "mission.json";
@@ -29,7 +29,7 @@ std::string reading_error(const std::string& text) {
   return test::input_error([&] { read(text); });
 }
 
-/// Returns a valid config with an additional line at its root.
+/// Returns a valid config with an additional line.
 std::string config_with(const std::string& line, const std::string& instance = R"("a": {"fmu": "PROBE"})",
                         const std::string& step = R"("step": 0.1, "stop_time": 2)") {
   return fmt::format(R"({{{} {}, "instances": {{{}}}, "connections": []}})", line, step, instance);
@@ -85,10 +85,10 @@ TEST(Config, ATableGivesACopyForEachRow) {
   EXPECT_EQ(system.instances[1].name, "p[2]");
   EXPECT_EQ(std::get<std::int64_t>(system.instances[1].parameters[0].value), 2);
   EXPECT_EQ(std::get<std::string>(system.instances[1].parameters[1].value), "second");
-  EXPECT_THAT(system.source, HasSubstr("0.5, first"));  // so that the hash of the inputs includes the table
+  EXPECT_THAT(system.source, HasSubstr("0.5, first"));  // includes the table in the hash of the inputs
 }
 
-/// Reads a config in which one entry is repeated for each row of a table.
+/// Reads a config with an entry that is repeated for each row of a table.
 SystemDescription repeated_for_rows(const std::string& table, const std::string& entry) {
   const modeldesc::TemporaryFolder folder("mebots-test");
   const auto file = folder.path() / "mission.json";
@@ -256,7 +256,7 @@ TEST(Config, MistakesInGroupsNameTheirPlace) {
       HasSubstr("q"));
 }
 
-/// Reads a variant of the smallest config, base.json.
+/// Reads a variant of base.json, the smallest config.
 SystemDescription read_variant(const std::string& text, const GivenTimes& times = {}) {
   const modeldesc::TemporaryFolder folder("mebots-test");
   test::write_file(folder.path() / "base.json", test::with_probe(config_with(R"("text": "the base",)")));
@@ -318,7 +318,7 @@ TEST(Config, ReadingTakesTimeByTheNumberOfInstancesNotByItsSquare) {
     EXPECT_EQ(read_config(folder.path() / "many.json").instances.size(), static_cast<std::size_t>(count));
     return static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
   };
-  // For ten times the elements, a linear reader takes about ten times as long, and a quadratic one a hundred times.
+  // For ten times the elements, a linear reader takes about 10 times as long, and a quadratic reader 100 times.
   EXPECT_LT(seconds(100'000), 40 * seconds(10'000));
 }
 
@@ -341,8 +341,7 @@ TEST(Config, ManyUnknownNamesAreRefusedWithoutLookingForTheNearestOfEach) {
     EXPECT_THAT(text, HasSubstr(fmt::format("and {} more", count - 20)));
     return taken_s;
   };
-  // The list has ten times as many elements. A linear reader takes about ten times as long, one that compares all pairs
-  // a hundred times.
+  // For ten times the elements, a linear reader takes about 10 times as long, and a quadratic reader 100 times.
   EXPECT_LT(seconds(20'000), 40 * seconds(2'000));
 }
 
@@ -366,7 +365,7 @@ TEST(Config, FmusThatDoNotExistAreRefusedAsFastAsOthersAreRead) {
       const auto text = test::input_error([&] { read_config(file); });
       EXPECT_THAT(text, AllOf(HasSubstr("there is no FMU "), HasSubstr(fmt::format("and {} more", kCount - 20))));
     });
-    // The measured factor is 2 to 6. If all folders were searched for every instance, it would be 100.
+    // The measured factor is 2 to 6. If every instance searched all folders, it would be 100.
     EXPECT_LT(missing_s, 30 * good_s) << missing;
   }
 }

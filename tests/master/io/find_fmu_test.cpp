@@ -21,7 +21,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-/// Sets MEBOTS_FMU_PATH during this object's lifetime.
+/// Sets MEBOTS_FMU_PATH during the lifetime of this object.
 class SearchPath {
  public:
   explicit SearchPath(const std::string& path) { setenv("MEBOTS_FMU_PATH", path.c_str(), 1); }
@@ -31,7 +31,7 @@ class SearchPath {
 };
 
 struct FindFmu : testing::Test {
-  /// Writes a file that a search accepts as an archive.
+  /// Writes a file that a search finds as an FMU.
   std::filesystem::path file(const std::filesystem::path& name, const std::string& text = "x") {
     const auto path = std::filesystem::canonical(folder.path()) / name;
     std::filesystem::create_directories(path.parent_path());

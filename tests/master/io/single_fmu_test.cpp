@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests an FMU that runs without a config: the origin of its times, the recorded variables, and their names.
+// Tests FMUs without a config: their times, recorded variables and names.
 #include "base/time.hpp"
 #include "io/config/load_system.hpp"
 #include "mebots/mission.hpp"
@@ -18,7 +18,7 @@ using testing::HasSubstr;
 
 constexpr const char* kExperiment = R"(<DefaultExperiment startTime="0" stopTime="1" stepSize="0.1"/>)";
 
-/// Returns start, stop and step [s] of a run of the probe with this DefaultExperiment.
+/// Returns start time, stop time and step in seconds for a probe with this DefaultExperiment.
 std::vector<double> times(const std::string& experiment, const GivenTimes& given = {}) {
   const test::ChangedFmu fmu("probe", kExperiment, experiment);
   const auto system = read_config(fmu.path(), given);
@@ -81,7 +81,7 @@ TEST(SingleFmu, GivenTimesWin) {
   EXPECT_THAT(times("", {0.3, std::nullopt}), ElementsAre(0, DoubleNear(0.9, 1e-15), 0.3));
   EXPECT_THAT(notices(kExperiment, {0.25, 2}),
               Contains(AllOf(HasSubstr("2 s (--stop-time)"), HasSubstr("0.25 s (--step)"))));
-  // A stop time given by the user is never changed.
+  // A stop time of the user must not be changed.
   EXPECT_THAT(test::input_error([] {
                 times(kExperiment, {std::nullopt, 0.25});
               }),
@@ -118,7 +118,7 @@ TEST(SingleFmu, ResumesFromACheckpointToTheSameBits) {
   std::filesystem::copy(PROBE_FMU, folder.path() / "thing.fmu");
   const std::string signal = "time,real_in\n0,0\n0.35,1\n0.35,2\n1,10\n";
   test::write_file(folder.path() / "in.csv", signal);
-  // The probe interrupts the run once per folder named in string_in.
+  // The probe interrupts the run once for each folder in string_in.
   const auto run = [&](const std::string& out) {
     return test::run_program({"run", "thing.fmu", "--inputs", "in.csv", "--out", out, "--checkpoint-every", "0.2",
                               "--set", "fault=interrupt", "--set", "fault_time=0.6", "--set", "string_in=once"},

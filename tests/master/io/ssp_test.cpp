@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests SSP 1.0 and 2.0 as another format: files of other tools run, and written files are equivalent to the config.
+// Tests that SSPs of other tools run, and that written SSPs are equivalent to the config.
 #include "io/ssp/ssp.hpp"
 #include "io/config/load_system.hpp"
 #include "resolve/resolve.hpp"
@@ -29,7 +29,7 @@ constexpr const char* kTail = R"(</ssd:System>
 
 class Ssp : public testing::Test {
  protected:
-  /// Packs an SSP: an SSD that contains `system`, the test FMUs, and further files.
+  /// Packs an SSP with the SSD `system`, the test FMUs and further files.
   std::filesystem::path ssp(const std::string& system, const std::map<std::string, std::string>& files = {},
                             const std::string& tail = kTail) {
     test::write_file(folder.path() / "SystemStructure.ssd", kHead + system + tail);
@@ -205,9 +205,8 @@ TEST_F(Ssp, AnUnpackedOneRunsByItsFolderAndByItsFile) {
   EXPECT_THAT(test::input_error([&] { load_system(folder.path() / "none"); }), HasSubstr("SystemStructure.ssd"));
 }
 
-// Rules of the standard, with their sections in SSP 2.0. The sections in SSP 1.0 are the same unless stated otherwise.
+// Rules of the standard. Numbers are sections of SSP 2.0, which are the same in SSP 1.0 unless stated otherwise.
 
-/// Returns a component `name` with one connector.
 std::string part(const std::string& name, const std::string& connector = "", const std::string& more = "") {
   return fmt::format(R"(<ssd:Component name="{}" source="resources/coupling.fmu">{}{}</ssd:Component>)", name,
                      connector.empty() ? "" : "<ssd:Connectors>" + connector + "</ssd:Connectors>", more);
@@ -218,7 +217,7 @@ std::string connector(const std::string& name, const std::string& kind, const st
                      unit.empty() ? "" : fmt::format(" unit=\"{}\"", unit));
 }
 
-/// Returns an inline binding with these <ssv:Parameter>s, and `more` after the values.
+/// Returns an inline binding with these <ssv:Parameter> elements, followed by `more`.
 std::string binding(const std::string& parameters, const std::string& more = "", const std::string& attributes = "") {
   return fmt::format(
       R"(<ssd:ParameterBindings><ssd:ParameterBinding {}><ssd:ParameterValues><ssv:ParameterSet version="1.0" name="p">
@@ -285,7 +284,7 @@ TEST_F(Ssp, TwoOutputsOrTwoInputsCannotBeConnected) {  // 5.4.2.1
   EXPECT_THAT(error("bare_out", "real_out"),
               AllOf(HasSubstr("line 7"), HasSubstr("\"a.bare_out\" (output)"), HasSubstr("both give a value")));
   EXPECT_THAT(error("bare_in", "real_in"), HasSubstr("both take a value"));
-  // Inside a system, its own outputs are targets. So a connection between two of them has no source.
+  // Inside a system, its own outputs are targets. A connection of two targets has no source.
   EXPECT_THAT(
       error_of(
           "<ssd:Connectors>" + connector("y", "output") + "</ssd:Connectors>" + two() +
@@ -294,8 +293,8 @@ TEST_F(Ssp, TwoOutputsOrTwoInputsCannotBeConnected) {  // 5.4.2.1
 }
 
 TEST_F(Ssp, UnitsAreConvertedAtEachConnectorOnTheWay) {  // 4.5.1.1, 4.5.2.1
-  // 36 km/h become 10 m/s at the system's connector. The transformation adds 1 m/s. The result is 1100 cm/s at a
-  // variable without a unit in the FMU.
+  // 36 km/h is 10 m/s at the connector of the system. The transformation adds 1 m/s. The result is 1100 cm/s at a
+  // variable without a unit.
   const auto system =
       "<ssd:Elements>" + part("a", "", binding(real("speed_kmh", "36"))) + R"(<ssd:System name="in"><ssd:Connectors>)" +
       connector("x", "input", "m/s") + "</ssd:Connectors><ssd:Elements>" +
@@ -329,8 +328,8 @@ TEST_F(Ssp, ValuesAreConvertedFromTheUnitOfTheirFile) {  // 6.2.1, 7.1.1
   EXPECT_NEAR(given(real("speed_in", "36", "km/h"))["speed_in"].get<double>(), 10, 1e-12);
   EXPECT_NEAR(given(real("kelvin_in", "20", "C"))["kelvin_in"].get<double>(), 293.15, 1e-12);
   EXPECT_EQ(given(real("bare_in", "36", "km/h"))["bare_in"], 36.0);   // the variable has no unit
-  EXPECT_EQ(given(real("furlong", "2", "furlong"))["furlong"], 2.0);  // the same name, defined nowhere
-  // A linear transformation is applied after the conversion of units, or in place of it.
+  EXPECT_EQ(given(real("furlong", "2", "furlong"))["furlong"], 2.0);  // the units are undefined but equal
+  // A linear transformation follows the conversion of units, or replaces it.
   const auto entry = [](const std::string& attribute) {
     return mapping(R"(<ssm:MappingEntry source="v" target="speed_in")" + attribute +
                    R"(><ssc:LinearTransformation factor="2" offset="1"/></ssm:MappingEntry>)");
@@ -341,8 +340,7 @@ TEST_F(Ssp, ValuesAreConvertedFromTheUnitOfTheirFile) {  // 6.2.1, 7.1.1
     return error_of("<ssd:Elements>" + part("a", "", binding(parameters)) + "</ssd:Elements>");
   };
   EXPECT_THAT(mistaken(real("speed_in", "1", "C")), AllOf(HasSubstr("line 6"), HasSubstr("differ in dimension")));
-  // Units that no file defines. Usual names are known; for other names, the number is unchanged. Both cases give a
-  // notice.
+  // Units that no file defines. A usual name is converted; another name is not. Both cases add a notice.
   EXPECT_DOUBLE_EQ(given(real("speed_in", "36", "[km/h]"))["speed_in"].get<double>(), 10);
   EXPECT_EQ(given(real("speed_in", "36", "bananas"))["speed_in"], 36.0);
   EXPECT_THAT(
@@ -382,12 +380,12 @@ TEST_F(Ssp, MapsChangeTheValuesThatTheyName) {  // 4.5.2.2 to 4.5.2.4
   const auto& parameters = loaded.config["instances"]["a"]["parameters"];
   EXPECT_EQ(parameters["flag"], false);
   EXPECT_EQ(parameters["count"], -8);
-  EXPECT_EQ(parameters["steps"], 3);  // not named: unchanged
+  EXPECT_EQ(parameters["steps"], 3);  // not in the map: unchanged
   EXPECT_EQ(parameters["level"], "high");
 }
 
 TEST_F(Ssp, ConnectionsMapDiscreteValuesInARun) {
-  // A chain through a system's connector: 2 becomes 4, then 5. A map may contain a value that the source never has
+  // A chain through the connector of a system: 2 becomes 4, then 5. A map may contain a value that never occurs
   // (4.5.2.3).
   const std::string system =
       "<ssd:Elements>" +
@@ -409,7 +407,7 @@ TEST_F(Ssp, ConnectionsMapDiscreteValuesInARun) {
   ssp(system);
   auto result = run({"run", "test.ssp", "--out", "r"});
   ASSERT_EQ(result.code, 0) << result.err;
-  // A round trip through the writer does not change the results.
+  // Conversion to a config and back does not change the results.
   EXPECT_EQ(run({"convert", "test.ssp", "copy.json"}).code, 0);
   EXPECT_EQ(run({"convert", "copy.json", "copy.ssp"}).code, 0);
   EXPECT_EQ(run({"run", "copy.ssp", "--out", "c"}).code, 0);
@@ -560,7 +558,7 @@ TEST_F(Ssp, WritesParameterValuesToFilesWithUnits) {
 
 class Osp : public Ssp {
  protected:
-  /// Writes a system of two coupling FMUs with `connections` into its own folder.
+  /// Writes a system of two coupling FMUs with `connections` to its own folder.
   std::filesystem::path osp(const std::string& connections, const std::string& more = "<EndTime>0.4</EndTime>") {
     const auto system = folder.path() / "truck";
     std::filesystem::create_directories(system);
@@ -627,7 +625,7 @@ TEST_F(Osp, ReportsUnsupportedElementsWithTheirLine) {
   EXPECT_THAT(test::input_error([&] { load_system(osp("", "")); }), HasSubstr("set it with --stop-time"));
 }
 
-/// In this test, outputs of `a` are connected through functions to inputs of `b`.
+/// Functions connect outputs of `a` with inputs of `b`.
 TEST_F(Osp, FunctionsAreComputedAtTheCommunicationPoints) {
   const auto variable = [](const std::string& simulator, const std::string& name) {
     return fmt::format(R"(<Variable simulator="{}" name="{}"/>)", simulator, name);
@@ -668,8 +666,7 @@ TEST_F(Osp, FunctionsAreComputedAtTheCommunicationPoints) {
   EXPECT_EQ(loaded.system.connections.at(0).factor, 2);
   EXPECT_EQ(loaded.system.connections.at(0).offset, -1);
   ASSERT_EQ(run({"run", "truck", "--out", "r"}).code, 0);
-  // In each row, the output of `b` equals its input at the same point. This input is the function of the outputs of
-  // `a`.
+  // In each row, the output of `b` is the function of the outputs of `a` at the same point.
   std::istringstream lines(test::read_file(folder.path() / "r/results.csv"));
   std::string line;
   std::getline(lines, line);
@@ -748,7 +745,7 @@ TEST_F(Ssp, AnEmptyElementNameMeansTheSystemItself) {
   EXPECT_EQ(loaded.config["instances"]["a"]["parameters"]["bare_in"], 4.0);
 }
 
-/// Returns a system whose connector has a value, and is connected to a variable.
+/// Returns a system with a connector that has a value and is connected to a variable.
 std::string with_value(const std::string& value, const std::string& transformation) {
   return fmt::format(
       R"(<ssd:Connectors><ssd:Connector name="u" kind="input"/></ssd:Connectors>
@@ -803,7 +800,7 @@ TEST_F(Ssp, ThereAndBackGivesTheSameResults) {
   EXPECT_GT(first.size(), 500u);
   EXPECT_EQ(first, test::read_file(folder.path() / "two/results.csv"));
   EXPECT_EQ(first, test::read_file(folder.path() / "three/results.csv"));
-  // Writing twice gives equal bytes.
+  // Writing twice results in equal bytes.
   EXPECT_EQ(run({"convert", "third.json", "fourth.ssp"}).code, 0);
   EXPECT_EQ(run({"convert", "fourth.ssp", "fifth.json"}).code, 0);
   const auto json = [&](const std::string& name) {
@@ -814,7 +811,7 @@ TEST_F(Ssp, ThereAndBackGivesTheSameResults) {
   EXPECT_EQ(json("third.json"), json("fifth.json"));
 }
 
-/// Tests that a system of FMI 3.0 gives the same results as an SSP, and as a config again.
+/// Tests that a system of FMI 3.0 has the same results as an SSP and after conversion back to a config.
 class Ssp3 : public Ssp {
  protected:
   /// `instances`, `connections` and `record` are sections of the config.
@@ -898,11 +895,10 @@ TEST_F(Ssp3, BinariesPassBetweenVersionsAndNarrowConnectionsStay) {
   EXPECT_THAT(entry("SystemStructure.ssd"), HasSubstr("startConnector=\"buffer\""));
 }
 
-/// Tests connections to elements of a nested system's array connectors (SSP 2.0, attributes startIndices and
-/// endIndices).
+/// Tests connections of elements of a nested system's array connectors (startIndices and endIndices of SSP 2.0).
 class SspIndices : public Ssp {
  protected:
-  /// Returns an SSD with the component `b` and the system `sub`, which contains the components `a` and `c`.
+  /// Returns an SSD with the component `b` and the system `sub` of the components `a` and `c`.
   static std::string system(const std::string& inside, const std::string& outside, const std::string& values = "") {
     const auto connector = [](const char* name, const char* kind) {
       return fmt::format(
@@ -917,7 +913,7 @@ class SspIndices : public Ssp {
                        component("b"), connector("u", "input"), connector("y", "output"), values, component("a"),
                        component("c"), inside, outside);
   }
-  /// Returns a connection from `from` to `to`, such as "a line.y 2"; "-" is the system itself.
+  /// Returns a connection. Its ends are texts such as "a line.y 2"; "-" is the system itself.
   static std::string connection(const std::string& from, const std::string& to, const std::string& inner = "") {
     std::string text = "<ssd:Connection";
     for (const auto& [side, end] : {std::pair("start", from), std::pair("end", to)}) {
@@ -984,7 +980,7 @@ TEST_F(SspIndices, ValuesOfAnArrayConnectorAreThoseOfItsElements) {
   loaded = load(system(connection("- u", "a line.u"), connection("b line.y 1", "sub u 2"), values("u")));
   EXPECT_EQ(loaded.config["instances"]["sub.a"]["parameters"], nlohmann::ordered_json::parse(R"({"line.u[1]": 3})"));
   EXPECT_THAT(connections(loaded.system), testing::ElementsAre("b.line.y[1] -> sub.a.line.u[2] 1"));
-  // Connected outside: the values have no effect.
+  // If the connector is connected outside, its values have no effect.
   loaded = load(system(scaled, connection("b line.y", "sub u"), values("a.line.u")));
   EXPECT_FALSE(loaded.config["instances"]["sub.a"].contains("parameters"));
   EXPECT_THAT(loaded.system.notices, testing::Contains(HasSubstr("gets its value from b.line.y (2): ")));

@@ -34,7 +34,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// Starts a server that serves the text "the page", and data that exceed the socket buffers.
+/// A server with the text "the page", and with data that exceed the socket buffers.
 class LiveClients : public testing::Test {
  protected:
   live::LiveRun::Server::Answers answers() {
@@ -63,7 +63,7 @@ class LiveClients : public testing::Test {
     lines_.push_back(line);
     return line;
   }
-  /// Returns how long the server takes to close the connection while the client repeatedly sends `part` [s].
+  /// Returns the time in seconds until the server closes the connection, while the client sends `part` repeatedly.
   static double seconds_until_closed(int line, const std::string& part) {
     const auto start = Clock::now();
     while (seconds_since(start) < 20) {
@@ -105,7 +105,7 @@ TEST_F(LiveClients, DoNotBlockABrowser) {
   const auto page = browser.Get(path());
   ASSERT_TRUE(page);
   EXPECT_EQ(page->body, "the page");
-  EXPECT_LT(seconds_since(start), 5);  // 1 s on an idle machine; the slow clients take 2 s each
+  EXPECT_LT(seconds_since(start), 5);  // 1 s on an idle machine; each slow client takes 2 s
 }
 
 TEST_F(LiveClients, HaveAnAnswerOnlyAfterAllOfItWasSent) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the coupling report of a run: deviations of inputs from their sources, and the energy created in bonds.
+// Tests the coupling report: deviations of inputs from their sources, and the energy that bonds create.
 #include "record/coupling.hpp"
 #include "run/run.hpp"
 #include "test_system.hpp"
@@ -19,8 +19,8 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-/// Returns a config of two masses (fmus/oscillator.c). A spring connects them, and b is at its end. b receives the
-/// velocity of a and outputs the spring's force.
+/// Returns a config of two masses with a spring between them (tests/fmus/oscillator.c). b receives the velocity of a
+/// and outputs the force of the spring.
 std::string two_masses(double step_s, const std::string& algorithm, const std::string& coupling, bool derivatives) {
   static const test::ChangedFmu held("oscillator", R"(canInterpolateInputs="true" maxOutputDerivativeOrder="1")", "");
   const auto fmu = derivatives ? std::filesystem::path(OSCILLATOR_FMU) : held.path();
@@ -34,7 +34,6 @@ std::string two_masses(double step_s, const std::string& algorithm, const std::s
 
 constexpr const char* kBond = R"({"bonds": {"spring": {"effort": "a.force", "flow": "b.other_velocity"}}})";
 
-/// Performs a complete run and returns its summary.
 nlohmann::ordered_json summary_of(const std::string& config) {
   const modeldesc::TemporaryFolder folder("mebots-test");
   test::write_file(folder.path() / "test.json", test::with_probe(config));
@@ -52,9 +51,9 @@ std::vector<std::string> warnings_of(const nlohmann::ordered_json& summary) {
 }
 
 TEST(BondEnergy, IsWhatBothHalvesTogetherGained) {
-  // Only the work of its force increases the energy of a, and only the work of its pull increases that of b. So the
-  // increase of both energies together is the energy that the coupling creates.
-  constexpr double kEnergyAtStart = 5 + 5;  // [J]: 10/2 x^2 of a, and 10/2 (x - y)^2 of b
+  // Only the work of its force increases the energy of a, and only the work of its pull increases the energy of b. The
+  // sum of both increases is the energy that the coupling creates.
+  constexpr double kEnergyAtStart = 5 + 5;  // in joules: 10/2 x^2 of a, and 10/2 (x - y)^2 of b
   for (const bool derivatives : {false, true}) {
     const double step_s = derivatives ? 0.001 : 0.01;
     // Between points, outputs are parabolas through the last three points. The error per second is h^3 / 24 times the
@@ -101,7 +100,7 @@ TEST(BondEnergy, ABondIsAnEffortOneWayAndAFlowTheOther) {
   EXPECT_THAT(refused("a.force", "b.other_velocity", R"(, "limit": 0)"), HasSubstr("limit"));
 }
 
-/// Returns a config that transfers t^2 from a to b, either with derivatives or held constant.
+/// Returns a config that transfers t^2 from a to b, either with derivatives or held.
 std::string ramp(const std::string& coupling, bool derivatives, const std::string& algorithm = "jacobi") {
   static const test::ChangedFmu held("coupling", R"(canInterpolateInputs="true" maxOutputDerivativeOrder="2")", "");
   const auto fmu = derivatives ? std::filesystem::path(COUPLING_FMU) : held.path();
@@ -131,7 +130,7 @@ TEST(InputDeviation, AnInputThatKnowsItsSourcesDerivativesIsFarOnlyInTheFirstSte
 
 TEST(InputDeviation, IsZeroOnALineBetweenTwoKnownEnds) {
   EXPECT_NEAR(deviation(ramp("{}", true, "gauss-seidel"))["largest"].get<double>(), 0, 1e-14);
-  // The held value is that of the step's end, so it is wrong at the start.
+  // The held value is that of the end of the step and wrong at its start.
   const auto input = deviation(ramp("{}", false, "gauss-seidel"));
   EXPECT_NEAR(input["largest"].get<double>(), 2 * (1 - 0.81), 1e-12);
   EXPECT_EQ(input["largest_at"], 0.9);

@@ -38,7 +38,7 @@ std::vector<T> dataset(const std::filesystem::path& file, const char* name, hid_
   return values;
 }
 
-/// Adds a sink to the run's recorder. The reference is valid as long as the recorder.
+/// Adds a sink to the recorder of the run. The result is valid during the lifetime of the recorder.
 Hdf5Sink& add_sink(TestRun& run, const std::filesystem::path& file) {
   auto sink = std::make_unique<Hdf5Sink>(run.recorder->columns(), file);
   auto& added = *sink;
@@ -51,7 +51,7 @@ TEST(Hdf5, HoldsTheBitsOfTheCsv) {
   const auto file = run.folder.path() / "results.h5";
   auto& sink = add_sink(run, file);
   run.to_end();
-  run.csv();  // now all rows are in the files
+  run.csv();
   sink.close();
   EXPECT_EQ(dataset<double>(file, "/time", H5T_NATIVE_DOUBLE), run.column("time"));
   EXPECT_EQ(dataset<double>(file, "/a/real_out", H5T_NATIVE_DOUBLE), run.column("a.real_out"));
@@ -110,7 +110,7 @@ TEST(Hdf5, GoesBackToASavedState) {
             dataset<double>(one, "/a/real_out", H5T_NATIVE_DOUBLE));
 }
 
-/// Limits the size of files written by this process, as a full disk would. Writes beyond it fail with EFBIG.
+/// Limits the size of files that this process writes, like a full disk. Further writes fail with EFBIG.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {

@@ -22,7 +22,7 @@ using testing::StartsWith;
 TEST(Recorder, HeaderNamesVariablesAndUnits) {
   TestRun run(R"({"step": 0.1, "stop_time": 0.1, "instances": {"a": {"fmu": "PROBE"}}, "connections": []})");
   run.to_end();
-  // Records every Real, Integer, Boolean and enumeration output, but no parts of buffers, texts or parameters.
+  // Records all Real, Integer, Boolean and enumeration outputs, but no buffers, texts or parameters.
   EXPECT_THAT(
       run.csv(),
       StartsWith(
@@ -142,7 +142,7 @@ TEST(Statistics, CountTheCallsToEveryInstance) {
   EXPECT_EQ(a.name, "a");
   EXPECT_EQ(a.steps, 10);
   EXPECT_EQ(statistics.instances[1].steps, 2);
-  EXPECT_GE(a.slowest_s, 0.02);  // the duration of the slow steps
+  EXPECT_GE(a.slowest_s, 0.02);  // duration of the slow steps
   EXPECT_GE(a.slowest_at_ns, 400'000'000);
   EXPECT_GE(a.time_s, a.step_time_s);
   EXPECT_GT(a.calls, a.steps);

@@ -16,8 +16,7 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// Returns a config in which a's output is b's input, and b's integral shows this input. `scenario` is the content of
-/// the list.
+/// Returns a config in which an output of a is an input of b. `scenario` is the content of its list.
 std::string system_with(const std::string& scenario, const std::string& more = "") {
   return R"({"step": 0.1, "stop_time": 1, "instances": {
       "a": {"fmu": "PROBE", "parameters": {"real_in": 2, "integer_in": 4}}, "b": {"fmu": "PROBE")" +
@@ -40,7 +39,7 @@ TEST(Scenario, AnOutputIsSetBetweenTwoTimesAsAllOthersSeeIt) {
   TestRun run(system_with(R"({"variable": "a.real_out", "set": 7, "from": 0.3, "until": 0.6})"));
   run.to_end();
   EXPECT_THAT(run.column("a.real_out"), ElementsAre(2, 2, 2, 7, 7, 7, 2, 2, 2, 2, 2));
-  // The value is set at the start of the step, so its effect is visible at the next point.
+  // The value is set at the start of the step. Its effect is visible at the next point.
   EXPECT_THAT(run.column("b.real_in"), ElementsAre(2, 2, 2, 2, 7, 7, 7, 2, 2, 2, 2));
 }
 
@@ -80,7 +79,7 @@ TEST(Scenario, ARampGoesFromTheValueFoundToItsGoalAndStaysThere) {
 }
 
 TEST(Scenario, AConditionStartsItOnceForItsDuration) {
-  // The condition holds from 0.3 s on and has held for 0.1 s at 0.4 s; an output shows the override at the next point.
+  // The condition is true from 0.3 s, and for 0.1 s at 0.4 s. Outputs show the override at the next point.
   TestRun run(system_with(R"({"variable": "a.real_out", "set": 7,
       "when": {"variable": "a.steps", "above": 2, "for": 0.1}, "duration": 0.3})"));
   run.to_end();
@@ -122,7 +121,7 @@ TEST(Scenario, NoiseIsNormalAndTheSameEveryTime) {
     if (i > 0) neighbours += off * (values[i - 1] - 2);
     beyond_two += std::abs(off) > 1 ? 1 : 0;
   }
-  // There are 20001 values. The tolerances are four standard errors of each statistic.
+  // There are 20001 values. The tolerances are four standard errors.
   EXPECT_NEAR(mean, 2, 4 * 0.5 / std::sqrt(count));
   EXPECT_NEAR(square / count, 0.25, 4 * 0.25 * std::sqrt(2 / count));
   EXPECT_NEAR(neighbours / square, 0, 4 / std::sqrt(count));
@@ -180,7 +179,7 @@ TEST(Scenario, ItsStateIsSavedWithTheRun) {
   }
   TestRun second(text);
   second.initialize();
-  const auto kept = second.simulation().save_state();  // enables the FMUs to restore an earlier state
+  const auto kept = second.simulation().save_state();  // requires that the FMUs can restore an earlier state
   for (int i = 0; i < 9; ++i) second.simulation().step();
   second.simulation().restore_state(second.simulation().deserialize(bytes));
   while (second.simulation().step()) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests how a results folder becomes the content of a page. tests/web tests the page in a browser.
+// Tests the content of the page of a results folder. tests/web tests the page in a browser.
 #include "test_system.hpp"
 
 #include "base/packed.hpp"
@@ -83,7 +83,7 @@ TEST_F(Report, ThinsOutATableThatIsTooLongAndKeepsItsExtremesAndItsEnd) {
   EXPECT_EQ(times[2], 5);
   EXPECT_EQ(times.back(), static_cast<double>(rows - 1));
   for (std::size_t i = 0; i < times.size(); ++i) EXPECT_EQ(results.columns[1].values[i], 2 * times[i]);
-  // Rows 1001 and 1002 are in the 201st span: its two rows contain the extremes in their original order.
+  // Rows 1001 and 1002 are in the 201st span, which has two rows with its extremes in their original order.
   EXPECT_EQ(results.columns[2].values[400], 9);
   EXPECT_EQ(results.columns[2].values[401], -7);
   EXPECT_EQ(results.columns[2].values[402], 1);
@@ -146,7 +146,7 @@ TEST_F(Report, PicturesComeInTheOrderOfTime) {
   EXPECT_EQ(run.pictures[0].pictures[1].png, "late");
 }
 
-/// Writes `count` pictures of grey noise, which does not compress, one per second.
+/// Writes `count` pictures of grey noise, which does not compress, with one picture per second.
 void write_noise(const std::filesystem::path& folder, unsigned count, std::size_t width) {
   std::filesystem::create_directories(folder);
   std::mt19937 noise(1);

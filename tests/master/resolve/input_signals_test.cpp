@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests inputs from columns of a CSV file: which values an FMU receives and when, and files that do not fit.
+// Tests inputs from CSV files: the values that an FMU receives at each time, and invalid files.
 #include "io/config/load_system.hpp"
 #include "model/signal.hpp"
 #include "run/run.hpp"
@@ -22,9 +22,8 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-using MasterRun = Run;  // GoogleTest's class also has a member Run
+using MasterRun = Run;  // GoogleTest's class has a member Run
 
-/// Creates a folder with files of signals.
 class Files {
  public:
   Files() = default;
@@ -40,8 +39,8 @@ class Files {
   modeldesc::TemporaryFolder folder_{"mebots-test"};
 };
 
-/// Returns a config with one instance `a` of the probe FMU. Its recorded variables show which inputs the run has set.
-/// `inputs` is appended to the members of the config's section "inputs".
+/// Returns a config with one instance `a` of the probe FMU and its inputs. `inputs` are further members of the section
+/// "inputs".
 std::string probe_with(const Files& files, const std::string& inputs, const std::string& more = "",
                        const std::string& fmu = "PROBE") {
   return fmt::format(R"({{"step": 0.1, "stop_time": 1, "instances": {{"a": {{"fmu": "{}"}}}}, "connections": [],
@@ -62,7 +61,7 @@ std::vector<double> real_in(const std::string& csv, const std::string& more = ""
   return TestRun(probe_with(files, kToReal, more)).to_end().column("a.real_in");
 }
 
-/// Returns code and message of the InputError with which a system is rejected.
+/// Returns code and message of the InputError for a config.
 std::pair<ErrorCode, std::string> refusal(const std::string& config) {
   try {
     TestRun run(config);
@@ -77,7 +76,7 @@ std::pair<ErrorCode, std::string> refusal_of_file(const std::string& csv, const 
   return refusal(probe_with(files, inputs));
 }
 
-// The value at a point is the input of the step that ends there. The value at 0 s is that of initialisation.
+// The value at a point is the input of the step that ends there. The value at 0 s is that of the initialisation.
 
 TEST(InputSignals, ARealIsInterpolatedAtTheStartOfEachStep) {
   const Files files("time,u\n0,0\n1,10\n");
@@ -161,7 +160,7 @@ TEST(InputSignals, TextsAreHeld) {
 }
 
 TEST(InputSignals, RowsAndPointsMeetThoughTheirDoublesDiffer) {
-  // 0.1 + 0.2 is 0.30000000000000004
+  // 0.1 + 0.2 is 0.30000000000000004.
   EXPECT_THAT(real_in("time,u\n0,0\n0.30000000000000004,0\n0.30000000000000004,1\n1,1\n"),
               ElementsAre(0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1));
 }
@@ -367,7 +366,7 @@ TEST(InputSignals, AnIsolatedInstanceGetsTheSame) {
 TEST(InputSignals, ARunFromASavedStateContinuesWithTheSameBits) {
   const Files files("time,u\n0,0\n0.33,3\n0.33,-1\n0.71,4\n1,9\n");
   auto text = test::with_probe(probe_with(files, kToReal));
-  const std::string probe = "probe.fmu";  // this FMU changes timers, so its runs cannot start from a saved state
+  const std::string probe = "probe.fmu";  // cannot start from a saved state, because it changes timers
   text.replace(text.find(probe), probe.size(), "steady.fmu");
   const auto config = files.put("c.json", text);
   const auto columns = [](MasterRun& run) {
@@ -399,7 +398,7 @@ TEST(InputSignals, FilesAreInputsOfTheRun) {
 TEST(InputSignals, ASystemThatIsConvertedKeepsItsFiles) {
   const Files files("time,u\n0,0\n1,1\n");
   auto config = probe_with(files, kToReal);
-  config.replace(config.find(files.path()), files.path().size(), "in.csv");  // makes the path relative to the config
+  config.replace(config.find(files.path()), files.path().size(), "in.csv");  // relative to the config
   const std::filesystem::path json = files.put("c.json", test::with_probe(config));
   const auto folder = json.parent_path();
   std::filesystem::create_directory(folder / "sub");

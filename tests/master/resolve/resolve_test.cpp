@@ -135,7 +135,7 @@ TEST(StartValues, ExactOutputsCanBeSet) {
   test::TestRun run(two_probes(R"("integral": 5, "real_in": 2)", ""));
   run.to_end();
   EXPECT_EQ(run.column("a.integral").front(), 5);
-  EXPECT_NEAR(run.column("a.integral").back(), 5 + 2 * 1.2, 1e-12);  // tolerance for the rounding of twelve additions
+  EXPECT_NEAR(run.column("a.integral").back(), 5 + 2 * 1.2, 1e-12);  // tolerance for twelve roundings
 }
 
 TEST(StartValues, TheCommandLineWinsOverTheConfig) {

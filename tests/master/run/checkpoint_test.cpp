@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that a run which is killed at any moment resumes from its last checkpoint, with the same bits as an undisturbed
-// run.
+// Tests that a killed run resumes from its last checkpoint with the same bits as an undisturbed run.
 #include "test_system.hpp"
 
 #include <fmt/format.h>
@@ -20,7 +19,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-// In each step, `a` sleeps. The run then takes about half a second, so that kills interrupt it.
+// `a` sleeps in each step. The run takes about half a second, so that it can be killed.
 constexpr const char* kSavedSystem = R"({"step": 0.01, "stop_time": 3, "instances": {
     "a": {"fmu": "PROBE", "parameters": {"gain": -0.9, "offset": 0.3, "fault": "nap", "fault_time": 0}},
     "b": {"fmu": "PROBE", "parameters": {"gain": 0.8}, "step": 0.03}},
@@ -59,8 +58,8 @@ class Checkpoints : public testing::Test {
   }
   ProgramResult run(const std::vector<std::string>& arguments) const { return run_program(arguments, folder.path()); }
 
-  /// Kills the run, and then each resumed run, after different times, until one run reaches its end. Returns the number
-  /// of kills.
+  /// Kills the run, and then each resumed run, after random times, until a run reaches its end. Returns the number of
+  /// kills.
   int run_with_kills(const std::vector<std::string>& begin, unsigned seed) const {
     std::mt19937 random(seed);
     std::uniform_int_distribution<int> delay_us(1'000, 150'000);
@@ -173,7 +172,7 @@ TEST_F(Checkpoints, TruncatesResultsAfterTheLastCheckpoint) {
   }
   kill(child, SIGKILL);
   wait(child);
-  // The file has complete and incomplete rows after the checkpoint, and there is an unfinished checkpoint.
+  // After the checkpoint, the file has complete and incomplete rows, and there is an unfinished checkpoint.
   write_file(folder.path() / "killed/results.csv", result("killed", "results.csv") + "7,7,7\n0.123,4");
   write_file(folder.path() / "killed/log.txt", result("killed", "log.txt") + "[ half");
   write_file(folder.path() / "killed/checkpoint.bin.new", "half a checkp");

@@ -30,7 +30,7 @@ TEST(Simulation, TimesAreCountedSoThatALongRunEndsExactly) {
   EXPECT_EQ(run.simulation().time_ns(), 100'000'000'000'000);
   EXPECT_EQ(run.column("a.steps").back(), 1'000'000);
   EXPECT_EQ(run.column("time").back(), 100000.0);
-  // The FMU adds t and h, so the result has one rounding of a number near 1e5.
+  // The FMU adds t and h. The result has one rounding of a number near 1e5.
   EXPECT_NEAR(run.column("a.last_end").back(), 100000.0, 2e-11);
 }
 
@@ -40,14 +40,14 @@ TEST(Simulation, RowsStandAtTheStartAndAtEveryCommunicationPoint) {
 }
 
 TEST(Simulation, OutputsTravelInOneStepAsJacobiSays) {
-  // a counts its steps. In each step, b adds the count that it received to a sum; this count is a's output at t_k.
+  // a counts its steps. b adds the count of a at t_k to a sum.
   TestRun run(R"({"step": 0.5, "stop_time": 2, "instances": {
       "a": {"fmu": "PROBE", "parameters": {"real_in": 1}},
       "b": {"fmu": "PROBE"}, "c": {"fmu": "PROBE"}},
     "connections": [{"from": "a.steps", "to": "b.integer_in"}, {"from": "b.integer_out", "to": "c.integer_in"}]})");
   run.to_end();
   EXPECT_THAT(run.column("a.steps"), testing::ElementsAre(0, 1, 2, 3, 4));
-  EXPECT_THAT(run.column("b.integer_out"), testing::ElementsAre(1, 1, 2, 3, 4));  // number of steps at t_k-1, plus one
+  EXPECT_THAT(run.column("b.integer_out"), testing::ElementsAre(1, 1, 2, 3, 4));  // steps of a at t_k-1, plus one
   EXPECT_THAT(run.column("c.integer_out"), testing::ElementsAre(2, 2, 2, 3, 4));
 }
 
@@ -63,13 +63,13 @@ TEST(Simulation, ADirectChainHasItsInitialValuesAtTheStart) {
 }
 
 TEST(Simulation, AnInitialLoopThatConvergesIsSolved) {
-  // From x = 0.5 y + 1 and y = 0.5 x follow x = 4/3 and y = 2/3.
+  // x = 0.5 y + 1 and y = 0.5 x have the solution x = 4/3 and y = 2/3.
   TestRun run(R"({"step": 0.1, "stop_time": 0.1, "instances": {
       "a": {"fmu": "PROBE", "parameters": {"gain": 0.5, "offset": 1}}, "b": {"fmu": "PROBE", "parameters": {"gain": 0.5}}},
     "connections": [{"from": "a.real_out", "to": "b.real_in"}, {"from": "b.real_out", "to": "a.real_in"}]})");
   run.initialize();
   EXPECT_NEAR(run.column("a.real_out").front(), 4.0 / 3,
-              4e-12);  // converged to 1e-12 relative per sweep; the gain is 0.25 per round
+              4e-12);  // relative convergence of 1e-12 per sweep; the gain of a round is 0.25
   EXPECT_NEAR(run.column("b.real_out").front(), 2.0 / 3, 4e-12);
 }
 
@@ -130,7 +130,7 @@ TEST(Simulation, AnInstanceWithALongerStepShowsItsOutputsWhenTheOthersArrive) {
 }
 
 TEST(Simulation, ABufferIsReadBeforeItsOwnerStepsOn) {
-  // At t_k a's buffer contains 16 times the number of its steps; b adds it in the following step.
+  // At t_k, the buffer of a contains 16 times the number of its steps. b adds it in the next step.
   for (const char* instances :
        {R"("a": {"fmu": "PROBE"}, "b": {"fmu": "PROBE"})", R"("b": {"fmu": "PROBE"}, "a": {"fmu": "PROBE"})"}) {
     TestRun run(fmt::format(
@@ -153,7 +153,6 @@ TEST(Simulation, MessagesOfWantedCategoriesArrive) {
   EXPECT_TRUE(silent.messages.lines.empty());
 }
 
-/// Returns the message of the error if the probe fails in the step to 0.5 s.
 std::string failure(TestRun& run) {
   try {
     run.to_end();
@@ -181,7 +180,7 @@ TEST(Faults, AnErrorNamesInstanceTimeFunctionAndTheFmusWords) {
 
 TEST(Faults, AFatalErrorIsNotFollowedByAnotherCall) {
 #ifdef __SANITIZE_ADDRESS__
-  const __lsan::ScopedDisabler unfreed;  // fmi2FreeInstance must not be called either, so memory stays allocated
+  const __lsan::ScopedDisabler unfreed;  // memory stays allocated, because fmi2FreeInstance must not be called
 #endif
   EXPECT_THAT(failure("fatal"), HasSubstr("fmi2Fatal"));
 }
@@ -227,7 +226,6 @@ TEST(StopWhen, TheRunEndsAtTheFirstPointWhereAConditionHolds) {
   EXPECT_EQ(run.column("time").back(), 0.4);
 }
 
-/// Records the points for which each method was called.
 class PointsOfRun final : public Observer {
  public:
   std::optional<std::string> reached(const Point& point) override {
@@ -253,11 +251,11 @@ TEST(Simulation, ARunDoesNotContinueAtItsEnd) {
 TEST(StopWhen, AConditionMayHaveToHoldForATime) {
   TestRun run(one_probe("", R"(, "stop_when": [{"variable": "a.steps", "above": 3, "for": 0.3}])"));
   run.to_end();
-  EXPECT_EQ(run.column("time").back(), 0.7);  // the value is above 3 from 0.4 s on
+  EXPECT_EQ(run.column("time").back(), 0.7);  // the value is above 3 from 0.4 s
 }
 
 TEST(StopWhen, ABreakStartsTheTimeAnew) {
-  // The sum over the buffer rises to 16 * 255 and falls to 0 every 256 steps: above 4000 for 0.4 s at a time.
+  // The sum over the buffer rises to 16 * 255 and falls to 0 every 256 steps. It is above 4000 for 0.4 s each time.
   const auto stopping = [](const std::string& duration) {
     TestRun run(R"({"step": 0.1, "stop_time": 60, "instances": {"a": {"fmu": "PROBE"}, "b": {"fmu": "PROBE"}},
       "connections": [{"from": "a.buffer", "to": "b.taken"}], "record": ["b.taken_sum"],

@@ -11,8 +11,8 @@ using test::TestRun;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-// The system has everything that needs saved state: two step sizes, a buffer, a stop condition with a duration, an
-// outcome with `ever`.
+// A system with all kinds of saved state: two step sizes, a buffer, a stop condition with a duration, and an outcome
+// with `ever`.
 constexpr const char* kSystem = R"({"step": 0.01, "stop_time": 3, "instances": {
     "a": {"fmu": "PROBE", "parameters": {"gain": -0.9, "offset": 0.3}},
     "b": {"fmu": "PROBE", "parameters": {"gain": 0.8}, "step": 0.03}},
@@ -32,7 +32,7 @@ TEST(State, ARunRestoredFromTheMiddleGivesTheSameBytes) {
 
   TestRun run(kSystem);
   run.initialize();
-  step_to(run, 151);  // now b is in the middle of its step
+  step_to(run, 151);  // b is in the middle of its step
   const auto state = run.simulation().save_state();
   step_to(run, 180);
   EXPECT_FALSE(run.simulation().ended());
@@ -65,7 +65,7 @@ TEST(State, AStateTravelsAsBytes) {
 }
 
 TEST(State, ConditionsOnGroupsRememberWhatHeldBefore) {
-  // All conditions become true before step 90; those with `ever` are false at the end.
+  // All conditions become true before step 90. Those with `ever` are false at the end.
   const auto config = std::string(kSystem).substr(0, std::string_view(kSystem).find(R"("stop_when")")) + R"(
       "stop_when": [{"for": 1.5, "all": [{"variable": "a.steps", "above": 50},
           {"any": [{"variable": "b.steps", "above": 10}, {"variable": "b.steps", "below": 0}]}]}],
@@ -92,7 +92,7 @@ TEST(State, ConditionsOnGroupsRememberWhatHeldBefore) {
 }
 
 TEST(State, AnFmuHearsThatItMayBeSetBackOnlyWhereThatCanHappen) {
-  // noSetFMUStatePriorToCurrentPoint matters: libcosim's quarter truck does not advance if it is false.
+  // If noSetFMUStatePriorToCurrentPoint is false, libcosim's quarter truck does not advance.
   const auto set_backs = [](const std::string& more, bool keep) {
     TestRun run(fmt::format(
         R"({{"step": 0.1, "stop_time": 0.4, "instances": {{"a": {{"fmu": "PROBE"{}}}}}, "connections": [], "record": ["a.set_backs"]}})",
@@ -114,7 +114,7 @@ TEST(State, AnFmuHearsThatItMayBeSetBackOnlyWhereThatCanHappen) {
 }
 
 TEST(State, AStateOfBeforeAStepThatWasTakenWithoutOneIsRefused) {
-  // The master has promised the FMU not to restore an earlier state, so the FMU may have dropped the data for this.
+  // The master has promised the FMU not to restore an earlier state. The FMU may have discarded its data.
   TestRun run(kSystem);
   run.initialize();
   const auto bytes = run.simulation().serialize(run.simulation().save_state());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that `mebots run` handles early returns and events, and reports the faults of FMUs of FMI 3.0 by name: those of
-// tests/fmus/unruly.cpp and the Clocks of metronome.cpp. The fault begins at 0.5 s.
+// Tests early returns, events and faults of FMUs of FMI 3.0, with tests/fmus/unruly.cpp and the clocks of
+// metronome.cpp. The fault occurs at 0.5 s.
 #include "test_system.hpp"
 
 #include <fmt/format.h>
@@ -17,7 +17,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-/// A fault of unruly.cpp and the text that reports it.
+/// A fault of unruly.cpp and its message.
 struct Case {
   int fault;
   std::string text;
@@ -27,7 +27,7 @@ void PrintTo(const Case& one, std::ostream* out) {
   *out << "fault " << one.fault;
 }
 
-/// The second value is true if the instances run in their own processes.
+/// The second value is true if the instances run in separate processes.
 using FaultAndPlace = std::tuple<Case, bool>;
 
 class Unruly : public testing::Test {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests changes by an FMU to the process that it shares with the master and other FMUs. The changes must be reported
-// with the FMU's name, and reverted if possible.
+// Tests process-wide changes of an FMU in the master's process. They must be reported with the FMU's name, and reverted
+// if possible.
 #include "fmi/call/foreign_call.hpp"
 #include "fmi/process/process_state.hpp"
 #include "support/sanitizer.hpp"
@@ -109,7 +109,7 @@ TEST_F(Containment, AFaultWhenAnInstanceIsFreedFailsAndKeepsTheResults) {
         {"free_crash", "instance 'b' at 1000 ms: its FMU ended the process by SIGSEGV"},
         {"destructor", "the library of the FMU probe.fmu ended the process by SIGSEGV"}}) {
     const bool exits = std::string_view(fault).ends_with("exit");
-    if (kSanitizerTakesCrashesAndMemory && !exits) continue;  // the sanitizer handles these signals itself
+    if (kSanitizerTakesCrashesAndMemory && !exits) continue;  // the sanitizer handles these signals
     const auto ended = run(fault);
     EXPECT_TRUE(exits ? ended.code == 1 : ended.code > 1) << fault << ": " << ended.code;
     EXPECT_THAT(ended.err, HasSubstr(message)) << fault;
@@ -163,7 +163,7 @@ TEST(EnvironmentVariables, AreRestoredEvenIfTheWholeTableWasReplaced) {
 }
 
 TEST_F(Containment, EveryInstanceIsWatched) {
-  // Both instances are of the same FMU; b is the second one.
+  // b is the second instance of the FMU.
   const auto ended = run_program({"run", "two.json", "--set", "b.fault=meddle"}, folder.path());
   EXPECT_EQ(ended.code, 0) << ended.err;
   EXPECT_THAT(ended.err,
@@ -178,8 +178,8 @@ TEST_F(Containment, AFileThatAnFmuOpensInItsStepsAndClosesAtTheEndIsItsOwn) {
 }
 
 TEST_F(Containment, ChangesOfTheProcessByAStepAreReportedAndReverted) {
-  // Step 4 is checked for each instance, so the instance is known. After step 5, the next check is at step 8, for all
-  // instances together.
+  // After step 4, each instance is checked, so that the instance is known. After step 5, the next check is in step 8,
+  // for all instances together.
   for (const auto& [time, who] :
        {std::pair("0.4", "b: warning: the FMU probe.fmu changed the whole process in fmi2DoStep"),
         {"0.5", "the FMU probe.fmu changed the whole process in steps from 0.4 s to 0.8 s"}}) {
@@ -216,8 +216,8 @@ TEST_F(Containment, CodeInWhichAThreadRunsStaysInMemory) {
       "instances": {{"a": {{"fmu": "PROBE", "parameters": {{"fault": "{}", "fault_time": 0.5}}}}}}}})",
                        fault);
   };
-  // Only additional libraries are counted, because other tests have left libraries in this process. After fmi2Fatal, a
-  // library stays loaded, too.
+  // Counts only new libraries, because other tests have left libraries in this process. After fmi2Fatal, a library also
+  // stays loaded.
   const auto mapped = [] {
     std::istringstream maps(read_file("/proc/self/maps"));
     int count = 0;
@@ -228,11 +228,11 @@ TEST_F(Containment, CodeInWhichAThreadRunsStaysInMemory) {
   TestRun(config("")).to_end();
   EXPECT_EQ(mapped(), before) << "without threads the library goes with the run";
   {
-    TestRun run(config("thread_stays"));  // the thread runs code of the FMU for a tenth of a second
+    TestRun run(config("thread_stays"));  // the thread executes code of the FMU for 0.1 s
     run.to_end();
   }
   EXPECT_GT(mapped(), before);
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // would end this process
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // an unloaded library would end this process
   const auto ended = run_program({"run", "two.json", "--set", "b.fault=thread_stays"}, folder.path());
   EXPECT_EQ(ended.code, 0) << ended.err;
   EXPECT_THAT(ended.err, HasSubstr("that started after the FMU probe.fmu was loaded still run"))

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests an FMU in the master's process that changes the calling thread, ends the run, or duplicates it by a fork. Each
-// case must be reported with the instance's name, and a failed run must have an exit code other than 0.
+// Tests FMUs in the master's process that change the thread, end the run, or fork the process. Each case must be
+// reported with the name of the instance, and a failed run must have a non-zero exit code.
 #include "fmi/call/exit_guard.hpp"
 #include "fmi/call/forked_copies.hpp"
 #include "fmi/process/process_state.hpp"
@@ -33,7 +33,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-/// Calls `change` on a thread and returns the report of ProcessState. Then calls `still` on the same thread.
+/// Calls `change` and then `still` on a thread. Returns the report of ProcessState between both calls.
 template <typename Change, typename Still>
 std::vector<std::string> reported(Change change, Still still) {
   std::vector<std::string> texts;
@@ -299,7 +299,7 @@ TEST_F(Exits, ReportsChangesOfThreadAndTimersWithTheInstance) {
 }
 
 TEST_F(Exits, BlockedSignalsAreUnblockedWithinSixtyFourSteps) {
-  // The fault is in step 140 of 300; the next check of b, and of the whole process, is after step 256.
+  // The fault is in step 140 of 300. The next check is after step 256.
   const auto ended = run_program(
       {"run", "two.json", "--set", "b.fault=block", "--set", "b.fault_time=14", "--stop-time", "30"}, folder.path());
   EXPECT_EQ(ended.code, 0) << ended.err;
@@ -396,8 +396,8 @@ TEST(PendingInAProcessOfItsOwn, OthersContinueWithoutAnInstanceThatIsLostWhileIt
   EXPECT_TRUE(summary["lost_instances"].contains("a"));
 }
 
-/// Runs a mission in an embedding program. If an FMU ends its thread or the process, the program must end with a code
-/// other than 0.
+/// Runs a mission in an embedding program. If an FMU ends its thread or the process, the program must have a non-zero
+/// exit code.
 class ExitsOfPrograms : public testing::Test {
  protected:
   void fly(const std::string& fault) const {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests FMUs in separate processes: they compute the same bits as in the master's process, and cannot crash it.
+// Tests that FMUs in separate processes compute the same bits as in the master's process, and cannot crash it.
 #include "fmi/unpack_folder.hpp"
 #include "slave/isolation/guard.hpp"
 #include "support/sanitizer.hpp"
@@ -25,7 +25,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-// Describes a system with buffers, texts, two step sizes, and connections of all types.
+// A system with buffers, texts, two step sizes, and connections of all types.
 constexpr const char* kIsolatedSystem = R"({"step": 0.01, "stop_time": 1, "instances": {
     "a": {"fmu": "PROBE", "parameters": {"gain": -0.9, "offset": 0.3, "string_in": "a, b"}},
     "b": {"fmu": "PROBE", "parameters": {"gain": 0.8}, "step": 0.02}},
@@ -34,7 +34,7 @@ constexpr const char* kIsolatedSystem = R"({"step": 0.01, "stop_time": 1, "insta
                   {"from": "a.string_out", "to": "b.string_in"}, {"from": "a.boolean_out", "to": "b.boolean_in"}],
   "record": {"texts": true}})";
 
-/// Returns true if Landlock blocks signals from inside a sandbox to other processes, as it does since Linux 6.12.
+/// True if Landlock blocks signals from a sandbox to other processes (since Linux 6.12).
 bool kernel_keeps_signals_inside() {
   constexpr long kCreateRuleset = 444;
   constexpr int kAskVersion = 1;
@@ -55,14 +55,13 @@ class Isolation : public testing::Test {
   }
   std::string result(const std::string& file) const { return read_file(folder.path() / "results" / "two" / file); }
   nlohmann::json summary() const { return nlohmann::json::parse(result("summary.json")); }
-  /// Writes a config that contains further keys for instance b.
   void give_b(const std::string& keys) {
     std::string text = kIsolatedSystem;
     text.insert(text.find(R"("step": 0.02)"), keys + ", ");
     write_file(folder.path() / "two.json", with_probe(text));
   }
-  /// Returns the processes whose environment or command line names this test's folder: those started by it. A sandboxed
-  /// process has its own environment, but its command line names the unpacked FMU.
+  /// Returns the processes of this test. Their environment, or the command line of a sandboxed process, contains the
+  /// folder of the test.
   std::vector<pid_t> processes_left() const {
     std::vector<pid_t> found;
     for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
@@ -75,8 +74,7 @@ class Isolation : public testing::Test {
     }
     return found;
   }
-  /// Returns true if all these processes end within ten seconds. On a busy machine, a killed process takes some time to
-  /// end.
+  /// True if all these processes end within ten seconds. A killed process may take some time to end.
   bool all_end() const {
     for (int i = 0; i < 500 && !processes_left().empty(); ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -90,7 +88,8 @@ class Isolation : public testing::Test {
   modeldesc::TemporaryFolder folder{"mebots-test"};
 };
 
-/// Runs `mebots run two.json --isolate` with a limit of open files. Returns the exit code and the text on stderr.
+/// Runs `mebots run two.json --isolate` with the option `limit` of ulimit. Returns the exit code and the text on
+/// stderr.
 ProgramResult run_below(const std::string& limit, const std::filesystem::path& folder) {
   const auto command = fmt::format("cd '{0}' && {{ ulimit {1} && '{2}' run two.json --isolate --quiet; }} 2>'{0}/err'",
                                    folder.string(), limit, MEBOTS_PROGRAM);
@@ -120,7 +119,7 @@ TEST_F(Isolation, OwnProcessesGiveTheSameBits) {
   const auto isolated = run({"--isolate"});
   EXPECT_EQ(isolated.code, 0) << isolated.err;
   EXPECT_TRUE(result("results.csv") == csv);
-  const auto lines = [](const std::string& text) {  // the messages of each instance are in order
+  const auto lines = [](const std::string& text) {  // only the messages of each instance are in order
     std::istringstream stream(text);
     std::map<std::string, std::string> by_instance;
     for (std::string line; std::getline(stream, line);) by_instance[line.substr(14, 1)] += line + "\n";
@@ -241,7 +240,7 @@ TEST_F(Isolation, AnFmuThatClosesAllFilesOrKillsItsParentHarmsNoOther) {
   }
 }
 
-/// Runs another process of the same user during this object's lifetime.
+/// Another process of the same user during the lifetime of this object.
 class Bystander {
  public:
   Bystander() {
@@ -287,7 +286,7 @@ TEST(Guard, AllowsSignalsToItselfOnlyWithoutLandlock) {
   if (tried == 0) {
     master::isolation::forbid_harm(master::isolation::Signals::to_itself);
     const auto refused = [](long answer) { return answer == -1 && errno == EPERM; };
-    const long high = static_cast<long>(other) | (1L << 32);  // the kernel uses only the low half
+    const long high = static_cast<long>(other) | (1L << 32);  // the kernel uses only the low 32 bits
     bool held = refused(kill(other, SIGKILL)) && refused(syscall(SYS_kill, high, SIGKILL)) &&
                 refused(kill(-1, SIGKILL)) && refused(kill(0, SIGKILL)) &&
                 refused(syscall(SYS_tkill, other, SIGKILL)) && refused(syscall(SYS_tgkill, other, other, SIGKILL)) &&
@@ -301,7 +300,7 @@ TEST(Guard, AllowsSignalsToItselfOnlyWithoutLandlock) {
   EXPECT_TRUE(bystander.lives());
 }
 
-/// Data that an FMU writes into the memory shared with the master are not trusted.
+/// Tests that the master does not trust data that an FMU writes into shared memory.
 class Forgery : public Isolation, public testing::WithParamInterface<Fault> {};
 
 TEST_P(Forgery, EndsTheRunWithItsCulprit) {
@@ -362,7 +361,6 @@ class Sandbox : public Isolation {
   void SetUp() override {
     if (!sandbox_refusal().empty()) GTEST_SKIP() << sandbox_refusal();
   }
-  /// Runs with b in a sandbox.
   ProgramResult run_shut_in(const std::vector<std::string>& more) {
     give_b(R"("process": "sandboxed")");
     return run(more);
@@ -468,7 +466,7 @@ TEST_F(Isolation, AKilledMasterLeavesNoProcessAndTheNextOneCleansUp) {
     _exit(98);
   }
   constexpr std::size_t kAll = 4;  // the program, the keeper, the FMU's process, and the daemon
-  int stable = 0;                  // consecutive equal counts: a process that is ending is still listed for a moment
+  int stable = 0;                  // consecutive equal counts: an ending process is still listed for a short time
   for (int i = 0; i < 3000 && stable < 10; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     stable = processes_left().size() == kAll ? stable + 1 : 0;
@@ -478,8 +476,7 @@ TEST_F(Isolation, AKilledMasterLeavesNoProcessAndTheNextOneCleansUp) {
   waitpid(child, nullptr, 0);
   EXPECT_TRUE(all_end());
   EXPECT_FALSE(std::filesystem::is_empty(temporary));
-  // When a process ends, its environment disappears before its files are closed. Its locks disappear only when its
-  // files are closed.
+  // The environment of an ending process disappears before its files are closed, which releases its locks.
   for (const auto& entry : std::filesystem::directory_iterator(temporary)) {
     const int owner = open((entry.path() / "owner").c_str(), O_RDWR | O_CLOEXEC);
     if (owner < 0) continue;

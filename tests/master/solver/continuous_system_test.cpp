@@ -18,14 +18,14 @@ namespace {
 using Laws = PlainModel::Laws;
 using Values = PlainModel::Values;
 
-/// Returns the model x' = -rate (x - input). x is its output, and its second variable is the input.
+/// Returns the model x' = -rate (x - input). Variable 0 is the output x, and variable 1 is the input.
 Laws decay(double rate) {
   return {.states = 1, .values = 2, .derivatives = [rate](double, const Values& v, auto d) {
             d[0] = -rate * (v[0] - v[1]);
           }};
 }
 
-/// Returns a ball that falls from a height and bounces with a coefficient of restitution.
+/// Returns a ball that falls and bounces with a coefficient of restitution.
 Laws bouncing_ball(double restitution, double rest_below) {
   return {.states = 2,
           .values = 2,
@@ -92,8 +92,7 @@ TEST(ContinuousSystem, KeepsOrderAndStepOverCommunicationPoints) {
 }
 
 TEST(ContinuousSystem, EvaluatesConnectionsInsideTheRightHandSide) {
-  // The two coupled decays are x' = -(x - y) and y' = -(y - x). Their sum is constant, and their difference decays with
-  // rate 2.
+  // Two coupled decays x' = -(x - y) and y' = -(y - x): the sum is constant, and the difference decays with rate 2.
   PlainModel a("a", decay(1), {1, 0});
   PlainModel b("b", decay(1), {0, 0});
   const std::vector<Wire> wires = {{.from = {0, 0}, .to = {1, 1}, .dependencies = std::vector<ValueReference>{}},
@@ -120,7 +119,7 @@ TEST(ContinuousSystem, ReadsOutputsAfterTheInputsThatTheyDependOn) {
 }
 
 TEST(ContinuousSystem, SettlesALoopThatContracts) {
-  // From y = 0.5 u + 1 and u = y, both are 2.
+  // y = 0.5 u + 1 and u = y have the solution 2.
   const Laws half = {.values = 2, .outputs = [](double, Values& v) { v[1] = 0.5 * v[0] + 1; }};
   PlainModel a("a", half, {0, 0});
   PlainModel b("b", {.values = 2, .outputs = [](double, Values& v) { v[1] = v[0]; }}, {0, 0});
@@ -144,17 +143,17 @@ TEST(ContinuousSystem, FindsTheTimesOfImpactsExactly) {
   PlainModel ball("ball", bouncing_ball(0.7, 0.1), {1, 0});
   ContinuousSystem system(parts_of({&ball}, {}, 1e-10), {});
   system.initialize(0);
-  // The ball falls for sqrt(2 h / g). After impact number n, it flies for 2 e^n v / g.
+  // The ball falls for sqrt(2 h / g). After impact n, it flies for 2 e^n v / g.
   const double first_s = std::sqrt(2 / 9.81);
   const double speed = 9.81 * first_s;
-  system.advance(first_s + 0.7 * speed / 9.81);  // time of the top of the first flight
+  system.advance(first_s + 0.7 * speed / 9.81);  // at the top of the first flight
   EXPECT_NEAR(ball.value(0), 0.49, 1e-9);
   EXPECT_NEAR(ball.value(1), 0, 1e-8);
   EXPECT_EQ(system.statistics().counts.state_events, 1);
   system.advance(first_s + 2 * 0.7 * speed / 9.81 + 0.49 * speed / 9.81);
   EXPECT_NEAR(ball.value(0), 0.49 * 0.49, 1e-8);
   system.advance(4);
-  EXPECT_EQ(ball.value(0), 0);  // the ball is at rest
+  EXPECT_EQ(ball.value(0), 0);  // at rest
   EXPECT_EQ(ball.value(1), 0);
 }
 
@@ -168,7 +167,7 @@ TEST(ContinuousSystem, NamesTheModelOfEventsWithoutEnd) {
 }
 
 TEST(ContinuousSystem, SolvesRobertsonsStiffKinetics) {
-  // Hairer and Wanner, Solving Ordinary Differential Equations II: the solution at t = 40.
+  // Solution at t = 40: Hairer and Wanner, Solving Ordinary Differential Equations II.
   const Laws robertson = {.states = 3, .values = 3, .derivatives = [](double, const Values& v, auto d) {
                             d[0] = -0.04 * v[0] + 1e4 * v[1] * v[2];
                             d[2] = 3e7 * v[1] * v[1];
@@ -185,7 +184,7 @@ TEST(ContinuousSystem, SolvesRobertsonsStiffKinetics) {
 }
 
 TEST(ContinuousSystem, HandlesTimeEventsAtTheirTimes) {
-  // Defines a model that adds 1 to its state every 0.3 s.
+  // The model adds 1 to its state every 0.3 s.
   const Laws clock = {.states = 1,
                       .values = 2,
                       .derivatives = [](double, const Values&, auto d) { d[0] = 0; },
@@ -242,7 +241,7 @@ TEST(ContinuousSystem, KeepsTheSolversStepsIfAStepEventChangesNothing) {
 }
 
 TEST(ContinuousSystem, RestartsIfAStepEventChangesTheSignOfAnIndicator) {
-  // Defines a clock x' = 1 with the threshold v[1]. One step event moves the threshold from above x to below x.
+  // A clock x' = 1 with the threshold v[1]. One step event moves the threshold from above x to below x.
   const Laws laws = {
       .states = 1,
       .values = 2,
@@ -265,7 +264,7 @@ TEST(ContinuousSystem, RestartsIfAStepEventChangesTheSignOfAnIndicator) {
 }
 
 TEST(ContinuousSystem, PassesEventsOnToOtherMembers) {
-  // `a` jumps at 0.5. In event mode, `b` counts the increases of its input.
+  // `a` jumps at 0.5. `b` counts the increases of its input in event mode.
   const Laws jump = {.values = 1, .update = [](double t, Values& v) {
                        if (t >= 0.5) v[0] = 1;
                        return DiscreteUpdate{.next_event_s = t < 0.5 ? std::optional(0.5) : std::nullopt};
@@ -332,7 +331,7 @@ TEST(ContinuousSystem, EndsWhereAMemberRequestsIt) {
   EXPECT_NEAR(reached.time_s, 0.5, 1e-12);
 }
 
-/// Simulates a pair of oscillators with directional derivatives.
+/// A pair of oscillators with directional derivatives.
 class LinearModel final : public PlainModel {
  public:
   LinearModel(std::string name, Values start)

@@ -14,10 +14,10 @@
 #include <utility>
 #include <vector>
 
-/// Defines continuous models in plain C++, without FMI.
+/// Defines continuous models in C++ without FMI.
 namespace mebots::master {
 
-/// Implements a model by functions of its variables. `values` contains all Reals by reference, the states first.
+/// A model that consists of functions of its variables. `values` contains all Reals; the first ones are the states.
 class PlainModel : public ContinuousInstance {
  public:
   using Values = std::vector<double>;

@@ -15,26 +15,25 @@
 namespace mebots::master {
 namespace {
 
-constexpr std::size_t kPage = 4096;  // the smallest page size; memory is mapped in multiples of it
+constexpr std::size_t kPage = 4096;  // smallest page size
 constexpr std::size_t kFirstPiece = 256;
 constexpr int kWidest = 1000;
 constexpr int kMostConversions = 100;
 
-/// Copies `size` bytes, all of which are in one page. Returns false if they cannot be read.
+/// Copies `size` bytes of a single page. Returns false if they cannot be read.
 bool copy_out(const char* from, char* to, std::size_t size) {
   const iovec local{to, size};
   const iovec remote{const_cast<char*>(from), size};
   if (process_vm_readv(getpid(), &local, 1, &remote, 1, 0) == static_cast<ssize_t>(size)) return true;
   if (errno == EFAULT || errno == ENOMEM) return false;
-  std::memcpy(to, from, size);  // copies directly, because the system forbids the check
+  std::memcpy(to, from, size);  // direct copy, because the system forbids the check
   return true;
 }
 
-/// The length modifier of a conversion. It determines the type of the argument.
+/// The length modifier of a conversion, which determines the type of the argument.
 enum class Length { usual, l, ll, z, j, t, L };
 
-/// Contains the arguments of a format. A va_list may be an array, which cannot be passed by reference, but this struct
-/// can.
+/// The arguments of a format. A struct can be passed by reference, but a va_list may be an array, which cannot.
 struct Arguments {
   std::va_list list;
 };
@@ -99,8 +98,7 @@ class Formatter {
  private:
   char peek(std::size_t at) const { return at < format_.size() ? format_[at] : '\0'; }
 
-  /// Reads a width or precision at the index `at`, and moves `at` to the character after it. Returns nullopt if the
-  /// number is missing or negative.
+  /// Reads a width or precision at `at`, and moves `at` after it. Returns nullopt if the number is missing or negative.
   std::optional<int> number(std::size_t& at) {
     if (peek(at) == '*') {
       ++at;
@@ -119,11 +117,10 @@ class Formatter {
     if (modifier == "z") return Length::z;
     if (modifier == "j") return Length::j;
     if (modifier == "t") return Length::t;
-    return modifier == "L" ? Length::L : Length::usual;  // arguments of h and hh are passed as int
+    return modifier == "L" ? Length::L : Length::usual;  // int for h and hh
   }
 
-  /// Formats the conversion at the percent sign, and moves `at_` to the character after it. If the conversion is
-  /// unknown, returns false without moving `at_`.
+  /// Formats the conversion at at_, and moves at_ after it. Returns false for an unknown conversion.
   bool convert() {
     auto at = at_ + 1;
     std::string form = "%";
@@ -180,7 +177,7 @@ class Formatter {
       case 'p':
         text_ += printed("%p", va_arg(arguments_->list, void*));
         return true;
-      case 'n':  // would write to the address in the argument
+      case 'n':  // %n would write to the address in the argument
         va_arg(arguments_->list, void*);
         text_ += "%n";
         return true;

@@ -20,9 +20,9 @@
 namespace mebots::master {
 namespace {
 
-constinit thread_local CallbackScope* current = nullptr;  // the call to an FMU on this thread
-constinit thread_local CurrentCallback callback{};        // the callback that this call is executing
-// The library call on this thread, if it is outside of calls to instances.
+constinit thread_local CallbackScope* current = nullptr;  // current call to an FMU on this thread
+constinit thread_local CurrentCallback callback{};
+// Loading or unloading of a library on this thread.
 constinit thread_local CurrentCall of_library{};
 constinit std::atomic<bool> callbacks_ignored{false};
 
@@ -37,7 +37,7 @@ class InCallback {
   CurrentCallback outer_;
 };
 
-/// Contains all targets. A callback on a thread that is not in a call to an FMU finds its target here.
+/// All targets, for callbacks on threads that are not in a call to an FMU.
 struct Registry {
   std::mutex mutex;
   std::unordered_set<CallbackTarget*> targets;
@@ -49,7 +49,7 @@ Registry& registry() {
   return all;
 }
 
-/// Returns the only target that satisfies the predicate. Returns null if no target satisfies it, or several do.
+/// Returns the only target for which the predicate is true; null if there are none or several.
 template <typename Predicate>
 CallbackTarget* find_only(const std::unordered_set<CallbackTarget*>& targets, Predicate predicate) {
   const auto found = std::ranges::find_if(targets, predicate);
@@ -65,7 +65,7 @@ bool is_kept(const Registry& all, const void* environment) {
   return false;
 }
 
-/// Finds the target of a callback. Only compares the FMU's pointer with known targets, and never dereferences it.
+/// Finds the target of a callback. Compares the FMU's pointer, but does not dereference it.
 CallbackTarget* find(const std::unordered_set<CallbackTarget*>& targets, const void* environment,
                      const std::optional<std::string>& name) {
   const auto has_environment = [&](const CallbackTarget* target) { return target->environment() == environment; };
@@ -81,8 +81,8 @@ CallbackTarget* find(const std::unordered_set<CallbackTarget*>& targets, const v
   return targets.size() == 1 ? *targets.begin() : nullptr;
 }
 
-/// Calls `work` with the target of a callback. Returns false if the callback belongs to no instance. If the callback
-/// belongs to an instance that could not be freed, returns true without calling `work`.
+/// Calls `work` with the target of a callback. Returns false if the callback belongs to no instance. For an instance
+/// that could not be freed, returns true without calling `work`.
 template <typename Work>
 bool with_target(const void* environment, const std::optional<std::string>& name, Work work) {
   if (current != nullptr) {
@@ -90,7 +90,7 @@ bool with_target(const void* environment, const std::optional<std::string>& name
     return true;
   }
   auto& all = registry();
-  const std::lock_guard lock(all.mutex);  // prevents the destruction of the target during the call
+  const std::lock_guard lock(all.mutex);  // prevents the destruction of the target during `work`
   if (is_kept(all, environment)) return true;
   auto* target = find(all.targets, environment, name);
   if (target != nullptr) work(*target, false);
@@ -108,7 +108,7 @@ std::string without_line_end(std::string text) {
   return text;
 }
 
-/// Passes a message to its instance. Never throws: if an error occurs, the message is lost.
+/// Delivers a message to its instance. Never throws. The message is lost if an error occurs.
 void pass_on(LoggerCall call, const void* environment) noexcept {
   try {
     if (is_forked_copy()) {  // the files of the run belong to the original process
@@ -126,13 +126,13 @@ void pass_on(LoggerCall call, const void* environment) noexcept {
   }
 }
 
-/// Returns the text of a message. If it is missing or unreadable, returns a text that states this.
+/// Returns the text of a message, or a description of its error.
 std::string message_text(const std::optional<std::string>& text, const char* address) {
   if (text) return without_line_end(valid_utf8(*text));
   return address == nullptr ? "(a message without a text)" : "(a message whose text cannot be read)";
 }
 
-/// Formats a message and passes it to its instance. Never throws, because foreign code calls this function.
+/// Formats a message and delivers it to its instance. Never throws, because an FMU is the caller.
 void log_formatted(LoggerCall call, const void* environment, const char* instance, const char* category,
                    const char* message, std::va_list arguments) noexcept {
   try {
@@ -184,8 +184,8 @@ void log_message(fmi3InstanceEnvironment environment, fmi3Status status, fmi3Str
   }
 }
 
-/// Handles an intermediate update, and never requests an early return. Ignores calls from threads of the FMU, so that
-/// the FMU's inputs stay unchanged.
+/// Handles an intermediate update without an early return. Ignores calls from threads of the FMU. The inputs then do
+/// not change.
 void intermediate_update(fmi3InstanceEnvironment /*environment*/, fmi3Float64 time_s, fmi3Boolean set_requested,
                          fmi3Boolean /*get_allowed*/, fmi3Boolean /*step_finished*/, fmi3Boolean /*can_return_early*/,
                          fmi3Boolean* early_return, fmi3Float64* early_return_s) {
@@ -194,15 +194,15 @@ void intermediate_update(fmi3InstanceEnvironment /*environment*/, fmi3Float64 ti
   if (set_requested && current != nullptr) current->target().listener().intermediate_update(time_s);
 }
 
-/// Returns the loaded library that contains the code at this address. Returns null if no library contains it.
+/// Returns the loaded library that contains the code at this address; null if no library contains it.
 const void* library_of(const void* code) {
   Dl_info info{};
   void* library = nullptr;
   return dladdr1(code, &info, &library, RTLD_DL_LINKMAP) != 0 ? library : nullptr;
 }
 
-/// Counts a call of stepFinished that belongs to no known instance. Increments the counters of all instances whose
-/// library contains the caller. If no library contains it, increments the counters of all instances.
+/// Counts a call of stepFinished that belongs to no instance, for all instances whose library contains the caller. If
+/// no library contains the caller, counts it for all instances.
 void count_dropped_step_end(const void* caller) {
   const auto* library = library_of(caller);
   auto& all = registry();
@@ -214,7 +214,7 @@ void count_dropped_step_end(const void* caller) {
   }
 }
 
-/// Handles stepFinished. `caller` is an address in the code that called it.
+/// Handles stepFinished. `caller` is the address of the calling code.
 void end_step(const void* environment, int status, const void* caller) noexcept {
   const InCallback here({"stepFinished", false});
   try {
@@ -230,7 +230,7 @@ void step_finished(fmi2ComponentEnvironment environment, fmi2Status status) {
   end_step(environment, status, __builtin_return_address(0));
 }
 
-/// The stepFinished of FMI 1.0, which receives no environment. The component identifies the instance.
+/// stepFinished of FMI 1.0, which receives no environment. The component identifies the instance.
 void step_finished_fmi1(fmiComponent component, fmiStatus status) {
   end_step(component, status, __builtin_return_address(0));
 }

@@ -20,8 +20,7 @@ namespace mebots::master {
 namespace {
 
 constexpr std::array kCrashes = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS};
-/// The signals that timers, file descriptors and the process itself may send. install_crash_notice() adds the real-time
-/// signals.
+/// Signals that timers, file descriptors and this process may send. install_crash_notice() adds the real-time signals.
 constexpr std::array kEnds = {SIGALRM, SIGVTALRM, SIGPROF, SIGUSR1, SIGUSR2, SIGPOLL, SIGSTKFLT};
 
 std::string_view name_of(int signal) {
@@ -43,8 +42,8 @@ std::string_view name_of(int signal) {
   }
 }
 
-/// Reports a crash on a thread that is not in a call to an FMU. The thread may belong to an FMU, to the embedding
-/// program or to mebots.
+/// Reports a crash on a thread outside of calls to FMUs. The thread may belong to an FMU, to the embedding program or
+/// to mebots.
 void report_other_thread(int signal) {
   SignalLine line;
   line << "mebots: error: " << name_of(signal) << " ended the process on a thread outside of calls to FMUs. ";
@@ -89,7 +88,7 @@ void on_crash(int signal) {
   } else {
     report_other_thread(signal);
   }
-  raise(signal);  // SA_RESETHAND: the default action runs when this handler returns
+  raise(signal);  // SA_RESETHAND: the default action follows when this handler returns
 }
 
 bool is_sent_by_itself(const siginfo_t& info) {
@@ -103,7 +102,7 @@ void on_end(int signal, siginfo_t* info, void* /*context*/) {
     return;
   }
   std::signal(signal, SIG_DFL);
-  raise(signal);  // is delivered when this handler returns
+  raise(signal);  // takes effect when this handler returns
 }
 
 void handle(int signal, const struct sigaction& action) {
@@ -120,7 +119,7 @@ bool has_timer() {
 }  // namespace
 
 void install_crash_notice() {
-  // The handler runs on a separate stack, because the stack of the thread may have overflowed.
+  // The handler needs its own stack, because the stack of the thread may have overflowed.
   static std::array<std::byte, 1 << 16> stack;
   stack_t known{};
   if (sigaltstack(nullptr, &known) == 0 && (known.ss_flags & SS_DISABLE) != 0) {

@@ -27,7 +27,7 @@ struct Guards {
 };
 
 Guards& guards() {
-  static Guards& all = *new Guards;  // never destroyed, because it is used until the process ends
+  static Guards& all = *new Guards;  // never destroyed, because handlers use it until the process ends
   return all;
 }
 
@@ -46,19 +46,19 @@ std::string reason(const char* what) {
                      call.function, kRemedy);
 }
 
-/// The number of the process whose runs are guarded. Processes that were forked from it are not guarded.
+/// The process whose runs are guarded. Its child processes are not guarded.
 std::atomic<pid_t> guarded_process = 0;
-/// The number of the thread that ends the process because a run was busy. 0 if no thread does this.
+/// The thread that ends the process during a busy run; 0 if no thread does.
 std::atomic<pid_t> ending_thread = 0;
-/// The signal that was received outside of calls and that is kept for the run's thread. 0 if no signal is kept.
+/// A signal that was received outside of calls to FMUs; 0 if there was none.
 std::atomic<int> kept_signal = 0;
 
 [[noreturn]] void end_at_once() {
   for (;;) syscall(SYS_exit_group, EXIT_FAILURE);
 }
 
-/// Waits without end if another thread is ending the process. If the calling thread is ending it, ends the process at
-/// once. If no thread is ending it, returns.
+/// Waits forever if another thread is ending the process. If the calling thread is ending it, ends it immediately.
+/// Returns if no thread is ending it.
 void leave_it_to_the_ending_thread() {
   const pid_t ending = ending_thread.load();
   if (ending == 0) return;
@@ -66,9 +66,8 @@ void leave_it_to_the_ending_thread() {
   for (;;) pause();
 }
 
-/// Limits the time for writing results when the process ends. _exit() may be called in a signal handler, or while the
-/// interrupted code holds locks of the heap. In this case, writing results could wait for these locks without end. The
-/// alarm then ends the process, and the results are lost.
+/// Limits the time for writing results at the end of the process. The interrupted code may hold locks of the heap, for
+/// which writing would wait forever. The alarm then ends the process without results.
 void end_by_alarm() {
   constexpr unsigned kLongestEndS = 60;
   std::signal(SIGALRM, SIG_DFL);
@@ -79,7 +78,7 @@ void end_by_alarm() {
   alarm(kLongestEndS);
 }
 
-/// Locks the mutex of the guards. Does not wait without end, because the interrupted code of this thread may hold the
+/// Locks the mutex of the guards. Gives up after one second, because the interrupted code of this thread may hold the
 /// mutex.
 std::unique_lock<std::mutex> lock_known_guards() {
   constexpr int kTries = 1000;
@@ -89,8 +88,7 @@ std::unique_lock<std::mutex> lock_known_guards() {
   return lock;
 }
 
-/// Registers handlers of the C library that run at exit() and quick_exit(), while the FMU's functions are still on the
-/// stack.
+/// Registers handlers for exit() and quick_exit(). They run while the FMU's functions are still on the stack.
 bool register_exit_handler() {
   return std::atexit([] { end_busy_runs("called exit()"); }) == 0 &&
          std::at_quick_exit([] { end_busy_runs("called quick_exit()"); }) == 0;
@@ -106,8 +104,7 @@ void end_busy_runs(const char* what) {
     if (!lock.owns_lock()) end_at_once();
     auto& all = guards().all;
     std::ranges::copy_if(all, std::back_inserter(busy), &ExitGuard::busy);
-    for (const auto* guard : busy)
-      std::erase(all, guard);  // reports the end only once, even if something else ends the process afterwards
+    for (const auto* guard : busy) std::erase(all, guard);  // reports the end only once
     if (!busy.empty()) ending_thread = gettid();
   }
   if (busy.empty()) {
@@ -130,8 +127,7 @@ bool end_by_signal(int signal) {
     return false;
   }
   const std::unique_lock lock(guards().mutex, std::try_to_lock);
-  // If another thread holds the mutex, that thread is creating or destroying a guard. In this case, a busy run is
-  // assumed.
+  // If another thread holds the mutex, it is creating or destroying a guard. A busy run is then assumed.
   if (lock.owns_lock() && std::ranges::none_of(guards().all, &ExitGuard::busy)) return false;
   kept_signal = signal;
   return true;

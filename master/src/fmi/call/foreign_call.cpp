@@ -49,8 +49,8 @@ void end_with_thread() {
   for (;;) syscall(SYS_exit_group, EXIT_FAILURE);
 }
 
-// The bits are those of the Intel 64 and IA-32 Architectures Software Developer's Manual, volume 1: figures 10-3
-// (MXCSR) and 8-6 (control word).
+// Bits of the registers: Intel 64 and IA-32 Architectures Software Developer's Manual, volume 1, figures 10-3 (MXCSR)
+// and 8-6 (control word).
 std::string difference_text(const FloatEnvironment& found, const FloatEnvironment& wanted) {
   constexpr std::array kRounding = {"to nearest", "downward", "upward", "toward zero"};
   constexpr std::uint32_t kTraps = 0x1f80;

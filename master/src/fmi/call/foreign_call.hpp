@@ -12,24 +12,24 @@
 
 namespace mebots::master {
 
-/// Thrown if a C++ exception leaves foreign code through its C interface. The message contains the exception's type and
-/// text.
+/// Thrown if a C++ exception leaves an FMU through its C interface. The message contains the type and text of the
+/// exception.
 class ForeignException : public Error {
  public:
   explicit ForeignException(const std::string& text) : Error(ErrorCode::fmu_failed, text) {}
 };
 
-/// Returns text such as "threw std::runtime_error (it diverged) through its C interface". Must be called in a catch
-/// block.
+/// Describes the current exception, such as "threw std::runtime_error (it diverged) through its C interface". Must be
+/// called in a catch block.
 std::string escaped_exception_text();
 
-/// Reports the busy runs as failed and ends the process. Must be called when foreign code is ending the thread that
-/// called this code, because this end cannot be prevented.
+/// Makes the busy runs fail and ends the process. Must be called while an FMU is ending the current thread, which
+/// cannot be prevented.
 [[noreturn]] void end_with_thread();
 
-/// Calls foreign code and returns the result of `work`. Converts an exception to ForeignException. If the call returns
-/// in a forked copy of the process, ends the copy. If the foreign code ends the thread, ends the process. The function
-/// is inlined, because passing arguments in memory costs as much as the step of a small FMU.
+/// Calls `work`, which calls an FMU, and returns its result. Converts an exception to ForeignException. If the call
+/// returns in a forked copy of the process, ends the copy. If the FMU ends the thread, ends the process. Inlined,
+/// because passing arguments in memory takes as long as the step of a small FMU.
 template <typename Work>
 [[gnu::always_inline]] inline std::invoke_result_t<Work&> call_foreign(Work work) {
   try {
@@ -51,12 +51,12 @@ template <typename Work>
   }
 }
 
-/// The floating-point environment of a thread: rounding, trapped exceptions and flushing of denormals. Contains the
-/// MXCSR register without the sticky flags, and the x87 control word. Any library can change them for code that runs on
-/// the thread later. On machines other than x86-64, all objects are equal, and enter() has no effect.
+/// The floating-point environment of a thread: rounding, trapped exceptions and flushing of denormals. It consists of
+/// the MXCSR register without the sticky flags, and the x87 control word. Any library can change it. On machines other
+/// than x86-64, all objects are equal and enter() has no effect.
 struct FloatEnvironment {
   std::uint32_t mxcsr = 0x1f80;
-  std::uint16_t x87 = 0x037f;  ///< the defaults of both registers: IEEE 754, rounding to nearest, no traps
+  std::uint16_t x87 = 0x037f;  ///< default of both registers: IEEE 754, rounding to nearest, no traps
 
 #if defined(__x86_64__)
   static FloatEnvironment now() {
@@ -79,8 +79,7 @@ struct FloatEnvironment {
   bool operator==(const FloatEnvironment&) const = default;
 };
 
-/// Returns a text that describes the differences between `found` and `wanted`, such as "rounding upward, denormals are
-/// flushed to zero".
+/// Describes the differences between `found` and `wanted`, such as "rounding upward, denormals are flushed to zero".
 std::string difference_text(const FloatEnvironment& found, const FloatEnvironment& wanted);
 
 }  // namespace mebots::master

@@ -26,12 +26,12 @@ constinit std::atomic<char>* detail::original = &always_original;
 
 namespace {
 
-/// The maximum time to wait for forked copies that are still running. A copy that returns from the FMU's call needs
-/// less time.
+/// The maximum wait for forked copies that are still running. A copy that returns from a call to the FMU needs less
+/// time.
 constexpr int kGraceMs = 100;
 
-/// The descriptors to which a forked copy writes its report. A copy must not lock a mutex, because it contains only the
-/// thread that has forked.
+/// The file descriptors for reports of forked copies. They are atomic, because a copy contains only the forking thread
+/// and must not lock a mutex.
 std::array<std::atomic<int>, ForkedCopies::kMost>& write_ends() {
   static auto& all = *[] {
     auto* const made = new std::array<std::atomic<int>, ForkedCopies::kMost>;
@@ -41,8 +41,8 @@ std::array<std::atomic<int>, ForkedCopies::kMost>& write_ends() {
   return all;
 }
 
-/// Returns a page of memory that the kernel fills with zeros in forked processes. Returns null if the system has no
-/// such memory.
+/// Returns a page of memory that the kernel fills with zeros in forked processes; null if the system does not support
+/// this.
 void* page_wiped_on_fork() {
   constexpr std::size_t kBytes = 4096;
   void* const page = mmap(nullptr, kBytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
@@ -52,7 +52,7 @@ void* page_wiped_on_fork() {
   return nullptr;
 }
 
-/// Called in the forked copy, on the thread that has forked.
+/// Called in the forked copy, on its only thread.
 void after_fork() {
   const auto call = current_call();
   if (call.instance == nullptr && call.library == nullptr) detail::original->store(1, std::memory_order_relaxed);
@@ -115,7 +115,7 @@ void ForkedCopies::close_end(int& end) {
 }
 
 std::optional<std::string> ForkedCopies::returned() {
-  close_end(write_end_);  // now only copies hold this end; if there are none, reading ends at once
+  close_end(write_end_);  // then only copies have this end open; without copies, poll() returns at once
   pollfd reports{read_end_, POLLIN, 0};
   if (read_end_ < 0 || poll(&reports, 1, kGraceMs) <= 0) return std::nullopt;
   std::array<char, 1024> text;

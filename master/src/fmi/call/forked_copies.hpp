@@ -5,15 +5,15 @@
 #include <optional>
 #include <string>
 
-/// Ends forked copies of the process that return from a call to an FMU. An FMU may fork helpers that exit or call
-/// exec(). However, a copy that returns would execute the rest of the run a second time. Therefore mebots ends such a
-/// copy, after the copy has sent a report to the original process.
+/// Ends forked copies of this process that return from a call to an FMU. An FMU may fork children that exit or call
+/// exec(). A child that returns would run the rest of the simulation a second time. Such a child sends a report to the
+/// original process and ends.
 namespace mebots::master {
 
-/// Receives reports while it exists: one for each forked copy of this process that returns from the call to its FMU.
+/// Receives a report from each forked copy of this process that returns from a call to an FMU.
 class ForkedCopies {
  public:
-  /// The maximum number of receivers that can exist at the same time.
+  /// The maximum number of objects at the same time.
   static constexpr int kMost = 256;
 
   ForkedCopies();
@@ -21,8 +21,8 @@ class ForkedCopies {
   ForkedCopies(const ForkedCopies&) = delete;
   ForkedCopies& operator=(const ForkedCopies&) = delete;
 
-  /// Returns the report of the first copy that returned from a call, or nullopt if no copy returned. Waits briefly if
-  /// copies are still running. Must be called once, after the last call to an FMU that may fork.
+  /// Returns the report of the first copy that returned from a call; nullopt if no copy returned. Waits for a short
+  /// time if copies are still running. Must be called once, after the last call to an FMU.
   std::optional<std::string> returned();
 
  private:
@@ -34,21 +34,20 @@ class ForkedCopies {
 };
 
 namespace detail {
-/// Points to a flag that the kernel sets to 0 in a forked copy of the process. If the embedding program creates the
-/// copy outside of calls to FMUs, the copy sets the flag again.
+/// A flag that the kernel sets to 0 in a forked copy. If the embedding program forks outside of calls to FMUs, the
+/// child sets the flag again.
 extern std::atomic<char>* original;
 }  // namespace detail
 
-/// Must be called before the first call to an FMU. May be called from any thread.
+/// Must be called before the first call to an FMU, from any thread.
 void detect_forked_copies();
 
-/// Returns true if this process was forked during a call to an FMU.
+/// True if this process was forked during a call to an FMU.
 inline bool is_forked_copy() noexcept {
   return detail::original->load(std::memory_order_relaxed) == 0;
 }
 
-/// Reports to the original process, and on standard error, that this forked copy returned from a call to an FMU. Then
-/// ends the copy.
+/// Ends this forked copy. Before that, reports its return from a call to the original process and on standard error.
 [[noreturn]] void end_forked_copy() noexcept;
 
 }  // namespace mebots::master

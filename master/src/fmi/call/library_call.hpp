@@ -11,8 +11,8 @@
 
 namespace mebots::master {
 
-/// Calls code of an FMU's library outside of any instance, and returns the result. Throws InputError if the code throws
-/// an exception. `doing` completes the phrase "while it was ..." in this error.
+/// Calls code of an FMU's library outside of its instances. Throws InputError if the code throws an exception. The
+/// error contains "while it was" and `doing`.
 template <typename Work>
 auto call_library(const std::filesystem::path& archive, const char* doing, Work work) {
   const auto name = archive.filename().string();

@@ -30,7 +30,7 @@ std::string shown_value(const char* entry) {
   return fmt::format("'{}{}'", value.substr(0, kLongestValue), value.size() > kLongestValue ? "..." : "");
 }
 
-/// Maps names to the entries of the environment. If a name occurs twice, the first entry counts, as in getenv().
+/// Returns the entry of each environment variable. If a name occurs twice, returns the first entry, like getenv().
 std::map<std::string, char*, std::less<>> entries_by_name() {
   std::map<std::string, char*, std::less<>> entries;
   if (environ == nullptr) return entries;
@@ -77,14 +77,14 @@ std::vector<std::string> EnvironmentVariables::restore() const {
     } else if (before.text != entry) {
       texts.push_back(fmt::format("environment variable {} became {} (put back)", name, shown_value(entry)));
     }
-    // Also replaces an entry that has the same text at another address, because it may be in the FMU's memory.
+    // Also replaces an equal text at another address, because it may be in the FMU's memory.
     setenv(name.c_str(), std::string(value_of(before.text)).c_str(), 1);
   }
   for (const auto& [name, entry] : now) {
     texts.push_back(fmt::format("environment variable {} became {} (removed again)", name, shown_value(entry)));
     unsetenv(name.c_str());
   }
-  tzset();  // the C library caches TZ
+  tzset();  // updates the TZ of the C library
   shorten(texts);
   return texts;
 }

@@ -178,8 +178,7 @@ constexpr auto kFunctions = std::to_array<ProcessFunction>({
     {"_ZSt5wclog", kStreams, undone},
 });
 
-/// Functions that close files. An FMU that imports them can be clean, provided that each instance closes only files
-/// that it has opened itself.
+/// Functions that close files. An FMU that imports them can be clean if its instances close only their own files.
 constexpr auto kClosing = std::to_array<std::string_view>({"close", "close_range", "closefrom", "fclose", "fcloseall"});
 /// Functions by which a library can find functions that it does not import.
 constexpr auto kFinding = std::to_array<std::string_view>({"dlsym", "dlvsym", "dlopen", "dlmopen"});
@@ -206,9 +205,9 @@ constexpr auto kReadable = std::to_array<std::pair<std::string_view, std::string
 });
 
 void renew_random_numbers() {
-  constexpr unsigned kFirstSeed = 1;         // the default seed in POSIX, as after srandom(1)
-  static std::array<char, 128> state;        // size of the default state
-  static std::array<char, 128> other_state;  // active while `state` is written
+  constexpr unsigned kFirstSeed = 1;         // the default seed in POSIX
+  static std::array<char, 128> state;        // the size of the default state
+  static std::array<char, 128> other_state;  // is active while `state` is written
   initstate(kFirstSeed, other_state.data(), other_state.size());
   initstate(kFirstSeed, state.data(), state.size());
   std::array<unsigned short, 3> zeros{};
@@ -241,7 +240,7 @@ void renew_c_library() {
   renew_random_numbers();
   static char nothing[] = "";
   static_cast<void>(std::strtok(nothing, " "));
-  optind = 0;  // makes the GNU C library restart from the beginning
+  optind = 0;  // restarts getopt() of the GNU C library
   static_cast<void>(std::mblen(nullptr, 0));
   static_cast<void>(std::mbtowc(nullptr, nullptr, 0));
   [[maybe_unused]] const int depends_on_shift = std::wctomb(nullptr, L'\0');

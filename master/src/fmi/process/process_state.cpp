@@ -25,7 +25,7 @@ namespace {
 
 constexpr std::array kLimitNames = {"of address space", "of core files",       "of processor time", "of data",
                                     "of file sizes",    "of open descriptors", "of the stack"};
-constexpr int kFirstDescriptor = 100;  // leaves low numbers free for FMUs that expect them
+constexpr int kFirstDescriptor = 100;  // leaves low numbers for FMUs that expect them
 
 /// Reads the mask from /proc, because umask() would change it for all threads.
 mode_t current_umask() {
@@ -48,15 +48,15 @@ std::string current_locale() {
 
 using File = std::pair<dev_t, ino_t>;
 
-/// Returns the file to which a descriptor refers. Returns nullopt if the descriptor is not open.
+/// Returns the file of a descriptor; nullopt if the descriptor is not open.
 std::optional<File> file_behind(int descriptor) {
   struct stat status {};
   if (fstat(descriptor, &status) != 0) return std::nullopt;
   return File{status.st_dev, status.st_ino};
 }
 
-/// True for a connection over a network, such as that of a browser which shows the live page. The live server closes
-/// such a connection when its peer disconnects.
+/// True for a network connection, for example of a browser with the live page. The live server closes such a connection
+/// when its peer disconnects.
 bool is_connection(int descriptor) {
   const auto option = [descriptor](int name) {
     int value = -1;
@@ -79,13 +79,12 @@ Handlers current_handlers() {
   return handlers;
 }
 
-/// True if the handler is a function in a loaded library. False for the default action.
+/// True if the handler is a function in a loaded library.
 bool is_code(const struct sigaction& action) {
   Dl_info info{};
   return dladdr(reinterpret_cast<const void*>(action.sa_handler), &info) != 0;
 }
 
-/// True for the signals by which a user ends a run.
 bool ends_a_run(int signal) {
   return signal == SIGINT || signal == SIGTERM || signal == SIGHUP;
 }
@@ -123,7 +122,7 @@ OpenFiles open_files() {
     if (is_connection(descriptor)) continue;
     if (const auto file = file_behind(descriptor)) files[descriptor] = *file;
   }
-  // Removes the descriptor of the folder itself.
+  // Removes the descriptor of the listed folder, which is closed now.
   std::erase_if(files, [](const auto& file) { return fcntl(file.first, F_GETFD) == -1; });
   return files;
 }

@@ -15,12 +15,12 @@
 namespace mebots::master {
 namespace {
 
-/// Appends `text` and whether the change was undone. A change that cannot be undone is reported only once.
+/// Reports a change and whether it was reverted. A change that was not reverted is reported only once.
 void report(std::vector<std::string>& texts, const std::string& text, bool undone) {
   if (undone || is_new_change(text)) texts.push_back(text + (undone ? " (put back)" : " (cannot be put back)"));
 }
 
-/// Returns a list of the signals that are in `now` but not in `before`, such as "SIGINT, SIGTERM and 3 more".
+/// Lists the signals that are in `now` but not in `before`, such as "SIGINT, SIGTERM and 3 more".
 std::string added_signals(const sigset_t& now, const sigset_t& before) {
   constexpr std::size_t kShown = 4;
   std::vector<std::string> names;
@@ -50,11 +50,10 @@ const char* policy_name(int policy) {
 }
 
 int current_nice() {
-  return getpriority(PRIO_PROCESS, 0);  // 0: the calling thread
+  return getpriority(PRIO_PROCESS, 0);  // 0 is the calling thread
 }
 
-/// Returns the processors on which the calling thread may run. Returns an empty set if the machine has more processors
-/// than a cpu_set_t can contain.
+/// Returns the processors of the calling thread; an empty set if the machine has more processors than a cpu_set_t.
 cpu_set_t current_processors() {
   cpu_set_t processors{};
   if (sched_getaffinity(0, sizeof processors, &processors) != 0) CPU_ZERO(&processors);

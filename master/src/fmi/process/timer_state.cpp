@@ -24,7 +24,7 @@ bool repeats(const itimerval& timer) {
   return timer.it_interval.tv_sec != 0 || timer.it_interval.tv_usec != 0;
 }
 
-/// Appends `what` and whether the timer was stopped. A timer that continues is reported only once.
+/// Reports a timer and whether it was stopped. A timer that continues is reported only once.
 void report(std::vector<std::string>& texts, const std::string& what, int signal, bool stopped) {
   if (stopped) texts.push_back(what + " (stopped)");
   if (!stopped && is_new_change(what))
@@ -53,7 +53,7 @@ TimerState::Created TimerState::created() {
     int signal = 0;
     if (key == "ID:") list >> number;
     std::string notification;
-    // The address that follows the signal is not needed.
+    // Ignores the address after the signal.
     if (key == "signal:" && list >> signal) timers[number] = signal;
     if (key == "notify:" && list >> notification && notification.starts_with("none")) timers.erase(number);
   }

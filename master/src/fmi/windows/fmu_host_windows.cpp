@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Implements the program mebots-windows-host.exe, which mebots-fmu-host runs under wine. It loads an FMU's library for
-// Windows and calls its functions. It reads requests from standard input and writes replies to standard output. The FMU
-// cannot access these two streams.
+// The program mebots-windows-host.exe, which mebots-fmu-host runs under wine. It loads an FMU's library for Windows and
+// calls its functions. It reads requests from standard input and writes replies to standard output. The FMU cannot
+// access these two streams.
 #include "fmi/windows/wire.hpp"
 #include "mebots/fmi1/library.hpp"
 #include "mebots/fmi2/library.hpp"
@@ -25,14 +25,14 @@ namespace {
 
 HANDLE requests = nullptr;
 HANDLE replies = nullptr;
-std::mutex replies_mutex;  // an FMU may log from its own threads
+std::mutex replies_mutex;  // FMUs may log from their own threads
 
 void write_all(const std::string& frame) {
   const std::lock_guard lock(replies_mutex);
   for (std::size_t done = 0; done < frame.size();) {
     DWORD count = 0;
     if (WriteFile(replies, frame.data() + done, static_cast<DWORD>(frame.size() - done), &count, nullptr) == 0)
-      ExitProcess(EXIT_FAILURE);  // no process reads the replies any longer
+      ExitProcess(EXIT_FAILURE);  // the pipe is closed
     done += count;
   }
 }
@@ -52,8 +52,8 @@ void reply(Reply kind, Writer& writer) {
   write_all(writer.frame(static_cast<std::uint32_t>(kind)));
 }
 
-/// Reserves the pipes for this program. Afterwards, output that the FMU prints goes to standard error, and the FMU's
-/// standard input is empty.
+/// Reserves the pipes for this program. Output of the FMU then goes to standard error, and the FMU's standard input is
+/// empty.
 void move_pipes_aside() {
   const auto process = GetCurrentProcess();
   const auto copy = [&](DWORD which) {
@@ -65,7 +65,7 @@ void move_pipes_aside() {
   replies = copy(STD_OUTPUT_HANDLE);
   _dup2(_open("NUL", _O_RDONLY), 0);
   _dup2(2, 1);
-  // A library that has its own C library uses these handles of Windows.
+  // For libraries that have their own C library.
   SetStdHandle(STD_INPUT_HANDLE, reinterpret_cast<HANDLE>(_get_osfhandle(0)));
   SetStdHandle(STD_OUTPUT_HANDLE, GetStdHandle(STD_ERROR_HANDLE));
 }
@@ -82,14 +82,14 @@ LONG WINAPI report_exception(EXCEPTION_POINTERS* pointers) {
                                    : reinterpret_cast<std::uint64_t>(record.ExceptionAddress);
   std::memcpy(frame.address, &address, sizeof address);
   DWORD count = 0;
-  // Writes without the lock, because this thread may already hold it.
+  // Writes without the lock, which this thread may already hold.
   WriteFile(replies, &frame, sizeof frame, &count, nullptr);
   TerminateProcess(GetCurrentProcess(), EXIT_FAILURE);
   return EXCEPTION_EXECUTE_HANDLER;
 }
 
-/// Sets the handler of structured exceptions. Must be called again after each load, because the library may have
-/// replaced the handler.
+/// Sets the handler of structured exceptions. Must be called again after the library was loaded, because the library
+/// may replace the handler.
 void catch_exceptions() {
   constexpr ULONG kStackForFilter = 1 << 16;
   ULONG stack = kStackForFilter;
@@ -140,8 +140,8 @@ void log_fmi3(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String
   send_log(environment, status, nullptr, category, message);
 }
 
-/// Receives the arguments of a call, calls the function, and sends its outputs. The FMU receives no callback
-/// stepFinished, so that it steps synchronously.
+/// Receives the arguments of a call, calls the function, and sends its outputs. The FMU steps synchronously, because it
+/// receives no callback stepFinished.
 template <typename... Arguments>
 class Receiver {
  public:
@@ -264,8 +264,8 @@ void serve(Result (*function)(Arguments...), Reader& reader, Writer& writer) {
 
 using Server = std::function<void(Reader&, Writer&)>;
 
-/// Returns a server for each function, in the order of for_each_function(). The server of a function is empty if the
-/// library lacks the function.
+/// Returns a server for each function of for_each_function(). The server is empty if the library does not have the
+/// function.
 template <typename Table, typename ForEach>
 std::vector<Server> make_servers(void* library, ForEach for_each_function, const std::string& prefix = {}) {
   const auto table = fmi::find_functions<Table>(library, for_each_function, prefix);
@@ -296,7 +296,7 @@ std::wstring wide(const std::string& text) {
 
 class Host {
  public:
-  /// Serves requests until the library is unloaded.
+  /// Executes requests until the library is unloaded.
   void run() {
     std::string received;
     while (true) {
@@ -314,7 +314,7 @@ class Host {
         FreeLibrary(library_);
       else
         servers_.at(header.kind)(reader, writer_);
-      std::fflush(nullptr);  // flushes output that the FMU has printed
+      std::fflush(nullptr);
       reply(Reply::result, writer_);
       if (header.kind == kUnload) return;
     }
@@ -325,7 +325,7 @@ class Host {
     const auto version = reader.get<std::uint32_t>();
     const auto path = wide(reader.get_text().value());
     const auto prefix = reader.get_text().value();
-    // FMUs may expect that the folder of their library is the current folder, or is on the search path of libraries.
+    // FMUs may expect that the folder of their library is the current folder and on the search path.
     const auto folder = path.substr(0, path.rfind(L'\\'));
     SetCurrentDirectoryW(folder.c_str());
     library_ = LoadLibraryExW(path.c_str(), nullptr, LOAD_WITH_ALTERED_SEARCH_PATH);

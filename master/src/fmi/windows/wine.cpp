@@ -20,14 +20,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The paths at which Debian, Ubuntu, Fedora, Arch and the packages of WineHQ install wine.
+// Paths of wine in Debian, Ubuntu, Fedora, Arch and the packages of WineHQ.
 constexpr auto kProgramPlaces = std::to_array<const char*>(
     {"/usr/lib/wine/wine64", "/usr/lib64/wine/wine64", "/opt/wine-stable/bin/wine64", "/opt/wine-stable/bin/wine"});
 constexpr auto kLibraryFolders = std::to_array<const char*>(
     {"/usr/lib/x86_64-linux-gnu", "/usr/lib", "/usr/lib64", "/opt/wine-stable/lib64", "/opt/wine-stable/lib"});
 constexpr const char* kProgramVariable = "MEBOTS_WINE";
 
-/// Returns the value of MEBOTS_WINE. Returns an empty path if it is not set.
+/// Returns the value of MEBOTS_WINE; an empty path if it is not set.
 fs::path chosen_program() {
   const char* chosen = std::getenv(kProgramVariable);
   return chosen == nullptr ? "" : chosen;
@@ -46,8 +46,8 @@ fs::path find_program() {
   return place == kProgramPlaces.end() ? "" : *place;
 }
 
-/// Returns the folder that contains wine's DLLs. Returns an empty path if no folder contains them. Searches first next
-/// to `program`, because it cannot use the DLLs of another version of wine.
+/// Returns the folder with wine's DLLs; an empty path if no folder contains them. Searches next to `program` first,
+/// because `program` cannot use the DLLs of another version.
 fs::path find_libraries(const fs::path& program) {
   std::vector<fs::path> folders(kLibraryFolders.begin(), kLibraryFolders.end());
   std::error_code missing;
@@ -97,7 +97,7 @@ void create_wine_settings(const fs::path& folder) {
   fs::create_symlink("/", folder / "dosdevices/z:");
   for (const auto& entry : fs::directory_iterator(find_wine().libraries))
     fs::create_symlink(entry.path(), system / entry.path().filename());
-  std::ofstream(folder / ".update-timestamp") << "disable\n";  // wine then considers the folder complete
+  std::ofstream(folder / ".update-timestamp") << "disable\n";  // prevents wine from updating the folder
 }
 
 }  // namespace mebots::master::windows

@@ -6,10 +6,10 @@
 
 namespace mebots::master::windows {
 
-/// The paths of the programs that run an FMU for Windows. The path of a missing program is empty.
+/// The programs that run an FMU for Windows. The path of a missing program is empty.
 struct Wine {
-  std::filesystem::path program;    ///< wine's loader for 64-bit programs
-  std::filesystem::path libraries;  ///< folder that contains wine's DLLs
+  std::filesystem::path program;    ///< loader of wine for 64-bit programs
+  std::filesystem::path libraries;  ///< folder with the DLLs of wine
   std::filesystem::path host;       ///< mebots-windows-host.exe
   /// Instruction for the user if a part is missing, such as "Install wine (...)"; otherwise empty.
   std::string missing;
@@ -17,13 +17,12 @@ struct Wine {
   explicit operator bool() const { return missing.empty(); }
 };
 
-/// Finds wine: by $MEBOTS_WINE, otherwise on PATH or where distributions install it. The first call searches; later
-/// calls return its result.
+/// Finds wine by $MEBOTS_WINE, on PATH, or where distributions install it. Searches only once.
 const Wine& find_wine();
 
-/// Creates a folder with wine's settings and with links to wine's DLLs. wine itself would need 15 s and 700 MB to
-/// create such a folder. Each FMU needs a separate folder, because all programs with the same folder share a
-/// wineserver, and a wineserver ends with the process that started it.
+/// Creates a folder with the settings of wine and links to its DLLs. wine itself needs 15 s and 700 MB to create such a
+/// folder. Each FMU needs its own folder. Programs with the same folder share a wineserver, which ends with the process
+/// that started it.
 void create_wine_settings(const std::filesystem::path& folder);
 
 }  // namespace mebots::master::windows

@@ -16,20 +16,18 @@
 #include <vector>
 
 /// Defines the messages between mebots-fmu-host and mebots-windows-host.exe, which runs the Windows library of an FMU
-/// under wine. The type of an FMI function determines how its arguments are transferred. Both programs compile this
-/// header.
+/// under wine. The type of an FMI function determines how its arguments are sent. Both programs include this header.
 namespace mebots::master::windows {
 
-/// The function numbers of requests that call no FMI function. For other requests, for_each_function() defines the
-/// numbers.
+/// Function numbers of requests that call no FMI function. for_each_function() defines the other numbers.
 inline constexpr std::uint32_t kLoad = 0xffff'0000;
 inline constexpr std::uint32_t kUnload = 0xffff'0001;
 
 enum class Reply : std::uint32_t {
-  result,     ///< contains the result and ends the request
-  log,        ///< a call of the logger: environment, instance, status, category, text
-  not_found,  ///< the answer to kLoad if loading fails: error code of Windows
-  exception,  ///< a structured exception occurred: code and address; the process ends
+  result,     ///< the last reply of a request; contains the result
+  log,        ///< call of the logger: environment, instance, status, category, text
+  not_found,  ///< kLoad failed; contains the Windows error code
+  exception,  ///< a structured exception ends the process; contains its code and address
 };
 
 struct FrameHeader {
@@ -55,7 +53,7 @@ class Writer {
     if (bytes != nullptr) put(std::string_view(reinterpret_cast<const char*>(bytes), size));
   }
 
-  /// Returns a frame that contains all values since the last clear().
+  /// Returns a frame with all values since the last clear().
   const std::string& frame(std::uint32_t kind) {
     const FrameHeader header{kind, static_cast<std::uint32_t>(bytes_.size() - sizeof(FrameHeader))};
     std::memcpy(bytes_.data(), &header, sizeof header);
@@ -69,7 +67,7 @@ class Writer {
   std::string bytes_ = std::string(sizeof(FrameHeader), '\0');
 };
 
-/// Reads values from the bytes of a message. Throws std::runtime_error if the bytes end too early.
+/// Reads the values of a message. Throws std::runtime_error if the message ends too early.
 class Reader {
  public:
   explicit Reader(std::string_view bytes) : bytes_(bytes) {}
@@ -81,7 +79,7 @@ class Reader {
     return value;
   }
   std::string_view get_bytes() { return take(get<std::uint64_t>()); }
-  /// Reads a value that put_text() or put_binary() wrote. Returns nullopt if a null pointer was written.
+  /// Reads a value of put_text() or put_binary(); nullopt if the pointer was null.
   std::optional<std::string> get_text() {
     if (!get<bool>()) return std::nullopt;
     return std::string(get_bytes());
@@ -98,9 +96,8 @@ class Reader {
   std::string_view bytes_;
 };
 
-/// Determines how the arguments of a C function of FMI are transferred. A pointer is either an array whose length is
-/// another argument, or points to a single value. Arrays of constants are sent only to the FMU. Other arrays are sent
-/// in both directions.
+/// Determines how the arguments of an FMI function are sent. A pointer refers to one value, or to an array whose length
+/// is another argument. Constant arrays are sent only to the FMU. Other arrays are sent in both directions.
 template <typename... Arguments>
 struct Signature {
   static constexpr std::size_t kCount = sizeof...(Arguments);
@@ -109,9 +106,9 @@ struct Signature {
   template <std::size_t i>
   using Argument = std::tuple_element_t<i, std::tuple<Arguments...>>;
 
-  /// Returns the index of the argument that contains the number of elements of pointer `i`. Returns kSingle if the
-  /// pointer points to one value. The number of elements is the next argument, or the nearest suitable argument before
-  /// the pointer. An array of sizes is followed by the arrays that have these sizes.
+  /// Returns the index of the argument that is the length of the array `i`; kSingle if the pointer refers to one value.
+  /// The length is the next argument or, if that is not a length, the nearest length before the pointer. An array of
+  /// sizes precedes the arrays that have these sizes.
   static consteval int length_of(std::size_t i) {
     constexpr std::array<bool, kCount> kLengths{std::is_same_v<Arguments, std::size_t>...};
     constexpr std::array<bool, kCount> kPointers{std::is_pointer_v<Arguments>...};
@@ -129,7 +126,7 @@ struct Signature {
   }
 
  private:
-  /// True for fmi2GetDirectionalDerivative, whose last array has the same length as its first array.
+  /// True for fmi2GetDirectionalDerivative, whose last array has the length of the first one.
   static consteval bool is_directional_derivative() {
     using Numbers = const unsigned*;
     return std::is_same_v<std::tuple<Arguments...>,
@@ -144,7 +141,7 @@ template <typename T>
 concept Function = std::is_pointer_v<T> && std::is_function_v<std::remove_pointer_t<T>>;
 template <typename T>
 concept Value = (std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_same_v<T, void*>);
-/// A text that ends with a zero byte. A pointer to char with a length is an array of bytes instead.
+/// A text that ends with a zero byte. A pointer to char with a length is an array of bytes.
 template <typename T, int length>
 concept Text = std::is_same_v<T, const char*> && length < 0;
 template <typename T>
@@ -158,11 +155,10 @@ template <typename T>
 concept ArrayOfBytes = Array<T> && std::is_same_v < Element<T>,
 const std::uint8_t* > ;
 
-/// Stores one received argument.
 struct Slot {
   std::uint64_t count = 0;
   bool is_null = false;
-  /// The elements in memory as the C function expects them; for texts and arrays of bytes, pointers.
+  /// The elements in memory for the C function: numbers, or pointers to texts and arrays of bytes.
   std::vector<std::byte> elements;
   std::vector<std::optional<std::string>> texts;
 
@@ -174,8 +170,8 @@ struct Slot {
     const auto* const start = reinterpret_cast<const std::byte*>(bytes.data());
     elements.assign(start, start + bytes.size());
   }
-  /// Stores the texts, and an array of pointers to them. The pointer to a missing text is null. An empty text would be
-  /// wrong, because a reader that relies on the size of the binary would read past its end.
+  /// Stores texts and an array of pointers to them. The pointer of a missing text is null. An empty text must not
+  /// replace it, because the FMU may read as many bytes as the binary's size says.
   template <typename Pointer>
   void keep_texts(std::vector<std::optional<std::string>> kept) {
     texts = std::move(kept);

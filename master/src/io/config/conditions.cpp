@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the sections `stop_when` and `outcomes`.
+// Reads `stop_when` and `outcomes`.
 #include "sections.hpp"
 
 #include <fmt/format.h>
@@ -11,7 +11,6 @@ namespace mebots::master::config {
 
 namespace {
 
-/// Reads the key `equals`, `above` or `below` of a condition.
 void read_comparison(Object& object, ConditionDescription& condition) {
   int comparisons = 0;
   const auto compare = [&](const char* key, Comparison comparison) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads configs. A config is a list of sections, each of which has a reader in config/. To add a section, add a row to
-// the table below, a reader in a new file, and a property in configs/schemas/mebots-config.schema.json. A config can
-// also be a variant, which contains changes to another config (variant.hpp).
+// Reads configs. Each section of a config has a reader in config/. A new section needs a row in kSections, a reader in
+// a new file, and a property in configs/schemas/mebots-config.schema.json. A config can also be a variant of another
+// config (variant.cpp).
 #include "io/config/load_system.hpp"
 #include "io/fmu_archive.hpp"
 #include "io/osp/osp.hpp"
@@ -32,8 +32,8 @@ struct Section {
   bool names_instances = false;
 };
 
-// The sections in the order in which they are read. This order differs from that in the file, because a reader may use
-// the sections before it.
+// Sections in the order in which they are read. A reader may use the sections before its own. The order in the file has
+// no effect.
 constexpr Section kSections[] = {
     {"$schema", false, &config::read_text},
     {"text", false, &config::read_text},
@@ -69,8 +69,8 @@ void refuse_archive(std::string_view text, const std::filesystem::path& file) {
           file.string()));
 }
 
-/// Builds the same JSON as ordered_json::parse(), but does not search for an earlier member of the same name. This
-/// search would take 10 s for 100,000 members. The data layer rejects duplicate names.
+/// Builds the same JSON as ordered_json::parse(), but does not search for members with the same name, which takes 10 s
+/// for 100,000 members. The data layer rejects them.
 class OrderedBuilder : public nlohmann::json_sax<nlohmann::ordered_json> {
  public:
   using Json = nlohmann::ordered_json;
@@ -118,7 +118,7 @@ class OrderedBuilder : public nlohmann::json_sax<nlohmann::ordered_json> {
   }
 
   Json root_;
-  std::vector<Json*> open_;  // a container moves only if its parent gets another member, and is closed before that
+  std::vector<Json*> open_;  // a container can move only when its parent gets another member, after it was closed
   std::string key_;
 };
 
@@ -152,8 +152,8 @@ void read_sections(const data::Node& root, SystemDescription& system) {
   bool has_instances = true;
   for (const auto& section : kSections) {
     const auto read = [&](const data::Node& node) {
-      // If there are no instances, every instance name in other sections would be reported as a mistake. Therefore
-      // sections that contain such names are skipped.
+      // If there are no instances, each instance name would be reported as a mistake. Sections with such names are then
+      // skipped.
       if (has_instances || !section.names_instances) section.read(node, system);
     };
     if (section.required) {
@@ -166,7 +166,7 @@ void read_sections(const data::Node& root, SystemDescription& system) {
   object.finish();
 }
 
-/// Throws InputError if a text is not UTF-8, because FMI requires UTF-8. A path, and a value that was made from a path,
+/// Throws InputError if a text is not UTF-8, because FMI requires UTF-8. Paths, and values that were made from paths,
 /// may contain any bytes.
 void require_utf8(const nlohmann::ordered_json& json, const std::string& file) {
   if (json.is_string() && !is_utf8(json.get_ref<const std::string&>())) {
@@ -180,7 +180,7 @@ void require_utf8(const nlohmann::ordered_json& json, const std::string& file) {
   }
 }
 
-/// Reads a config from generated JSON. `places` maps each part of the JSON to its place in the original file.
+/// Reads a config from generated JSON. `places` contains the places of its parts in the original file.
 void read_made_config(LoadedSystem& loaded, const std::string& file, std::map<std::string, std::string> places) {
   require_utf8(loaded.config, file);
   config::Repeats repeats{loaded.system.file.parent_path(), places, {}};
@@ -194,7 +194,7 @@ void read_made_config(LoadedSystem& loaded, const std::string& file, std::map<st
     }
   });
   if (!is_expanded) return;
-  loaded.system.source += repeats.source;  // tables are inputs of a run
+  loaded.system.source += repeats.source;  // tables are inputs of the run
   data::JsonDocument::of(loaded.config, file, std::move(repeats.places)).read([&](const data::Node& root) {
     read_sections(root, loaded.system);
   });
@@ -219,11 +219,11 @@ void read_extended(LoadedSystem& loaded, const std::string& file, const std::str
   auto extended = ordered_json(text);
   auto places = config::places_of(loaded.config, extended);
   loaded.config = give(config::merged(std::move(extended), loaded.config), times);
-  loaded.system.source += text;  // both texts are inputs of a run
+  loaded.system.source += text;  // both texts are inputs of the run
   read_made_config(loaded, file, std::move(places));
 }
 
-/// States whether the JSON of the config is also returned, which takes longer.
+/// Selects whether the JSON of the config is also returned, which takes longer.
 enum class WithJson : std::uint8_t { yes, no };
 
 void read_config_text(LoadedSystem& loaded, const std::string& file, const GivenTimes& times, WithJson with_json) {
@@ -267,8 +267,8 @@ void read_ssp_config(LoadedSystem& loaded, SspConfig ssp, const std::string& fil
   read_made_config(loaded, file, std::move(ssp.places));
 }
 
-/// Reads a single FMU as a system. Leaves the FMU's folder out of the source, because the hash of a run's inputs
-/// contains the FMU's bytes.
+/// Reads a single FMU as a system. The source omits the FMU's folder, because the hash of the inputs contains the FMU's
+/// bytes.
 void read_single_fmu(LoadedSystem& loaded, const std::filesystem::path& file, const GivenTimes& times) {
   auto& system = loaded.system;
   loaded.config = config::single_fmu_config(file, read_fmu_description(file), times, system.notices);

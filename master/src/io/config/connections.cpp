@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the section `connections`, and the section `inputs`, which names files whose columns are the sources of
-// unconnected inputs.
+// Reads `connections` and `inputs`.
 #include "io/config/load_system.hpp"
 #include "mebots/file_kind.hpp"
 #include "sections.hpp"
@@ -62,7 +61,7 @@ SignalColumn read_target(const Node& node, const std::string& column, const Syst
   return target;
 }
 
-/// Reads columns. Each column is the source of one or several inputs.
+/// Reads columns and the inputs that each of them supplies.
 std::vector<SignalColumn> read_columns(const Node& node, const SystemDescription& system) {
   std::vector<SignalColumn> columns;
   for (const auto& [column, value] : node.members()) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the section `instances` by a table of the keys of an instance. Each key has a reader.
+// Reads `instances`. A table contains a reader for each key of an instance.
 #include "io/config/load_system.hpp"
 #include "io/find_fmu.hpp"
 #include "model/sandbox_mechanisms.hpp"
@@ -15,15 +15,14 @@
 namespace mebots::master::config {
 namespace {
 
-/// Contains the data that the reader of a key may use, in addition to the instance.
+/// The data that a reader of a key may use.
 struct Surroundings {
-  const SystemDescription& system;  // contains the sections and instances that were read before this one
+  const SystemDescription& system;  // contains the sections and instances that were already read
   FmuSearch& fmus;
 };
 
 using ReadKey = void (*)(const Node&, InstanceDescription&, const Surroundings&);
 
-/// Checks the name of an instance. `others` contains the names of earlier instances in the file.
 void check_name(const std::string& name, const Node& node, const std::set<std::string, std::less<>>& others) {
   if (name.empty()) node.complain(ErrorCode::invalid_value, "an instance needs a name");
   const auto complain = [&](std::string_view longer, std::string_view shorter) {
@@ -71,8 +70,8 @@ std::string mechanism_in(const Node& node) {
   return data::word_of<std::string>({{kNamespaces, kNamespaces}, {kLandlock, kLandlock}, {kSeccomp, kSeccomp}})(node);
 }
 
-/// Reports a mistake unless the instance has a separate process. The master cannot end a call to an FMU in its own
-/// process, and cannot limit the FMU's memory there.
+/// Reports a mistake if the instance runs in the process of the master, which cannot abort its calls or limit its
+/// memory.
 void need_own_process(const Node& node, const InstanceDescription& instance) {
   if (instance.isolation.process == ProcessKind::shared) {
     node.fail(ErrorCode::invalid_value, "this needs \"process\": \"own\" or \"sandboxed\"");
@@ -90,8 +89,7 @@ void read_memory_limit(const Node& node, InstanceDescription& instance, const Su
   instance.isolation.memory_bytes = static_cast<std::uint64_t>(node.whole_number(1, kLargestMb)) << 20;
 }
 
-/// Reads the members of `sandbox`: "reads" contains paths relative to the config; "may_lack" contains names of
-/// mechanisms.
+/// Reads `sandbox`. "reads" contains paths relative to the config; "may_lack" contains names of mechanisms.
 void read_sandbox(const Node& node, InstanceDescription& instance, const Surroundings& around) {
   if (!instance.isolation.sandboxed()) node.fail(ErrorCode::invalid_value, "this needs \"process\": \"sandboxed\"");
   Object object(node);
@@ -152,7 +150,7 @@ constexpr Key kKeys[] = {
     {"fmu", true, &read_fmu},
     {"parameters", false, &read_parameters},
     {"step", false, &read_step_multiple},
-    {"process", false, &read_process},  // before the keys that require a separate process
+    {"process", false, &read_process},  // must precede the keys that require a separate process
     {"deadline", false, &read_deadline},
     {"memory_limit_mb", false, &read_memory_limit},
     {"sandbox", false, &read_sandbox},
@@ -190,7 +188,7 @@ void read_instances(const Node& node, SystemDescription& system) {
     instance.name = name;
     instance.place = member.place();
     member.attempt([&, &member = member] { read_instance(member, instance, {system, fmus}); });
-    system.instances.push_back(std::move(instance));  // also keeps invalid instances, because other sections name them
+    system.instances.push_back(std::move(instance));  // even if invalid, because other sections contain its name
   }
   if (system.instances.empty()) {
     node.fail(ErrorCode::invalid_value, "there is nothing to simulate; name at least one instance");

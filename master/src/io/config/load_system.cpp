@@ -51,7 +51,7 @@ std::string system_name(const std::filesystem::path& path) {
 
 std::string apply_scenario(SystemDescription& system, const std::filesystem::path& file) {
   const auto text = input_text(file);
-  auto changed = system;  // a copy, so that either the whole file or nothing is applied
+  auto changed = system;  // so that a mistake leaves `system` unchanged
   refused_as_input([&] {
     data::Document(text, file.string()).read([&](const data::Node& root) {
       config::read_scenario_file(root, changed, std::filesystem::absolute(file).parent_path());

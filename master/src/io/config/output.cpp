@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the sections `record`, `pictures`, `log`, and `view` (the first content of a run's page). Also reads the
-// section `summary`, which has labels, possibly nested. A label refers to a variable, a variable with conditions, or a
-// group of variables.
+// Reads `record`, `pictures`, `log`, `view` and `summary`. The summary consists of labels, which may be nested. A label
+// refers to a variable, a variable with conditions, or a group of variables.
 #include "sections.hpp"
 
 #include "model/name_pattern.hpp"
@@ -117,7 +116,7 @@ PanelDescription read_panel(const Node& node, const SystemDescription& system) {
   return panel;
 }
 
-/// Adds the instance of this name, or all instances that fit a pattern.
+/// Adds the instance with this name, or all instances that match a pattern.
 void add_mark(const Node& node, const SystemDescription& system, std::vector<std::string>& marks) {
   const auto name = node.readable_text();
   const bool selects_several = is_pattern(name) && system.find_instance(name) == nullptr;
@@ -156,7 +155,7 @@ ConditionDescription read_final_condition(const Node& node, const SystemDescript
   return condition;
 }
 
-/// Reads a summary entry with conditions: its value is valid only if these conditions are true at the end of the run.
+/// Reads a summary entry with conditions. Its value is valid only if they are true at the end of the run.
 SummaryEntry read_conditional(const Node& node, const std::vector<std::string>& path, const SystemDescription& system) {
   Object object(node);
   SummaryEntry entry{path, {}, {}, node.place()};
@@ -167,8 +166,8 @@ SummaryEntry read_conditional(const Node& node, const std::vector<std::string>& 
   return entry;
 }
 
-/// Reads a list of variables of similar things, such as drones. If a member has no name, its name is its position in
-/// the list, from 1.
+/// Reads a group of variables, for example of several drones. A member without a name is named by its position in the
+/// list, from 1.
 std::vector<GroupMember> read_group(const Node& node, const SystemDescription& system) {
   std::vector<GroupMember> group;
   std::set<std::string> names;
@@ -193,7 +192,7 @@ bool is_conditional(const Node& node) {
   return node.has("variable") && when && when->is(data::Kind::list);
 }
 
-// Reads nested labels. The recursion is bounded, because the document limits the depth.
+// Reads nested labels. The document limits the depth of the recursion.
 void read_labels(const Node& node, const std::vector<std::string>& path, SystemDescription& system) {
   for (const auto& [label, value] : node.members()) {
     value.attempt([&, &label = label, &value = value] {

@@ -40,15 +40,14 @@ VariableName variable_name(const Node& node, const SystemDescription& system) {
     return {};
   }
   const auto instance = text.substr(0, dot);
-  // A scenario that is checked without a config has no instances to compare its names with.
+  // If a scenario is checked without a config, the instances are not known.
   if (!system.instances.empty()) static_cast<void>(instance_name(instance, node, system));
   return {instance, text.substr(dot + 1)};
 }
 
 std::string instance_name(const std::string& name, const Node& node, const SystemDescription& system) {
   if (system.find_instance(name) != nullptr) return name;
-  // The maximum number of errors about unknown names that suggest the nearest name. Finding the nearest of 100,000
-  // names is slow, and messages show no more errors than these.
+  // Number of errors with a suggestion. Finding the nearest of 100,000 names is slow, and messages show no more errors.
   constexpr std::size_t kAnswered = 20;
   auto what = fmt::format("there is no instance '{}'", name);
   if (node.noted() < kAnswered) what += ". " + suggest(name, system.instance_names());

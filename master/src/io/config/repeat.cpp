@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Replaces entries that have `repeat` by their copies, before the sections are read.
+// Replaces entries with `repeat` by their copies, before the sections are read.
 #include "io/config/load_system.hpp"
 #include "io/config/sections.hpp"
 
@@ -32,10 +32,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::int64_t kMostCopies = 100'000;      // of one entry
-constexpr std::size_t kMostCopiesOfAll = 500'000;  // of all entries, including entries inside copies
+constexpr std::size_t kMostCopiesOfAll = 500'000;  // of all entries, including entries in copies
 constexpr const char* kParameters = "parameters";
 
-/// A replacement for a name in braces. `value` replaces a whole text; `text` replaces a part of a text.
+/// The replacement of a name in braces: `value` for a whole text, `text` for a part of a text.
 struct Filling {
   // NOLINTNEXTLINE(google-explicit-constructor): a value is written as it is
   Filling(Json v) : value(std::move(v)), text(value.is_string() ? value.get<std::string>() : value.dump()) {}
@@ -48,10 +48,10 @@ struct Filling {
 
   Json value;
   std::string text;
-  bool is_index = false;  // false for a column or a list
+  bool is_index = false;  // false for a value of a column or list
 };
 
-/// The replacements for the names in braces in one copy.
+/// The replacements of one copy: names and values.
 using Values = std::vector<std::pair<std::string, Filling>>;
 
 bool is_name(std::string_view text) {
@@ -69,7 +69,7 @@ void check_name(const Node& node, std::string_view name) {
   }
 }
 
-/// Checks the name of a value. It must differ from that of the index, because a name in braces must have one meaning.
+/// Checks the name of a value, which must differ from the name of the index.
 void check_value_name(const Node& node, std::string_view name, std::string_view index) {
   check_name(node, name);
   if (name == index)
@@ -85,13 +85,13 @@ Json json_of(const Node& node) {
   return node.text();
 }
 
-/// Returns true for a text such as 007. JSON has no such number; therefore the text is a name.
+/// True for a text such as 007. It is a name, because JSON has no such number.
 bool has_leading_zero(std::string_view cell) {
   if (cell.starts_with('-')) cell.remove_prefix(1);
   return cell.size() > 1 && cell[0] == '0' && std::isdigit(static_cast<unsigned char>(cell[1])) != 0;
 }
 
-/// Returns a cell as JSON: as a number or Boolean if it contains one, otherwise as text.
+/// Converts a cell to JSON: a number, a Boolean or a text.
 Json json_of(std::string_view cell) {
   if (has_leading_zero(cell)) return std::string(cell);
   if (const auto whole = parsed_number<std::int64_t>(cell)) return *whole;
@@ -101,7 +101,6 @@ Json json_of(std::string_view cell) {
   return std::string(cell);
 }
 
-/// Reads a range of numbers, [first, last].
 std::vector<Values> numbers(const Node& node, const std::string& index) {
   const auto ends = node.elements();
   if (ends.size() != 2) {
@@ -114,7 +113,7 @@ std::vector<Values> numbers(const Node& node, const std::string& index) {
   return rows;
 }
 
-/// Reads named lists of values, such as {"mass": [0.03, 0.031], "x": [0, 1]}.
+/// Reads lists of values, such as {"mass": [0.03, 0.031], "x": [0, 1]}.
 std::vector<Values> lists(const Node& node, const std::string& index) {
   std::vector<Values> rows;
   bool is_first = true;
@@ -135,7 +134,6 @@ std::vector<Values> lists(const Node& node, const std::string& index) {
   return rows;
 }
 
-/// Reads the values from the file of a table, such as "drones.csv".
 std::vector<Values> table(const Node& node, const std::string& index, Repeats& repeats) {
   const auto file = repeats.folder / node.readable_text();
   if (!is_there(file)) {
@@ -160,8 +158,8 @@ std::vector<Values> table(const Node& node, const std::string& index, Repeats& r
   return rows;
 }
 
-/// Returns all combinations of values. The values of `second` change fastest. The names in `first` and `second` must
-/// differ.
+/// Returns all combinations of values, of which those of `second` change fastest. The names in `first` and `second`
+/// must differ.
 std::vector<Values> product(const Node& node, const std::vector<Values>& first, const std::vector<Values>& second) {
   if (first.empty() || second.empty()) return {};
   for (const auto& [name, value] : second.front()) {
@@ -181,12 +179,12 @@ std::vector<Values> product(const Node& node, const std::vector<Values>& first, 
   return all;
 }
 
-/// Stores the values of the copies for each group in `groups`.
+/// The values of the copies for each group in `groups`.
 class Groups {
  public:
   explicit Groups(Repeats& repeats) : repeats_(repeats) {}
 
-  /// Reads the section `groups`. The definition of a group may refer to groups that are defined before it.
+  /// Reads `groups`. A group may refer to groups before it.
   void read(const Node& node) {
     for (const auto& [name, range] : node.members()) {
       check_name(range, name);
@@ -195,8 +193,8 @@ class Groups {
     }
   }
 
-  /// Returns the values of every copy: all combinations of the indexes, of which the last changes fastest. If a group
-  /// has a mistake, reports it and returns no copies.
+  /// Returns the values of every copy: all combinations of the indexes, of which the last one changes fastest. If a
+  /// group has a mistake, reports it and returns no copies.
   std::vector<Values> copies_of(const Node& node) const {
     if (node.is(data::Kind::text)) return group(node);
     std::vector<Values> copies = {{}};
@@ -229,7 +227,7 @@ class Groups {
   std::map<std::string, std::vector<Values>> groups_;
 };
 
-/// Adds a member whose key contained names in braces. Throws InputError if the object already has this key.
+/// Adds a member after the replacement of names in its key. Throws InputError if the object already has this key.
 void add_filled(Json& object, std::string key, Json value) {
   if (object.contains(key))
     throw InputError(ErrorCode::duplicate_name, fmt::format("two keys of one copy become '{}'", key));
@@ -241,8 +239,7 @@ class Filler {
  public:
   explicit Filler(const Values& values) : values_(values) {}
 
-  /// Replaces the names in a text. If the text consists only of a name in braces, returns the value itself, for example
-  /// a number.
+  /// Replaces the names in a text. If the text is only a name in braces, returns its value, for example a number.
   Json filled(const std::string& text) const {
     if (text.size() > 2 && text.front() == '{' && text.find('}') == text.size() - 1) {
       if (const auto value = value_of(std::string_view(text).substr(1, text.size() - 2))) return value->value;
@@ -282,7 +279,7 @@ class Filler {
   }
 
  private:
-  /// Returns the value of "name", "name+1" or "name-1". Returns nullopt for any other text.
+  /// Returns the value of "name", "name+1" or "name-1"; nullopt for any other text.
   std::optional<Filling> value_of(std::string_view expression) const {
     const auto sign = expression.find_first_of("+-");
     const auto name = expression.substr(0, sign);
@@ -316,7 +313,7 @@ class Filler {
   const Values& values_;
 };
 
-/// Returns the place of a value without the name of the file, such as "12:5: /connections/2".
+/// Returns the place of a value without the file name, such as "12:5: /connections/2".
 std::string place_in_file(const Node& node, std::string_view file) {
   auto place = node.place();
   if (!place.starts_with(file)) return place;
@@ -330,20 +327,19 @@ std::string shown(const Values& values) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-/// Returns true if a list in this value contains an element that has `repeat`.
+/// True if a list in this value has an element with `repeat`.
 bool repeats_inside(const Json& value) {
   return value.is_structured() && std::ranges::any_of(value, [&](const Json& one) {
            return (value.is_array() && one.is_object() && one.contains(kRepeat)) || repeats_inside(one);
          });
 }
 
-/// Replaces instances, and elements of lists, by their copies.
 class Expansion {
  public:
   Expansion(const Groups& groups, Repeats& repeats, std::string file)
       : groups_(groups), repeats_(repeats), file_(std::move(file)) {}
 
-  /// Returns the value at `pointer`. In it, elements are replaced by their copies, and names in braces by their values.
+  /// Returns the value at `pointer` with copies of its elements, and with values in place of names in braces.
   Json of(const Node& node, const Json& content, const Values& values, const std::string& pointer) {
     if (!repeats_inside(content)) return values.empty() ? content : Filler(values).filled(content);
     return content.is_array() ? list(node, content, values, pointer) : object(node, content, values, pointer);
@@ -353,7 +349,7 @@ class Expansion {
     auto result = Json::object();
     auto& members = static_cast<Json::object_t::Container&>(result.get_ref<Json::object_t&>());
     std::set<std::string> names;
-    std::map<std::string_view, const Json*> entries;  // a map, because an ordered object searches linearly
+    std::map<std::string_view, const Json*> entries;  // faster than an ordered object
     for (auto one = content.begin(); one != content.end(); ++one) entries.emplace(one.key(), &one.value());
     for (const auto& [key, node] : section.members()) {
       const auto in_file = place_in_file(node, file_);
@@ -393,15 +389,15 @@ class Expansion {
   Json object(const Node& node, const Json& content, const Values& values, const std::string& pointer) {
     auto result = Json::object();
     for (const auto& [key, member] : node.members()) {
-      if (!content.contains(key)) continue;  // the key `repeat` of an entry that is a copy
+      if (!content.contains(key)) continue;  // the key `repeat` of a copied entry
       const auto name = values.empty() ? key : Filler(values).filled_text(key);
       add_filled(result, name, of(member, content.at(key), values, pointer + data::pointer_step(name)));
     }
     return result;
   }
 
-  /// Calls `put` once for each copy. The arguments are the entry without `repeat`, and the values of the copy in
-  /// addition to those in `outer`.
+  /// Calls `put` for each copy. Passes the entry without `repeat`, and the values of the copy together with those in
+  /// `outer`.
   template <typename Put>
   void each_copy(const Node& node, const Json& entry, const Values& outer, const Put& put) {
     const auto repeat = node.find(kRepeat);
@@ -409,7 +405,7 @@ class Expansion {
       node.attempt([&] { put(entry, outer); });
       return;
     }
-    if (copies_ > kMostCopiesOfAll) return;  // the mistake was reported
+    if (copies_ > kMostCopiesOfAll) return;  // the mistake was already reported
     repeat->attempt([&] {
       const auto copies = product(*repeat, {outer}, groups_.copies_of(*repeat));
       copies_ += copies.size();
@@ -420,14 +416,13 @@ class Expansion {
       auto one = entry;
       one.erase(kRepeat);
       for (const auto& own : copies) {
-        if (!node.attempt([&] { put(one, own); })) break;  // all other copies have the same mistake
-        if (copies_ > kMostCopiesOfAll) break;             // the limit was exceeded inside this copy
+        if (!node.attempt([&] { put(one, own); })) break;  // the other copies have the same mistake
+        if (copies_ > kMostCopiesOfAll) break;             // a copy inside this one exceeded the limit
       }
     });
   }
 
-  /// Parameters may be a list of objects, some of which have `repeat`. Merges these objects and their copies into one
-  /// object.
+  /// Merges a list of parameter objects and their copies into one object.
   void merge_parameters(const Node& node, Json& instance, const std::string& pointer) {
     if (!instance.is_object() || !instance.contains(kParameters) || !instance.at(kParameters).is_array()) return;
     if (instance.at(kParameters).empty()) node.fail(ErrorCode::invalid_value, "the list of parameters is empty");
@@ -445,8 +440,8 @@ class Expansion {
     instance[kParameters] = std::move(merged);
   }
 
-  /// Names a member of a group in the summary by its indexes, unless it has a name. A member of a group has only the
-  /// key `variable`; other lists in the summary contain conditions.
+  /// Names a member of a group in the summary by its indexes, if it has no name. Such a member has only the key
+  /// `variable`. Other lists in the summary contain conditions.
   static void name_member(Json& entry, const Values& values, std::string_view pointer) {
     if (!pointer.starts_with("/summary/") || !entry.is_object()) return;
     if (entry.size() != 1 || !entry.contains("variable")) return;
@@ -457,7 +452,7 @@ class Expansion {
     if (!indexes.empty()) entry["name"] = fmt::format("{}", fmt::join(indexes, ","));
   }
 
-  /// Stores the place of a copy. `place` is the line and column of the entry in the file.
+  /// Stores the place of a copy. `place` is the line and column of its entry in the file.
   void note_place(const std::string& pointer, const std::string& place, const Values& values) {
     repeats_.places[pointer] = values.empty() ? place : fmt::format("{}, {}", place, shown(values));
   }
@@ -468,8 +463,8 @@ class Expansion {
   std::size_t copies_ = 0;
 };
 
-/// Returns true if the node has `repeat`, or is a list with an element that has `repeat`. If `inside` is false, does
-/// not examine values inside elements, because a list may be long.
+/// True if the node or an element of its list has `repeat`. If `inside` is false, does not search inside the elements,
+/// because a list may be long.
 bool is_repeated(const Node& node, bool inside = true) {
   if (node.is(data::Kind::list)) {
     return std::ranges::any_of(node.elements(),
@@ -479,7 +474,7 @@ bool is_repeated(const Node& node, bool inside = true) {
   return std::ranges::any_of(node.members(), [](const data::Member& one) { return is_repeated(one.value); });
 }
 
-/// Returns true if an instance has `repeat`, or if its parameters are a list that must be merged into one object.
+/// True if an instance has `repeat`, or if its parameters are a list.
 bool has_repeated_instances(const Node& root) {
   const auto instances = root.find(kInstances);
   return instances && instances->is(data::Kind::object) &&

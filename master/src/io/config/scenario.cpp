@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the section `scenario`.
 #include "sections.hpp"
 
 #include <fmt/format.h>
@@ -47,7 +46,7 @@ void read_action(Object& object, OverrideDescription& override) {
   }
 }
 
-/// Reads a key that only the action `action` requires. For all other actions, the key is a mistake.
+/// Reads a key that is required for `action` and a mistake for other actions.
 template <typename T, typename Reader>
 void read_with(Object& object, std::string_view key, T& into, bool wanted, std::string_view action,
                const Reader& reader) {
@@ -97,7 +96,7 @@ OverrideDescription read_override(const Node& node, const SystemDescription& sys
   object.read("variable", override.variable, variable_of(system));
   read_action(object, override);
   object.read_if("unit", override.unit, &Node::readable_text);
-  // A seed is required, because noise could not be reproduced without one.
+  // A seed is required, because noise without a seed is not reproducible.
   read_with(object, "seed", override.seed, override.action == OverrideAction::noise, "noise", &Node::natural_number);
   read_with(object, "over", override.over_ns, override.action == OverrideAction::ramp, "ramp", &duration_ns);
   read_file_of_signal(object, folder, override);

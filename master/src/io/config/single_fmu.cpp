@@ -20,21 +20,20 @@ constexpr std::int64_t kDefaultSteps = 500;
 constexpr const char* kByDefault = "by default";
 constexpr const char* kByFmu = "DefaultExperiment of the FMU";
 
-/// A time, and a text that states its origin.
 struct Origin {
   ExactTime time;
   std::string text;
 };
 
-/// Returns the time of a DefaultExperiment: exactly if possible, otherwise rounded to nanoseconds. Returns nullopt if a
-/// run cannot have this time.
+/// Returns a time of a DefaultExperiment, which is rounded to nanoseconds if it is not exact; nullopt if a run cannot
+/// have this time.
 std::optional<ExactTime> usable(std::optional<double> time_s) {
   if (!time_s || !std::isfinite(*time_s) || std::abs(*time_s) > kLongestTimeS) return std::nullopt;
   if (const auto time = exact_time(*time_s)) return time;
   return exact_time_of(std::llround(*time_s * 1e9));
 }
 
-/// Returns a time that the user has given. Throws InputError if the time cannot be represented exactly.
+/// Returns a time of the user. Throws InputError if it cannot be represented exactly.
 ExactTime given(const WrittenTime& written, const char* option) {
   const auto* seconds = std::get_if<double>(&written);
   const auto time = seconds != nullptr ? exact_time(*seconds) : read_ratio(std::get<std::string>(written));

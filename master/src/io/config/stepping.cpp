@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the sections that define the steps: `text`, `step`, `start_time`, `stop_time`, `algorithm`, `step_control`,
-// `solver`, `coupling`, and `threads` ("auto" or a number).
+// Reads `text`, `step`, `start_time`, `stop_time`, `algorithm`, `step_control`, `solver`, `coupling` and `threads`.
 #include "mebots/input_error.hpp"
 #include "sections.hpp"
 

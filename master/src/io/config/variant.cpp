@@ -14,8 +14,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kText = "text";
 
-/// Returns a file name that contains no folders. Rejects other paths, because a config in another folder may contain
-/// paths relative to that folder.
+/// Reads a file name without folders. Rejects other paths, because a config in another folder may contain paths
+/// relative to its folder.
 std::string name_beside(const data::Node& node) {
   auto name = node.readable_text();
   if (std::filesystem::path(name).has_parent_path()) {
@@ -24,9 +24,9 @@ std::string name_beside(const data::Node& node) {
   return name;
 }
 
-/// Stores the key `changes` as the place of each changed part. `base` is the value that `change` changes, or null. If
-/// the base lacks an object, the whole object counts as a change. Therefore an error about a missing key in it refers
-/// to the changes, not to the base.
+/// Stores the key `changes` as the place of each changed part. `base` is the value that `change` changes, or null. An
+/// object that the base does not contain is a change as a whole, so that an error about a missing key refers to the
+/// changes.
 void mark(const Json& change, const Json* base, const Json::json_pointer& at,
           std::map<std::string, std::string>& places) {
   const bool goes_into = base != nullptr && base->is_object();

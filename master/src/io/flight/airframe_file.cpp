@@ -27,7 +27,7 @@ bool is_path(std::string_view name) {
   return name.ends_with(".json") || name.find('/') != std::string_view::npos;
 }
 
-/// Reads the name of a shipped file, or the path of a file, which must exist.
+/// Reads the name of a shipped file or the path of an existing file.
 std::string read_part(const Node& node, const std::filesystem::path& folder) {
   auto name = node.readable_text();
   if (is_path(name) && !is_file(folder / name)) {
@@ -36,7 +36,7 @@ std::string read_part(const Node& node, const std::filesystem::path& folder) {
   return name;
 }
 
-/// Reads the key `known`, which states the origin of a value: measured, stated, derived, fitted or assumed.
+/// Reads `known`, the origin of a value: measured, stated, derived, fitted or assumed.
 std::string read_knowledge(const Node& node) {
   const std::vector<std::string> known = {"measured", "stated", "derived", "fitted", "assumed"};
   auto word = node.text();

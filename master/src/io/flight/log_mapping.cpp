@@ -23,8 +23,8 @@ using data::Node;
 using data::Object;
 
 // The signals and their units. World axes: x east, y north, z up. Body axes: x forward, y left, z up
-// (docs/architecture.md). `battery.current` is positive when the battery discharges. `acceleration` is the specific
-// force. `attitude` rotates body axes into world axes.
+// (docs/architecture.md). A positive `battery.current` discharges the battery. `acceleration` is the specific force.
+// `attitude` rotates body axes into world axes.
 constexpr LogSignal kSignals[] = {
     {"motor[1].command", "1"},   {"motor[2].command", "1"},   {"motor[3].command", "1"},   {"motor[4].command", "1"},
     {"rotor[1].speed", "rad/s"}, {"rotor[2].speed", "rad/s"}, {"rotor[3].speed", "rad/s"}, {"rotor[4].speed", "rad/s"},
@@ -35,7 +35,7 @@ constexpr LogSignal kSignals[] = {
     {"rate.y", "rad/s"},         {"rate.z", "rad/s"},
 };
 
-/// A unit that logs use and that is not a product of known units.
+/// A unit of logs that is not a product of known units.
 struct LogUnit {
   std::string_view name;
   std::string_view unit;
@@ -56,7 +56,7 @@ const LogSignal& find_signal(const Node& node) {
   node.fail_unknown("the signal", name, known);
 }
 
-/// Reads the name of a unit that has the same dimension as `unit`.
+/// Reads the name of a unit with the dimension of `unit`.
 auto convertible_to(std::string_view unit) {
   return [unit](const Node& node) {
     auto name = node.text();

@@ -14,7 +14,7 @@ namespace {
 
 using namespace ssp;
 
-/// A name such as "in[3][1]", split into the word before the brackets and the numbers in the brackets.
+/// A name such as "in[3][1]": the word and the numbers in brackets.
 struct SignalName {
   std::string_view word;
   std::vector<std::size_t> indices;

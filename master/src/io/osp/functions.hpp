@@ -9,7 +9,6 @@
 
 namespace mebots::master::osp {
 
-/// Names a variable of a simulator.
 struct OspVariable {
   std::string simulator;
   std::string variable;
@@ -17,22 +16,22 @@ struct OspVariable {
   std::string text() const { return simulator + "." + variable; }
 };
 
-/// States how an input of a function affects one variable. The value of the variable `to` is the sum of `factor * from
-/// + offset` over all links to it.
+/// The effect of a function's input on a variable. The value of `to` is the sum of `factor * from + offset` over all
+/// its links.
 struct FunctionLink {
   OspVariable from;
   OspVariable to;
   double factor = 1;
   double offset = 0;
-  pugi::xml_node node;  ///< the XML element of the connection that ends at `to`
+  pugi::xml_node node;  ///< element of the connection that ends at `to`
 };
 
-/// States whether a connection connects a function with single variables or with groups of variables.
+/// Selects connections of single variables or of variable groups.
 enum class Ends { variable, group };
 
-/// Converts the <Functions> of an OspSystemStructure.xml: LinearTransformation, Sum and VectorSum. In libcosim, a
-/// function reads its inputs and provides its outputs at the same communication point. Therefore each function can be
-/// replaced by factors, offsets and sums of connections. Throws InputError with file, line and element if there is a
+/// Converts the <Functions> of an OspSystemStructure.xml: LinearTransformation, Sum and VectorSum. Functions are
+/// replaced by factors, offsets and sums of connections. This gives the same results, because in libcosim, inputs and
+/// outputs of a function belong to the same communication point. Throws InputError with file, line and element of a
 /// mistake.
 class Functions {
  public:
@@ -40,23 +39,23 @@ class Functions {
 
   /// Reads the functions. `functions` is null if the file has none.
   void read(pugi::xml_node functions);
-  /// Adds a connection between variables of simulators and a <Signal> or <SignalGroup> of a function.
+  /// Adds a connection of variables with a <Signal> or <SignalGroup> of a function.
   void connect(pugi::xml_node signal, const std::vector<OspVariable>& variables, Ends ends);
-  /// Returns links that replace all functions. Must be called after the last connect(). Every input of a function must
-  /// be connected.
+  /// Returns the links that replace all functions. Must be called after the last connect(). Throws InputError if an
+  /// input is not connected.
   std::vector<FunctionLink> links() const;
 
  private:
-  /// A function that the file defines. In a VectorSum, each `in[i]` and `out` are vectors. In LinearTransformation and
-  /// Sum, they have one element.
+  /// A function of the file. The elements of `inputs` and `outputs` are vectors in a VectorSum. In the other functions,
+  /// they have one element.
   struct Function {
     pugi::xml_node node;
-    bool indexed = false;  // true if the inputs are named in[0], in[1] ... instead of `in`
+    bool indexed = false;  // true if the inputs have the names in[0], in[1] and so on, instead of `in`
     // True if signals have elements, such as in[0][2] and out[2], and can be connected as groups.
     bool is_vector = false;
     double factor = 1;
     double offset = 0;
-    // Indexed by input and element; an empty simulator means that the element is not connected.
+    // Indexed by input and element. An element without a simulator is not connected.
     std::vector<std::vector<OspVariable>> inputs;
     struct Target {
       OspVariable variable;

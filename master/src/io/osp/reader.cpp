@@ -51,7 +51,6 @@ class OspReader {
   }
 
  private:
-  /// Appends `bytes` to the data whose hash identifies the inputs of the run. Returns `bytes`.
   std::string remember(std::string bytes) {
     bytes_ += bytes;
     return bytes;
@@ -104,7 +103,7 @@ class OspReader {
     fmus_.emplace(name, OspFmu{description, path});
   }
 
-  /// Returns the path of the FMU. If the attribute `source` refers to a proxy, the FMU is assigned a separate process.
+  /// Returns the path of the FMU. If `source` refers to a proxy, the FMU runs in a separate process.
   std::filesystem::path read_source(pugi::xml_node node, const std::string& name, Json& instance) {
     const auto source = file_.required(node, "source");
     const auto uri = parse_file_uri(source);
@@ -124,12 +123,12 @@ class OspReader {
     return path;
   }
 
-  /// Returns a simulator's step, rounded down to a multiple of the base step, as in libcosim.
+  /// Returns the step of a simulator, rounded down to a multiple of the base step as in libcosim.
   double step_of(pugi::xml_node node, const std::string& name) {
     const auto step = file_.number(node, "stepSize", 0);
     if (!result_.config.contains("step")) return step;
     const auto base = result_.config["step"].get<double>();
-    constexpr double kRounding = 1e-9;  // permits rounding errors of decimal numbers stored as doubles
+    constexpr double kRounding = 1e-9;  // permits rounding errors of decimal numbers
     const auto multiple = std::max(1.0, std::floor(step / base + kRounding));
     if (!(step > 0) || !(base > 0) || std::abs(step - multiple * base) <= kRounding * base) return step;
     result_.notices.push_back(
@@ -138,7 +137,7 @@ class OspReader {
     return multiple * base;
   }
 
-  /// Opens the FMU again and throws the resulting error.
+  /// Opens the FMU again to throw the error.
   [[noreturn]] void throw_reason(pugi::xml_node node, const std::filesystem::path& path) const {
     try {
       static_cast<void>(read_fmu_description(path));
@@ -243,8 +242,7 @@ class OspReader {
     ends_.push_back(to);
   }
 
-  /// Connects two variables whose values pass through a function. Functions compute with numbers, without conversion of
-  /// units.
+  /// Connects two variables through a function. Functions do not convert units.
   void connect_through(const osp::FunctionLink& link) {
     for (const auto& [variable, wanted] :
          {std::pair(&link.from, Causality::output), std::pair(&link.to, Causality::input)}) {
@@ -257,7 +255,7 @@ class OspReader {
     if (link.factor != 1) connection["factor"] = link.factor;
     if (link.offset != 0) connection["offset"] = link.offset;
     connection["convert_units"] = false;
-    connection["sum"] = true;  // also for a single term, so that the value is computed only at communication points
+    connection["sum"] = true;  // also for a single term, so that the value is computed at communication points
     add(link.node, std::move(connection), link.to);
   }
 
@@ -279,7 +277,7 @@ class OspReader {
     }
   }
 
-  /// Returns the variables of a group and of its nested groups, in the order in which the file lists them.
+  /// Returns the variables of a group and its nested groups in the order of the file.
   std::vector<OspVariable> group(pugi::xml_node end) {
     const auto simulator = simulator_of(end);
     const auto name = file_.required(end, "name");

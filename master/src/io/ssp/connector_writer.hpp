@@ -12,28 +12,27 @@
 
 namespace mebots::master::ssp {
 
-/// One end of a connection, named as in SSP.
 struct WrittenEnd {
   std::size_t instance = 0;
   std::string connector;  ///< name of a variable, an array or an OSMP binary
-  /// Indices of an array's element, starting at 1 and separated by spaces; empty for the whole connector.
+  /// Indices of an array element, from 1, separated by spaces; empty for the whole connector.
   std::string indices;
 };
 
-/// Translates names in connections of a config to SSP connectors, and writes these connectors.
+/// Converts the ends of connections to SSP connectors, and writes the connectors.
 class ConnectorWriter {
  public:
   /// `system` must outlive this object.
   explicit ConnectorWriter(const ResolvedSystem& system);
 
-  /// Returns the SSP connections, as pairs of source and target, that replace a connection of the config. A connection
-  /// of two OSMP binaries becomes three, one for each of their Integers. Stores the connectors for write().
+  /// Returns the sources and targets of the SSP connections for a connection of the config. A connection of two OSMP
+  /// binaries becomes three connections, one for each Integer. Stores the connectors for write().
   std::vector<std::pair<WrittenEnd, WrittenEnd>> ends(const ConnectionDescription& connection);
-  /// Appends the element <Connectors>, which contains the connectors of an instance, sorted by name.
+  /// Appends <Connectors> with the stored connectors of an instance, sorted by name.
   void write(pugi::xml_node component, std::size_t instance, DefinitionsWriter& definitions) const;
 
  private:
-  /// Stores the variable of a connector: a scalar, one element of an array, or the first Integer of an OSMP binary.
+  /// The variable of a connector: a scalar, an element of an array, or the first Integer of an OSMP binary.
   struct Connector {
     const modeldesc::Variable* variable = nullptr;
     std::string sizes;  // sizes of an array, separated by spaces
@@ -41,7 +40,7 @@ class ConnectorWriter {
   };
   using Connectors = std::map<std::string, Connector>;
 
-  /// True if an OSMP binary has this name. Such a binary consists of three Integer variables.
+  /// True if `name` is an OSMP binary, which consists of three Integers.
   bool is_osmp(const VariableName& name) const;
   WrittenEnd end_of(const VariableName& name);
 
@@ -50,10 +49,9 @@ class ConnectorWriter {
   std::vector<Connectors> connectors_;  // indexed by instance
 };
 
-/// Returns the indices in the name of an array's element, such as "2 3" for `m[2,3]`.
+/// Returns the indices of an array element, such as "2 3" for `m[2,3]`.
 std::string indices_of(const modeldesc::Variable& element);
 
-/// Appends a <Dimension> for each size.
 void write_dimensions(pugi::xml_node node, const std::string& sizes);
 
 }  // namespace mebots::master::ssp

@@ -13,12 +13,11 @@
 namespace mebots::master::ssp {
 namespace {
 
-/// True for the texts "1" and "true", which represent the same Boolean value.
 bool is_true(std::string_view text) {
   return text == "true" || text == "1";
 }
 
-/// Returns the canonical form of a value in a map, so that equal values have equal texts.
+/// Returns the canonical form of a value in a map. Equal values have equal texts.
 std::string plain(ValueMap::Kind kind, const std::string& text) {
   return kind == ValueMap::Kind::boolean ? (is_true(text) ? "true" : "false") : text;
 }
@@ -45,8 +44,8 @@ void Course::pass(const Transformation& transformation, const std::optional<mode
   if (const auto* map = std::get_if<ValueMap>(&transformation.what)) transform(*map, transformation.place);
 }
 
-/// Converts the value to the unit of a connector. If the connector has no unit, as is possible on a system, the value
-/// keeps its unit.
+/// Converts the value to the unit of a connector. The value keeps its unit if the connector has none, which is possible
+/// for a system.
 void Course::convert(const std::optional<modeldesc::Unit>& unit, const std::string& place) {
   if (!unit) return;
   if (unit_) {

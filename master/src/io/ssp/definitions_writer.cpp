@@ -63,7 +63,7 @@ using modeldesc::Type;
 using modeldesc::Value;
 using modeldesc::Variable;
 
-/// Returns a value as text. A value of an enumeration is written as the name of its item.
+/// Returns the text of a value; the name of the item for an enumeration.
 std::string text_of(const modeldesc::ModelDescription& model, const Variable& variable, const Value& value) {
   const auto* number = std::get_if<std::int64_t>(&value);
   const auto* type = model.type_definition(variable.declared_type);
@@ -75,7 +75,6 @@ std::string text_of(const modeldesc::ModelDescription& model, const Variable& va
   return value_text(variable.type, value);
 }
 
-/// Writes the values of one instance.
 class ValuesWriter {
  public:
   ValuesWriter(const ResolvedInstance& instance, pugi::xml_node parameters, DefinitionsWriter& definitions)
@@ -117,8 +116,8 @@ class ValuesWriter {
     return type;
   }
 
-  /// Writes an array, whose elements are successive variables. Numbers are written as a list in one attribute. Each
-  /// text is written as an XML element (SSP 2.0, 6.2).
+  /// Writes an array, whose elements are consecutive variables. Numbers become a list in one attribute, and each text
+  /// becomes an element (SSP 2.0, 6.2).
   void write_array(const Variable* first, std::size_t count) {
     std::vector<std::string> texts;
     for (const auto& variable : std::span(first, count)) {
@@ -148,7 +147,7 @@ class ValuesWriter {
   pugi::xml_node parameters_;
   DefinitionsWriter& definitions_;
   std::map<const Variable*, Value> values_;
-  std::set<std::string> arrays_;  // names of arrays that have at least one value
+  std::set<std::string> arrays_;  // names of all arrays that have a value
 };
 
 }  // namespace
@@ -163,7 +162,7 @@ void write_parameter_set(const ResolvedInstance& instance, const char* version, 
   set.append_attribute("xmlns:ssv") = "http://ssp-standard.org/SSP1/SystemStructureParameterValues";
   set.append_attribute("xmlns:ssc") = "http://ssp-standard.org/SSP1/SystemStructureCommon";
   set.append_attribute("version") = version;
-  set.append_attribute("name") = "initialValues";  // Ecos and Vico select a parameter set by this name
+  set.append_attribute("name") = "initialValues";  // Ecos and Vico use the parameter set with this name
   DefinitionsWriter definitions;
   ValuesWriter(instance, set.append_child("ssv:Parameters"), definitions).write();
   definitions.write(set, "ssv:");

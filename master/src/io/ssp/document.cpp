@@ -19,15 +19,15 @@ namespace {
 constexpr std::string_view kFmu = "application/x-fmu-sharedlibrary";
 constexpr std::string_view kDefinition = "application/x-ssp-definition";
 
-/// Contains the SSDs that are being read. Each of them is the source of a component in the previous one.
+/// The SSDs that are being read. Each SSD is the source of a component in the SSD before it.
 struct Nesting {
   std::vector<std::filesystem::path> open;
-  // Total number of SSDs, which a few files that refer to each other could otherwise multiply without limit.
+  // Total number of SSDs. A few files that refer to each other could otherwise multiply without limit.
   std::size_t read = 0;
 };
 
 constexpr std::size_t kMostDefinitions = 10'000;
-constexpr std::size_t kDeepestDefinition = 100;  // maximum nesting of SSDs, whose readers call each other
+constexpr std::size_t kDeepestDefinition = 100;  // maximum nesting of SSDs, because the readers are recursive
 
 struct KindName {
   std::string_view name;
@@ -143,8 +143,8 @@ class SystemReader {
     return component;
   }
 
-  /// Reads the system of another SSD, which replaces a component. The values of the component are placed after those of
-  /// the system, and therefore override them (5.3.3).
+  /// Reads the system of another SSD in place of a component. Appends the values of the component to those of the
+  /// system, which they override (5.3.3).
   Element read_definition(pugi::xml_node node) const {
     const auto path = resolve_uri(source_, file_, node, node.attribute("source").value());
     if (std::ranges::find(nesting_.open, path) != nesting_.open.end()) {
@@ -165,7 +165,7 @@ class SystemReader {
   }
 
   ConnectionEnd read_end(pugi::xml_node node, const std::string& side, const std::set<std::string>& names) const {
-    // Some tools write an empty element name for a connector of the system itself.
+    // Some tools write an empty element name for a connector of the system.
     ConnectionEnd end{node.attribute((side + "Element").c_str()).value(),
                       file_.required(node, (side + "Connector").c_str())};
     if (const auto indices = node.attribute((side + "Indices").c_str())) {

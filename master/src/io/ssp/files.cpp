@@ -44,7 +44,6 @@ std::string percent_decoded(std::string_view uri) {
   return text;
 }
 
-/// Returns the value of `key` in the query of a URI. Returns nullopt if the query has no such key.
 std::optional<std::string_view> query_value(std::string_view uri, std::string_view key) {
   const auto query = uri.find('?');
   if (query == std::string_view::npos) return std::nullopt;

@@ -14,37 +14,37 @@
 #include <variant>
 #include <vector>
 
-/// Declares the content of an SSP as plain data: the SSD, and the SSV and SSM files to which it refers. FMUs are not
-/// read. Section numbers refer to SSP 2.0, https://ssp-standard.org.
+/// Declares the content of an SSP: the SSD, and the SSV and SSM files to which it refers. Section numbers refer to SSP
+/// 2.0, https://ssp-standard.org.
 namespace mebots::master::ssp {
 
 using Json = nlohmann::ordered_json;
 
-/// The <Units> and <Enumerations> of one file. They are valid only in this file (4.4.1).
+/// The <Units> and <Enumerations> of a file. They are valid only in this file (4.4.1).
 struct Definitions {
   std::map<std::string, modeldesc::Unit, std::less<>> units;
   std::map<std::string, std::vector<modeldesc::EnumerationItem>, std::less<>> enumerations;
 };
 
-/// An SSP LinearTransformation: factor * value + offset, applied after the conversion of units (4.5.2.1).
+/// An SSP LinearTransformation: factor * value + offset, after the conversion of units (4.5.2.1).
 struct Linear {
   double factor = 1;
   double offset = 0;
 };
 
-/// An SSP BooleanMappingTransformation, IntegerMappingTransformation or EnumerationMappingTransformation. A value that
-/// has no entry does not change (4.5.2.2).
+/// An SSP BooleanMappingTransformation, IntegerMappingTransformation or EnumerationMappingTransformation. A value
+/// without an entry does not change (4.5.2.2).
 struct ValueMap {
   enum class Kind { boolean, integer, enumeration };
 
   Kind kind = Kind::integer;
-  std::vector<std::pair<std::string, std::string>> entries;  ///< pairs of source and target, as written in the file
+  std::vector<std::pair<std::string, std::string>> entries;  ///< pairs of source and target as in the file
 };
 
-/// Describes how a connection or a parameter mapping changes a value. `what` is empty if the value does not change.
+/// The transformation of a connection or parameter mapping. `what` is empty if the element has none.
 struct Transformation {
   std::variant<std::monostate, Linear, ValueMap> what;
-  bool convert_units = true;  ///< false if the element has the attribute suppressUnitConversion
+  bool convert_units = true;  ///< false: the element has the attribute suppressUnitConversion
   std::string place;
 };
 
@@ -63,19 +63,19 @@ enum class ConnectorKind {
 struct Connector {
   std::string name;
   ConnectorKind kind = ConnectorKind::unspecified;
-  std::optional<modeldesc::Unit> unit;  ///< has no base if the file does not define the unit
+  std::optional<modeldesc::Unit> unit;  ///< has no base unit if the file does not define the unit
   std::vector<modeldesc::EnumerationItem> items;
   std::string place;
 };
 
-/// One end of a connection. `element` is empty if the connector belongs to the enclosing system.
+/// An end of a connection. `element` is empty for a connector of the enclosing system.
 struct ConnectionEnd {
   std::string element;
-  std::string connector;     ///< name of the connector; for an element of an array with the indices, as in `y[2]`
+  std::string connector;     ///< name of the connector, with the indices of an array element, such as `y[2]`
   bool has_indices = false;  ///< true if the connection has startIndices or endIndices
 };
 
-/// A connection between two ends. The order of the ends does not define the direction (5.4.2).
+/// A connection. The order of its ends does not define its direction (5.4.2).
 struct Connection {
   ConnectionEnd start;
   ConnectionEnd end;
@@ -84,18 +84,18 @@ struct Connection {
   std::string place;
 };
 
-/// A value from a parameter binding. Its name includes the prefix, and the parameter mapping has already been applied.
+/// A value of a parameter binding after the parameter mapping. Its name includes the prefix.
 struct Parameter {
-  std::string name;  ///< name relative to the element that has the binding
+  std::string name;  ///< relative to the element of the binding
   Json value;
-  std::string problem;  ///< why the value cannot be used; empty if it can be used
+  std::string problem;  ///< reason why the value cannot be used; otherwise empty
   std::optional<modeldesc::Unit> unit;
   Transformation transformation;
-  std::string file;  ///< name of the file that contains the value, for messages
+  std::string file;  ///< file of the value, for messages
   std::string place;
 };
 
-/// An element of a system: a component (an FMU) or a nested system.
+/// An element of a system: an FMU (component) or a nested system.
 struct Element {
   enum class Kind { component, system };
 
@@ -103,28 +103,28 @@ struct Element {
   std::string name;
   std::string description;
   std::vector<Connector> connectors;
-  std::vector<Parameter> parameters;  ///< values of all bindings, in their order; later values take precedence
+  std::vector<Parameter> parameters;  ///< values of all bindings; later values take precedence
   std::string place;
-  // Members that only a component has.
+  // For components only.
   std::filesystem::path fmu;
-  bool in_own_process = false;  ///< true if the FMU was intended to run through a proxy
-  std::string fmu_kind;         ///< kind of simulation in the notation of a config; empty if any kind is permitted
-  // Members that only a system has.
+  bool in_own_process = false;  ///< true if the FMU was to run through a proxy
+  std::string fmu_kind;         ///< kind of simulation as in a config; empty if any kind is permitted
+  // For systems only.
   std::vector<Element> elements;
   std::vector<Connection> connections;
 };
 
-/// Describes how a chain of connections changes a value: by factor * value + offset, or by a map of values.
+/// The change of a value by a chain of connections: factor * value + offset, or a map of values.
 class Course {
  public:
-  /// `unit` is the unit of the value at the start of the chain, if known. If `difference` is true, the value is a
-  /// difference of two values (relativeQuantity). In this case, offsets of units are not applied.
+  /// `unit` is the unit at the start of the chain, if known. If `difference` is true, offsets of units are ignored,
+  /// because the value is a difference (relativeQuantity).
   explicit Course(std::optional<modeldesc::Unit> unit, bool difference = false)
       : unit_(std::move(unit)), difference_(difference) {}
 
-  /// Appends a connection that ends at a connector with the unit `unit`. If `unit` is not empty, the value is first
-  /// converted to it. After that, the transformation is applied (SSP 2.0, 4.5.2.1). Throws InputError with the place of
-  /// the transformation if the conversion is not possible.
+  /// Appends a connection to a connector with the unit `unit`. Converts the value to `unit`, if any, and then applies
+  /// the transformation (SSP 2.0, 4.5.2.1). Throws InputError with the place of the transformation if this is not
+  /// possible.
   void pass(const Transformation& transformation, const std::optional<modeldesc::Unit>& unit);
 
   double factor() const { return factor_; }
@@ -132,10 +132,9 @@ class Course {
   const std::optional<ValueMap>& map() const { return map_; }
   const std::optional<modeldesc::Unit>& unit() const { return unit_; }
   bool converts_units() const { return converts_units_; }
-  /// True if the chain contains a conversion of units that has an offset, as from Celsius to kelvin.
+  /// True if a conversion of units in the chain has an offset, such as from Celsius to kelvin.
   bool shifts_units() const { return shifts_units_; }
-  /// Applies the changes to a value and returns the result. If this is not possible, throws InputError whose message
-  /// begins with `name`.
+  /// Returns the changed value. Throws InputError if it cannot be changed; the message begins with `name`.
   Json apply(const Json& value, const std::string& name) const;
 
  private:

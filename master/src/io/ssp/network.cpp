@@ -19,20 +19,19 @@ std::string join(const std::string& path, const std::string& name) {
   return path.empty() ? name : path + "." + name;
 }
 
-/// Returns the variable of a connector; for an OSMP binary, the first of its three variables.
+/// Returns the variable of a connector. For an OSMP binary, returns its first Integer.
 const modeldesc::Variable* variable_of(const modeldesc::ModelDescription& model, const std::string& connector) {
   const auto* variable = modeldesc::declared_variable(model, connector);
   return variable != nullptr ? variable : model.find(connector + kOsmpEndings[0]);
 }
 
-/// True if values can only go to the variable. A Clock with its own timing is a source of ticks (SSP 2.0, 5.4.2.1).
+/// True if the variable can only receive values. A Clock with its own timing is a source of ticks (SSP 2.0, 5.4.2.1).
 bool is_target(const modeldesc::Variable& variable) {
   if (variable.type == modeldesc::Type::clock && variable.fmi3->timing->is_time_based()) return false;
   return variable.causality == Causality::input || variable.causality == Causality::parameter ||
          variable.causality == Causality::structural_parameter;
 }
 
-/// Returns the array of an element with these indices.
 Endpoint array_of(const Endpoint& element, const std::string& indices) {
   return {element.element, element.connector.substr(0, element.connector.size() - indices.size())};
 }
@@ -113,8 +112,8 @@ Port Network::port(const Endpoint& endpoint) const {
   return port;
 }
 
-/// Returns the direction of values at an endpoint. An element's outputs are sources, and its inputs are targets. For
-/// connectors of the enclosing system (`is_own`), the direction is reversed (SSP 2.0, 5.4.2.1).
+/// Returns whether an endpoint is a source or a target. Outputs of an element are sources, and inputs are targets. For
+/// connectors of the enclosing system (`is_own`), it is the reverse (SSP 2.0, 5.4.2.1).
 Network::Flow Network::flow(const Endpoint& endpoint, bool is_own) const {
   const auto known = port(endpoint);
   if (known.variable != nullptr) {
@@ -178,7 +177,7 @@ std::string Network::indices_of(const Endpoint& endpoint) const {
   return bracket == std::string::npos ? std::string() : name.substr(bracket);
 }
 
-/// Returns the declared connector; for an element of an array, the connector of the array. Null if it is not declared.
+/// Returns the declared connector, or that of the array for an array element; null if it is not declared.
 const Connector* Network::connector(const Endpoint& endpoint) const {
   auto found = connectors_.find(endpoint);
   if (const auto indices = indices_of(endpoint); !indices.empty())
@@ -195,7 +194,7 @@ bool Network::has(const Endpoint& endpoint) const {
 std::vector<Endpoint> Network::find(const std::string& path, const std::string& name) const {
   std::vector<Endpoint> found;
   if (Endpoint whole{path, name}; has(whole)) found.push_back(std::move(whole));
-  if (is_component(path)) return found;  // names in a component are those of its variables
+  if (is_component(path)) return found;  // a component contains only variables
   for (auto dot = name.find('.'); dot != std::string::npos; dot = name.find('.', dot + 1)) {
     Endpoint inner{join(path, name.substr(0, dot)), name.substr(dot + 1)};
     if (has(inner)) found.push_back(std::move(inner));
@@ -219,7 +218,7 @@ std::vector<std::string> Network::connected_elements(const Endpoint& array) cons
   return elements;
 }
 
-/// Throws InputError if a system's connector has a source as a whole and another one for an element.
+/// Throws InputError if an array connector of a system and one of its elements both have a source.
 void Network::check_elements() const {
   for (const auto& [to, hop] : hops_) {
     const auto indices = indices_of(to);
@@ -231,8 +230,8 @@ void Network::check_elements() const {
   }
 }
 
-/// Returns the connection into the endpoint. For an element of an array whose connector is connected as a whole,
-/// returns the element's part of this connection.
+/// Returns the connection into the endpoint. For an element of an array that is connected as a whole, returns the part
+/// of this connection for the element.
 std::optional<Hop> Network::hop_into(const Endpoint& endpoint) const {
   if (const auto* hop = into(endpoint)) return *hop;
   const auto indices = indices_of(endpoint);
@@ -241,7 +240,7 @@ std::optional<Hop> Network::hop_into(const Endpoint& endpoint) const {
   return element_of({*whole}, indices).front();
 }
 
-/// Appends hops until a component, or until a connector without a source. The chain begins at its target.
+/// Appends connections from the target towards the source, until a component or a connector without a source.
 void Network::follow(Way& way) const {
   std::set<Endpoint> seen;
   for (const auto& hop : way) seen.insert(hop.from);
@@ -260,7 +259,7 @@ void Network::follow(Way& way) const {
 std::vector<Way> Network::ways() const {
   std::vector<Way> ways;
   for (const auto& to : order_) {
-    if (!is_component(to.element)) continue;  // a system's connector only passes values through
+    if (!is_component(to.element)) continue;  // connectors of systems only forward values
     std::vector<Way> found{{*into(to)}};
     for (std::size_t i = 0; i < found.size(); ++i) {
       auto way = std::move(found[i]);

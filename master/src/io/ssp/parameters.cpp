@@ -27,15 +27,13 @@ using modeldesc::Type;
 constexpr std::string_view kParameterSet = "application/x-ssp-parameter-set";
 constexpr std::string_view kParameterMapping = "application/x-ssp-parameter-mapping";
 
-/// An inline XML element, or the root element of the file that `source` names. Keeps this file in memory while the
-/// element is read.
+/// An inline XML element, or the root element of a file, which this object keeps in memory.
 struct Part {
   const XmlFile* file;
   pugi::xml_node node;
   std::unique_ptr<XmlFile> own;
 };
 
-/// Returns the content of a file inside the FMU of a component.
 std::string read_from_fmu(const BindingContext& context, pugi::xml_node node, const std::string& uri) {
   const auto named = parse_file_uri(uri);
   const auto path = named ? named->path.lexically_normal() : std::filesystem::path();
@@ -81,15 +79,14 @@ Part part(const BindingContext& context, pugi::xml_node node, const char* inline
   return {&context.ssd, found, nullptr};
 }
 
-/// Returns the type whose element has this name. The name is that of a type of SSP 1.0 or FMI 3.0. Returns nullopt if
-/// the name is unknown.
+/// Returns the type with this element name in SSP 1.0 or FMI 3.0; nullopt if the name is unknown.
 std::optional<Type> type_named(std::string_view name) {
   if (name == "Real") return Type::real;
   if (name == "Integer") return Type::integer;
   return fmi::type_of_word3(name);
 }
 
-/// Reads a whole number within the range of the type. Also accepts a number such as "7.0".
+/// Reads a whole number in the range of the type. Also accepts a number such as "7.0".
 Json whole_number(const XmlFile& file, pugi::xml_node node, std::string_view text, Type type) {
   const auto limits = fmi::limits_of(type);
   const auto fits = [&](std::int64_t value) {
@@ -103,7 +100,7 @@ Json whole_number(const XmlFile& file, pugi::xml_node node, std::string_view tex
   file.fail(node, fmt::format("\"{}\" is not a whole number from {} to {}", text, limits.low, limits.high));
 }
 
-/// Returns the element that contains the value, such as <Real>. Returns a null node if the parameter has no value.
+/// Returns the element with the value, such as <Real>; a null node if the parameter has no value.
 pugi::xml_node type_of(pugi::xml_node parameter) {
   return parameter.find_child([](pugi::xml_node node) {
     const auto name = local_name(node);
@@ -111,7 +108,7 @@ pugi::xml_node type_of(pugi::xml_node parameter) {
   });
 }
 
-/// Reads one value, or one element of an array. The name of the element `node` states the type.
+/// Reads a scalar or an array element. The name of `node` is the type.
 Json read_value(const XmlFile& file, pugi::xml_node node, const std::string& text) {
   const auto type = type_named(local_name(node));
   if (!type || *type == Type::clock) {
@@ -123,7 +120,7 @@ Json read_value(const XmlFile& file, pugi::xml_node node, const std::string& tex
     if (!value) file.fail(node, fmt::format("\"{}\" is not a finite number", text));
     return *value;
   }
-  // The text may be the number of an item, because some tools do not support names of items.
+  // Accepts the number of an item, because some tools do not support names of items.
   if (*type == Type::enumeration) return parse_number(text) ? whole_number(file, node, text, Type::int64) : Json(text);
   if (fmi::is_whole(*type)) return whole_number(file, node, text, *type);
   if (*type == Type::boolean) {
@@ -139,8 +136,7 @@ Json read_value(const XmlFile& file, pugi::xml_node node, const std::string& tex
   return text;
 }
 
-/// Returns the texts of a parameter's values: one text for a scalar, and one for each element of an array in row-major
-/// order.
+/// Returns the text of each value: one for a scalar, and one for each element of an array in row-major order.
 std::vector<std::string> texts_of(const XmlFile& file, pugi::xml_node node, bool is_array) {
   std::vector<std::string> texts;
   for (const auto value : children(node, "Value")) texts.push_back(file.required(value, "value"));
@@ -165,7 +161,7 @@ std::vector<std::uint64_t> sizes_of(const XmlFile& file, pugi::xml_node paramete
   return sizes;
 }
 
-/// Reads the values of a parameter. The keys are names relative to that of the parameter: "" for a scalar, or "[2,3]".
+/// Reads the values of a parameter. Each name follows the name of the parameter: "" for a scalar, or "[2,3]".
 std::vector<std::pair<std::string, Json>> values_of(const XmlFile& file, pugi::xml_node parameter) {
   const auto node = type_of(parameter);
   if (!node) file.fail(parameter, "it has no value: an element such as Real, Integer, Boolean or String is expected");
@@ -181,7 +177,6 @@ std::vector<std::pair<std::string, Json>> values_of(const XmlFile& file, pugi::x
   return values;
 }
 
-/// An entry of a parameter mapping: the name before and after the mapping, and the transformation of the value.
 struct MappingEntry {
   std::string source;
   std::string target;
@@ -198,7 +193,7 @@ std::vector<MappingEntry> read_mapping(const Part& mapping) {
 }
 
 std::vector<Parameter> read_values(const BindingContext& context, const Part& values, const std::string& prefix) {
-  // An inline ParameterSet belongs to the file of the SSD, so that the definitions of this file apply (4.4.1).
+  // An inline ParameterSet uses the definitions of the SSD that contains it (4.4.1).
   auto definitions = read_definitions(*values.file, values.node);
   if (!values.own) definitions.units.insert(context.definitions.units.begin(), context.definitions.units.end());
   std::vector<Parameter> result;
@@ -215,15 +210,15 @@ std::vector<Parameter> read_values(const BindingContext& context, const Part& va
         result.back().value = std::move(value);
       }
     } catch (const InputError& error) {
-      parameter.problem = error.what();  // reported only if the value is needed
+      parameter.problem = error.what();  // reported only if the value is used
       result.push_back(std::move(parameter));
     }
   }
   return result;
 }
 
-/// Applies a parameter mapping (chapter 7). For each entry that refers to a parameter, the result contains one
-/// parameter, which has the entry's new name. All other parameters are dropped.
+/// Applies a parameter mapping (chapter 7). Returns a renamed parameter for each entry that refers to a parameter, and
+/// drops all other parameters.
 std::vector<Parameter> mapped(const std::vector<Parameter>& parameters, const std::vector<MappingEntry>& entries) {
   std::multimap<std::string_view, const MappingEntry*> by_source;
   for (const auto& entry : entries) by_source.emplace(entry.source, &entry);
@@ -259,7 +254,7 @@ std::vector<Parameter> read_binding(const BindingContext& context, pugi::xml_nod
 
 std::vector<Parameter> read_parameter_bindings(const BindingContext& context, pugi::xml_node element) {
   std::vector<Parameter> result;
-  // The schema permits only one <ParameterBindings> in an element, but some tools write several.
+  // The schema permits one <ParameterBindings>, but some tools write several.
   for (const auto list : children(element, "ParameterBindings")) {
     for (const auto binding : children(list, "ParameterBinding")) {
       auto parameters = read_binding(context, binding);

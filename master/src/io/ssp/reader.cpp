@@ -20,8 +20,7 @@ namespace {
 
 using namespace ssp;
 
-/// True if the output can have this source value of a map. Entries of a map with other source values are ignored (SSP
-/// 2.0, 4.5.2.3).
+/// True if the output can have this value. Entries of a map with other source values are ignored (SSP 2.0, 4.5.2.3).
 bool may_give(const Port& port, const std::string& source) {
   if (port.variable == nullptr || port.variable->type == modeldesc::Type::boolean) return true;
   const auto number = parsed_number<std::int64_t>(source);
@@ -50,7 +49,7 @@ Json map_json(const ValueMap& map, const Port& from) {
   return json;
 }
 
-/// Describes the annotation in which another tool stores the communication step.
+/// An annotation in which another tool stores the communication step.
 struct StepAnnotation {
   std::string_view type;
   std::string_view element;
@@ -62,7 +61,6 @@ constexpr StepAnnotation kStepAnnotations[] = {
     {"com.opensimulationplatform", "FixedStepAlgorithm", "baseStepSize"},
 };
 
-/// Converts a document to the JSON of a config.
 class ConfigMaker {
  public:
   ConfigMaker(const Files& files, const Document& document, std::vector<std::string>& notices)
@@ -100,7 +98,7 @@ class ConfigMaker {
     }
   }
 
-  /// Sets the value of a component's variable. Must be called at most once for each variable.
+  /// Sets the value of a component's variable. Must be called only once for a variable.
   void set_parameter(const Endpoint& endpoint, const Json& value, const std::string& place) {
     parameters_[endpoint.element].emplace_back(endpoint.connector, value);
     result_.places["/instances" + data::pointer_step(endpoint.element) + "/parameters" +
@@ -118,7 +116,7 @@ class ConfigMaker {
     }
   }
 
-  /// Returns the combined transformation of a value by all connections of a chain, from number `first` on.
+  /// Returns the combined transformation of a chain, from the connection with the index `first`.
   Course course_of(const Way& way, std::size_t first, const std::optional<modeldesc::Unit>& unit) const {
     const auto from = network_.port(way[first].from);
     const auto to = network_.port(way.back().to);
@@ -139,7 +137,7 @@ class ConfigMaker {
     return course;
   }
 
-  /// Adds a connection between two components. It combines the transformations of all connections on the way.
+  /// Adds a connection of two components that combines the transformations of a chain.
   void connect(const Way& way, StartingValues& values) {
     const auto& from = way.front().from;
     const auto& to = way.back().to;
@@ -178,14 +176,13 @@ class ConfigMaker {
     if (linear.offset != 0) json["offset"] = linear.offset;
   }
 
-  /// True for a single connection between variables whose FMUs declare their units. The master converts such a value
-  /// itself, with a notice.
+  /// True for a single connection whose FMUs both declare their units. The master then converts the value, and adds a
+  /// notice.
   bool converts_by_itself(const Way& way) const {
     return way.size() == 1 && network_.port(way.front().from).has_own_unit() &&
            network_.port(way.front().to).has_own_unit();
   }
 
-  /// Returns the indices of the elements of an array that have a value.
   std::vector<std::string> elements_with_values(const StartingValues& values, const Endpoint& array) const {
     std::vector<std::string> elements;
     for (auto value = values.lower_bound({array.element, array.connector + "["}); value != values.end(); ++value) {
@@ -197,8 +194,8 @@ class ConfigMaker {
     return elements;
   }
 
-  /// Returns the chains for those elements of an array that have a value at a system's connector and no connection of
-  /// their own. If no element has a value or a connection, returns the chain itself.
+  /// Returns a chain for each array element that has a value at a connector of a system, but is not connected itself.
+  /// Returns the whole chain if no element has a value or a connection.
   std::vector<Way> parts_with_values(const Way& way, const StartingValues& values) const {
     std::set<std::string> elements;
     for (const auto& hop : way) {
@@ -212,8 +209,8 @@ class ConfigMaker {
     return parts;
   }
 
-  /// For a variable whose chain of connections begins at a system's connector, sets the connector's value as the start
-  /// value. If several connectors of the chain have a value, uses that of the outermost connector.
+  /// Sets the start value of a variable whose chain begins at a connector of a system. Uses the value of the outermost
+  /// connector that has one.
   void feed(const Way& way, StartingValues& values) {
     const auto& to = way.back().to;
     std::size_t first = 0;
@@ -236,7 +233,7 @@ class ConfigMaker {
     set_parameter(to, fitting(course.apply(value.value, name), network_.port(to)), value.place);
   }
 
-  /// Removes the values of a variable, or of all elements of an array, with a notice.
+  /// Removes the values of a variable, or of all elements of an array, and adds a notice.
   void leave_out(StartingValues& values, const Endpoint& endpoint, const std::string& reason) {
     std::vector<std::string> names{endpoint.connector};
     for (const auto& indices : elements_with_values(values, endpoint)) names.push_back(endpoint.connector + indices);
@@ -248,8 +245,8 @@ class ConfigMaker {
     }
   }
 
-  /// Writes the remaining start values to the components' parameters. Adds a notice for values of connectors without a
-  /// connection.
+  /// Writes the remaining start values to the parameters of components. Adds a notice for values of connectors without
+  /// a connection.
   void write_values(const StartingValues& values) {
     for (const auto& [endpoint, value] : values) {
       if (network_.is_component(endpoint.element)) {
@@ -286,7 +283,7 @@ class ConfigMaker {
     }
   }
 
-  /// Reads the communication step from another tool's annotation, unless MEbots' own annotation defines it.
+  /// Reads the communication step from the annotation of another tool. MEbots' own annotation takes precedence.
   void read_step(pugi::xml_node annotation, const StepAnnotation& tool) {
     const auto holder = annotation.find_node([&](pugi::xml_node node) { return local_name(node) == tool.element; });
     if (!holder || !holder.attribute(tool.attribute) || result_.config.contains("step")) return;
@@ -295,12 +292,12 @@ class ConfigMaker {
   }
 
   void read_own(pugi::xml_node annotation) {
-    // SSP 2.0 permits text in an annotation; SSP 1.0 requires an element around it.
+    // SSP 2.0 permits text in an annotation. SSP 1.0 requires an element around it.
     const auto element = annotation.find_child([](pugi::xml_node node) { return node.type() == pugi::node_element; });
     const std::string text = (element ? element : annotation).text().get();
     try {
       data::Document(text, file_->place(annotation)).read([&](const data::Node& root) {
-        static_cast<void>(root.members());  // throws if it is not an object
+        static_cast<void>(root.members());  // throws if the text is not an object
       });
     } catch (const data::Mistakes& mistakes) {
       throw InputError(mistakes.code(), mistakes.what());
@@ -318,7 +315,6 @@ class ConfigMaker {
     }
   }
 
-  /// Adds connections that SSP cannot express.
   void add_connections(pugi::xml_node annotation, const Json& more) {
     auto& connections = result_.config["connections"];
     for (const auto& connection : more) {
@@ -348,7 +344,7 @@ class ConfigMaker {
   Network network_;
   ValueNotices value_notices_;
   std::set<Endpoint> used_;                           // connectors of systems whose values are used
-  std::map<std::string, Json::object_t> parameters_;  // by component
+  std::map<std::string, Json::object_t> parameters_;  // key: component
   SspConfig result_;
 };
 

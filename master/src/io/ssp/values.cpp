@@ -19,8 +19,8 @@ std::string_view without_brackets(std::string_view name) {
   return name.size() > 2 && name.front() == '[' && name.back() == ']' ? name.substr(1, name.size() - 2) : name;
 }
 
-/// Returns the definition that a unit name usually has, if the file does not define the unit: "[mm]" and "mm" are
-/// millimetres. Returns nullopt if the name is unknown.
+/// Returns the usual definition of a unit that the file does not define. For example, "[mm]" and "mm" are millimetres.
+/// Returns nullopt if the name is unknown.
 std::optional<modeldesc::Unit> usual(const modeldesc::Unit& unit) {
   if (unit.has_base) return unit;
   try {
@@ -30,14 +30,13 @@ std::optional<modeldesc::Unit> usual(const modeldesc::Unit& unit) {
   }
 }
 
-/// The units of a parameter and of its target.
 struct UnitPair {
   std::optional<modeldesc::Unit> from;
   std::optional<modeldesc::Unit> to;
 };
 
-/// Finds usual definitions for units that the SSV or the FMU names without defining them. If there is no definition,
-/// the number is not converted.
+/// Finds usual definitions for units that the SSV or the FMU does not define. Without a definition, the value is not
+/// converted.
 UnitPair defined_units(UnitPair units, const Parameter& parameter, const std::string& name, ValueNotices& notices) {
   if (!units.from || !units.to || (units.from->has_base && units.to->has_base)) return units;
   if (without_brackets(units.from->name) == without_brackets(units.to->name)) return {units.to, units.to};
@@ -97,7 +96,7 @@ std::vector<std::string> ValueNotices::texts() const {
 
 std::optional<std::int64_t> exact_whole(double number) {
   constexpr double kExact = 9007199254740992.0;  // 2^53
-  // The range is checked first, because the conversion of NaN or of a number out of range is undefined.
+  // The conversion of NaN, or of a number that is too large, would be undefined.
   if (!(std::abs(number) <= kExact) || number != std::floor(number)) return std::nullopt;
   return static_cast<std::int64_t>(number);
 }
@@ -111,7 +110,7 @@ Json fitting(Json value, const Port& port) {
 
 std::map<Endpoint, StartingValue> starting_values(const Network& network, ValueNotices& notices) {
   std::map<Endpoint, StartingValue> values;
-  for (const auto& [path, element] : network.elements()) {  // inner elements are the first
+  for (const auto& [path, element] : network.elements()) {  // inner elements precede outer ones
     for (const auto& parameter : element->parameters) {
       const auto found = network.find(path, parameter.name);
       for (const auto& endpoint : found) assign(network, parameter, endpoint, notices, values);

@@ -11,7 +11,7 @@
 
 namespace mebots::master::ssp {
 
-/// The start value of an endpoint, in the endpoint's unit, and the place that defines it.
+/// The start value of an endpoint in the endpoint's unit, and the place of its definition.
 struct StartingValue {
   Json value;
   std::optional<modeldesc::Unit> unit;
@@ -19,12 +19,11 @@ struct StartingValue {
   std::string place;
 };
 
-/// Collects notices about values. Combines notices that have the same file and text into one, which lists the
-/// variables.
+/// Collects notices about values. Notices with the same file and text become one notice with all variables.
 class ValueNotices {
  public:
   void add(const std::string& file, const std::string& text, const std::string& name);
-  /// Returns texts such as "FILE: TEXT (3): a, b, c".
+  /// Returns notices such as "FILE: TEXT (3): a, b, c".
   std::vector<std::string> texts() const;
 
  private:
@@ -35,26 +34,25 @@ class ValueNotices {
 };
 
 /// Returns the values of all parameter bindings. Outer bindings override inner ones, and later bindings override
-/// earlier ones (SSP 2.0, 5.3.3). Leaves out names that have no endpoint, and variables that cannot be set. Throws
-/// InputError if the unit of a value does not match, or if the value cannot be transformed.
+/// earlier ones (SSP 2.0, 5.3.3). Omits names without an endpoint, and variables that cannot be set. Throws InputError
+/// if a value has a wrong unit or cannot be transformed.
 std::map<Endpoint, StartingValue> starting_values(const Network& network, ValueNotices& notices);
 
-/// Converts a value to the type of the variable: a Real that is a whole number becomes an Integer.
+/// Converts a value to the type of the variable. For an Integer, a whole number such as 2.0 becomes 2.
 Json fitting(Json value, const Port& port);
 
-/// Converts the number to an integer. Returns nullopt if the number is not whole, or so large that a double cannot
-/// represent all whole numbers of its magnitude.
+/// Converts a number to an integer. Returns nullopt if the number is not whole, or so large that not every whole number
+/// of its magnitude is a double.
 std::optional<std::int64_t> exact_whole(double number);
 
-/// The files and definitions to which the bindings of an element may refer.
 struct BindingContext {
   const Source& source;
   const XmlFile& ssd;
-  const Definitions& definitions;  ///< definitions of the SSD
-  std::filesystem::path fmu;       ///< path of a component's FMU; paths with sourceBase="component" are relative to it
+  const Definitions& definitions;  ///< of the SSD
+  std::filesystem::path fmu;       ///< path of the component's FMU; base of paths with sourceBase="component"
 };
 
-/// Reads all values in the <ParameterBindings> of an element (SSP 2.0, 5.3.3), in the order of the file. An SSV or SSM
+/// Reads the values in the <ParameterBindings> of an element (SSP 2.0, 5.3.3), in the order of the file. An SSV or SSM
 /// may be inline or a separate file.
 std::vector<Parameter> read_parameter_bindings(const BindingContext& context, pugi::xml_node element);
 

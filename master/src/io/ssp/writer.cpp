@@ -21,8 +21,7 @@ using namespace ssp;
 using modeldesc::Type;
 using Json = nlohmann::ordered_json;
 
-/// Returns a unique file name for each FMU of a system. If two files differ only in their folder, adds numbers to their
-/// names.
+/// Returns a unique file name for each FMU. Adds numbers to equal names of files in different folders.
 std::map<std::filesystem::path, std::string> file_names(const SystemDescription& system) {
   std::map<std::filesystem::path, std::string> names;
   std::set<std::string> taken;
@@ -37,7 +36,6 @@ std::map<std::filesystem::path, std::string> file_names(const SystemDescription&
   return names;
 }
 
-/// Converts a file name to a relative URI.
 std::string as_uri(const std::string& name) {
   constexpr std::string_view kPlain = "-._~()[]";
   std::string uri;
@@ -67,7 +65,7 @@ class SspWriter {
     auto system = root.append_child("ssd:System");
     system.append_attribute("name") = "root";
     auto elements = system.append_child("ssd:Elements");
-    write_connections(system);  // written first, because they determine the connectors
+    write_connections(system);  // connections determine the connectors, which must be known first
     write_elements(elements);
     write_annotations(system.append_child("ssd:Annotations"));
     definitions_.write(root, "ssd:");
@@ -78,7 +76,7 @@ class SspWriter {
         fmt::format("{}", system_.description->grid().time_s(system_.description->stop_time_ns)).c_str();
     return document_;
   }
-  /// Returns the parameter sets to which write() refers. The keys are file names in resources/.
+  /// Returns the parameter sets for write(). The keys are file names in resources/.
   const std::map<std::string, pugi::xml_document>& parameter_sets() const { return parameter_sets_; }
 
  private:
@@ -109,7 +107,7 @@ class SspWriter {
     write_parameter_set(instance, version_, parameter_sets_[name]);
   }
 
-  /// Returns a file name that contains no special characters and that no other parameter set has.
+  /// Returns a unique file name without special characters.
   std::string free_name(const std::string& instance) const {
     std::string stem = instance;
     for (auto& c : stem) {
@@ -122,10 +120,10 @@ class SspWriter {
     return name;
   }
 
-  /// True if SSP cannot express the connection, which is then written into the annotation.
+  /// True if SSP cannot express the connection. The annotation then contains it.
   static bool is_own(const ConnectionDescription& connection) { return connection.sum || connection.narrow; }
 
-  /// Writes each connection of the config. A connection between OSMP binaries becomes three connections of SSP.
+  /// Writes the connections. A connection of OSMP binaries becomes three connections.
   void write_connections(pugi::xml_node system) {
     if (system_.description->connections.empty()) return;
     auto connections = system.append_child("ssd:Connections");
@@ -153,7 +151,7 @@ class SspWriter {
     if (!end.indices.empty()) node.append_attribute((side + "Indices").c_str()) = end.indices.c_str();
   }
 
-  /// Returns the resolved connection for a description that has a map. For arrays, returns that of the first elements.
+  /// Returns the resolved connection of a description with a map. For arrays, returns that of the first elements.
   const ResolvedConnection& resolved_map(const ConnectionDescription& connection) const {
     const auto fits = [&](const ResolvedConnection& one) {
       const auto& variable = *one.to.variable;
@@ -193,7 +191,7 @@ class SspWriter {
   }
 
   void write_annotations(pugi::xml_node annotations) {
-    // Writes those sections of a config for which SSP has no elements to an annotation.
+    // The annotation contains the sections of the config for which SSP has no elements.
     Json rest = Json::object();
     for (const auto& [key, value] : config_.items()) {
       if (key != "$schema" && key != "instances" && key != "connections" && key != "start_time" && key != "stop_time") {
@@ -208,8 +206,8 @@ class SspWriter {
         if (key != "fmu" && key != "parameters" && key != "text") rest["instances"][name][key] = value;
       }
     }
-    // OMSimulator stores the kind and step of a system in its own annotation. It reads only the first annotation;
-    // therefore its annotation is written first.
+    // OMSimulator stores the kind and step of a system in its own annotation. This annotation must be the first one,
+    // because OMSimulator reads no other.
     auto theirs = annotations.append_child("ssc:Annotation");
     theirs.append_attribute("type") = "org.openmodelica";
     theirs.append_child("oms:Annotations")
@@ -234,7 +232,7 @@ class SspWriter {
   pugi::xml_document document_;
   ConnectorWriter connectors_;
   DefinitionsWriter definitions_;
-  std::map<std::string, pugi::xml_document> parameter_sets_;  // indexed by file name
+  std::map<std::string, pugi::xml_document> parameter_sets_;  // key: file name
 };
 
 void write_text(const std::filesystem::path& file, const std::string& text) {

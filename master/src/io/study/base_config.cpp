@@ -19,7 +19,7 @@ BaseConfig read_base_config(const std::filesystem::path& mission, const std::opt
                   .last_point_s = grid.time_s(grid.time_ns(last - 1)),
                   .unpacked = loaded.system.unpacked};
   base.config.erase("$schema");
-  config::make_signal_paths_absolute(base.config, loaded.system);  // workers read the config from another folder
+  config::make_signal_paths_absolute(base.config, loaded.system);  // missions read the config from another folder
   for (const auto& instance : loaded.system.instances) {
     base.fmus[instance.name] = instance.fmu_path.string();
     base.config["instances"][instance.name]["fmu"] = instance.fmu_path.string();

@@ -24,24 +24,24 @@ using data::Limits;
 using data::Node;
 using data::Object;
 
-// Maximum number of missions, draws and designs; more do not fit into memory.
+// Maximum number of missions, draws and designs. More do not fit into memory.
 constexpr std::int64_t kMost = 100'000'000;
 
-/// Contains the names to which several sections of a study refer.
+/// The names to which sections of a study refer.
 struct Names {
   std::string design_kind;
-  std::vector<std::string> factors;     // empty for a design of kind `list`, whose file names the factors
+  std::vector<std::string> factors;     // empty for a design of kind `list`, whose file contains the factors
   std::vector<std::string> draws;       // names of variables
   std::vector<std::string> objectives;  // labels of objectives
   std::vector<std::string> successes;   // labels of outcome objectives
-  bool compared = false;  // true if designs are compared by an objective to minimise or maximise, or by a constraint
+  bool compared = false;                // true if an objective or a constraint compares designs
 };
 
 auto count_from(std::int64_t least) {
   return data::whole_number(least, kMost);
 }
 
-/// Reads an optional key whose only permitted value is true.
+/// Reads a key that must be true.
 bool read_mark(const Node& node) {
   if (!node.flag()) node.fail(ErrorCode::invalid_value, "this key must be true; remove it for the other case");
   return true;
@@ -92,7 +92,6 @@ void check_normal(const Node& node) {
   static_cast<void>(elements[1].number(Limits::positive()));
 }
 
-/// Checks that an object has exactly one of the keys in `words`. Otherwise reports a mistake.
 template <std::size_t N>
 void require_one_of(const Object& object, const std::array<std::string_view, N>& words) {
   std::string list;
@@ -133,7 +132,7 @@ void check_options(const Node& node) {
   }
 }
 
-/// Checks the values of a factor: a list, a span, or options that set several parameters together.
+/// Checks the values of a factor: a list, a span, or options that set several parameters.
 void check_factor(const Node& node, const std::string& kind) {
   if (node.is(data::Kind::list)) return check_choice(node);
   Object object(node);
@@ -174,7 +173,7 @@ void check_condition(const Node& node, const std::vector<std::string>& factors) 
   condition.finish();
 }
 
-/// States which keys a kind of design requires and permits, in addition to `kind`.
+/// The required and permitted keys of a kind of design, in addition to `kind`.
 struct DesignKind {
   std::string_view name;
   std::vector<std::string_view> needs;
@@ -265,7 +264,6 @@ void check_draws(const Node& node, Names& names) {
   draws.finish();
 }
 
-/// Checks outcomes: one name, or a list of names, each of which is accepted.
 void check_outcomes(const Node& node) {
   if (node.is(data::Kind::text)) {
     static_cast<void>(node.readable_text());
@@ -276,7 +274,6 @@ void check_outcomes(const Node& node) {
   for (const auto& element : elements) element.attempt([&] { static_cast<void>(element.readable_text()); });
 }
 
-/// Checks end reasons: one name, or a list of names, each of which is accepted.
 void check_end_reasons(const Node& node) {
   const std::vector<std::string> known = {"stop_time", "stop_condition", "terminated", "failed"};
   const auto check = [&](const Node& reason) { static_cast<void>(read_known(reason, "the end reason", known)); };
@@ -289,7 +286,7 @@ void check_end_reasons(const Node& node) {
 constexpr std::array<std::string_view, 6> kSources = {"outcome", "end_reason", "summary",
                                                       "final",   "series",     "expression"};
 
-/// True if the value of the objective is 0 or 1 in each mission.
+/// True if the objective is 0 or 1 in each mission.
 bool is_share(const Node& objective) {
   return objective.has("outcome") || objective.has("end_reason");
 }
@@ -352,15 +349,14 @@ void check_objectives(const Node& node, Names& names) {
   }
 }
 
-/// Reads and checks a bound: {"above": x} or {"below": x}.
 void read_side(Object& object, const Limits& limits = {}) {
   double bound = 0;
   object.read_if("above", bound, data::number(limits));
   object.read_if("below", bound, data::number(limits));
 }
 
-/// Returns the range in which the bound of an objective must be. The bound of an outcome objective is a fraction of
-/// missions, from 0 to 1.
+/// Returns the range for the bound of an objective. It is 0 to 1 for an outcome objective, whose value is a fraction of
+/// missions.
 Limits limits_of(const std::string& label, const Names& names) {
   const bool is_share = std::ranges::find(names.successes, label) != names.successes.end();
   return is_share ? Limits::between(0, 1) : Limits{};
@@ -420,8 +416,8 @@ void check_rounds(const Node& node, const Names& names) {
   }
 }
 
-/// Checks names of factors or draws, all of which must differ. The factors of a design of kind `list` are not in the
-/// study but in a separate file.
+/// Checks names of factors or draws, which must all differ. If `known_all` is false, `known` is incomplete, because the
+/// factors of a design of kind `list` are in a separate file.
 void check_names(const Node& node, std::string_view what, const std::vector<std::string>& known, bool known_all) {
   const auto elements = node.elements();
   if (elements.empty()) node.fail(ErrorCode::invalid_value, "at least one name is needed");
@@ -448,7 +444,6 @@ void check_fork(const Node& node, const Names& names) {
   fork.finish();
 }
 
-/// Checks that the numbers are in rising or in falling order.
 void check_levels(const Node& node) {
   const auto elements = node.elements();
   if (elements.empty()) node.fail(ErrorCode::invalid_value, "at least one level is needed");
@@ -474,8 +469,7 @@ void check_splitting(const Node& node, const Names& names) {
   require_one_of(splitting, std::array<std::string_view, 3>{"levels", "above", "below"});
 }
 
-/// Checks that a study with `splitting` requests no other objective, because it estimates only the probability of a
-/// rare event.
+/// Reports other objectives in a study with `splitting`, which estimates only the probability of a rare event.
 void check_alone(const Object& study, const Names& names) {
   const auto& node = study.node();
   for (const std::string_view key : {"objectives", "constraints", "rounds", "fork", "results"}) {

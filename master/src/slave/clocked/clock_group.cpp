@@ -13,8 +13,8 @@
 namespace mebots::master {
 namespace {
 
-/// Limits the instants of one event, and the number of consecutive steps without progress in time. If a group exceeds
-/// this number, an error reports that its clocks never settle.
+/// The maximum number of discrete updates in one event, and of consecutive steps without progress in time. A group that
+/// exceeds it fails, because its clocks never settle.
 constexpr int kMostInstants = 1000;
 
 StepResult not_done(bool terminated, double time_s) {
@@ -39,7 +39,7 @@ void ClockGroup::start_clocks(std::size_t member) {
   network_.start(member, members_[member].time_s);
 }
 
-/// Makes the members handle the events at the start. They are in event mode after initialisation.
+/// Handles the events at the start. The members are in event mode after initialization.
 void ClockGroup::exit_initialization() {
   if (++initialised_ < members_.size()) return;
   for (auto& member : members_) member.in_event = true;
@@ -73,7 +73,7 @@ StepResult ClockGroup::advance(double end_s) {
   }
 }
 
-/// Steps all members to `target_s`, or to the time at which the first of them returns early.
+/// Steps all members to `target_s`. If a member returns early, reduces `target_s` to this time.
 StepResult ClockGroup::step_members(double& target_s) {
   for (auto& member : members_) {
     if (member.time_s >= target_s) continue;
@@ -104,7 +104,6 @@ void ClockGroup::note_late_tick(std::size_t member, double tick_s) {
          "(canHandleVariableCommunicationStepSize = false). Take shorter steps");
 }
 
-/// Sends a notice, but only once in a run.
 void ClockGroup::notice(const Member& member, double time_s, const std::string& text) {
   if (std::exchange(noticed_, true)) return;
   messages_->message({member.instance->name(), Severity::warning, "notice",
@@ -117,8 +116,7 @@ void ClockGroup::fail_to_rest(double time_s) const {
                                members_.front().instance->name(), time_s));
 }
 
-/// Updates the discrete states of all members, which ends the instant. Returns true if a member requests another
-/// update.
+/// Updates the discrete states of all members. Returns true if a member requests another update.
 bool ClockGroup::update_members(double time_s, bool& terminated) {
   bool needs_another = false;
   for (std::size_t m = 0; m < members_.size(); ++m) {
@@ -132,8 +130,8 @@ bool ClockGroup::update_members(double time_s, bool& terminated) {
   return needs_another;
 }
 
-/// Handles the events at the current time. Returns false if a member ends the simulation. Otherwise, all members are in
-/// step mode afterwards.
+/// Handles the events at `time_s`. Returns false if a member ends the simulation. Otherwise, all members are then in
+/// step mode.
 bool ClockGroup::handle_events(double time_s) {
   for (std::size_t m = 0; m < members_.size(); ++m) {
     if (std::exchange(members_[m].needs_event, false)) enter_event(m, time_s);

@@ -16,9 +16,8 @@
 
 namespace mebots::master {
 
-/// Steps the co-simulation slaves whose clocks are connected, or a single slave that has clocks. Steps from tick to
-/// tick, and handles the events of the slaves (FMI 3.0.2, sections 2.2.8 and 4.2.1). When the first member steps, the
-/// whole group advances.
+/// Steps co-simulation slaves whose clocks are connected, or a single slave with clocks. Handles clock ticks and events
+/// (FMI 3.0.2, sections 2.2.8 and 4.2.1). The step of the first member advances the whole group.
 ///
 /// Members step one after the other. If a member returns early because of an event, later members step only to the time
 /// of this event. Members that have already stepped further handle the event at their own, later time. If a member
@@ -26,28 +25,28 @@ namespace mebots::master {
 /// communication points.
 class ClockGroup final : private EventModes {
  public:
-  /// Both arguments must outlive the group.
+  /// `messages` must outlive the group.
   ClockGroup(const TimeGrid& grid, MessageSink& messages) : grid_(grid), messages_(&messages) {}
 
-  /// Adds an instance, given by its two interfaces. Both must exist until the last call of the group. Returns the index
-  /// of the instance among the members.
+  /// Adds an instance, given by its two interfaces, and returns its index among the members. Both objects must exist
+  /// until the last call of the group.
   std::size_t add(HoldingSlave& slave, EventInstance& instance);
-  /// Connects the clocks and clocked variables. Must be called before the first member exits initialization mode.
+  /// Connects clocks and clocked variables. Must be called before the first member exits initialization mode.
   void connect(std::vector<ClockLink> clocks, std::vector<ClockedLink> values) {
     network_.connect(std::move(clocks), std::move(values));
   }
 
   void setup_experiment(const Experiment& experiment) { start_ns_ = experiment.start_ns; }
-  /// Queries the first ticks of the clocks of a member, which must be in initialization mode.
+  /// Queries the first ticks of a member's clocks. The member must be in initialization mode.
   void start_clocks(std::size_t member);
-  /// Must be called each time a member has exited initialization mode. After the last member, handles the events at the
-  /// start.
+  /// Must be called once for each member after the member has exited initialization mode. The last call handles the
+  /// events at the start.
   void exit_initialization();
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns);
-  /// Returns the time of the next tick of any clock [s]. Returns TimedClock::kNever if no tick is scheduled.
+  /// Returns the time of the next tick of any clock in seconds; TimedClock::kNever if no tick is scheduled.
   double next_tick_s() const { return network_.next_tick().time_s; }
 
-  /// Returns the times of members and clocks as bytes. The first member stores them in its state.
+  /// Returns the times of members and clocks as bytes, for restore().
   std::vector<std::byte> save() const;
   void restore(std::span<const std::byte> bytes);
   void visit(state::Visitor& v);
@@ -78,9 +77,9 @@ class ClockGroup final : private EventModes {
   ClockNetwork network_{*this};
   std::int64_t start_ns_ = 0;
   std::size_t initialised_ = 0;
-  bool ended_ = false;        // true if a member ended the simulation at its start
-  StepResult result_;         // result of the current step, the same for all members
-  std::size_t given_to_ = 0;  // number of members that received the result; 0: the next call advances the group
+  bool ended_ = false;        // true if a member requested the end of the simulation at the start
+  StepResult result_;         // result of the current step for all members
+  std::size_t given_to_ = 0;  // number of members that received result_; 0: the next call advances the group
   bool steps_vary_ = true;    // true if all members can step to any time
   bool noticed_ = false;
 };

@@ -14,7 +14,7 @@ namespace {
 using modeldesc::Causality;
 using modeldesc::Type;
 
-/// Limits the number of sweeps over all connections at one instant. If it is exceeded, an error reports that the values
+/// The maximum number of sweeps over all connections at one time. A network that exceeds it fails, because its values
 /// do not converge.
 constexpr int kMostClockSweeps = 200;
 
@@ -59,7 +59,7 @@ SystemClocks::Tick ClockNetwork::next_tick() const {
   return next;
 }
 
-/// Makes a clock tick at this instant. Returns false if it already ticks.
+/// Makes a clock tick. Returns false if the clock already ticks at the current time.
 bool ClockNetwork::tick(std::size_t member, ValueReference clock, double time_s) {
   auto& ticking = members_[member];
   if (ticking.ticking.contains(clock)) return false;
@@ -84,7 +84,7 @@ bool ClockNetwork::begin_instant(double time_s) {
   return ticked;
 }
 
-/// Propagates ticks along the connections. Returns true if another clock has started to tick.
+/// Transfers ticks along the connections. Returns true if another clock ticks.
 bool ClockNetwork::propagate_ticks(double time_s) {
   bool changed = false;
   for (std::size_t m = 0; m < members_.size(); ++m) {
@@ -102,7 +102,7 @@ bool ClockNetwork::propagate_ticks(double time_s) {
   return changed;
 }
 
-/// Propagates values along the connections. Returns true if an input has changed.
+/// Transfers values along the connections. Returns true if an input has changed.
 bool ClockNetwork::propagate_values() {
   bool changed = false;
   for (std::size_t i = 0; i < value_links_.size(); ++i) {
@@ -121,8 +121,8 @@ bool ClockNetwork::propagate_values() {
 
 bool ClockNetwork::propagate(double time_s) {
   bool changed = false;
-  // Only sweeps that change values count towards the limit. Each clock ticks at most once per instant, so the number of
-  // sweeps that only propagate ticks is finite.
+  // Only sweeps that change values count towards the limit. The number of other sweeps is finite, because a clock ticks
+  // at most once at each time instant.
   for (int sweeps = 0; sweeps < kMostClockSweeps;) {
     const bool ticked = propagate_ticks(time_s);
     const bool passed = propagate_values();

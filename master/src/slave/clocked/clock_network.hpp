@@ -13,7 +13,7 @@
 
 namespace mebots::master {
 
-/// A connection of clocks: whenever the first clock ticks, the second clock ticks at the same instant.
+/// A connection of two clocks. If the first clock ticks, the second clock ticks at the same time.
 struct ClockLink {
   std::size_t from = 0;  ///< index of the member
   std::size_t to = 0;
@@ -21,38 +21,37 @@ struct ClockLink {
   ValueReference to_clock = 0;
 };
 
-/// A connection of clocked variables. Its value is transferred at instants at which the clocks of both ends tick.
+/// A connection of clocked variables. The value is transferred when clocks of both ends tick at the same time.
 struct ClockedLink {
   DiscreteLink link;
   std::vector<ValueReference> from_clocks;
   std::vector<ValueReference> to_clocks;
 };
 
-/// The interface through which a network controls the event modes of its members.
+/// Controls the event mode of the members of a network.
 class EventModes {
  public:
   virtual ~EventModes() = default;
   virtual bool is_in_event(std::size_t member) const = 0;
-  /// Makes a member enter event mode, because one of its clocks ticks.
   virtual void enter_event(std::size_t member, double time_s) = 0;
-  /// Reports a tick that had to wait for a communication point.
+  /// Reports a tick that was delayed to the next communication point.
   virtual void note_late_tick(std::size_t member, double tick_s) = 0;
 };
 
-/// Determines when the clocks of connected instances tick, and transfers ticks and values along the connections at one
-/// instant (FMI 3.0.2, section 2.2.8). Members without clocks need not be added.
+/// Determines when the clocks of connected instances tick, and transfers ticks and values along the connections (FMI
+/// 3.0.2, section 2.2.8). Instances without clocks need not be added.
 class ClockNetwork final : public SystemClocks {
  public:
   /// `modes` must outlive the network.
   explicit ClockNetwork(EventModes& modes) : modes_(&modes) {}
 
-  /// Adds the clocks of a member of the group. `member` is its index in the group. `slave` and `clocks` must exist
-  /// until the last call of the network.
+  /// Adds the clocks of an instance. `member` is its index in the group. `slave` and `clocks` must exist until the last
+  /// call of the network.
   void add(std::size_t member, HoldingSlave& slave, ClockInstance& clocks);
   void connect(std::vector<ClockLink> clocks, std::vector<ClockedLink> values);
   bool empty() const { return members_.empty(); }
 
-  /// Queries the first ticks of the clocks of a member, which must be in initialization mode.
+  /// Queries the first ticks of a member's clocks. The member must be in initialization mode.
   void start(std::size_t member, double start_s);
   bool is_due(double time_s) const { return next_tick().time_s <= time_s + kSameTime_s; }
 
@@ -66,11 +65,11 @@ class ClockNetwork final : public SystemClocks {
 
  private:
   struct Member {
-    HoldingSlave* slave = nullptr;  // null for a member without clocks
+    HoldingSlave* slave = nullptr;  // null if the member has no clocks
     ClockInstance* clocks = nullptr;
     std::vector<TimedClock> timed;
-    std::vector<ValueReference> outputs;  // output clocks
-    std::set<ValueReference> ticking;     // clocks that tick at this instant
+    std::vector<ValueReference> outputs;
+    std::set<ValueReference> ticking;  // clocks that tick at the current time
   };
 
   bool tick(std::size_t member, ValueReference clock, double time_s);
@@ -81,7 +80,7 @@ class ClockNetwork final : public SystemClocks {
   std::vector<Member> members_;
   std::vector<ClockLink> clock_links_;
   std::vector<ClockedLink> value_links_;
-  std::vector<std::optional<LinkValue>> sent_;  // values that were sent at this instant, indexed by value link
+  std::vector<std::optional<LinkValue>> sent_;  // values sent at the current time, indexed like value_links_
 };
 
 }  // namespace mebots::master

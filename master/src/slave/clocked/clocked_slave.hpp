@@ -14,10 +14,10 @@ namespace mebots::master {
 
 class ClockGroup;
 
-/// A slave for a co-simulation instance that has clocks. Each of its steps advances all instances of its group.
+/// A slave for a co-simulation instance with clocks. Its step advances all instances of its group.
 class ClockedSlave final : public ForwardingSlave {
  public:
-  /// `inner` must be the slave that was added to the group as the member with the index `member`.
+  /// `inner` must have been added to `group` with the index `member`.
   ClockedSlave(std::unique_ptr<Slave> inner, std::size_t member, std::shared_ptr<ClockGroup> group);
 
   void setup_experiment(const Experiment& experiment) override;

@@ -9,22 +9,21 @@
 
 namespace mebots::master {
 
-/// The result of a call to a step function.
 struct StepEnd {
   bool event = false;      ///< true if the instance requires event mode
   bool terminate = false;  ///< true if the instance ends the simulation
-  double time_s = 0;       ///< time that the instance has reached; after an early return, less than the requested end
+  double time_s = 0;       ///< time that the instance has reached; earlier than requested after an early return
 };
 
-/// A co-simulation instance of FMI 3.0 whose events and clocks the caller handles. After initialization, the instance
-/// is in event mode. All calls throw Error if the instance fails.
+/// A co-simulation instance of FMI 3.0 whose events and clocks the caller handles. The instance is in event mode after
+/// initialization. All functions throw Error if a call to the FMU fails.
 class EventInstance {
  public:
   virtual ~EventInstance() = default;
 
   virtual const std::string& name() const = 0;
 
-  /// Performs a step. The instance must be in step mode. Returns nullopt if the instance discards the step.
+  /// Performs a step in step mode. Returns nullopt if the instance discards the step.
   virtual std::optional<StepEnd> step_until(double start_s, double end_s) = 0;
   virtual void enter_event_mode() = 0;
   virtual void enter_step_mode() = 0;

@@ -12,7 +12,7 @@ namespace {
 
 using modeldesc::Causality;
 
-/// Returns the start value of a variable. If it has none, returns zero, false or an empty text.
+/// Returns the start value of a variable; zero, false or an empty text if it has none.
 LinkValue start_of(const modeldesc::Variable& variable) {
   const auto value_or = [&]<typename T>(const T& none) {
     const auto* const start = std::get_if<T>(&variable.start);

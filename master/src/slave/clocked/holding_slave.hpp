@@ -14,8 +14,8 @@
 
 namespace mebots::master {
 
-/// A slave for an instance that has clocks. Stores the values of clocked variables between ticks. An output keeps its
-/// value of the last tick. A value that was set for an input is passed to the FMU at the next tick.
+/// A slave that stores the values of clocked variables between ticks. A clocked output has the value of its last tick.
+/// The value of a clocked input is passed to the FMU at the next tick.
 class HoldingSlave final : public ForwardingSlave {
  public:
   explicit HoldingSlave(std::unique_ptr<Slave> inner);
@@ -36,20 +36,19 @@ class HoldingSlave final : public ForwardingSlave {
   std::vector<std::byte> serialize(const SlaveState& state) override;
   std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) override;
 
-  /// Returns the wrapped slave. Its clocked variables may be read and set only while their clocks tick.
+  /// Returns the wrapped slave. Its clocked variables can be accessed only while their clocks tick.
   Slave& alone() { return inner(); }
-  /// Sets the waiting inputs of a clock in the FMU. Must be called when the clock ticks.
+  /// Sets the stored inputs of a clock in the FMU. Must be called when the clock ticks.
   void give_inputs(ValueReference clock);
-  /// Stores the values of a clock's outputs. Must be called when the clock ticks.
+  /// Reads and stores the outputs of a clock. Must be called when the clock ticks.
   void store_outputs(ValueReference clock);
 
   void visit(state::Visitor& v);
 
  private:
-  /// Stores the value of a clocked variable between ticks.
   struct Held {
     const modeldesc::Variable* variable = nullptr;
-    bool waits = false;  // true if the value must be set at the next tick
+    bool waits = false;  // true: the FMU receives the value at the next tick
     LinkValue value;
 
     void visit(state::Visitor& v);

@@ -17,8 +17,8 @@ bool TimedClock::is_periodic() const {
          variability == IntervalVariability::tunable;
 }
 
-/// Returns the time of a tick. Multiplies the interval by the count instead of adding intervals, so that rounding
-/// errors do not accumulate.
+/// Returns the time of tick `count`. Multiplies the interval instead of adding intervals, so that rounding errors do
+/// not accumulate.
 double TimedClock::periodic_s(double count) const {
   const auto& timing = *variable_->fmi3->timing;
   if (!is_declared_) return base_s_ + count * interval_s_;
@@ -71,7 +71,7 @@ void TimedClock::update(ClockInstance& instance, double time_s, bool has_ticked)
   const auto interval_s = instance.new_interval(variable_->value_reference);
   if (!is_periodic()) {
     if (interval_s) interval_s_ = checked(instance, "interval", *interval_s, true);
-    // If a changing clock has ticked and reports no new interval, the previous one applies.
+    // A changing clock that reports no new interval keeps its interval.
     if (interval_s || variability == IntervalVariability::changing) next_s_ = time_s + interval_s_;
     return;
   }

@@ -101,8 +101,8 @@ void ContinuousGroup::restore(std::span<const std::byte> bytes) {
   report();
 }
 
-/// Saves the states of all instances. Returns a function that restores these states; it is called after the solver has
-/// repeated its steps.
+/// Saves the states of all instances. Returns a function that restores these states after the solver has repeated its
+/// steps.
 std::function<void()> ContinuousGroup::keep_members() {
   auto states = std::make_shared<std::vector<std::unique_ptr<SlaveState>>>();
   for (auto* member : members_) states->push_back(member->alone().save_state());

@@ -111,7 +111,7 @@ void ContinuousSlave::set_binaries(std::span<const ValueReference> references, s
 
 void ContinuousSlave::set_input_derivatives(std::span<const ValueReference> references,
                                             std::span<const std::int32_t> orders, std::span<const double> values) {
-  // The derivatives of one input are adjacent in `references`; their orders start at 1.
+  // The derivatives of an input are adjacent in `references`. Their orders start at 1.
   for (std::size_t i = 0; i < references.size();) {
     Course course;
     course.reference = references[i];

@@ -17,12 +17,11 @@ namespace mebots::master {
 
 class ContinuousGroup;
 
-/// A slave for a model exchange instance. Each of its steps advances the whole continuous system. Setting an input to
-/// the value that it already has does not affect the solver.
+/// A slave for a model exchange instance. Its step advances the whole continuous system. Setting an input to its
+/// current value does not affect the solver.
 class ContinuousSlave final : public ForwardingSlave {
  public:
-  /// `instance` must be the second interface of the object `inner`. If `inner` is a HoldingSlave, `instance` must be
-  /// that of the slave which it wraps.
+  /// `instance` must be the same object as `inner` or, if `inner` is a HoldingSlave, the object that it wraps.
   ContinuousSlave(std::unique_ptr<Slave> inner, ContinuousInstance& instance, std::shared_ptr<ContinuousGroup> group);
 
   void setup_experiment(const Experiment& experiment) override;
@@ -50,12 +49,13 @@ class ContinuousSlave final : public ForwardingSlave {
   std::size_t index() const { return member_; }
   /// Returns the wrapped slave. Calls to it do not affect the group.
   Slave& alone() { return inner(); }
-  /// Sets the inputs that have time derivatives to their values `since_s` seconds after the last communication point.
+  /// Extrapolates the inputs that have derivatives to `since_s` seconds after the last communication point, and sets
+  /// them.
   Evaluation set_courses(double since_s);
   bool has_courses() const { return !courses_.empty(); }
 
   /// Sets an input to a value from a connection within the group. The instance must be in event mode. Returns true if
-  /// the value differs from the previous one.
+  /// the value has changed.
   bool set_in_event(ValueKind kind, ValueReference reference, const LinkValue& value);
 
   void visit(state::Visitor& v);
@@ -65,7 +65,7 @@ class ContinuousSlave final : public ForwardingSlave {
   struct Course {
     ValueReference reference = 0;
     double value = 0;
-    std::vector<double> derivatives;  // derivatives of order 1 and higher
+    std::vector<double> derivatives;  // of order 1 and higher
 
     void visit(state::Visitor& v);
   };
@@ -79,7 +79,7 @@ class ContinuousSlave final : public ForwardingSlave {
   std::shared_ptr<ContinuousGroup> group_;
   std::size_t member_;
   std::set<ValueReference> continuous_inputs_;
-  std::set<ValueReference> clocked_;  // variables that take effect at the next tick of their clocks
+  std::set<ValueReference> clocked_;  // changes of these variables take effect at the next tick of their clocks
   KnownValues<double> reals_;
   KnownValues<WholeNumber> integers_;
   KnownValues<WholeNumber> booleans_;

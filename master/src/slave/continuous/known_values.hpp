@@ -13,14 +13,14 @@
 
 namespace mebots::master {
 
-/// The type in which slaves transfer Integers, Enumerations and Booleans.
+/// The type of Integers, enumerations and Booleans in slaves.
 using WholeNumber = std::int64_t;
 
-/// Stores the value that was last set for each variable of one kind, so that changes can be detected.
+/// Stores the last value of each variable of one kind to detect changes.
 template <typename T>
 class KnownValues {
  public:
-  /// Stores a value. Returns true if no value, or a different one, was stored before.
+  /// Stores a value. Returns true if the variable had no value or a different value.
   bool update(ValueReference reference, const T& value) {
     const auto found = std::ranges::lower_bound(references_, reference);
     const auto place = found - references_.begin();
@@ -35,7 +35,7 @@ class KnownValues {
     return true;
   }
 
-  /// Returns the stored value of a variable. Returns null if none was set.
+  /// Returns the stored value of a variable; null if it has none.
   const T* find(ValueReference reference) const {
     const auto found = std::ranges::lower_bound(references_, reference);
     if (found == references_.end() || *found != reference) return nullptr;
@@ -56,7 +56,7 @@ class KnownValues {
     }
   }
 
-  std::vector<ValueReference> references_;  // sorted in ascending order
+  std::vector<ValueReference> references_;  // in ascending order
   std::vector<T> values_;
 };
 

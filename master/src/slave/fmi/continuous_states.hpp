@@ -13,15 +13,14 @@ namespace mebots::master {
 struct ContinuousStates {
   std::vector<std::string> names;
   std::vector<ValueReference> references;
-  std::vector<ValueReference> derivatives;  ///< value references of the derivatives
+  std::vector<ValueReference> derivatives;
 };
 
-/// Returns the continuous states of a model. Throws SlaveError if a derivative does not refer to a state. `instance`
-/// names the instance in the error.
+/// Returns the continuous states of a model. Throws SlaveError with the name `instance` if a derivative does not refer
+/// to a state.
 ContinuousStates continuous_states_of(const modeldesc::ModelDescription& model, std::string_view instance);
 
-/// Throws SlaveError. Called if a step of a model exchange instance is requested, because such an instance performs
-/// none.
+/// Throws SlaveError, because a model exchange instance cannot perform a step.
 [[noreturn]] void fail_to_step(std::string_view instance);
 
 }  // namespace mebots::master

@@ -21,7 +21,7 @@ static_assert(InstanceCalls::kOk == fmiOK && InstanceCalls::kWarning == fmiWarni
               InstanceCalls::kDiscard == fmiDiscard && InstanceCalls::kError == fmiError &&
               InstanceCalls::kFatal == fmiFatal && InstanceCalls::kPending == fmiPending);
 
-/// The MIME type that requests the execution of the FMU's library in this process, not in the tool that exported it.
+/// MIME type of FMI 1.0 for FMUs whose library runs in this process, not in another tool.
 constexpr const char* kMimeType = "application/x-fmu-sharedlibrary";
 constexpr double kNoTimeout_ms = 0;
 
@@ -38,7 +38,7 @@ Fmi1Slave::Fmi1Slave(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std
   calls_.instantiate("fmiInstantiateSlave", [this] { return instantiate(); });
 }
 
-/// Creates an instance. Enables logging from the start, because many FMUs otherwise log nothing if this fails.
+/// Creates an instance. Enables logging, because many FMUs otherwise log nothing if this call fails.
 void* Fmi1Slave::instantiate() {
   return functions_->instantiate_slave(name().c_str(), description().guid.c_str(), calls_.fmu().location_uri().c_str(),
                                        kMimeType, kNoTimeout_ms, fmiFalse, fmiFalse, callbacks_, fmiTrue);
@@ -79,8 +79,8 @@ void Fmi1Slave::exit_initialization() {
   start_ = {};
 }
 
-/// Creates and initialises the instance again, unless it was initialised with all values that were set so far. Does not
-/// reset it instead, because some FMUs lose their variables at fmiResetSlave (tutorial-fmus of
+/// Creates and initializes the instance again if it was not initialized with all values that are set. Does not use
+/// fmiResetSlave, because some FMUs lose their variables in this function (tutorial-fmus of
 /// open-simulation-platform/demo-cases).
 void Fmi1Slave::initialize_anew() {
   if (!std::exchange(is_stale_, false)) return;
@@ -123,7 +123,7 @@ StepResult Fmi1Slave::step(std::int64_t start_ns, std::int64_t duration_ns) {
 }
 
 void Fmi1Slave::terminate() {
-  if (!calls_.usable()) return;  // the step could not be cancelled
+  if (!calls_.usable()) return;  // a step could not be cancelled
   calls_.watched("fmiTerminateSlave", [&] { calls_.require("fmiTerminateSlave", functions_->terminate_slave); });
 }
 
@@ -183,7 +183,6 @@ void Fmi1Slave::get_strings(std::span<const ValueReference> references, std::spa
   calls_.copy_texts("fmiGetString", references, texts_, values);
 }
 
-/// Reads the value of one variable from the FMU.
 template <typename Value, typename Function>
 Value Fmi1Slave::present(const char* name, Function* function, ValueReference reference) {
   Value value{};
@@ -200,7 +199,7 @@ void Fmi1Slave::set_reals(std::span<const ValueReference> references, std::span<
   calls_.require("fmiSetReal", functions_->set_real, known.data(), known.size(), reals_.data());
 }
 
-/// Sets Integers. The values fit into std::int32_t, because `resolve` and Ensemble have checked their range.
+/// Sets Integers. The values fit into 32 bits, because `resolve` and Ensemble check their range.
 void Fmi1Slave::set_integers(std::span<const ValueReference> references, std::span<const std::int64_t> values) {
   numbers_.resize(values.size());
   std::ranges::transform(values, numbers_.begin(), [](std::int64_t value) { return static_cast<fmiInteger>(value); });

@@ -16,14 +16,14 @@
 
 namespace mebots::master {
 
-/// A co-simulation instance of FMI 1.0 in this process. FMI 1.0 performs the whole initialization in one call,
-/// fmiInitializeSlave, and outputs can be read only afterwards. If an input changes between enter_initialization() and
-/// exit_initialization(), this class creates the instance again with all values that were set so far, and initializes
-/// it before the next value is read. Therefore inputs from connections take effect during initialization, as in FMI
-/// 2.0.
+/// A co-simulation instance of FMI 1.0 in this process. FMI 1.0 initializes an instance in one call,
+/// fmiInitializeSlave. Outputs can be read only after this call. If an input changes between enter_initialization() and
+/// exit_initialization(), this class creates and initializes the instance again before the next value is read. The new
+/// instance receives all values that were set. Inputs from connections therefore take effect during initialization, as
+/// in FMI 2.0.
 class Fmi1Slave final : public Slave {
  public:
-  /// Creates the instance. The arguments are those of InstanceCalls.
+  /// Creates the instance. For the parameters, see InstanceCalls.
   Fmi1Slave(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::string> log_categories, MessageSink& messages,
             const TimeGrid& grid = {});
   ~Fmi1Slave() override;
@@ -67,8 +67,8 @@ class Fmi1Slave final : public Slave {
 
  private:
   enum class Phase { instantiated, initializing, running };
-  /// All values that were set before the first step, indexed by the FMU's value references. The values of negated
-  /// aliases have the FMU's sign.
+  /// All values that were set before the first step, indexed by the value references of the FMU. Values of negated
+  /// aliases are stored with the sign that the FMU uses.
   struct StartValues {
     std::map<ValueReference, double> reals;
     std::map<ValueReference, fmiInteger> integers;
@@ -80,7 +80,7 @@ class Fmi1Slave final : public Slave {
   void initialize();
   void initialize_anew();
   void set_start_values();
-  /// Stores the values if the instance is not running yet. Returns true if the values must not be passed to the FMU
+  /// Stores values that are set before the end of initialization. Returns true if the FMU must not receive the values
   /// now.
   template <typename Value, typename Get>
   bool keep(std::map<ValueReference, Value>& kept, std::span<const ValueReference> references,
@@ -93,17 +93,17 @@ class Fmi1Slave final : public Slave {
   Experiment experiment_;
   Phase phase_ = Phase::instantiated;
   StartValues start_;
-  bool is_stale_ = false;  // true if start_ contains values with which the FMU was not initialized
+  bool is_stale_ = false;  // true if the FMU was not initialized with all values of start_
   NegatedValues negated_;
 
-  // These members are buffers of the current call.
+  // Buffers for the current call.
   std::vector<const char*> texts_;
   std::vector<fmiInteger> numbers_;
   std::vector<fmiBoolean> flags_;
   std::vector<double> reals_;
 
   PendingStep pending_;
-  InstanceCalls calls_;  // declared after all members that callbacks use
+  InstanceCalls calls_;  // must be destroyed before the members that callbacks use
   StepCalls<Fmi1StepTypes> steps_;
 };
 

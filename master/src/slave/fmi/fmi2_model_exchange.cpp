@@ -18,8 +18,7 @@ StepResult Fmi2ModelExchange::step(std::int64_t /*start_ns*/, std::int64_t /*dur
   fail_to_step(name());
 }
 
-/// Converts a status to an Evaluation. A discarded evaluation is not an error, because the solver then tries a smaller
-/// step.
+/// Converts a status to an Evaluation. Discard is not an error, because the solver then tries a smaller step.
 Evaluation Fmi2ModelExchange::evaluated(int status, const char* function) {
   if (status != fmi2Discard) {
     calls().check(status, function);

@@ -10,10 +10,10 @@
 
 namespace mebots::master {
 
-/// A model exchange instance of FMI 2.0 in this process. The solver of its group advances it in time.
+/// A model exchange instance of FMI 2.0 in this process. A solver advances it in time.
 class Fmi2ModelExchange final : public Fmi2Slave, public ContinuousInstance {
  public:
-  /// Creates the instance. The arguments are those of InstanceCalls.
+  /// Creates the instance. For the parameters, see InstanceCalls.
   Fmi2ModelExchange(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::string> log_categories,
                     MessageSink& messages, const TimeGrid& grid = {});
 

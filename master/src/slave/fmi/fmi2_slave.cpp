@@ -43,7 +43,7 @@ Fmi2Slave::Fmi2Slave(FmuKind kind, std::string name, std::shared_ptr<Fmu> fmu, s
   const bool is_stepped = kind == FmuKind::co_simulation;
   const auto& callbacks = calls_.target().functions(runs_asynchronously(description(), kind));
   calls_.on_step_finished([this](int status) { pending_.finished(status); });
-  // Enables logging from the start, because many FMUs otherwise log nothing if this call fails.
+  // Enables logging, because many FMUs otherwise log nothing if this call fails.
   calls_.instantiate("fmi2Instantiate", [&] {
     return functions_->instantiate(this->name().c_str(), is_stepped ? fmi2CoSimulation : fmi2ModelExchange,
                                    description().guid.c_str(), calls_.fmu().resource_uri().c_str(), &callbacks,
@@ -91,7 +91,7 @@ StepResult Fmi2Slave::step(std::int64_t start_ns, std::int64_t duration_ns) {
 }
 
 void Fmi2Slave::terminate() {
-  if (!calls_.usable()) return;  // the step could not be cancelled
+  if (!calls_.usable()) return;  // a step could not be cancelled
   calls_.watched("fmi2Terminate", [&] { calls_.require("fmi2Terminate", functions_->terminate); });
 }
 
@@ -142,7 +142,7 @@ void Fmi2Slave::set_reals(std::span<const ValueReference> references, std::span<
   calls_.require("fmi2SetReal", functions_->set_real, references.data(), references.size(), values.data());
 }
 
-/// Converts the values to std::int32_t. They fit, because `resolve` and Ensemble have checked their range.
+/// Converts values to 32 bits. The values fit, because `resolve` and Ensemble check their range.
 std::span<const std::int32_t> Fmi2Slave::narrowed(std::span<const std::int64_t> values) {
   numbers_.resize(values.size());
   std::ranges::transform(values, numbers_.begin(), [](std::int64_t value) { return static_cast<std::int32_t>(value); });

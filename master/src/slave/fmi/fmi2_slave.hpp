@@ -16,10 +16,10 @@
 
 namespace mebots::master {
 
-/// An instance of FMI 2.0 in this process. Used for co-simulation, and as the base of Fmi2ModelExchange.
+/// An instance of FMI 2.0 in this process: a co-simulation instance, or the base of Fmi2ModelExchange.
 class Fmi2Slave : public Slave {
  public:
-  /// Creates the instance. The arguments are those of InstanceCalls.
+  /// Creates the instance. For the parameters, see InstanceCalls.
   Fmi2Slave(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::string> log_categories, MessageSink& messages,
             const TimeGrid& grid = {})
       : Fmi2Slave(FmuKind::co_simulation, std::move(name), std::move(fmu), std::move(log_categories), messages, grid) {}
@@ -76,11 +76,11 @@ class Fmi2Slave : public Slave {
 
   const Fmi2Functions* functions_;
   std::vector<const char*> texts_;
-  std::vector<std::int32_t> numbers_;  // buffer of the current call
+  std::vector<std::int32_t> numbers_;  // buffer for the current call
 
   PendingStep pending_;
 
-  InstanceCalls calls_;  // declared after all members that callbacks use
+  InstanceCalls calls_;  // must be destroyed before the members that callbacks use
   StepCalls<Fmi2StepTypes> steps_;
   FmuStates<Fmi2Functions> states_;
 };

@@ -41,7 +41,7 @@ Fmi3Instance::Fmi3Instance(FmuKind kind, std::string name, std::shared_ptr<Fmu> 
   configure(structural);
 }
 
-/// Enables the chosen log categories. Some FMUs cannot select categories and discard the call.
+/// Enables the chosen log categories. Ignores the status Discard of FMUs that have no selectable categories.
 void Fmi3Instance::choose_log_categories() {
   const auto categories = calls_.chosen_categories();
   if (functions_->set_debug_logging == nullptr || categories.empty()) return;
@@ -51,7 +51,7 @@ void Fmi3Instance::choose_log_categories() {
   calls_.check(status, kFunction);
 }
 
-/// Creates the instance. Enables logging from the start, because many FMUs otherwise log nothing if this fails.
+/// Creates the instance. Enables logging, because many FMUs otherwise log nothing if this call fails.
 void* Fmi3Instance::instantiate(FmuKind kind, const char* resources) {
   const auto callbacks = calls_.target().fmi3_callbacks();
   const char* const token = model_->guid.c_str();

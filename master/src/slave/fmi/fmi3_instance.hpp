@@ -16,7 +16,7 @@
 
 namespace mebots::master {
 
-/// An instance of FMI 3.0 in this process. Derived classes advance the time, because this depends on the kind of FMU.
+/// An instance of FMI 3.0 in this process. Derived classes define how the instance advances in time.
 class Fmi3Instance : public Slave, public ClockInstance {
  public:
   ~Fmi3Instance() override;
@@ -76,17 +76,18 @@ class Fmi3Instance : public Slave, public ClockInstance {
   }
 
  protected:
-  /// Creates the instance, and sets structural parameters in configuration mode. `model` must be
-  /// fmu->model(structural). The other arguments are those of InstanceCalls.
+  /// Creates the instance, and sets its structural parameters in configuration mode. `model` must be
+  /// fmu->model(structural). For the other parameters, see InstanceCalls.
   Fmi3Instance(FmuKind kind, std::string name, std::shared_ptr<Fmu> fmu,
                std::shared_ptr<const modeldesc::ModelDescription> model, const modeldesc::StructuralValues& structural,
                std::vector<std::string> log_categories, MessageSink& messages, const TimeGrid& grid);
 
-  /// Updates the discrete states. The FMU must be in event mode.
+  /// Updates the discrete states of the FMU, which must be in event mode.
   DiscreteUpdate update_event();
 
   const Fmi3Functions& functions() const { return *functions_; }
-  /// False if the FMU runs under wine: its library is in another process and cannot call the master within a step.
+  /// True if the FMU can call functions of the master within a step. False under wine, where the FMU is in another
+  /// process.
   bool can_call_back() const { return !calls_.fmu().runs_under_wine(); }
   InstanceCalls& calls() { return calls_; }
   const InstanceCalls& calls() const { return calls_; }

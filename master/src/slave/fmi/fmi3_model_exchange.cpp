@@ -37,8 +37,7 @@ StepResult Fmi3ModelExchange::step(std::int64_t /*start_ns*/, std::int64_t /*dur
   fail_to_step(name());
 }
 
-/// Converts a status to an Evaluation. A discarded evaluation is not an error, because the solver then tries a smaller
-/// step.
+/// Converts a status to an Evaluation. Discard is not an error, because the solver then tries a smaller step.
 Evaluation Fmi3ModelExchange::evaluated(int status, const char* function) {
   if (status != fmi3Discard) {
     calls().check(status, function);
@@ -113,8 +112,8 @@ bool Fmi3ModelExchange::has_directional_derivatives() const {
          functions().get_directional_derivative != nullptr;
 }
 
-/// Computes directional derivatives. fmi3GetDirectionalDerivative takes whole arrays; elements that are not among the
-/// knowns have the seed 0.
+/// Computes directional derivatives. fmi3GetDirectionalDerivative requires whole arrays. Elements that are not in
+/// `knowns` have the seed 0.
 void Fmi3ModelExchange::directional_derivatives(std::span<const ValueReference> unknowns,
                                                 std::span<const ValueReference> knowns, std::span<const double> seed,
                                                 std::span<double> change) {

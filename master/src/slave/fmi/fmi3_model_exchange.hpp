@@ -10,18 +10,17 @@
 
 namespace mebots::master {
 
-/// A model exchange instance of FMI 3.0 in this process. The solver of its group advances it in time.
+/// A model exchange instance of FMI 3.0 in this process. A solver advances it in time.
 class Fmi3ModelExchange final : public Fmi3Instance, public ContinuousInstance {
  public:
-  /// The arguments are those of Fmi3Instance.
   Fmi3ModelExchange(std::string name, std::shared_ptr<Fmu> fmu,
                     std::shared_ptr<const modeldesc::ModelDescription> model,
                     const modeldesc::StructuralValues& structural, std::vector<std::string> log_categories,
                     MessageSink& messages, const TimeGrid& grid = {});
 
   const std::string& name() const override { return Fmi3Instance::name(); }
-  /// Exits initialization mode. Checks that the library and the description have the same numbers of states and event
-  /// indicators.
+  /// Exits initialization mode. Throws Error if the library reports other numbers of states or event indicators than
+  /// the description.
   void exit_initialization() override;
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
 

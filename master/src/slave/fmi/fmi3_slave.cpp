@@ -10,10 +10,9 @@
 namespace mebots::master {
 namespace {
 
-/// Limits the number of updates of the discrete states in one event. If an event requires more, an error reports that
-/// it does not end.
+/// The maximum number of discrete updates in one event. An FMU that exceeds it fails, because its event does not end.
 constexpr int kMostUpdates = 1000;
-/// Limits the number of consecutive early returns without progress in time.
+/// The maximum number of consecutive early returns without progress in time.
 constexpr int kMostReturns = 1000;
 
 }  // namespace
@@ -29,7 +28,7 @@ Fmi3Slave::Fmi3Slave(std::string name, std::shared_ptr<Fmu> fmu,
   if (takes_input_derivatives()) calls().on_intermediate_update([this](double t_s) { set_intermediate_inputs(t_s); });
 }
 
-/// Exits initialization mode. An FMU that has an event mode is then in event mode.
+/// Exits initialization mode. An FMU that supports event mode is then in event mode.
 void Fmi3Slave::exit_initialization() {
   Fmi3Instance::exit_initialization();
   if (handler_ == EventHandler::slave && uses_events() && handle_event()) {
@@ -37,8 +36,8 @@ void Fmi3Slave::exit_initialization() {
   }
 }
 
-/// Updates discrete states until the event has ended. The FMU must be in event mode. Returns true if the FMU ends the
-/// simulation; otherwise enters step mode and returns false.
+/// Updates the discrete states until the event has ended. The FMU must be in event mode. Returns true if the FMU ends
+/// the simulation. Otherwise, enters step mode and returns false.
 bool Fmi3Slave::handle_event() {
   for (int updates = 0; updates < kMostUpdates; ++updates) {
     const auto update = update_event();
@@ -141,7 +140,7 @@ void Fmi3Slave::set_input_derivatives(std::span<const ValueReference> references
   intermediate_inputs_.set_derivatives(references, orders, values);
 }
 
-/// Sets the inputs at a time within the step. Called by the FMU; an error is reported after the step.
+/// Sets the inputs at a time within the step. Called by the FMU. Errors are reported after the step.
 void Fmi3Slave::set_intermediate_inputs(double time_s) noexcept {
   try {
     const auto [references, values] = intermediate_inputs_.values_at(time_s);

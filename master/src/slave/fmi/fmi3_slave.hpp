@@ -15,16 +15,16 @@ namespace mebots::master {
 
 /// Selects the code that handles the events of an instance.
 enum class EventHandler : std::uint8_t {
-  /// exit_initialization() and step() handle events; after an early return, step() continues to the end of the step.
+  /// The slave handles events in exit_initialization() and step(). After an early return, step() continues to the end
+  /// of the step.
   slave,
-  group,  ///< the caller handles events, and calls the functions of EventInstance instead of step()
+  group,  ///< the caller handles events with the functions of EventInstance, and does not call step()
 };
 
-/// A co-simulation instance of FMI 3.0 in this process. Uses the event mode if the FMU has one.
+/// A co-simulation instance of FMI 3.0 in this process. Uses the event mode if the FMU supports it.
 class Fmi3Slave final : public Fmi3Instance, public EventInstance {
  public:
-  /// Creates the instance. `handler` determines the code that handles its events. The other arguments are those of
-  /// Fmi3Instance.
+  /// Creates the instance. For the other parameters, see Fmi3Instance.
   Fmi3Slave(std::string name, std::shared_ptr<Fmu> fmu, std::shared_ptr<const modeldesc::ModelDescription> model,
             const modeldesc::StructuralValues& structural, std::vector<std::string> log_categories,
             MessageSink& messages, const TimeGrid& grid = {}, EventHandler handler = EventHandler::slave);
@@ -33,8 +33,8 @@ class Fmi3Slave final : public Fmi3Instance, public EventInstance {
   void exit_initialization() override;
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
 
-  /// True if the FMU requests inputs within a step (intermediate update). In this case, derivatives are used to compute
-  /// values of inputs within the step, because FMI 3.0 has no function that sets derivatives.
+  /// True if the FMU accepts inputs within a step (intermediate update). FMI 3.0 has no function that sets derivatives.
+  /// The slave therefore computes the inputs within a step from the derivatives.
   bool takes_input_derivatives() const override { return !intermediate_inputs_.empty(); }
   void set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
                              std::span<const double> values) override;
@@ -60,7 +60,7 @@ class Fmi3Slave final : public Fmi3Instance, public EventInstance {
 
   EventHandler handler_;
   IntermediateInputs intermediate_inputs_;
-  int intermediate_status_ = InstanceCalls::kOk;  // the worst status of all calls within the current step
+  int intermediate_status_ = InstanceCalls::kOk;  // worst status of all calls from a callback in the current step
 };
 
 }  // namespace mebots::master

@@ -19,21 +19,18 @@ namespace {
 
 using modeldesc::Type;
 
-/// The maximum size of a binary value in bytes. A longer value is treated as an error of the FMU.
+/// The maximum size of a Binary in bytes. An FMU that returns a larger value fails.
 constexpr std::size_t kLongestBinary = std::size_t{1} << 30;
-/// The maximum number of lists of references for which the FMU calls are cached, for each kind of variable. An instance
-/// is usually accessed with fewer lists.
+/// The maximum number of cached lists of value references for each kind of variable. Most instances use fewer lists.
 constexpr std::size_t kMostPlans = 32;
 
-/// The guard bytes after the numbers that a get function writes. If they have changed, the FMU has written too many
-/// values.
+/// Guard bytes after the numbers of a get function. If they have changed, the FMU has written too many values.
 constexpr auto kGuard = [] {
   std::array<std::byte, 256> bytes{};
   bytes.fill(std::byte{0xA5});
   return bytes;
 }();
 
-/// Contains the get and set functions of FMI 3.0 for one numeric type.
 template <typename T, typename Get, typename Set>
 struct NumberFunctions {
   using Number = T;
@@ -88,7 +85,7 @@ const Fmi3Values::Plan& Fmi3Values::plan(ValueKind kind, std::span<const ValueRe
 Fmi3Values::Plan Fmi3Values::make_plan(std::span<const ValueReference> references) const {
   Plan plan;
   plan.references.assign(references.begin(), references.end());
-  std::map<std::pair<Type, std::uint32_t>, std::size_t> firsts;  // index of an array's first value in its call
+  std::map<std::pair<Type, std::uint32_t>, std::size_t> firsts;  // index of the first value of an array in its call
   for (std::size_t slot = 0; slot < references.size(); ++slot) {
     const auto place = places_.find(references[slot]);
     MEBOTS_ASSERT(place != places_.end(), "references come from the model");
@@ -109,7 +106,7 @@ Fmi3Values::Plan Fmi3Values::make_plan(std::span<const ValueReference> reference
 
 Fmi3Values::Whole Fmi3Values::whole(std::span<const ValueReference> references) const {
   Whole result;
-  std::map<std::uint32_t, std::size_t> firsts;  // index of a variable's first value
+  std::map<std::uint32_t, std::size_t> firsts;  // index of the first value of a variable
   for (const auto reference : references) {
     const auto place = places_.find(reference);
     MEBOTS_ASSERT(place != places_.end(), "references come from the model");
@@ -130,12 +127,11 @@ T* Fmi3Values::buffer(std::size_t count) {
   return reinterpret_cast<T*>(buffer_.data());
 }
 
-/// Writes the guard bytes after the numbers in the buffer, before a call of a get function.
 void Fmi3Values::put_guard() {
   std::memcpy(buffer_.data() + guard_, kGuard.data(), kGuard.size());
 }
 
-/// Throws SlaveError if the FMU has written past the values that the call requested.
+/// Throws SlaveError if the FMU has written more values than requested.
 void Fmi3Values::check_guard(const Call& call, const char* function) const {
   if (std::memcmp(buffer_.data() + guard_, kGuard.data(), kGuard.size()) == 0) return;
   const auto* const variable = call.variables[call.moves.back().value];
@@ -144,7 +140,6 @@ void Fmi3Values::check_guard(const Call& call, const char* function) const {
                                      element ? element->array : variable->name));
 }
 
-/// Calls `action` with the NumberFunctions of the type.
 template <typename Action>
 void Fmi3Values::with_functions(Type type, Action action) {
   const auto& f = *functions_;
@@ -185,7 +180,7 @@ Fmi3Values::CallResult Fmi3Values::get_numbers(const Plan& plan, std::span<Value
                              call.value_count),
                 functions.get_name};
       check_guard(call, functions.get_name);
-      if constexpr (std::is_same_v<Number, bool>) {  // the FMU may store any byte, but only 0 and 1 may be read as bool
+      if constexpr (std::is_same_v<Number, bool>) {  // an FMU may store any byte, but a bool must be 0 or 1
         for (const auto& move : call.moves) values[move.slot] = buffer_[move.value] != std::byte{0} ? 1 : 0;
       } else {
         // An Int8 is a signed number. NOLINTNEXTLINE(bugprone-signed-char-misuse)
@@ -205,7 +200,7 @@ Fmi3Values::CallResult Fmi3Values::set_numbers(const Plan& plan, std::span<const
       using Number = typename decltype(functions)::Number;
       calls_->require_function(functions.set_name, functions.set);
       auto* const numbers = buffer<Number>(call.value_count);
-      if (call.moves.size() < call.value_count) {  // all other elements of the arrays keep their values
+      if (call.moves.size() < call.value_count) {  // reads the values of the other elements
         put_guard();
         calls_->require(functions.get_name, functions.get, call.references.data(), call.references.size(), numbers,
                         call.value_count);
@@ -221,7 +216,7 @@ Fmi3Values::CallResult Fmi3Values::set_numbers(const Plan& plan, std::span<const
   return result;
 }
 
-/// Returns false if the FMU has discarded the call. Throws SlaveError if an error occurred.
+/// Returns false if the FMU has discarded the call. Throws SlaveError if the call has failed.
 bool Fmi3Values::is_done(CallResult result) {
   if (result.status != fmi3Discard) {
     calls_->check(result.status, result.function);
@@ -234,7 +229,7 @@ bool Fmi3Values::is_done(CallResult result) {
 Fmi3Values::CallResult Fmi3Values::get_reals(std::span<const ValueReference> references, std::span<double> values) {
   const auto& chosen = plan(ValueKind::real, references);
   const auto& calls = chosen.calls;
-  // The usual list consists of scalars of type Float64 and needs no sorting.
+  // The usual list contains only Float64 scalars. Their values are already in the order of the caller.
   if (calls.size() == 1 && calls.front().type == Type::real && calls.front().references.size() == references.size() &&
       calls.front().value_count == references.size()) {
     constexpr const char* kFunction = "fmi3GetFloat64";
@@ -326,7 +321,7 @@ void Fmi3Values::get_binaries(const Call& call, std::span<std::string> values) {
 void Fmi3Values::set(ValueKind kind, std::span<const ValueReference> references, std::span<const std::string> values) {
   for (const auto& call : plan(kind, references).calls) {
     std::vector<std::string> all(call.value_count);
-    if (call.moves.size() < call.value_count) {  // all other elements of the arrays keep their values
+    if (call.moves.size() < call.value_count) {  // reads the values of the other elements
       auto whole = call;
       whole.moves.clear();
       for (std::size_t i = 0; i < call.value_count; ++i) whole.moves.push_back({i, i});

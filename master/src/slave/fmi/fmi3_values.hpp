@@ -14,13 +14,13 @@
 
 namespace mebots::master {
 
-/// Gets and sets the variables of an FMI 3.0 instance. The master has one value reference for each scalar and each
-/// element of an array. FMI 3.0 has one function for each type, which gets or sets whole arrays. The FMU calls for a
-/// list of references are cached, because the same lists occur at every communication point.
+/// Gets and sets the variables of an FMI 3.0 instance. The master has one value reference for each element of an array,
+/// but FMI 3.0 gets and sets whole arrays. The function calls for a list of value references are cached, because the
+/// same lists occur at every communication point.
 class Fmi3Values {
  public:
-  /// `model` must have elements in place of arrays (see modeldesc::with_elements()). All arguments must outlive this
-  /// object.
+  /// In `model`, arrays must be replaced by their elements (see modeldesc::with_elements()). All arguments must outlive
+  /// this object.
   Fmi3Values(InstanceCalls& calls, const Fmi3Functions& functions, const modeldesc::ModelDescription& model);
 
   void get(std::span<const ValueReference> references, std::span<double> values);
@@ -30,14 +30,14 @@ class Fmi3Values {
   void get(ValueKind kind, std::span<const ValueReference> references, std::span<std::string> values);
 
   void set(std::span<const ValueReference> references, std::span<const double> values);
-  /// These functions work like get() and set(), but return false if the FMU discards the call.
+  /// Gets or sets values. Returns false if the FMU discards the call.
   bool try_get(std::span<const ValueReference> references, std::span<double> values);
   bool try_set(std::span<const ValueReference> references, std::span<const double> values);
   void set(ValueKind kind, std::span<const ValueReference> references, std::span<const std::int64_t> values);
   void set(ValueKind kind, std::span<const ValueReference> references, std::span<const std::string> values);
 
-  /// Whole variables of the FMU that contain certain variables of the master. `places` contains, for each variable of
-  /// the master, the index of its value among all values of the FMU variables.
+  /// The whole FMU variables that contain certain variables of the master. `places` contains an index for each variable
+  /// of the master. The index is the position of its value among all values of the FMU variables.
   struct Whole {
     std::vector<std::uint32_t> references = {};
     std::size_t value_count = 0;
@@ -46,7 +46,7 @@ class Fmi3Values {
   Whole whole(std::span<const ValueReference> references) const;
 
  private:
-  /// The FMU variable that contains a variable of the master.
+  /// The position of a variable of the master in an FMU variable.
   struct Place {
     modeldesc::Type type = modeldesc::Type::real;
     std::uint32_t reference = 0;
@@ -54,12 +54,12 @@ class Fmi3Values {
     std::size_t count = 1;  // number of elements of the array
     const modeldesc::Variable* variable = nullptr;
   };
-  /// The index of a value in an FMU call, and its index in the list of the caller.
+  /// The index of a value in an FMU call, and its index in the caller's list.
   struct Move {
     std::size_t value;
     std::size_t slot;
   };
-  /// A call of a function of the FMU.
+  /// A call of an FMU function that gets or sets variables.
   struct Call {
     modeldesc::Type type;
     std::vector<std::uint32_t> references;
@@ -73,8 +73,8 @@ class Fmi3Values {
     std::vector<Call> calls;
   };
 
-  /// The result of consecutive calls, which stop at the first status other than OK and Warning. Contains this status,
-  /// and the name of the function that returned it.
+  /// The result of several calls. Contains the status and the name of the first function that returned neither OK nor
+  /// Warning.
   struct CallResult {
     int status = InstanceCalls::kOk;
     const char* function = "";
@@ -101,7 +101,7 @@ class Fmi3Values {
   const Fmi3Functions* functions_;
   std::unordered_map<ValueReference, Place> places_;
   std::array<std::vector<Plan>, 6> plans_;  // indexed by kind
-  std::vector<std::byte> buffer_;           // the numbers of the current call, followed by guard bytes
+  std::vector<std::byte> buffer_;           // numbers of the current call, followed by guard bytes
   std::size_t guard_ = 0;                   // index of the first guard byte
 };
 

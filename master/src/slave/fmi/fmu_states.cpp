@@ -10,7 +10,7 @@
 
 namespace mebots::master {
 
-/// Contains the FMU's handle of a state, and the time of the state for messages.
+/// The FMU's handle of a state, and the time of the state for messages.
 template <typename Functions>
 class FmuStates<Functions>::State final : public SlaveState {
  public:

@@ -15,7 +15,7 @@
 
 namespace mebots::master {
 
-/// The names of the functions and capabilities for states in one version of FMI.
+/// The names of the FMI functions and capability flags for states.
 struct StateNames {
   const char* get;
   const char* set;
@@ -35,25 +35,25 @@ inline constexpr StateNames kFmi3StateNames = {
     "fmi3GetFMUState",       "fmi3SetFMUState",         "fmi3FreeFMUState",     "fmi3SerializedFMUStateSize",
     "fmi3SerializeFMUState", "fmi3DeserializeFMUState", "canGetAndSetFMUState", "canSerializeFMUState"};
 
-/// Saves, restores and serializes the states of an instance. `Functions` is the function table of one FMI version. A
-/// function is null if the FMU lacks it or does not declare its capability.
+/// Saves, restores and serializes the states of an instance. A function in `Functions` is null if the FMU's library
+/// lacks it or the FMU does not declare the capability.
 template <typename Functions>
 class FmuStates {
  public:
-  /// All objects to which the arguments refer must outlive this object.
+  /// `calls`, `functions` and `names` must outlive this object.
   FmuStates(InstanceCalls& calls, const Functions& functions, const StateNames& names, bool can_save,
             bool can_serialize)
       : calls_(&calls), functions_(&functions), names_(&names), can_save_(can_save), can_serialize_(can_serialize) {}
 
-  /// Returns true if no saved state exists. In this case, the caller must pass noSetFMUStatePriorToCurrentPoint = true
-  /// to the step that starts at `start_ns`. The FMU may then discard its data of earlier times.
+  /// Returns true if no saved state exists. The caller must then pass noSetFMUStatePriorToCurrentPoint = true to the
+  /// step that starts at `start_ns`. This permits the FMU to discard its data of earlier times.
   bool promise_at(std::int64_t start_ns) {
     if (kept_ != 0) return false;
     promised_ns_ = start_ns;
     return true;
   }
 
-  /// These functions implement those of Slave.
+  /// For these functions, see Slave.
   std::unique_ptr<SlaveState> save();
   void restore(const SlaveState& state);
   std::vector<std::byte> serialize(const SlaveState& state);

@@ -97,7 +97,7 @@ std::optional<std::string> InstanceCalls::free_instance(const char* function, co
 
 void InstanceCalls::leave_by_exception(const char* name, const ForeignException& exception) {
   leave(name);
-  unusable_ = true;  // the exception has aborted the FMU's code
+  unusable_ = true;  // the exception has aborted a function of the FMU
   fail(name, exception.what());
 }
 
@@ -121,8 +121,8 @@ std::vector<const char*> InstanceCalls::chosen_categories() const {
   static constexpr std::string_view kAlways[] = {"logStatusWarning", "logStatusDiscard", "logStatusError",
                                                  "logStatusFatal"};
   if (std::ranges::find(log_categories_, "*") != log_categories_.end()) return {};
-  // If the FMU declares no category of `log_categories_` or kAlways, the list stays empty, so that the FMU logs all
-  // messages. In this case, is_shown() selects the messages that are shown.
+  // If the FMU declares none of these categories, the list is empty and the FMU logs everything. is_shown() then
+  // selects the messages.
   std::vector<const char*> chosen;
   for (const auto& category : description().log_categories) {
     if (std::ranges::find(log_categories_, category.name) != log_categories_.end() ||
@@ -158,8 +158,7 @@ void InstanceCalls::logged(LoggerCall call) {
 }
 
 std::string InstanceCalls::with_names(std::string_view text) const {
-  // In messages of FMI 1.0 and 2.0, "#r12#" represents the name of the Real variable with value reference 12, and "##"
-  // represents "#".
+  // In messages of FMI 1.0 and 2.0, "#r12#" means the name of the Real with value reference 12, and "##" means "#".
   std::string result;
   std::size_t at = 0;
   while (at < text.size()) {
@@ -221,7 +220,7 @@ void InstanceCalls::deliver_held() {
   deliver_all_but(0);
 }
 
-/// Drops the last `last` held messages and passes on all others. The caller must hold the mutex.
+/// Drops the last `last` stored messages and delivers the others. The caller must hold the mutex.
 void InstanceCalls::deliver_all_but(std::size_t last) {
   held_.resize(held_.size() - std::min(held_.size(), last));
   for (const auto& held : held_) sink_->message({name_, held.severity, held.category, held.text, time_ns_});
@@ -241,7 +240,7 @@ void InstanceCalls::fail(const char* function, std::string_view what) {
     return std::ranges::find(last_messages_, indented_lines(held.text)) != last_messages_.end();
   };
   const auto first_quoted = std::find_if_not(held_.rbegin(), held_.rend(), is_quoted).base();
-  // The exception quotes the messages that are dropped here.
+  // The text of the exception contains the messages that are dropped here.
   deliver_all_but(static_cast<std::size_t>(held_.end() - first_quoted));
   throw SlaveError(
       fmt::format("instance '{}' at {} s: {} {}. {}", name_, to_seconds(time_ns_), function, what, last_messages()));
@@ -254,7 +253,7 @@ void InstanceCalls::check(int status, const char* function) {
   }
   if (status == kFatal) {
     unusable_ = true;
-    fmu_->set_corrupted();  // according to the standard, this applies to all instances of the FMU
+    fmu_->set_corrupted();  // the standard applies this to all instances of the FMU
   }
   fail(function, fmt::format("returned {}", status_name_(status)));
 }

@@ -23,16 +23,15 @@
 
 namespace mebots::master {
 
-/// Calls an instance of an FMU, for all versions of FMI. Finds the instance to which a callback belongs, converts C++
-/// exceptions to SlaveErrors, and adds names and times to messages. Keeps the floating-point environments of the master
-/// and the FMU separate. Reports and reverts changes that the FMU makes to process-wide state. Must not be used by two
-/// threads at the same time.
+/// Calls the functions of an FMU instance, for all versions of FMI. Converts C++ exceptions of the FMU to SlaveError,
+/// and adds instance names and times to its messages. Separates the floating-point environments of the master and the
+/// FMU. Reports and reverts changes of process-wide state. Must not be used by two threads at the same time.
 class InstanceCalls final : public CallbackListener {
  public:
-  /// A function that returns the standard's name of a status.
+  /// Returns the name of a status in the FMI standard.
   using StatusName = std::string_view (*)(int status);
 
-  /// The status values, which are the same in all versions of FMI.
+  /// Status values, which are the same in all versions of FMI.
   static constexpr int kOk = 0;
   static constexpr int kWarning = 1;
   static constexpr int kDiscard = 2;
@@ -40,9 +39,9 @@ class InstanceCalls final : public CallbackListener {
   static constexpr int kFatal = 4;
   static constexpr int kPending = 5;
 
-  /// `messages` receives all warnings and errors, and those ordinary messages (status OK) whose category is in
-  /// `log_categories`; "*" means all categories. `messages` must outlive this object. Points of `grid` are passed to
-  /// the FMU as the nearest doubles.
+  /// `messages` receives all warnings and errors. It receives ordinary messages (status OK) only if `log_categories`
+  /// contains their category or "*". `messages` must outlive this object. The FMU receives the points of `grid` as the
+  /// nearest doubles.
   InstanceCalls(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::string> log_categories,
                 MessageSink& messages, const TimeGrid& grid, StatusName status_name);
   ~InstanceCalls() override;
@@ -54,78 +53,76 @@ class InstanceCalls final : public CallbackListener {
   const modeldesc::ModelDescription& description() const { return fmu_->description(); }
   const TimeGrid& grid() const { return grid_; }
   MessageSink& messages() const { return *sink_; }
-  /// Returns the object that provides the FMU's callbacks.
+  /// Returns the receiver of the FMU's callbacks.
   CallbackTarget& target() { return target_; }
   bool usable() const { return !unusable_; }
-  /// Prevents all further calls to the instance, including the call that frees it.
+  /// Prevents all further calls to the instance. The instance is then never freed.
   void abandon() { unusable_ = true; }
-  /// Returns the standard's name of a status.
   std::string_view name_of_status(int status) const { return status_name_(status); }
 
-  /// Returns the simulated time that messages and errors contain [ns].
+  /// Returns the simulated time for messages and errors.
   std::int64_t time_ns() const { return time_ns_; }
   void set_time_ns(std::int64_t time_ns) { time_ns_ = time_ns; }
 
-  /// Creates the instance by calling `make`, which must return null on failure. Before that, reports the process-wide
-  /// changes that loading the FMU's library caused. Throws SlaveError if no instance is created.
+  /// Creates the instance by calling `make`. Before that, reports the process-wide changes that the loading of the
+  /// FMU's library has caused. Throws SlaveError if `make` returns null.
   void instantiate(const char* function, const std::function<void*()>& make);
-  /// Creates a new instance by calling `make`, after the caller has freed the previous one.
+  /// Creates another instance by calling `make`. The caller must have freed the previous instance.
   void instantiate_again(const char* function, const std::function<void*()>& make);
-  /// Frees the instance by calling `free`. A second call has no effect. If the FMU fails, logs the error and returns
-  /// it.
+  /// Frees the instance by calling `free`. If the FMU fails, logs the error and returns it. Further calls have no
+  /// effect.
   std::optional<std::string> free_instance(const char* function, const std::function<void()>& free);
-  /// Sets the handler of fmi2StepFinished. A thread of the FMU may call the handler. Must be called before
+  /// Sets the handler of the callback fmi2StepFinished. A thread of the FMU may call the handler. Must be called before
   /// instantiate().
   void on_step_finished(std::function<void(int)> handler) { step_finished_ = std::move(handler); }
-  /// Sets the handler of intermediate updates of FMI 3.0. The handler must not throw, and may use call_inside().
+  /// Sets the handler of the callback intermediateUpdate of FMI 3.0. The handler must not throw. It may use
+  /// call_inside().
   void on_intermediate_update(std::function<void(double)> handler) { intermediate_update_ = std::move(handler); }
-  /// Returns the categories that SetDebugLogging must enable. Returns an empty list if the FMU must log everything.
+  /// Returns the log categories that the FMU must enable; an empty list if it must log everything.
   std::vector<const char*> chosen_categories() const;
 
-  /// Calls a function of the FMU, with the instance as its first argument, and returns the result. Throws SlaveError if
-  /// the function throws a C++ exception.
+  /// Calls a function of the FMU and returns its result. The instance is the first argument. Throws SlaveError if the
+  /// function throws a C++ exception.
   template <typename Function, typename... Arguments>
   [[gnu::always_inline]] auto call(const char* name, Function* function, Arguments... arguments) {
     return in_scope(name, [&] { return function(instance_, arguments...); });
   }
-  /// Calls a function of the FMU from one of its callbacks, during call(). Does not catch exceptions of the FMU.
+  /// Calls a function of the FMU from a callback. Does not catch exceptions of the FMU.
   template <typename Function, typename... Arguments>
   int call_inside(Function* function, Arguments... arguments) {
     return function(instance_, arguments...);
   }
-  /// Calls a function as call() does. Throws SlaveError unless the returned status is OK or Warning.
+  /// Calls a function like call(). Throws SlaveError if the status is neither OK nor Warning.
   template <typename Function, typename... Arguments>
   [[gnu::always_inline]] void require(const char* name, Function* function, Arguments... arguments) {
     check(call(name, function, arguments...), name);
   }
-  /// Throws SlaveError if the function is null, which means that the FMU's library lacks it.
+  /// Throws SlaveError if `function` is null, because the FMU's library lacks it.
   template <typename Function>
   void require_function(const char* name, Function* function) {
     if (function == nullptr) fail(name, "is missing in the FMU's library");
   }
-  /// Runs `work`, which calls the FMU. Reports and reverts changes that these calls make to the process.
+  /// Runs `work`, which calls the FMU. Reports and reverts process-wide changes of these calls.
   template <typename Work>
   void watched(const char* where, Work work);
-  /// Runs `work` as watched() does for the steps number 1, 2, 4, 8 ... of an instance, and without checks for all
-  /// others, because checking every step would take too long.
+  /// Runs `work`, which performs a step. Checks for process-wide changes only in the steps 1, 2, 4, 8 and so on,
+  /// because the checks are slow.
   template <typename Work>
   [[gnu::always_inline]] int watched_step(const char* where, Work work);
 
-  /// Copies the texts to which `function` has returned pointers for these String variables. A null pointer becomes an
-  /// empty text. Throws SlaveError if an address is not readable.
+  /// Copies the String values at the addresses that `function` returned. A null pointer becomes an empty text. Throws
+  /// SlaveError if an address is not readable.
   void copy_texts(const char* function, std::span<const std::uint32_t> references,
                   std::span<const char* const> addresses, std::span<std::string> values);
 
-  /// Throws SlaveError unless the status is OK or Warning.
+  /// Throws SlaveError if the status is neither OK nor Warning.
   void check(int status, const char* function);
-  /// Throws SlaveError that contains instance, time, function, `what` and the FMU's log.
+  /// Throws SlaveError with the instance, time, function, `what` and the FMU's log.
   [[noreturn]] void fail(const char* function, std::string_view what);
-  /// Passes the held messages to the sink.
+  /// Delivers the stored messages to the message sink.
   void deliver_held();
-  /// Logs a warning of the master about this instance.
   void warn(const std::string& text) { sink_->message({name_, Severity::warning, "notice", text, time_ns_}); }
-  /// Runs `work` and drops its exceptions, such as an exception of the program that receives messages. Used by
-  /// destructors.
+  /// Runs `work` and ignores its exceptions, for example those of a message listener. For use in destructors.
   template <typename Work>
   static void without_exceptions(Work work) noexcept {
     try {
@@ -133,7 +130,7 @@ class InstanceCalls final : public CallbackListener {
     } catch (...) {  // NOLINT(bugprone-empty-catch): see above
     }
   }
-  /// Returns "The FMU logged: ..." followed by the last warnings and errors of the FMU.
+  /// Returns "The FMU logged: ..." with the last warnings and errors of the FMU.
   std::string last_messages() const;
 
   void logged(LoggerCall call) override;
@@ -166,28 +163,28 @@ class InstanceCalls final : public CallbackListener {
   StatusName status_name_;
   void* instance_ = nullptr;
   std::int64_t time_ns_ = 0;
-  // True if no call is permitted, not even to free the instance: after a fatal status or an exception of the FMU, or if
-  // a step does not end.
+  // True if the instance must not be called or freed: after a fatal status, an exception of the FMU, or a step that
+  // does not end.
   bool unusable_ = false;
-  bool is_watched_ = false;        // true if changes of the process by calls are reported and reverted
-  bool freed_ = false;             // true after free_instance()
-  bool is_gone_ = false;           // true if the FMU has freed the instance, so that none exists
-  std::int64_t steps_ = 0;         // number of steps so far
-  std::int64_t watched_step_ = 0;  // number of the next step that is checked; 0: none
+  bool is_watched_ = false;  // true: process-wide changes are reported and reverted
+  bool freed_ = false;
+  bool is_gone_ = false;  // true if the FMU itself has freed the instance
+  std::int64_t steps_ = 0;
+  std::int64_t watched_step_ = 0;  // number of the next step that is checked; 0: no step is checked
   std::function<void(int)> step_finished_ = [](int) {};
   std::function<void(double)> intermediate_update_ = [](double) {};
 
-  // FMUs may log from their own threads. Errors are held until the call returns, because the exception of a failed call
-  // contains them. Messages from the FMU's threads are held too; the stepping thread delivers them.
+  // FMUs may log from their own threads. Such messages are stored, and the stepping thread delivers them. Errors are
+  // stored until the call returns, because the exception of a failed call contains them.
   mutable std::mutex log_mutex_;
   std::vector<Held> held_;
-  MessageLimit limit_;                 // counts since the start of the current call, or since the last call
-  std::atomic<bool> any_held_{false};  // true if messages were held, or dropped by the limit
+  MessageLimit limit_;                 // counts messages since the start or the end of the last call
+  std::atomic<bool> any_held_{false};  // true if messages were stored or dropped
   std::deque<std::string> last_messages_;
 
-  FloatEnvironment ours_ = FloatEnvironment::now();  // environment of the master's caller
-  FloatEnvironment floats_;                          // environment of the instance
-  CallbackTarget target_;  // declared last, because threads of the FMU may log until it is destroyed
+  FloatEnvironment ours_ = FloatEnvironment::now();  // floating-point environment of the master's caller
+  FloatEnvironment floats_;                          // floating-point environment of the instance
+  CallbackTarget target_;  // must be destroyed first, because threads of the FMU may log until then
 };
 
 template <typename Work>
@@ -224,7 +221,7 @@ void InstanceCalls::watched(const char* where, Work work) {
   if (!is_watched_ || reach == ProcessReach::nothing) return work();
   static std::mutex one_at_a_time;
   const std::unique_lock lock(one_at_a_time, std::try_to_lock);
-  if (!lock.owns_lock()) return work();  // does not wait: another thread's call may be waiting for this one
+  if (!lock.owns_lock()) return work();  // no waiting: another thread may call the FMU and wait for this thread
   const ProcessState before(fmu_->files_of_others(), reach);
   work();
   report_process_changes(before.put_right(), where);

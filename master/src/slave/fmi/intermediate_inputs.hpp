@@ -13,29 +13,27 @@
 namespace mebots::master {
 
 /// The inputs that a co-simulation FMU of FMI 3.0 accepts within a step: continuous Float64 with the attribute
-/// intermediateUpdate. Within a step, the value of such an input is a polynomial in time, whose coefficients are
-/// computed from the derivatives of the connected output. An array is set only if all of its elements are set at the
-/// start of the step.
+/// intermediateUpdate. Within a step, such an input is a polynomial in time. Its coefficients are computed from the
+/// derivatives of the connected output. An array is set within a step only if all of its elements are set at the start
+/// of the step.
 class IntermediateInputs {
  public:
-  /// Creates an object without inputs.
   IntermediateInputs() = default;
-  /// `model` must have elements in place of arrays. If the FMU does not call the master within steps, there are no
-  /// inputs.
+  /// In `model`, arrays must be replaced by their elements. The object has no inputs if the FMU does not call the
+  /// master within steps.
   explicit IntermediateInputs(const modeldesc::ModelDescription& model);
 
-  /// Returns the value references for calls to the FMU. An array has one reference.
+  /// Returns the value references of the inputs in the FMU. An array has one value reference.
   std::vector<std::uint32_t> references() const;
   bool empty() const { return wholes_.empty(); }
-  /// Stores the values at the start of the next step. Ignores other variables.
+  /// Stores the values of inputs at the start of the next step. Ignores other variables.
   void set(std::span<const ValueReference> references, std::span<const double> values);
-  /// Stores the derivatives at the start of the next step. Must be called after set().
+  /// Stores the derivatives of inputs at the start of the next step. Must be called after set().
   void set_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
                        std::span<const double> values);
-  /// Starts a step. If no value was set since the last step, its polynomials continue.
+  /// Starts a step. If no value was set since the previous step, the polynomials of that step continue.
   void start_step(double start_s);
-  /// Returns the FMU's value references of the inputs that have derivatives, and the values of these inputs at
-  /// `time_s`.
+  /// Returns the value references in the FMU and the values at `time_s` of all inputs that have derivatives.
   std::pair<std::vector<std::uint32_t>, std::vector<double>> values_at(double time_s) const;
 
  private:
@@ -54,7 +52,7 @@ class IntermediateInputs {
   std::set<ValueReference> elements_;  // elements of all entries in `wholes_`
   std::map<ValueReference, Course> courses_;
   double start_s_ = 0;
-  bool has_stepped_ = true;  // true if a step was performed since the last value was set
+  bool has_stepped_ = true;  // true if no value was set since the last step
 };
 
 }  // namespace mebots::master

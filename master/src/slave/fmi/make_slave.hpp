@@ -14,35 +14,32 @@
 
 namespace mebots::master {
 
-/// The data that are needed to create an instance.
 struct InstanceRequest {
   std::string name;
   std::shared_ptr<Fmu> fmu;
   modeldesc::StructuralValues structural;   ///< values of structural parameters (FMI 3.0)
-  std::vector<std::string> log_categories;  ///< categories whose ordinary messages are logged; "*" means all
-  TimeGrid grid;                            ///< grid whose points are passed to the FMU as the nearest doubles
+  std::vector<std::string> log_categories;  ///< categories whose ordinary messages are logged; "*" selects all
+  TimeGrid grid;                            ///< communication points; the FMU receives the nearest doubles
 };
 
-/// Creates an instance in this process, with the slave class for the FMU's version of FMI. `messages` must outlive the
-/// instance. Throws SlaveError if the instance cannot be created.
+/// Creates an instance in this process. Throws SlaveError if this fails. `messages` must outlive the instance.
 std::unique_ptr<Slave> make_slave_here(InstanceRequest request, MessageSink& messages);
 
-/// The two interfaces of a co-simulation instance whose events the caller handles.
+/// A co-simulation instance whose events the caller handles.
 struct EventParts {
   std::unique_ptr<Slave> slave;
-  EventInstance* instance;  ///< points to the same object as `slave`
+  EventInstance* instance;  ///< the same object as `slave`
 };
 
-/// Creates an instance as make_slave_here() does. The FMU must be of FMI 3.0 and have an event mode.
+/// Creates an instance like make_slave_here(). The FMU must be of FMI 3.0 and have an event mode.
 EventParts make_event_slave_here(InstanceRequest request, MessageSink& messages);
 
-/// The two interfaces of a model exchange instance.
 struct ContinuousParts {
   std::unique_ptr<Slave> slave;
-  ContinuousInstance* instance;  ///< points to the same object as `slave`
+  ContinuousInstance* instance;  ///< the same object as `slave`
 };
 
-/// Creates an instance as make_slave_here() does. The FMU must support model exchange.
+/// Creates an instance like make_slave_here(). The FMU must support model exchange.
 ContinuousParts make_continuous_here(InstanceRequest request, MessageSink& messages);
 
 }  // namespace mebots::master

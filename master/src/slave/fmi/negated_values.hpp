@@ -11,16 +11,15 @@
 
 namespace mebots::master {
 
-/// Replaces negated aliases of an FMI 1.0 FMU by the variables to which they refer, and changes the signs of their
-/// values. Most FMUs have no negated aliases.
+/// Replaces negated aliases in FMUs of FMI 1.0 by their base variables, whose values have the opposite sign.
 class NegatedValues {
  public:
   explicit NegatedValues(const modeldesc::ModelDescription& description);
 
-  /// Returns the value references that the FMU uses for these variables. Returns `references` itself if no alias is
-  /// negated. The result is valid until the next call.
+  /// Returns the value references that the FMU uses. If `references` contains no negated alias, returns `references`
+  /// itself. The result is valid until the next call.
   std::span<const ValueReference> in_fmu(std::span<const ValueReference> references);
-  /// Calls negate(i) for each index i at which `references` contains a negated alias.
+  /// Calls negate(i) for each negated alias references[i].
   template <typename Negate>
   void for_each_negated(std::span<const ValueReference> references, Negate negate) const {
     if (bases_.empty()) return;
@@ -29,7 +28,7 @@ class NegatedValues {
   }
 
  private:
-  std::unordered_map<ValueReference, ValueReference> bases_;  // maps a negated alias to the value reference in the FMU
+  std::unordered_map<ValueReference, ValueReference> bases_;  // key: negated alias; value: base variable
   std::vector<ValueReference> references_;
 };
 

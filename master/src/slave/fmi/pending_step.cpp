@@ -11,7 +11,7 @@ namespace mebots::master {
 void PendingStep::begin() {
   const std::lock_guard lock(mutex_);
   status_.reset();
-  callbacks_ = std::min(callbacks_, steps_);  // further callbacks belonged to steps that DoStep itself completed
+  callbacks_ = std::min(callbacks_, steps_);  // other callbacks belong to steps that DoStep has completed itself
 }
 
 void PendingStep::continues() {

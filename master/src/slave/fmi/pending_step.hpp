@@ -11,27 +11,27 @@
 
 namespace mebots::master {
 
-/// A step of FMI 1.0 or 2.0 that continues in the FMU after DoStep has returned fmiPending. The FMU reports the end of
-/// the step by the callback stepFinished, by GetStatus, or by both.
+/// A step of FMI 1.0 or 2.0 for which DoStep has returned Pending. The FMU reports the end of the step by the callback
+/// stepFinished, by GetStatus, or by both.
 class PendingStep {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Resets the state. Must be called before DoStep, because stepFinished may be called before DoStep returns.
+  /// Must be called before DoStep, because the FMU may call stepFinished before DoStep returns.
   void begin();
-  /// Must be called when DoStep has returned fmiPending.
+  /// Must be called after DoStep has returned Pending.
   void continues();
-  /// Must be called by the callback stepFinished. May be called from any thread.
+  /// Must be called by the callback stepFinished, from any thread.
   void finished(int status);
-  /// Waits until the step ends, and returns its status. Returns fmiPending if `cancel` becomes true or `until` is
-  /// reached. Queries the FMU by `status_of_fmu`, first after 20 us and later every 2 ms. Only the result of the query
-  /// ends the step, because a late callback may belong to an earlier step. There are two exceptions in which a callback
-  /// ends the step: the query returns nullopt; or as many callbacks as pending steps have occurred, and the query still
-  /// reports fmiPending after kLongestDenial.
+  /// Waits for the end of the step and returns its status. Returns Pending if `cancel` becomes true or at the time
+  /// `until`. Calls `status_of_fmu` after 20 us, and later every 2 ms, to query GetStatus. A callback alone does not
+  /// end the wait, because it may belong to an earlier step. A callback is accepted if `status_of_fmu` returns nullopt.
+  /// It is also accepted if all pending steps have had a callback and GetStatus still reports Pending after
+  /// kLongestDenial.
   int wait(const std::atomic<bool>& cancel, const std::function<std::optional<int>()>& status_of_fmu,
            Clock::time_point until = Clock::time_point::max());
-  /// True if GetStatus has reported fmiPending although callbacks had reported the end of the step. In this case,
-  /// GetStatus is not called again.
+  /// True if GetStatus has reported Pending although callbacks had reported the end of the step. GetStatus is then not
+  /// called again.
   bool is_status_ignored() const { return is_status_ignored_; }
 
  private:
@@ -42,10 +42,10 @@ class PendingStep {
   std::mutex mutex_;
   std::condition_variable over_;
   std::optional<int> status_;
-  std::uint64_t steps_ = 0;      // number of pending steps so far
-  std::uint64_t callbacks_ = 0;  // number of callbacks for these steps, including late callbacks
+  std::uint64_t steps_ = 0;
+  std::uint64_t callbacks_ = 0;  // number of callbacks for pending steps, including late callbacks
   Clock::time_point last_callback_;
-  bool is_status_ignored_ = false;  // used only by the stepping thread
+  bool is_status_ignored_ = false;  // for the stepping thread only
 };
 
 }  // namespace mebots::master

@@ -12,7 +12,7 @@
 namespace mebots::master {
 namespace {
 
-/// The maximum time that an interrupt waits for a step that the FMU cannot cancel.
+/// The maximum wait for the end of a step that the FMU cannot cancel.
 constexpr std::chrono::seconds kLongestEnd{1};
 
 }  // namespace
@@ -54,7 +54,7 @@ void StepCalls<Types>::fail_unknown_end() {
                            calls_->name_of_status(InstanceCalls::kPending), Types::kGetStatus));
 }
 
-/// Queries the status of a pending step. Returns nullopt if the FMU cannot report it.
+/// Queries the status of a pending step. Returns nullopt if the FMU does not report it.
 template <typename Types>
 std::optional<int> StepCalls<Types>::queried_status() {
   if (functions_->get_status == nullptr) {
@@ -103,7 +103,7 @@ void StepCalls<Types>::report_denial() {
                   Types::kGetStatus));
 }
 
-/// Cancels a step. Returns an empty text on success. Otherwise, returns the reason why the step was not cancelled.
+/// Cancels a step. Returns the reason if this fails; otherwise an empty text.
 template <typename Types>
 std::string StepCalls<Types>::cancel_step() {
   if (functions_->cancel_step == nullptr) return fmt::format("the FMU has no {}", Types::kCancelStep);

@@ -14,7 +14,6 @@
 
 namespace mebots::master {
 
-/// The types and names that FMI 1.0 uses for steps.
 struct Fmi1StepTypes {
   using Functions = fmi1::Functions;
   using Status = fmiStatus;
@@ -27,7 +26,6 @@ struct Fmi1StepTypes {
   static constexpr const char* kCancelStep = "fmiCancelStep";
 };
 
-/// The types and names that FMI 2.0 uses for steps.
 struct Fmi2StepTypes {
   using Functions = fmi2::Functions;
   using Status = fmi2Status;
@@ -40,22 +38,22 @@ struct Fmi2StepTypes {
   static constexpr const char* kCancelStep = "fmi2CancelStep";
 };
 
-/// Performs the steps of a co-simulation instance of FMI 1.0 or 2.0. A step may continue after DoStep has returned.
+/// Performs the steps of a co-simulation instance of FMI 1.0 or 2.0. The FMU may complete a step after DoStep has
+/// returned.
 template <typename Types>
 class StepCalls {
  public:
-  /// `has_callback` must be true if the FMU receives the callback stepFinished. All objects to which the arguments
-  /// refer must outlive this object.
+  /// `has_callback` is true if the FMU can call stepFinished. The other arguments must outlive this object.
   StepCalls(InstanceCalls& calls, PendingStep& pending, const typename Types::Functions& functions, bool has_callback)
       : calls_(&calls), pending_(&pending), functions_(&functions), has_callback_(has_callback) {}
 
-  /// Performs a step as specified for Slave::step(). `last_argument` is the last argument of DoStep.
+  /// Performs a step like Slave::step(). `last_argument` is the last argument of DoStep.
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns, typename Types::Boolean last_argument);
-  /// Finishes a pending step as specified for Slave::finish_step(). If the FMU cannot cancel the step, waits at most
-  /// one second for its end. If the step does not end, abandons the instance and throws InterruptedError.
+  /// Finishes a pending step like Slave::finish_step(). If the FMU cannot cancel the step, waits for its end for at
+  /// most one second. After that time, abandons the instance and throws InterruptedError.
   StepResult finish(const std::atomic<bool>& cancel);
-  /// Ends a pending step, so that the instance can be freed. If the step cannot be ended, abandons the instance. If the
-  /// FMU fails, abandons the instance and throws SlaveError.
+  /// Ends a pending step before the instance is freed. Abandons the instance if the step does not end or the FMU fails.
+  /// If the FMU fails, also throws SlaveError.
   void end();
   bool is_under_way() const { return is_under_way_; }
 
@@ -74,7 +72,7 @@ class StepCalls {
   bool is_under_way_ = false;
   bool is_denial_reported_ = false;
   std::int64_t end_ns_ = 0;
-  std::uint64_t dropped_ends_ = 0;  // number of dropped callbacks when the step began
+  std::uint64_t dropped_ends_ = 0;  // number of ignored callbacks before the step
 };
 
 extern template class StepCalls<Fmi1StepTypes>;

@@ -25,7 +25,6 @@
 namespace mebots::master::isolation {
 namespace {
 
-/// Owns the settings of posix_spawn(), and frees them.
 struct SpawnSettings {
   posix_spawn_file_actions_t actions{};
   posix_spawnattr_t attributes{};
@@ -52,7 +51,7 @@ std::size_t open_descriptors() {
 
 void reserve_descriptors(std::size_t count, std::size_t each) {
   if (count == 0) return;
-  // For result files, a process that is being started, and files that the C library opens.
+  // Descriptors for result files, for a process during its start, and for files of the C library.
   constexpr std::size_t kOthers = 32;
   const auto open = open_descriptors();
   const rlim_t needed = open + count * each + kOthers;
@@ -104,13 +103,13 @@ ChildProcess::~ChildProcess() {
 std::optional<ProcessEnd> ChildProcess::ended() {
   if (end_) return end_;
   int status = 0;
-  rusage usage{};  // includes processes of the keeper
+  rusage usage{};  // includes the processes of the keeper
   pid_t one = 0;
   while ((one = wait4(pid_, &status, WNOHANG, &usage)) < 0 && errno == EINTR) {
   }
   if (one == 0) return std::nullopt;
   if (one < 0) {
-    end_ = ProcessEnd{};  // another thread has reaped the process, so that the cause of its end is unknown
+    end_ = ProcessEnd{};  // another thread has reaped the process; the cause of its end is unknown
     return end_;
   }
   const bool by_signal = WIFSIGNALED(status);

@@ -25,10 +25,10 @@
 namespace mebots::master::isolation {
 namespace {
 
-// Global, because the signal handler cannot access anything else.
+// Global, because a signal handler has no access to other objects.
 Control* shared_control = nullptr;
 
-/// A fault within this distance of the stack pointer counts as a stack overflow, because the first access to a large
+/// A fault within this distance of the stack pointer is reported as a stack overflow. The first access to a large stack
 /// frame may be at its far end.
 constexpr std::uintptr_t kStackReach = 1 << 20;
 
@@ -58,7 +58,7 @@ void on_fault(int signal, siginfo_t* info, void* context) {
 
 void install_fault_handlers(Control& control) {
   shared_control = &control;
-  // The handler runs on a separate stack, because the stack of the thread may have overflowed.
+  // The handler needs its own stack, because the stack of the thread may have overflowed.
   static std::array<std::byte, 1 << 16> stack;
   stack_t alternative{};
   alternative.ss_sp = stack.data();
@@ -72,13 +72,13 @@ void install_fault_handlers(Control& control) {
 }
 
 void limit_memory(std::uint64_t memory_bytes, LimitedMemory limited) {
-  if (memory_bytes == std::numeric_limits<std::uint64_t>::max()) return;  // there is no limit
+  if (memory_bytes == std::numeric_limits<std::uint64_t>::max()) return;  // no limit
   if (limited == LimitedMemory::data) {
     const rlimit data{memory_bytes, memory_bytes};
     setrlimit(RLIMIT_DATA, &data);
     return;
   }
-  // The limit applies to memory in addition to the current use of the process.
+  // The process may use `memory_bytes` in addition to its current memory.
   mallopt(M_ARENA_MAX, 2);  // otherwise, every thread reserves 64 MiB of address space
   std::uint64_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
@@ -87,7 +87,7 @@ void limit_memory(std::uint64_t memory_bytes, LimitedMemory limited) {
   setrlimit(RLIMIT_AS, &address_space);
 }
 
-/// Compares only the low half of a register, because the argument has 32 bits.
+/// Compares only the low 32 bits of a register, because the argument has 32 bits.
 scmp_arg_cmp is(unsigned argument, std::uint32_t value) {
   return {argument, SCMP_CMP_MASKED_EQ, 0xffff'ffff, value};
 }
@@ -109,17 +109,16 @@ void forbid_harm(Signals signals) {
   };
   const auto self = static_cast<std::uint32_t>(getpid());
   if (signals == Signals::to_itself) {
-    // A process group (0 or a negative number) may contain other processes.
+    // Only the id of this process is permitted. 0 and negative numbers are process groups, which may contain other
+    // processes.
     for (const int call : {SCMP_SYS(kill), SCMP_SYS(rt_sigqueueinfo), SCMP_SYS(tgkill), SCMP_SYS(rt_tgsigqueueinfo),
                            SCMP_SYS(pidfd_open)}) {
       forbid(call, {is_not(0, self)});
     }
-    // These calls are always forbidden, because their arguments do not show to which process the thread or descriptor
-    // belongs.
+    // These calls are always forbidden, because their arguments do not show the process of the thread or descriptor.
     for (const int call : {SCMP_SYS(tkill), SCMP_SYS(pidfd_send_signal)}) forbid(call);
   }
-  // Forbids access to memory and limits of other processes. The host may still read its own memory, because it must
-  // read the texts of callbacks.
+  // Forbids access to memory and limits of other processes. The host reads its own memory for texts of callbacks.
   for (const int call : {SCMP_SYS(process_vm_readv), SCMP_SYS(process_vm_writev)}) {
     forbid(call, {is_not(0, self)});
   }
@@ -132,8 +131,8 @@ void forbid_harm(Signals signals) {
   for (const std::uint32_t request : {FIOSETOWN, SIOCSPGRP}) {
     forbid(SCMP_SYS(ioctl), {is(1, request)});
   }
-  // Forbids calls that expose more of the kernel than a simulation needs. clone3 is refused, too: it passes its flags
-  // in memory, where a filter cannot read them. The C library then uses clone.
+  // Forbids access to parts of the kernel that no simulation needs. A filter cannot read the flags of clone3, which are
+  // in memory. clone3 fails with ENOSYS, so that the C library calls clone.
   for (const int call : {SCMP_SYS(unshare), SCMP_SYS(setns), SCMP_SYS(bpf), SCMP_SYS(perf_event_open),
                          SCMP_SYS(userfaultfd), SCMP_SYS(io_uring_setup), SCMP_SYS(add_key), SCMP_SYS(keyctl)}) {
     forbid(call);

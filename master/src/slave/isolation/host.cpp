@@ -38,7 +38,7 @@ namespace {
 
 using namespace isolation;
 
-/// Writes the FMU's messages to shared memory. The master can read them there even if the call never returns.
+/// Writes the FMU's messages to shared memory, where the master can read them even if the call does not return.
 class SharedLog final : public MessageSink {
  public:
   SharedLog(SharedBuffer& buffer, Control& control) : writer_(buffer), control_(&control) {}
@@ -47,12 +47,12 @@ class SharedLog final : public MessageSink {
     const std::lock_guard lock(mutex_);  // FMUs may log from their own threads
     if (limit_.take(message.text.size() + message.category.size())) put(message);
   }
-  /// Writes a notice about the number of messages in this batch that were dropped.
+  /// Writes a notice about the dropped messages of this batch.
   void end_batch(std::string_view instance) {
     const std::lock_guard lock(mutex_);
     if (const auto notice = limit_.restart()) put({instance, Severity::warning, "notice", *notice, 0});
   }
-  /// Must be called when the master has read all messages.
+  /// Must be called after the master has read all messages.
   void clear() {
     const std::lock_guard lock(mutex_);
     writer_.clear();
@@ -69,7 +69,7 @@ class SharedLog final : public MessageSink {
   }
 
   std::mutex mutex_;
-  MessageLimit limit_{kMostLogBytes - (std::size_t{1} << 20)};  // reserves space for the notice
+  MessageLimit limit_{kMostLogBytes - (std::size_t{1} << 20)};  // leaves space for the notice
   SharedWriter writer_;
   Control* control_;
 };
@@ -85,7 +85,7 @@ class Host {
         log_(log_buffer_, *control_),
         answers_(answer_buffer_) {}
 
-  /// Stores the mechanisms that the requested sandbox lacks. The call that opens the instance checks them.
+  /// Stores the missing mechanisms of the sandbox. The call `open` checks them.
   void set_refusals(std::vector<Refusal> refusals, std::vector<std::string> may_lack) {
     is_sandboxed_ = true;
     refusals_ = std::move(refusals);
@@ -94,10 +94,9 @@ class Host {
 
   Control& control() { return *control_; }
 
-  /// True if code of the FMU must stay loaded until the process ends.
+  /// True if the FMU's code must stay loaded until the process ends.
   bool keeps_library() const { return keeps_library_; }
 
-  /// Executes calls until the master closes the instance.
   void serve() {
     constexpr std::int64_t kWaitNs = 3'600'000'000'000;
     std::uint32_t batches = 0;
@@ -121,15 +120,15 @@ class Host {
       const auto call = commands.get<Call>();
       control_->call.store(call, std::memory_order_relaxed);
       control_->calls.fetch_add(1, std::memory_order_release);
-      if (!answer(call, commands)) return;  // the calls after this one would be meaningless
+      if (!answer(call, commands)) return;  // later calls depend on this one
     }
   }
 
-  /// Executes a call and writes its answer. Returns false if no further call of the batch may be executed.
+  /// Executes a call and writes its answer. Returns false if the later calls of the batch must not be executed.
   bool answer(Call call, SharedReader& commands) {
     const auto begin = answers_.size();
     const auto put_error = [&](Answer kind, ErrorCode code, std::string_view text) {
-      answers_.cut(begin);  // removes a partial answer if the call fails
+      answers_.cut(begin);  // removes a partial answer of a failed call
       answers_.put(kind);
       answers_.put(mebots::name_of(code));
       answers_.put(text);
@@ -270,9 +269,9 @@ class Host {
     return true;
   }
 
-  /// Frees the instance. Returns the differences between the memory of the FMU's libraries and its content after
-  /// loading. Returns an empty text if there are none. Throws SlaveError if freeing fails. Afterwards, the host ends in
-  /// any case.
+  /// Frees the instance. Describes the difference between the memory of the FMU's libraries now and directly after
+  /// loading; returns an empty text if no memory has changed. Throws SlaveError if the FMU fails. The host ends in both
+  /// cases.
   std::string close() {
     closed_ = true;
     states_.clear();
@@ -328,7 +327,7 @@ class Host {
     }
   }
 
-  /// Throws Error if the sandbox lacks a mechanism that the config requires.
+  /// Throws Error if the sandbox lacks a required mechanism.
   void check_sandbox() const {
     for (const auto& [mechanism, reason] : refusals_) {
       if (std::ranges::find(may_lack_, mechanism) != may_lack_.end()) continue;
@@ -340,7 +339,7 @@ class Host {
     }
   }
 
-  /// Writes a list of texts. A 1 precedes each text, and a 0 ends the list.
+  /// Writes a list of notices. A 1 precedes each text, and a 0 ends the list.
   void put_notices() {
     const auto put = [this](const std::string& text) {
       answers_.put(true);
@@ -360,8 +359,8 @@ class Host {
     setenv("PYTHONPATH", path.c_str(), 1);
   }
 
-  /// Loads the interpreter with RTLD_GLOBAL, because the FMU, and the modules that its scripts import, search the whole
-  /// process for the interpreter's functions.
+  /// Loads the Python interpreter with RTLD_GLOBAL, because the FMU and Python modules search the whole process for its
+  /// functions.
   static void load_python(const std::string& library) {
     if (dlopen(library.c_str(), RTLD_NOW | RTLD_GLOBAL) != nullptr) return;
     throw InputError(ErrorCode::fmu_inconsistent,
@@ -391,7 +390,7 @@ class Host {
     answers_.put(std::span<const T>(values));
   }
 
-  /// Writes Integers. After them, writes the bytes of each OSMP binary whose three Integers are among `references`.
+  /// Writes Integers, followed by the bytes of each OSMP binary whose three Integers are in `references`.
   void get_integers(SharedReader& commands) {
     const auto references = commands.get_vector<ValueReference>();
     std::vector<std::int64_t> values(references.size());
@@ -455,17 +454,17 @@ class Host {
   SharedLog log_;
   SharedWriter answers_;
   std::vector<OsmpTriple> triples_;
-  std::vector<std::vector<std::uint8_t>> taken_;  // bytes of binary inputs, indexed by OSMP triple
+  std::vector<std::vector<std::uint8_t>> taken_;  // bytes of binary inputs, indexed like triples_
   std::string name_;
   bool is_sandboxed_ = false;
   std::vector<Refusal> refusals_;
   std::vector<std::string> may_lack_;
-  std::optional<ForkedCopies> copies_;  // created after the keeper was forked
+  std::optional<ForkedCopies> copies_;  // must be created after the keeper was forked
   std::shared_ptr<Fmu> fmu_;
   std::unique_ptr<Slave> slave_;
-  ContinuousInstance* continuous_ = nullptr;  // second interface of a model exchange instance; otherwise null
-  EventInstance* events_ = nullptr;           // second interface of an instance that has clocks; otherwise null
-  ClockInstance* clocks_ = nullptr;           // interface to the clocks of one of these instances
+  ContinuousInstance* continuous_ = nullptr;  // interface of a model exchange instance; otherwise null
+  EventInstance* events_ = nullptr;           // interface of an instance with clocks; otherwise null
+  ClockInstance* clocks_ = nullptr;           // clocks of continuous_ or events_
   std::map<std::uint64_t, std::unique_ptr<SlaveState>> states_;
   bool closed_ = false;
   bool keeps_library_ = false;
@@ -481,7 +480,7 @@ T number(const char* text) {
   return value;
 }
 
-/// Contains the command line of a host process (see run_fmu_host()).
+/// The command line of a host process (see run_fmu_host()).
 struct Arguments {
   explicit Arguments(std::span<char* const> words) : program(words[0]), rest(words.begin() + 1, words.end()) {
     master = number<pid_t>(next("the master's process"));
@@ -490,7 +489,7 @@ struct Arguments {
   }
 
   bool is_sandboxed() const { return !sandbox.folder.empty(); }
-  /// Returns the arguments for starting this program inside the namespaces.
+  /// Returns the arguments to start this program again inside the namespaces.
   std::vector<std::string> inside() const {
     auto words = rest;
     words.emplace_back("--inside");
@@ -535,7 +534,7 @@ std::string own_path() {
   return std::filesystem::read_symlink("/proc/self/exe").string();
 }
 
-/// Prepares this process for foreign code: creates the sandbox, or limits the process.
+/// Prepares this process for the FMU: creates the sandbox, or limits the process.
 void confine(const Arguments& arguments, Host& host, std::vector<Refusal> refusals) {
   if (!arguments.is_sandboxed()) {
     guard(arguments.memory_bytes, arguments.limited, host.control());
@@ -568,11 +567,11 @@ int run_fmu_host(int argument_count, char** words) {
       refusals.push_back(enter_namespaces(arguments.sandbox, own_path(), arguments.inside()));
     Host host;
     confine(arguments, host, std::move(refusals));
-    pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, nullptr);  // an FMU must not cancel the thread that calls it
+    pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, nullptr);  // the FMU must not cancel the thread that calls it
     host.serve();
     if (!host.keeps_library()) return 0;
     std::fflush(nullptr);
-    _exit(0);  // skips destructors, such as those of an interpreter
+    _exit(0);  // runs no destructors, for example of an interpreter
   } catch (const std::exception& error) {
     std::fprintf(stderr, "mebots-fmu-host: %s\n", error.what());
     return 1;

@@ -20,8 +20,7 @@ void put_evaluation(SharedWriter& answers, Evaluation evaluation) {
   answers.put(evaluation != Evaluation::ok);
 }
 
-/// Writes an answer that contains the numbers which `evaluate` computes. If the FMU discards the evaluation, these
-/// numbers have no meaning.
+/// Writes an answer with the numbers of `evaluate`. The numbers are invalid if the FMU discards the evaluation.
 template <typename Evaluate>
 void put_values(SharedWriter& answers, std::size_t count, Evaluate evaluate) {
   std::vector<double> values(count);

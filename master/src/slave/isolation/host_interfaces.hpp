@@ -9,16 +9,13 @@
 
 namespace mebots::master::isolation {
 
-/// Executes a call to an instance that a solver of the master integrates, and writes the answer. Returns false if the
-/// call does not belong to this interface.
+/// Executes a call of ContinuousInstance and writes the answer. Returns false if `call` belongs to another interface.
 bool dispatch(ContinuousInstance& instance, Call call, SharedReader& commands, SharedWriter& answers);
 
-/// Executes a call to an instance whose events the master handles, and writes the answer. Returns false if the call
-/// does not belong to this interface.
+/// Executes a call of EventInstance and writes the answer. Returns false if `call` belongs to another interface.
 bool dispatch(EventInstance& instance, Call call, SharedReader& commands, SharedWriter& answers);
 
-/// Executes a call to the clocks of an instance, and writes the answer. Returns false if the call does not belong to
-/// this interface.
+/// Executes a call of ClockInstance and writes the answer. Returns false if `call` belongs to another interface.
 bool dispatch(ClockInstance& instance, Call call, SharedReader& commands, SharedWriter& answers);
 
 }  // namespace mebots::master::isolation

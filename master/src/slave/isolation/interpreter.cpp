@@ -29,14 +29,14 @@ struct Python {
   std::string packages;
 };
 
-/// Python code that prints two lines: the path of the interpreter's library, and the package folder of the virtual
-/// environment. The second line is empty if there is no virtual environment.
+/// Python code that prints the path of the interpreter's library, and in a second line the package folder of the
+/// virtual environment. The second line is empty if there is no virtual environment.
 constexpr const char* kQuestion =
     "import os, sys, sysconfig\n"
     "print(os.path.join(sysconfig.get_config_var('LIBDIR') or '', sysconfig.get_config_var('INSTSONAME') or ''))\n"
     "print(sysconfig.get_path('purelib') if sys.prefix != sys.base_prefix else '')\n";
 
-/// Runs a program and returns its output. Returns an empty text if the program fails.
+/// Runs a program and returns its output; an empty text if it fails.
 std::string output_of(std::vector<std::string> words) {
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) return {};
@@ -68,7 +68,7 @@ std::string output_of(std::vector<std::string> words) {
   return text;
 }
 
-/// Returns the path of the newest libpython in the folders of the system.
+/// Returns the path of the newest libpython in the system's folders.
 std::string library_of_system() {
   fs::path best;
   for (const auto* folder : {"/usr/lib/x86_64-linux-gnu", "/usr/lib/aarch64-linux-gnu", "/usr/lib64", "/usr/lib"}) {

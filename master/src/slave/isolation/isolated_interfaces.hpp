@@ -14,7 +14,7 @@
 
 namespace mebots::master::isolation {
 
-/// An instance that has clocks and runs in a separate process.
+/// An instance with clocks in a separate process.
 class IsolatedClocks : public IsolatedSlave, public ClockInstance {
  public:
   using IsolatedSlave::IsolatedSlave;
@@ -26,10 +26,9 @@ class IsolatedClocks : public IsolatedSlave, public ClockInstance {
   double shift(ValueReference clock) override;
 };
 
-/// A model exchange instance in a separate process. Each evaluation requires one exchange of messages with the process.
+/// A model exchange instance in a separate process. Each evaluation sends one call and waits for its answer.
 class IsolatedModelExchange final : public IsolatedClocks, public ContinuousInstance {
  public:
-  /// The arguments are those of IsolatedSlave.
   IsolatedModelExchange(const ResolvedInstance& instance, MessageSink& messages, const std::atomic<bool>* interrupted,
                         const TimeGrid& grid);
 
@@ -70,7 +69,7 @@ class IsolatedModelExchange final : public IsolatedClocks, public ContinuousInst
   ContinuousStates continuous_;
 };
 
-/// A co-simulation instance that has clocks and runs in a separate process.
+/// A co-simulation instance with clocks in a separate process.
 class IsolatedEventSlave final : public IsolatedClocks, public EventInstance {
  public:
   using IsolatedClocks::IsolatedClocks;

@@ -20,7 +20,7 @@
 
 namespace mebots::master::isolation {
 
-/// Identifies a state that the host process stores.
+/// A state that the host process stores.
 class IsolatedState final : public SlaveState {
  public:
   IsolatedState(IsolatedSlave& slave, std::uint64_t id) : slave_(&slave), id_(id) {}
@@ -37,11 +37,11 @@ class IsolatedState final : public SlaveState {
 
 namespace {
 
-/// The interval at which a waiting master checks that the host process is still running [ns].
+/// The interval in nanoseconds at which a waiting master checks the host process.
 constexpr std::int64_t kLookNs = 20'000'000;
-/// The time that a call may still take after an interrupt [s], so that a call which is about to return can finish.
+/// The time in seconds that a call may still take after an interrupt.
 constexpr double kInterruptGraceS = 0.1;
-/// The time that an FMU may take to free its instance [s].
+/// The time in seconds that an FMU may take to free its instance.
 constexpr double kGraceS = 3;
 
 std::uint64_t id_of(const SlaveState& state) {
@@ -68,13 +68,13 @@ IsolatedSlave::IsolatedSlave(const ResolvedInstance& instance, MessageSink& mess
       std::make_unique<ChildProcess>(find_fmu_host(), host_arguments(),
                                      std::array<int, 4>{control_buffer_.descriptor(), command_buffer_.descriptor(),
                                                         answer_buffer_.descriptor(), log_buffer_.descriptor()});
-  // The sizes of these two buffers no longer change. Therefore only the host process still needs their descriptors.
+  // The sizes of these buffers no longer change. The master does not need their descriptors any more.
   control_buffer_.close_descriptor();
   log_buffer_.close_descriptor();
   open(grid);
 }
 
-/// Returns the name of the call that the host process is executing or has executed last.
+/// Returns the name of the current or last call of the host process.
 const char* IsolatedSlave::call_name() const {
   return name_of(control_->call.load(), instance_->model->fmi_version);
 }
@@ -135,8 +135,9 @@ std::optional<std::string> IsolatedSlave::report_end() {
   return fmt::format("instance '{}': {}", name_, problem);
 }
 
-/// Returns the error that the host reported, and has already logged, when it freed the instance. If the memory of the
-/// FMU's libraries has changed, stores the host's description of the change.
+/// Returns the error that occurred when the host freed the instance; nullopt if none occurred. The host has already
+/// logged the error. If the memory of the FMU's libraries has changed, stores the host's description of the change in
+/// the Fmu.
 std::optional<std::string> IsolatedSlave::failure_of_close() {
   try {
     auto reader = answers();
@@ -210,8 +211,7 @@ SharedReader IsolatedSlave::answers() {
   return SharedReader(answer_buffer_.bytes(size));
 }
 
-/// Waits until the host has executed the calls. Each call has its own deadline: whenever the host has counted another
-/// executed call, the deadline starts again.
+/// Waits until the host has executed the calls. The deadline starts again at each call.
 void IsolatedSlave::wait(std::size_t calls_left) {
   using Clock = std::chrono::steady_clock;
   const auto& isolation = instance_->isolation;
@@ -223,7 +223,7 @@ void IsolatedSlave::wait(std::size_t calls_left) {
     look_ns = std::clamp<std::int64_t>(static_cast<std::int64_t>(*isolation.deadline_s * 1e9 / 4), 1'000'000, kLookNs);
   while (!control_->answered.wait(batches_, look_ns)) {
     if (const auto end = process_->ended()) {
-      if (control_->answered.value() != batches_) return;  // the host answered before it ended
+      if (control_->answered.value() != batches_) return;  // the host has answered before its end
       lost(ErrorCode::fmu_lost, fault_text(*end));
     }
     if (cancel_ != nullptr && cancel_->load(std::memory_order_relaxed)) control_->cancel = true;
@@ -253,8 +253,8 @@ void IsolatedSlave::wait(std::size_t calls_left) {
   }
 }
 
-/// Converts the exit code of bubblewrap, which is the exit code of the program, or 128 plus the signal that ended the
-/// program.
+/// Returns how the program in the sandbox ended. If a signal ended the program, the exit code of bubblewrap is 128 plus
+/// the number of the signal; otherwise, it is the exit code of the program.
 ProcessEnd IsolatedSlave::end_in_sandbox(ProcessEnd end) const {
   constexpr int kSignalled = 128;
   if (!instance_->isolation.sandboxed() || end.by_signal || end.number <= kSignalled) return end;
@@ -347,7 +347,7 @@ StepResult IsolatedSlave::step(std::int64_t start_ns, std::int64_t duration_ns) 
   return hand_over_step();
 }
 
-/// Waits for the end of a pending step in the host. Meanwhile, checks for an interrupt and for the deadline.
+/// Waits for the end of a pending step. An interrupt or the deadline can end the wait.
 StepResult IsolatedSlave::finish_step(const std::atomic<bool>& cancel) {
   cancel_ = &cancel;
   put(Call::finish_step);
@@ -361,7 +361,7 @@ StepResult IsolatedSlave::finish_step(const std::atomic<bool>& cancel) {
   }
 }
 
-/// Sends the call of a step, followed by the same reads that were requested after the previous step.
+/// Sends a step and the reads that were requested after the previous step.
 StepResult IsolatedSlave::hand_over_step() {
   std::erase_if(reads_, [](const Read& read) { return !read.used; });
   for (const auto& read : reads_) put_read(read.call, read.references, read.orders);
@@ -375,7 +375,7 @@ StepResult IsolatedSlave::hand_over_step() {
     result.terminated = answers.get_flag();
     result.last_successful_s = answers.get_optional();
     result.messages = answers.get_text();
-    if (result.pending) return;  // the reads are sent again when the step ends
+    if (result.pending) return;  // finish_step() sends the reads again
     if (!result.done) return forget_reads();
     time_ns_ = step_end_ns_;
     turn_ ^= 1;
@@ -384,7 +384,7 @@ StepResult IsolatedSlave::hand_over_step() {
   return result;
 }
 
-/// Stores the answers to the reads that were sent together with this step.
+/// Stores the answers of the reads that were sent with the step.
 void IsolatedSlave::take_reads(SharedReader& answers) {
   for (auto read = reads_.begin(); read != reads_.end(); ++read) {
     read->used = false;
@@ -396,8 +396,8 @@ void IsolatedSlave::take_reads(SharedReader& answers) {
     } catch (const DamagedMemory&) {
       throw;
     } catch (const Error&) {
-      read->failure = std::current_exception();  // rethrown when these values are read
-      reads_.erase(read + 1, reads_.end());      // the host stopped at the failure
+      read->failure = std::current_exception();  // rethrown when the values are read
+      reads_.erase(read + 1, reads_.end());      // the host has executed no call after the failure
       return;
     }
   }
@@ -471,7 +471,7 @@ IsolatedSlave::Read& IsolatedSlave::read(Call call, std::span<const ValueReferen
   asked = std::move(answer);
   asked.orders.assign(orders.begin(), orders.end());
   asked.used = true;
-  asked.fresh = false;  // sends the next identical read, because values may change without a step
+  asked.fresh = false;  // the next identical read is sent, because values may change without a step
   return asked;
 }
 
@@ -485,7 +485,7 @@ void IsolatedSlave::get_integers(std::span<const ValueReference> references, std
 
 void IsolatedSlave::get_booleans(std::span<const ValueReference> references, std::span<std::int64_t> values) {
   std::ranges::transform(read(Call::get_booleans, references).integers, values.begin(),
-                         // The other process may send other numbers.
+                         // The other process may send any number.
                          [](std::int64_t value) { return value == 0 ? 0 : 1; });
 }
 

@@ -19,18 +19,16 @@
 
 namespace mebots::master::isolation {
 
-/// A slave in a separate process (mebots-fmu-host). Values are not sent when they are set, but together with the next
-/// call that needs an answer. A step also requests the values that were read after the previous step, and stores the
-/// answers. Therefore a communication step needs only one exchange of messages. If the process ends, or if a call
-/// exceeds its deadline, every call throws SlaveError.
+/// A slave in a separate process (mebots-fmu-host). Set values are sent with the next call that needs an answer. A step
+/// also requests the outputs that were read after the previous step. A communication step therefore needs only one
+/// exchange of messages. After the process has ended or a call has exceeded its deadline, every call throws SlaveError.
 class IsolatedSlave : public Slave {
  public:
-  /// Number of descriptors that the master needs for each instance.
+  /// Number of file descriptors of the master for each instance.
   static constexpr std::size_t kDescriptors = 2;
 
-  /// Starts the process and creates the instance. `instance`, `messages` and `interrupted` must outlive the slave. If
-  /// `*interrupted` becomes true during a call, the process is killed. If `interrupted` is null, calls cannot be
-  /// interrupted.
+  /// Starts the process and creates the instance. If `*interrupted` becomes true during a call, the process is killed.
+  /// `interrupted` may be null. `instance`, `messages` and `interrupted` must outlive the slave.
   IsolatedSlave(const ResolvedInstance& instance, MessageSink& messages, const std::atomic<bool>* interrupted,
                 const TimeGrid& grid = {});
   ~IsolatedSlave() override;
@@ -73,11 +71,10 @@ class IsolatedSlave : public Slave {
   std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) override;
 
  protected:
-  /// True if the FMU can compute directional derivatives for a solver.
   bool provides_directional_derivatives() const { return provides_directional_derivatives_; }
-  /// Sets the simulated time that messages about this instance contain.
+  /// Sets the simulated time for messages about this instance.
   void set_time_ns(std::int64_t time_ns) { time_ns_ = time_ns; }
-  /// Appends a call that has no answer to the next batch.
+  /// Appends a call without an answer to the next batch.
   template <typename... Arguments>
   void defer(Call call, const Arguments&... arguments) {
     forget_reads();
@@ -85,7 +82,7 @@ class IsolatedSlave : public Slave {
     (commands_.put(arguments), ...);
     ++pending_;
   }
-  /// Sends a call and waits for its answer, which `take` reads.
+  /// Sends a call and waits for its answer. `take` reads the answer.
   template <typename... Arguments>
   void exchange(Call call, const std::function<void(SharedReader&)>& take, const Arguments&... arguments) {
     forget_reads();
@@ -100,16 +97,16 @@ class IsolatedSlave : public Slave {
  private:
   friend class IsolatedState;
 
-  /// A request of outputs, and the answer that the last step returned.
+  /// A request of outputs, and its answer of the last step.
   struct Read {
     Call call = Call::none;
     std::vector<ValueReference> references;
-    std::vector<std::int32_t> orders;  // used only for derivatives
+    std::vector<std::int32_t> orders;  // for derivatives only
     bool used = false;                 // true if the values were read since the last step
-    bool fresh = false;                // true if the answer is valid, because nothing has changed since the step
+    bool fresh = false;                // true if no call since the step has made the answer invalid
     std::exception_ptr failure;
     std::vector<double> reals;
-    std::vector<std::int64_t> integers;  // values of Integers and Booleans
+    std::vector<std::int64_t> integers;  // also Booleans
     std::vector<std::string> strings;
   };
 
@@ -120,8 +117,8 @@ class IsolatedSlave : public Slave {
   void put(Call call) { commands_.put(call); }
   void put_references(Call call, std::span<const ValueReference> references);
   void put_texts(Call call, std::span<const ValueReference> references, std::span<const std::string> values);
-  /// Sends all written calls and waits for their answers. Checks the answers, except the last `open_answers` ones,
-  /// which `take` must read. If an answer is invalid, ends the process.
+  /// Sends all written calls and waits for their answers. Checks all answers except the last `open_answers`, which
+  /// `take` must read. Ends the process if an answer is invalid.
   void hand_over(std::size_t open_answers = 0, const std::function<void(SharedReader&)>& take = {});
   void wait(std::size_t calls);
   SharedReader answers();
@@ -151,14 +148,14 @@ class IsolatedSlave : public Slave {
   SharedBuffer log_buffer_;
   Control* control_;
   SharedWriter commands_;
-  std::size_t pending_ = 0;    // number of calls that were written but not sent
-  std::uint32_t batches_ = 0;  // number of batches that were answered
+  std::size_t pending_ = 0;    // number of calls that are written but not sent
+  std::uint32_t batches_ = 0;  // number of answered batches
   std::unique_ptr<ChildProcess> process_;
-  const std::atomic<bool>* cancel_ = nullptr;  // cancels the pending step
-  std::string lost_;                           // why the process ended; empty while it is running
+  const std::atomic<bool>* cancel_ = nullptr;  // true cancels the pending step
+  std::string lost_;                           // reason why the process ended; empty while it is running
   bool freed_ = false;
 
-  // These members are the capabilities of the FMU. The host process detects them when it loads the library.
+  // Capabilities of the FMU, which the host process reports after it has loaded the library.
   std::uint32_t output_derivative_order_ = 0;
   bool takes_input_derivatives_ = false;
   bool provides_directional_derivatives_ = false;
@@ -168,11 +165,10 @@ class IsolatedSlave : public Slave {
   std::int64_t step_end_ns_ = 0;
   std::vector<Read> reads_;  // requests since the last step
   std::vector<OsmpTriple> triples_;
-  // The bytes of binary outputs. Each triple has two buffers, so that the bytes of the last step stay valid during the
-  // next step.
+  // The bytes of binary outputs. Each triple has two buffers, so that the bytes stay valid during the next step.
   std::vector<std::array<std::vector<std::uint8_t>, 2>> binaries_;
   std::size_t turn_ = 0;
-  std::uint64_t states_ = 0;  // number of states that were saved or deserialized so far
+  std::uint64_t states_ = 0;  // number of saved and deserialized states
 };
 
 }  // namespace mebots::master::isolation

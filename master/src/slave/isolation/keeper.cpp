@@ -31,8 +31,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// The signal that the kernel sends to the keeper when the thread that started it ends, even if the process of this
-/// thread continues.
+/// The kernel sends this signal to the keeper when the thread that started it ends, even if the process of this thread
+/// continues.
 constexpr int kParentThreadEnded = SIGHUP;
 constexpr int kAskedToEnd = SIGTERM;
 
@@ -63,15 +63,15 @@ pid_t fork_or_throw() {
   return child;
 }
 
-/// Returns the number in a text. Returns 0 if the text is not a number.
+/// Parses a number. Returns 0 if the text is not a number.
 pid_t number_in(std::string_view text) {
   pid_t number = 0;
   std::from_chars(text.data(), text.data() + text.size(), number);
   return number;
 }
 
-/// Returns true if `parent` is the parent of a process. In /proc/PID/stat, the state and the parent follow after the
-/// name in parentheses.
+/// True if a process is a child of `parent`. In /proc/PID/stat, the name in parentheses precedes the state and the
+/// parent.
 bool is_child_of(const std::filesystem::path& process, pid_t parent) {
   std::ifstream file(process / "stat");
   std::string text;
@@ -91,13 +91,12 @@ std::vector<pid_t> children() {
   return found;
 }
 
-/// The child process, and how it ended.
 struct Child {
   pid_t number;
   int status = 0;
   bool ended = false;
 
-  /// Reaps all ended processes, including orphans that the keeper has adopted. Returns false if no process is left.
+  /// Reaps all ended processes, including adopted orphans. Returns false if there are no more child processes.
   bool reap() {
     int of_this = 0;
     pid_t one = 0;
@@ -110,8 +109,8 @@ struct Child {
   }
 };
 
-/// Ends all descendants of the child. Orphans become children of the keeper, which ends its children until there are
-/// none.
+/// Ends all descendants of the child. Orphans become children of the keeper. The keeper therefore ends its children
+/// until there are no more.
 void end_descendants(Child& child) {
   if (!child.ended) kill(child.number, SIGKILL);
   for (const auto until = Clock::now() + kPatience; child.reap() && Clock::now() < until;) {
@@ -128,7 +127,7 @@ void end_descendants(Child& child) {
     sigset_t only;
     sigemptyset(&only);
     sigaddset(&only, signal);
-    sigprocmask(SIG_UNBLOCK, &only, nullptr);  // the signal is now delivered
+    sigprocmask(SIG_UNBLOCK, &only, nullptr);  // the signal ends the process here
   }
   _exit(WIFEXITED(status) ? WEXITSTATUS(status) : EXIT_FAILURE);
 }
@@ -146,13 +145,12 @@ void end_descendants(Child& child) {
   end_as(child.status);
 }
 
-/// Makes the child end together with its keeper. Called in the child. When the keeper ends, the other end of `alive` is
-/// closed.
+/// Ends the child together with its keeper. Must be called in the child. The end of the keeper closes the other end of
+/// `alive`.
 void end_with_keeper(const Pipe& alive) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   pollfd gone{alive.ends[0], 0, 0};
-  if (poll(&gone, 1, 0) > 0 && (gone.revents & POLLHUP) != 0)
-    _exit(EXIT_FAILURE);  // the keeper had ended before the request took effect
+  if (poll(&gone, 1, 0) > 0 && (gone.revents & POLLHUP) != 0) _exit(EXIT_FAILURE);  // the keeper had already ended
 }
 
 /// Makes this process a keeper. Returns the previous signal mask, which the child must restore.
@@ -161,10 +159,10 @@ sigset_t become_keeper(pid_t parent) {
   sigset_t before;
   sigfillset(&all);
   sigprocmask(SIG_SETMASK, &all, &before);
-  std::signal(SIGCHLD, SIG_DFL);  // if it were ignored, ended children would leave no status
+  std::signal(SIGCHLD, SIG_DFL);  // if SIGCHLD is ignored, ended children leave no status
   prctl(PR_SET_CHILD_SUBREAPER, 1);
   prctl(PR_SET_PDEATHSIG, kParentThreadEnded);
-  if (getppid() != parent) _exit(EXIT_FAILURE);  // the parent had ended before the request took effect
+  if (getppid() != parent) _exit(EXIT_FAILURE);  // the parent had already ended
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
   return before;

@@ -14,8 +14,8 @@
 namespace mebots::master::isolation {
 namespace {
 
-// The interface of the kernel (Documentation/userspace-api/landlock.rst). It is declared here, because the headers of
-// Debian 12 contain only its first versions.
+// The interface of the kernel (Documentation/userspace-api/landlock.rst). The headers of Debian 12 contain only its
+// first versions.
 constexpr long kCreateRuleset = 444;
 constexpr long kAddRule = 445;
 constexpr long kRestrictSelf = 446;
@@ -32,17 +32,17 @@ struct [[gnu::packed]] PathBeneath {
   std::int32_t parent;
 };
 
-// The bits of `Ruleset::scoped`.
+// Bits of Ruleset::scoped.
 constexpr std::uint64_t kAbstractSockets = 1U << 0;
 constexpr std::uint64_t kSignals = 1U << 1;
-constexpr long kScopesSince = 6;  // first version that has scopes
+constexpr long kScopesSince = 6;  // first version with scopes
 
 constexpr std::uint64_t kExecute = 1U << 0;
 constexpr std::uint64_t kWrite = 1U << 1;
 constexpr std::uint64_t kReadFile = 1U << 2;
 constexpr std::uint64_t kReadFolder = 1U << 3;
 constexpr std::uint64_t kMakeBlockDevice = 1U << 11;
-constexpr std::uint64_t kRefer = 1U << 13;  // permits moving files between folders; since version 2
+constexpr std::uint64_t kRefer = 1U << 13;  // moving files between folders; since version 2
 constexpr std::uint64_t kTruncate = 1U << 14;
 constexpr std::uint64_t kReading = kExecute | kReadFile | kReadFolder;
 constexpr std::uint64_t kOfOneFile = kExecute | kReadFile | kWrite | kTruncate;
@@ -76,8 +76,7 @@ int create(const Ruleset& wanted, long version) {
   return static_cast<int>(syscall(kCreateRuleset, &wanted, known_size(version), 0));
 }
 
-/// Applies the rules to this process and closes their descriptor. Returns the problem, or an empty text if there is
-/// none.
+/// Applies the rules to this process and closes their descriptor. Returns the error; an empty text on success.
 std::string enter(int rules) {
   std::string problem;
   if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 || syscall(kRestrictSelf, rules, 0) != 0)
@@ -90,10 +89,10 @@ std::string enter(int rules) {
 
 bool shield_other_processes() {
   const long version = offered_version();
-  if (version < 2) return false;  // version 1 would forbid moving files between folders
+  if (version < 2) return false;  // version 1 forbids moving files between folders
   const bool scopes = version >= kScopesSince;
-  // A ruleset must not be empty. If the kernel cannot restrict signals, the ruleset restricts one right and grants it
-  // again.
+  // A ruleset must not be empty. If the kernel cannot restrict signals, the ruleset restricts a kind of file access and
+  // then permits it everywhere.
   const Ruleset wanted{scopes ? 0 : kRefer | kMakeBlockDevice, 0, scopes ? kSignals : 0};
   const int rules = create(wanted, version);
   if (rules < 0) return false;

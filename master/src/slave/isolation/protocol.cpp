@@ -16,7 +16,7 @@
 namespace mebots::master::isolation {
 namespace {
 
-/// The number of spins before a wait sleeps. Spinning takes about 10 us, as long as sleeping and waking.
+/// The number of spins before a wait sleeps. They take about 10 us, as long as sleeping and waking.
 constexpr int kSpins = 300;
 
 void pause() {
@@ -29,8 +29,7 @@ long futex(std::atomic<std::uint32_t>& word, int operation, std::uint32_t value,
   return syscall(SYS_futex, &word, operation, value, timeout, nullptr, 0);
 }
 
-/// Contains the names of the functions that a call of the protocol requests in each version of FMI, for messages. In
-/// FMI 3.0, the type of a value selects the function.
+/// The FMI functions of a call, for messages. In FMI 3.0, the function depends on the type of a value.
 struct Names {
   Call call;
   const char* fmi1;
@@ -42,7 +41,7 @@ constexpr Names common(Call call, const char* name) {
   return {call, name, name, name};
 }
 
-/// Returns the names of a call that only FMUs of FMI 2.0 and 3.0 receive.
+/// Returns the names of a call for FMI 2.0 and 3.0 only.
 constexpr Names newer(Call call, const char* fmi2, const char* fmi3) {
   return {call, "an unknown call", fmi2, fmi3};
 }
@@ -104,7 +103,7 @@ constexpr std::array kNames = {
 
 const char* name_of(Call call, std::string_view fmi_version) {
   const auto found = std::ranges::find(kNames, call, &Names::call);
-  if (found == kNames.end()) return "an unknown call";  // the value is in shared memory and may be invalid
+  if (found == kNames.end()) return "an unknown call";  // the value in shared memory may be invalid
   if (fmi_version == "1.0") return found->fmi1;
   return fmi_version == "3.0" ? found->fmi3 : found->fmi2;
 }

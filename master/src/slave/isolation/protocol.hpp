@@ -9,8 +9,8 @@
 #include <string_view>
 
 /// Defines the protocol between the master and a host process. The master writes a batch of calls into a shared buffer.
-/// The host executes them in order and writes the answers into another buffer. A batch contains all calls of a
-/// communication step. Two counters determine whether the master or the host may access the buffers.
+/// The host executes them in order and writes the answers into another buffer. Two counters determine which process may
+/// access the buffers.
 namespace mebots::master::isolation {
 
 enum class Call : std::uint32_t {
@@ -40,9 +40,9 @@ enum class Call : std::uint32_t {
   serialize,
   deserialize,
   close,
-  unload,  // part of close; unloads the library
+  unload,  // unloads the library; part of close
 
-  // The following calls are those of a ContinuousInstance.
+  // Calls of ContinuousInstance.
   set_time,
   get_states,
   set_states,
@@ -51,36 +51,36 @@ enum class Call : std::uint32_t {
   get_nominals,
   get_outputs,
   set_inputs,
-  enter_event_mode,  // also a call of an EventInstance
+  enter_event_mode,  // also a call of EventInstance
   update_discrete_states,
   enter_continuous_time_mode,
   completed_step,
   directional_derivatives,
 
-  // The following calls are those of an EventInstance.
+  // Calls of EventInstance.
   step_until,
   enter_step_mode,
 
-  // The following calls are those of a ClockInstance.
+  // Calls of ClockInstance.
   ticks,
   tick,
   new_interval,
   shift,
 };
 
-/// Returns the name of the function that implements the call in a version of FMI: "1.0", "2.0" or "3.0".
+/// Returns the FMI function that implements the call in a version of FMI: "1.0", "2.0" or "3.0".
 const char* name_of(Call call, std::string_view fmi_version);
 
-/// The outcome of a call. Every answer starts with it.
+/// The outcome of a call, at the start of every answer.
 enum class Answer : std::uint8_t { done, slave_error, input_error, error };
 
 /// A counter in shared memory. One process increments it, and the other process waits for the change.
 class Turn {
  public:
   std::uint32_t value() const { return value_.load(std::memory_order_acquire); }
-  /// Increments the counter and wakes processes that wait.
+  /// Increments the counter and wakes the waiting process.
   void pass();
-  /// Waits until the value differs from `seen`: spins briefly, then sleeps. Returns false after `timeout_ns`.
+  /// Waits until the value differs from `seen`. Spins for a short time, then sleeps. Returns false after `timeout_ns`.
   bool wait(std::uint32_t seen, std::int64_t timeout_ns);
 
  private:
@@ -88,17 +88,17 @@ class Turn {
   std::atomic<std::uint32_t> sleeping_{0};
 };
 
-/// The start of the control buffer. Contains no pointers, because it is in shared memory.
+/// The start of the control buffer. Must not contain pointers, because the processes may map it at different addresses.
 struct Control {
-  Turn asked;     // the master increments it when a batch is ready
-  Turn answered;  // the host increments it when the batch is done
+  Turn asked;     // the master increments it after writing a batch
+  Turn answered;  // the host increments it after executing the batch
   std::atomic<std::uint64_t> command_bytes{0};
   std::atomic<std::uint64_t> answer_bytes{0};
-  std::atomic<std::uint64_t> log_bytes{0};  // size of all complete messages so far, even if the batch does not end
-  std::atomic<Call> call{Call::none};       // the current or last call that the host executes
-  std::atomic<std::uint32_t> calls{0};      // number of calls, so that each call has its own deadline
+  std::atomic<std::uint64_t> log_bytes{0};  // size of all complete messages, also if the batch does not end
+  std::atomic<Call> call{Call::none};       // current or last call of the host
+  std::atomic<std::uint32_t> calls{0};      // number of calls; each call has its own deadline
 
-  // The host writes these members when a signal is about to end the process.
+  // The host writes these members before a signal ends the process.
   std::atomic<std::uint32_t> fault_seen{0};
   std::atomic<std::uint64_t> fault_address{0};
   std::atomic<std::uint32_t> fault_on_stack{0};
@@ -107,11 +107,10 @@ struct Control {
 };
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
 
-/// The maximum size of the host's messages about one batch. The host may write any values to shared memory. Therefore a
-/// larger size means that the host is faulty or hostile.
+/// The maximum size of the host's messages in one batch. A larger size means that the host is faulty or hostile.
 inline constexpr std::size_t kMostLogBytes = std::size_t{64} << 20;
 
-/// The descriptors of a host process: control, commands, answers and log.
+/// The file descriptors of a host process for the buffers of control, commands, answers and log.
 inline constexpr std::array<int, 4> kHostDescriptors = {3, 4, 5, 6};
 
 }  // namespace mebots::master::isolation

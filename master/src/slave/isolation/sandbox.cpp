@@ -28,17 +28,17 @@ constexpr const char* kTemporaryFolder = "/tmp";
 constexpr std::uint64_t kTemporaryBytes = std::uint64_t{256} << 20;
 constexpr std::uint64_t kSharedMemoryBytes = std::uint64_t{64} << 20;
 
-/// The folders in which the system stores programs and libraries. Some of them are symbolic links into /usr.
+/// Folders of the system for programs and libraries. Some are symbolic links into /usr.
 constexpr auto kSystemFolders =
     std::to_array<const char*>({"/usr", "/lib", "/lib32", "/lib64", "/libx32", "/bin", "/sbin", "/opt", "/nix"});
-/// The files that the loader and the C library read.
+/// Files that the loader and the C library read.
 constexpr auto kSystemFiles = std::to_array<const char*>(
     {"/etc/ld.so.cache", "/etc/ld.so.conf", "/etc/ld.so.conf.d", "/etc/alternatives", "/etc/localtime"});
 constexpr auto kDevices =
     std::to_array<const char*>({"/dev/null", "/dev/zero", "/dev/full", "/dev/random", "/dev/urandom"});
-/// The environment variables that contain lists of folders. The FMU may read these folders.
+/// Environment variables with lists of folders that the FMU may read.
 constexpr auto kSearchPaths = std::to_array<const char*>({"LD_LIBRARY_PATH", "PYTHONPATH", "PYTHONHOME"});
-/// The environment variables that a sandboxed FMU receives. Any other variable may contain a secret.
+/// Environment variables for a sandboxed FMU. Other variables may contain secrets.
 constexpr auto kPassedVariables = std::to_array<const char*>(
     {"LANG", "LANGUAGE", "LC_ALL", "LC_CTYPE", "LC_NUMERIC", "LC_COLLATE", "LC_MESSAGES", "TZ", "LD_LIBRARY_PATH",
      "PYTHONPATH", "PYTHONHOME", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"});
@@ -47,7 +47,7 @@ std::string system_text() {
   return std::strerror(errno);
 }
 
-/// Returns $MEBOTS_BUBBLEWRAP, or the name of bubblewrap, which is then searched in the folders of the system.
+/// Returns $MEBOTS_BUBBLEWRAP or, if it is not set, the name of the program.
 std::string bubblewrap() {
   const char* chosen = std::getenv("MEBOTS_BUBBLEWRAP");
   return chosen == nullptr ? "bwrap" : chosen;
@@ -68,7 +68,7 @@ void set_home(const std::string& folder) {
   setenv("TMPDIR", folder.c_str(), 1);
 }
 
-/// Returns the absolute paths in the environment variables that kSearchPaths lists.
+/// Returns the absolute paths in the variables of kSearchPaths.
 std::vector<std::string> searched_folders() {
   std::vector<std::string> folders;
   for (const auto* variable : kSearchPaths) {
@@ -90,7 +90,6 @@ std::vector<std::string> readable_places(const Sandbox& sandbox) {
   return places;
 }
 
-/// Returns the options with which bubblewrap is started.
 std::vector<std::string> namespace_options(const Sandbox& sandbox, const std::string& program) {
   std::vector<std::string> words{"--unshare-user",
                                  "--disable-userns",
@@ -131,8 +130,8 @@ std::vector<char*> pointers_to(std::vector<std::string>& words) {
   return pointers;
 }
 
-/// Runs a program and reads its output through a pipe. Returns nullopt if the exit code is 0. Otherwise, returns the
-/// last line of the output, or another text that states the problem.
+/// Runs a program. Returns nullopt if its exit code is 0. Otherwise, returns the last line of its output or another
+/// description of the error.
 std::optional<std::string> failure_of(std::vector<std::string> words) {
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) return system_text();
@@ -160,8 +159,8 @@ std::optional<std::string> failure_of(std::vector<std::string> words) {
   return text.empty() ? "it ended without a message" : text.substr(text.rfind('\n') + 1);
 }
 
-/// Limits the resources of this process: open files, size of files, and, inside namespaces, the number of processes,
-/// which the kernel counts for each user and user namespace.
+/// Limits the number of open files and the size of files. Inside namespaces, also limits the number of processes, which
+/// the kernel counts per user and user namespace.
 void set_limits(bool has_namespaces) {
   constexpr rlim_t kOpenFiles = 1024;
   constexpr rlim_t kFileBytes = rlim_t{1} << 30;
@@ -188,7 +187,8 @@ Refusal enter_namespaces(const Sandbox& sandbox, const std::string& program,
   const auto options = namespace_options(sandbox, program);
   words.insert(words.end(), options.begin(), options.end());
   words.push_back(program);
-  // If a namespace is refused, bubblewrap exits without a distinct code. Therefore a trial run detects this.
+  // Starts the program once with --version, because the exit code of bubblewrap does not show that a namespace was
+  // refused.
   auto trial = words;
   trial.emplace_back("--version");
   if (auto problem = failure_of(std::move(trial))) return {kNamespaces, *std::move(problem)};

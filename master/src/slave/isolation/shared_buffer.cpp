@@ -19,8 +19,7 @@ namespace mebots::master::isolation {
 namespace {
 
 constexpr std::size_t kFirstSize = 1 << 16;
-/// The number of the master's first descriptor. Lower numbers are reserved for descriptors that a child process
-/// receives.
+/// The lowest descriptor of the master's buffers. Lower numbers are for the descriptors of a child process.
 constexpr int kLowestDescriptor = 16;
 
 [[noreturn]] void fail(const char* what) {
@@ -70,7 +69,7 @@ std::span<const std::byte> SharedBuffer::bytes(std::size_t size) {
     if (there < size)
       throw DamagedMemory(
           "the shared memory between master and FMU process is damaged: it is shorter than its declared size");
-    map(std::min(std::bit_ceil(size), there));  // the file may be larger than the memory
+    map(std::min(std::bit_ceil(size), there));  // the file may be larger than the buffer
   }
   return {data_, size};
 }

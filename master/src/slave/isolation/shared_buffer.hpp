@@ -16,20 +16,20 @@
 
 namespace mebots::master::isolation {
 
-/// Thrown if the other process has written invalid data, because it is faulty or hostile.
+/// Thrown if the other process has written invalid data.
 class DamagedMemory : public Error {
  public:
   explicit DamagedMemory(const std::string& what) : Error(ErrorCode::fmu_lost, what) {}
 };
 
-/// Memory that two processes share. Both map the same anonymous file, which is freed when both have ended. It grows and
-/// never shrinks, so that accesses of one process cannot fault because of the other.
+/// Memory that two processes share. Both map the same anonymous file, which is freed after both have ended. The file
+/// never shrinks, so that no process can cause faults in the other one.
 class SharedBuffer {
  public:
-  /// Creates a buffer of at least `size` bytes. Physical memory is used only for bytes that were written. Throws Error
-  /// if the system cannot provide the memory.
+  /// Creates a buffer of at least `size` bytes. Physical memory is used only for written bytes. Throws Error if the
+  /// system cannot provide the memory.
   explicit SharedBuffer(const char* name, std::size_t size = 0);
-  /// Maps a buffer that another process created. `descriptor` is the descriptor that it passed.
+  /// Maps a buffer of another process. `descriptor` is the file descriptor of the buffer in this process.
   explicit SharedBuffer(int descriptor);
   ~SharedBuffer();
   SharedBuffer(const SharedBuffer&) = delete;
@@ -38,10 +38,11 @@ class SharedBuffer {
   std::byte* data() { return data_; }
   std::size_t size() const { return mapped_; }
   int descriptor() const { return descriptor_; }
-  /// Closes the descriptor after the other process has received it. This object then ignores growth of the file.
+  /// Closes the descriptor after the other process has received it. This object then cannot map a larger size of the
+  /// file.
   void close_descriptor();
 
-  /// Makes the first `size` bytes usable. Extends the file if necessary. Addresses in the buffer may change.
+  /// Makes the first `size` bytes usable. The file grows if necessary. Addresses in the buffer may change.
   void reserve(std::size_t size);
   /// Returns the first `size` bytes, which the other process has written. Throws DamagedMemory if the buffer is
   /// smaller.
@@ -57,7 +58,6 @@ class SharedBuffer {
   std::size_t mapped_ = 0;
 };
 
-/// Appends values to a shared buffer.
 class SharedWriter {
  public:
   explicit SharedWriter(SharedBuffer& buffer) : buffer_(&buffer) {}
@@ -66,7 +66,7 @@ class SharedWriter {
   requires std::is_trivially_copyable_v<T>
   void put(const T& value) { append(&value, sizeof value); }
 
-  /// Writes the number of elements, then the elements.
+  /// Writes the number of elements and the elements.
   template <typename T, std::size_t Extent>
   requires std::is_trivially_copyable_v<T>
   void put(std::span<T, Extent> values) {
@@ -81,7 +81,6 @@ class SharedWriter {
 
   std::size_t size() const { return size_; }
   void clear() { size_ = 0; }
-  /// Drops all bytes after the first `size` bytes.
   void cut(std::size_t size) { size_ = size; }
 
  private:
@@ -96,7 +95,7 @@ class SharedWriter {
   std::size_t size_ = 0;
 };
 
-/// Reads values that a SharedWriter wrote. Checks every length, because the other process may be faulty.
+/// Reads the values of a SharedWriter. Checks all lengths, because the other process may be faulty.
 class SharedReader {
  public:
   explicit SharedReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -114,7 +113,7 @@ class SharedReader {
     if (!bytes.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
     return values;
   }
-  /// Reads values into an array. Throws DamagedMemory if the number of values is different.
+  /// Reads values into an array. Throws DamagedMemory if the number of values differs from its size.
   template <typename T>
   void get(std::span<T> values) {
     if (count(sizeof(T)) != values.size()) fail();
@@ -132,7 +131,7 @@ class SharedReader {
     const auto bytes = get_bytes();
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
   }
-  /// Reads bytes. Returns a view of the buffer, not a copy.
+  /// Reads bytes and returns a view of the buffer.
   std::span<const std::byte> get_bytes() { return take(count(1)); }
   bool at_end() const { return bytes_.empty(); }
 

@@ -18,8 +18,7 @@
 namespace mebots::master::isolation {
 namespace {
 
-/// The system calls that read, write and name files. The sandbox's file tree and Landlock determine which files they
-/// can access.
+/// System calls that read, write and name files. The sandbox's file tree and Landlock limit the files.
 constexpr auto kFiles = std::to_array<int>({
     SCMP_SYS(read),
     SCMP_SYS(write),
@@ -190,13 +189,13 @@ constexpr auto kSignalsAndTime = std::to_array<int>({
     SCMP_SYS(timer_delete),  SCMP_SYS(timerfd_create),  SCMP_SYS(timerfd_settime), SCMP_SYS(timerfd_gettime),
 });
 
-/// The system calls that send signals. Inside a process namespace, they reach only processes of the sandbox.
+/// System calls that send signals. Inside a process namespace, they reach only processes of the sandbox.
 constexpr auto kSendSignals =
     std::to_array<int>({SCMP_SYS(kill), SCMP_SYS(tkill), SCMP_SYS(tgkill), SCMP_SYS(rt_sigqueueinfo),
                         SCMP_SYS(rt_tgsigqueueinfo), SCMP_SYS(pidfd_open), SCMP_SYS(pidfd_send_signal)});
 
-/// The system calls that are permitted only inside namespaces. They access network peers, System V objects (by their
-/// number), or attributes of files, which Landlock does not control.
+/// System calls that are permitted only inside namespaces. They access network peers, System V objects, or attributes
+/// of files, which Landlock does not control.
 constexpr auto kPrivate = std::to_array<int>({
     SCMP_SYS(chmod),     SCMP_SYS(fchmod),      SCMP_SYS(fchmodat),    SCMP_SYS(utime),      SCMP_SYS(utimes),
     SCMP_SYS(futimesat), SCMP_SYS(utimensat),   SCMP_SYS(chown),       SCMP_SYS(fchown),     SCMP_SYS(lchown),
@@ -207,7 +206,7 @@ constexpr auto kPrivate = std::to_array<int>({
     SCMP_SYS(msgrcv),    SCMP_SYS(msgctl),
 });
 
-/// The system calls for socket pairs, which are always permitted. In a network namespace, they may also access other
+/// System calls for socket pairs. They are always permitted. Inside a network namespace, they may also access other
 /// sockets.
 constexpr auto kSocketData =
     std::to_array<int>({SCMP_SYS(sendto), SCMP_SYS(recvfrom), SCMP_SYS(sendmsg), SCMP_SYS(recvmsg), SCMP_SYS(sendmmsg),
@@ -224,12 +223,12 @@ constexpr auto kPrctlOptions = std::to_array<std::uint32_t>(
      PR_GET_DUMPABLE, PR_CAPBSET_READ, PR_GET_SECCOMP, PR_SET_TIMERSLACK, PR_GET_TIMERSLACK, kSetMemoryName});
 constexpr auto kSocketFamilies = std::to_array<std::uint32_t>({AF_UNIX, AF_INET, AF_INET6});
 
-/// Compares only the low half of a register, because the argument has 32 bits.
+/// Compares only the low 32 bits of a register, because the argument has 32 bits.
 scmp_arg_cmp equals(unsigned argument, std::uint32_t value) {
   return {argument, SCMP_CMP_MASKED_EQ, 0xffff'ffff, value};
 }
 
-/// Builds a filter. Stores the first problem that occurs.
+/// Builds a seccomp filter and stores the first error.
 class Filter {
  public:
   Filter() : context_(seccomp_init(SCMP_ACT_ERRNO(EPERM))) {
@@ -259,7 +258,7 @@ class Filter {
   }
 
  private:
-  /// Adds a rule. If `call` is negative, this architecture lacks the call, and no rule is added.
+  /// Adds a rule. Has no effect if `call` is negative, because this architecture lacks the system call.
   void add(std::uint32_t action, int call, std::initializer_list<scmp_arg_cmp> where) {
     if (context_ == nullptr || call < 0) return;
     keep(seccomp_rule_add_array(context_, action, call, static_cast<unsigned>(where.size()), where.begin()));
@@ -286,14 +285,14 @@ std::optional<std::string> allow_simulation_calls(bool has_namespaces) {
   filter.allow_by(SCMP_SYS(ioctl), 1, kIoctlRequests);
   filter.allow_by(SCMP_SYS(prctl), 0, kPrctlOptions);
   filter.allow(SCMP_SYS(socketpair), {equals(0, AF_UNIX)});
-  filter.allow(SCMP_SYS(personality), {equals(0, 0xffff'ffff)});  // only queries the current value
-  filter.allow(SCMP_SYS(prlimit64), {equals(0, 0)});              // only the limits of the process itself
-  // Only texts in the process itself, at addresses that an FMU passes.
+  filter.allow(SCMP_SYS(personality), {equals(0, 0xffff'ffff)});  // only the query
+  filter.allow(SCMP_SYS(prlimit64), {equals(0, 0)});              // only the limits of this process
+  // Permits reading this process only, for the texts of callbacks.
   filter.allow(SCMP_SYS(process_vm_readv), {equals(0, self)});
   constexpr std::uint64_t kNewNamespaces =
       CLONE_NEWCGROUP | CLONE_NEWIPC | CLONE_NEWNET | CLONE_NEWNS | CLONE_NEWPID | CLONE_NEWUSER | CLONE_NEWUTS;
   filter.allow(SCMP_SYS(clone), {{0, SCMP_CMP_MASKED_EQ, kNewNamespaces, 0}});
-  // Passes its flags in memory, which a filter cannot read; after ENOSYS, the C library calls clone().
+  // clone3 has its flags in memory, which a filter cannot read. After ENOSYS, the C library calls clone().
   filter.answer(SCMP_SYS(clone3), ENOSYS);
   if (has_namespaces) {
     filter.allow(kSendSignals);
