@@ -28,7 +28,7 @@ int check_command(const CheckOptions& options) {
   bool clean = false;
   std::atomic<bool> given_up = false;
   try {
-    // After an interrupt, the unpacked FMU is deleted before the signal ends this process.
+    // After an interrupt, deletes the unpacked FMU before the signal ends this process.
     const master::SignalGuard guard(given_up, master::SignalGuard::Afterwards::raise);
     check::Options how;
     how.half_step_tolerance = options.half_step_tolerance;

@@ -13,8 +13,7 @@
 namespace mebots::app {
 namespace {
 
-/// The maximum number of printed warnings and errors. Without a limit, an FMU with a message in each step would hide
-/// all other output.
+/// Maximum number of printed messages per instance and severity. An FMU may send a message in each step.
 constexpr int kShown = 20;
 
 constexpr std::string_view kClearLine = "\r\x1b[K";

@@ -12,25 +12,24 @@
 
 namespace mebots::app {
 
-/// Prints the messages of a command. Lines go to standard output; in quiet mode, only always() prints lines. Warnings
-/// and errors always go to standard error. On a terminal, redraw() replaces one line in place, and warnings and errors
-/// are coloured unless NO_COLOR is set (no-color.org).
+/// Prints messages. Lines go to standard output, warnings and errors to standard error. In quiet mode, only always()
+/// prints lines. On a terminal, redraw() replaces one line in place, and warnings and errors have colours unless
+/// NO_COLOR is set (no-color.org).
 class Console final {
  public:
   explicit Console(bool quiet);
 
   void message(const Message& message);
   void line(std::string_view text);
-  /// Prints a line even in quiet mode, because the user needs it.
+  /// Prints a line even in quiet mode.
   void always(std::string_view text);
   void warning(std::string_view text);
   void error(std::string_view text);
 
-  /// True if standard output is a terminal, so that a line can be redrawn.
+  /// True if standard output is a terminal, on which redraw() works.
   bool is_terminal() const { return terminal_; }
-  /// Returns the current width of the terminal in characters.
   static std::size_t width();
-  /// Draws a line that the next drawn line replaces. An empty text removes it.
+  /// Draws a line that the next redraw() replaces. An empty text removes the line.
   void redraw(std::string_view text);
 
  private:
@@ -40,9 +39,9 @@ class Console final {
   std::mutex mutex_;
   bool quiet_;
   bool terminal_;
-  bool colour_;  // true if standard error shows colours
+  bool colour_;  // true if standard error is in colour
   std::string drawn_;
-  std::map<std::pair<std::string, Severity>, int> counts_;  // number of warnings and errors of each instance
+  std::map<std::pair<std::string, Severity>, int> counts_;  // number of messages by instance and severity
 };
 
 }  // namespace mebots::app

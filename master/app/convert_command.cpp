@@ -29,7 +29,7 @@ void convert(const std::filesystem::path& from, const std::filesystem::path& to)
   auto loaded = load_system(from);
   config::make_signal_paths_absolute(loaded.config, loaded.system);
   FmuLibrary library;
-  // Throws if the system is invalid, so that no invalid system is written.
+  // Throws InputError before writing if the system is invalid.
   const auto resolved = resolve(loaded.system, library);
   if (ending == ".ssp") {
     write_ssp(resolved, loaded.config, to);

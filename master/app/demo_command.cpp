@@ -13,7 +13,7 @@
 namespace mebots::app {
 namespace {
 
-/// Prints the path of the page. If there is no page, prints the reason, because the run is valid without a page.
+/// Writes the page and prints its path. If this fails, prints the reason; the run is valid without a page.
 void show_page(const std::filesystem::path& folder) {
   try {
     std::printf("page: %s (open it in a browser)\n", write_report({folder}, {}).c_str());
@@ -22,7 +22,7 @@ void show_page(const std::filesystem::path& folder) {
   }
 }
 
-/// Runs `mebots run` with the shipped config and the same options, then writes the page of the flight.
+/// Runs `mebots run` with a shipped config and the given options, then writes the page.
 int demo(std::vector<std::string> options) {
   const auto config = master::own_data("configs") / "gate_easy.json";
   options.insert(options.begin(), {"run", config.string()});

@@ -42,7 +42,7 @@ Words words_of(const DeployOptions& options) {
   add_number(words, "--percentile", options.percentile);
   if (options.equalise) words.emplace_back("--equalise");
   add_number(words, "--input-scale", options.input_scale);
-  // The option and its value are joined with "=", because the value may begin with a minus sign.
+  // Joins option and value with "=", because the value may begin with a minus sign.
   if (options.input_offset) words.push_back(fmt::format("--input-offset={}", *options.input_offset));
   add_number(words, "--pictures", options.pictures);
   add_number(words, "--vectors", options.vectors);

@@ -38,7 +38,7 @@ std::string unit_text(const Json& unit) {
   return unit.is_string() && unit != "1" ? " " + unit.get<std::string>() : "";
 }
 
-/// Appends the values, each with its interval. `intervals` has the same labels as the values.
+/// Appends each value with its interval. `intervals` has the same labels as `values`.
 void append_values(const Json& values, const Json& units, const Json& intervals, const std::string& prefix,
                    std::vector<std::string>& lines) {
   for (const auto& [label, value] : values.items()) {
@@ -53,7 +53,7 @@ void append_values(const Json& values, const Json& units, const Json& intervals,
   }
 }
 
-/// True if `value` belongs to a group: it contains statistics and, under `each`, the values of the members.
+/// True if `value` is a group: an object with statistics and the members' values under `each`.
 bool is_group(const Json& value) {
   return value.is_object() && member_of(value, "each").is_object() &&
          (value.contains("least") || value.contains("count") || value.contains("counts"));
@@ -63,7 +63,7 @@ std::string short_text(const Json& value) {
   return value.is_number_float() ? fmt::format("{:.4g}", value.get<double>()) : value_text(value);
 }
 
-/// Describes the values of a group, such as "0.21 (7) to 0.93 (2), mean 0.5" or "14 of 16 (not 3, 9)".
+/// Returns the values of a group as text, such as "0.21 (7) to 0.93 (2), mean 0.5" or "14 of 16 (not 3, 9)".
 std::string group_text(const Json& group, const Json& units) {
   if (group.contains("least") && short_text(group["least"]) == short_text(group["most"])) {
     return fmt::format("{}{} each", short_text(group["mean"]), unit_text(member_of(units, "mean")));
@@ -90,7 +90,7 @@ constexpr std::size_t kMostLines = 10;
 constexpr std::size_t kWidest = 110;
 constexpr auto kCut = ", ...";
 
-/// Builds a line that lists values. Truncates the list if its text becomes too wide.
+/// Builds a line of values. Truncates the line if it becomes too wide.
 class ValueLine {
  public:
   explicit ValueLine(std::string head) : text_(std::move(head)) {}
@@ -110,7 +110,6 @@ class ValueLine {
     empty_ = false;
     text_ += piece;
   }
-  /// Adds all values below a label.
   void add_all(const Json& values, const Json& units, const Json& intervals, const std::string& prefix = "") {
     for (const auto& [label, value] : values.items()) {
       const auto unit = member_of(units, label);
@@ -135,8 +134,8 @@ class ValueLine {
   bool cut_ = false;
 };
 
-/// Appends lines in which the values that belong to no group share lines, and one line for each group. If values are
-/// left out, the last line names the option that prints all values.
+/// Appends one line per group, and shared lines for all other values. If values are omitted, the last line names the
+/// option that prints them.
 void append_shared(const Json& values, const Json& units, const Json& intervals, std::vector<std::string>& lines) {
   std::vector<ValueLine> own;
   bool is_cut = false;
@@ -163,7 +162,7 @@ void append_shared(const Json& values, const Json& units, const Json& intervals,
   if (is_cut) lines.back() += "  (all values: --verbose)";
 }
 
-/// Returns a text such as "1000 steps of 0.001 s". If the step varies, the text contains its limits.
+/// Returns a text such as "1000 steps of 0.001 s". If the step varies, returns its limits.
 std::string steps_text(const master::SystemDescription& system) {
   if (const auto& control = system.step_control) {
     return fmt::format("steps of {} to {} s", master::time_text(system.length_of(control->min_steps)),
@@ -172,7 +171,7 @@ std::string steps_text(const master::SystemDescription& system) {
   return fmt::format("{} steps of {} s", system.grid().point_at(system.stop_time_ns), master::to_seconds(system.step));
 }
 
-/// Describes the result of the drawn runs in one line.
+/// Returns the outcomes and intervals of the drawn runs as one line.
 std::string uncertainty_line(const Json& uncertainty) {
   std::vector<std::string> outcomes;
   for (const auto& [outcome, count] : uncertainty["outcomes"].items())
@@ -189,7 +188,7 @@ std::vector<std::string> end_lines(const master::Run& run, bool verbose) {
   const auto& report = run.report();
   std::vector<std::string> lines;
   lines.push_back(fmt::format("outcome: {} ({})", run.outcome(), report.end_text));
-  if (run.files() == nullptr || !run.files()->kept()) return lines;  // the run never reached t = 0
+  if (run.files() == nullptr || !run.files()->kept()) return lines;  // the start time was not reached
   lines.push_back(fmt::format("simulated {} s in {} of stepping, {:.3g} x real time",
                               master::to_seconds(report.simulated_ns), short_duration(report.wall.stepping_s),
                               report.real_time_factor()));

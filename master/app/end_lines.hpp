@@ -8,11 +8,11 @@
 
 namespace mebots::app {
 
-/// Returns lines that report the end of a run: its outcome, its speed, the summary's values with units, and the paths
-/// of the written files. The values fill at most ten lines; if `verbose` is true, each value has its own line.
+/// Returns the lines that report the end of a run: outcome, speed, summary values with units, and paths of the written
+/// files. The values fill at most ten lines. If `verbose` is true, each value has its own line.
 std::vector<std::string> end_lines(const master::Run& run, bool verbose);
 
-/// Returns lines that describe a run at t = 0: its instances, connections, steps and columns of results.
+/// Returns the lines that describe a run at its start: instances, connections, steps and recorded columns.
 std::vector<std::string> start_lines(const master::Run& run);
 
 }  // namespace mebots::app

@@ -2,8 +2,7 @@
 #include "slave/isolation/child_process.hpp"
 
 #ifdef __SANITIZE_ADDRESS__
-/// Turns LeakSanitizer off. It stops threads in the same way as a debugger, but this process forbids debugging, even by
-/// itself.
+/// Disables LeakSanitizer, which stops threads like a debugger. This process forbids debugging.
 extern "C" [[gnu::visibility("default")]] int __lsan_is_turned_off() {  // NOLINT: the library's name
   return 1;
 }

@@ -25,8 +25,8 @@ namespace {
 
 using namespace mebots::modeldesc;
 
-/// Returns the sizes of an array as a text, such as [3]. If the structural parameter n determines a size, the text
-/// contains its name: [n].
+/// Returns the sizes of an array, such as [3]. If a structural parameter n determines a size, its name replaces the
+/// number: [n].
 std::string dimensions_text(const ModelDescription& model, const Variable& variable) {
   std::vector<std::string> sizes;
   for (const auto& dimension : variable.fmi3->dimensions) {
@@ -99,7 +99,6 @@ void print_flags(const ModelDescription& model, const ModelExchange& exchange) {
   print_field("model exchange", fmt::format("{} ({})", exchange.model_identifier, fmt::join(facts, ", ")));
 }
 
-/// Prints a table. Each column except the last is as wide as its longest cell.
 void print_table(const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::size_t> widths;
   for (const auto& row : rows) {
@@ -171,7 +170,7 @@ void print_description(const ModelDescription& model) {
                                        count(Causality::parameter), count(Causality::input), count(Causality::output)));
 }
 
-/// Returns the kind of a Clock, named as in FMI 3.0.
+/// Returns the kind of a Clock as FMI 3.0 names it.
 std::string_view clock_kind(IntervalVariability variability) {
   switch (variability) {
     case IntervalVariability::constant:
@@ -188,7 +187,7 @@ std::string_view clock_kind(IntervalVariability variability) {
   return "triggered";
 }
 
-/// Returns the interval of a Clock in seconds. Returns an empty text if only the running FMU determines the interval.
+/// Returns the interval of a Clock in seconds. Empty if only the running FMU determines the interval.
 std::string interval_text(const ClockTiming& timing) {
   if (timing.interval_counter && timing.resolution)
     return fmt::format("{}/{}", *timing.interval_counter, *timing.resolution);
@@ -200,7 +199,7 @@ std::string shift_text(const ClockTiming& timing) {
   return timing.is_time_based() ? fmt::format("{}", timing.shift_s) : std::string();
 }
 
-/// Prints a table of the Clocks, and of the variables that may change at their ticks.
+/// Prints a table of the Clocks with the variables that may change at their ticks.
 void print_clocks(const ModelDescription& model) {
   std::vector<std::vector<std::string>> rows = {
       {"clock", "causality", "kind", "interval is", "interval [s]", "shift [s]", "variables"}};

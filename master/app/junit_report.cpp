@@ -15,7 +15,7 @@
 namespace mebots::app {
 namespace {
 
-/// Makes a text valid in XML 1.0: control characters become spaces, and bytes that are not UTF-8 are replaced.
+/// Makes a text valid for XML 1.0: replaces control characters by spaces, and repairs invalid UTF-8.
 std::string printable(const std::string& raw) {
   auto text = master::valid_utf8(raw);
   for (auto& c : text) {

@@ -31,7 +31,7 @@ struct LinkOptions {
 
 Words words_of(const LinkOptions& options) {
   Words words = {options.config.string()};
-  // A replay must not overwrite the results of the run that it repeats.
+  // A replay has no default folder, because it must not overwrite the results of the run that it repeats.
   const auto out = options.out.empty() && options.replay.empty() ? default_results(options.config) : options.out;
   add_word(words, "--out", out);
   add_number(words, "--drones", options.drones);

@@ -13,12 +13,12 @@
 
 namespace mebots::app {
 
-/// The options of `mebots run` and `mebots resume` that configure the live page of a run.
+/// The options of `mebots run` and `mebots resume` for the live page.
 struct LiveViewOptions {
-  std::optional<int> port;           ///< number of the port; 0 selects any free port
+  std::optional<int> port;           ///< TCP port; 0 selects a free port
   std::optional<std::string> start;  ///< "browser" or "now"; default: "browser" on a terminal
   std::optional<double> pace;        ///< simulated seconds per second
-  /// True if the page stays available after the end; the default on a terminal, unless `no_keep` is set.
+  /// True if the page stays available after the end. On a terminal, this is the default unless `no_keep` is set.
   bool keep = false;
   bool no_keep = false;
 
@@ -27,18 +27,17 @@ struct LiveViewOptions {
 
 void add_live_options(CLI::App& command, LiveViewOptions& options);
 
-/// Steps a run and serves a page that shows the run in browsers.
+/// Steps a run and shows it in browsers.
 class LiveView {
  public:
-  /// Creates a view and prints the address of its page. Throws InputError if the port is in use, or if this program was
-  /// built without web pages.
+  /// Creates a view and prints the address of its page. Throws InputError if the port is in use, or if MEbots was built
+  /// without web pages.
   static std::unique_ptr<LiveView> make(master::Run& run, const LiveViewOptions& options, Console& console);
   virtual ~LiveView() = default;
 
-  /// Starts the run and steps it to its end.
   virtual void run() = 0;
-  /// Ends the view. If the options require that the page stays available, serves it until Ctrl-C. Otherwise, serves it
-  /// until all open browsers have received the last rows.
+  /// Ends the view. If the page stays available, serves the page until Ctrl-C. Otherwise, serves the page until open
+  /// browsers have received the last rows.
   virtual void end(Console& console) = 0;
 };
 

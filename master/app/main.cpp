@@ -20,14 +20,13 @@ namespace {
 
 using namespace mebots::app;
 
-/// The commands, in the order in which the help lists them.
 constexpr AddCommand kCommands[] = {
     &add_run,     &add_resume,   &add_sweep,  &add_replay, &add_identify, &add_new_cell,      &add_link,
     &add_deploy,  &add_demo,     &add_report, &add_info,   &add_check,    &add_fmu_platforms, &add_test,
     &add_convert, &add_validate, &add_schema, &add_units,  &add_new_fmu,  &add_new_firmware,  &add_new_sensor};
 
-/// Opens standard streams that are closed (`>&-`). Otherwise, the next opened file would get the descriptor of such a
-/// stream, and the output of the stream would go into the file.
+/// Opens closed standard streams (`>&-`) as /dev/null. Otherwise, a file could get the descriptor of a standard stream
+/// and receive its output.
 void open_standard_streams() {
   for (int stream = 0; stream <= 2; ++stream) {
     if (fcntl(stream, F_GETFD) == -1 && open("/dev/null", O_RDWR) != stream) return;
@@ -50,7 +49,7 @@ std::vector<std::string> names_of_options(const CLI::App& command) {
   return names;
 }
 
-/// Returns one line that describes an error in the command line and its remedy.
+/// Returns one line about an error in the command line and its remedy.
 std::string complaint(CLI::App& app, const CLI::ParseError& error) {
   const auto given = app.get_subcommands();
   if (given.empty()) {
@@ -81,9 +80,9 @@ std::string complaint(CLI::App& app, const CLI::ParseError& error) {
 
 int main(int argument_count, char** arguments) {
   open_standard_streams();
-  std::signal(SIGPIPE, SIG_IGN);  // if the reader of the output ends, the run continues and writes its results
-  pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, nullptr);  // only an FMU would cancel this thread
-  std::signal(SIGXFSZ, SIG_IGN);  // exceeding the file size limit is reported as an error, like a full disk
+  std::signal(SIGPIPE, SIG_IGN);                            // a closed output pipe must not end the run
+  pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, nullptr);  // prevents FMUs from cancelling this thread
+  std::signal(SIGXFSZ, SIG_IGN);                            // writes beyond the file size limit then return an error
   CLI::App app{"MEbots: co-simulation of FMI 1.0, 2.0 and 3.0 FMUs"};
   app.name("mebots");
   app.set_version_flag("--version", "mebots " + std::string(mebots::version()));
@@ -99,7 +98,7 @@ int main(int argument_count, char** arguments) {
     const auto words = mebots::master::with_each_set(given);
     app.parse(std::vector<std::string>(words.rbegin(), words.rend()));  // CLI11 expects reverse order
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    if (error.get_exit_code() == 0) return app.exit(error);  // for --help and --version
     print_error(complaint(app, error));
     return 2;
   }

@@ -12,7 +12,7 @@
 namespace mebots::app {
 namespace {
 
-/// Calls `write`, which writes a folder. Then prints the commands that the user can call next.
+/// Calls `write`, which writes a folder and returns its path. Prints the next commands for the user.
 template <typename Write>
 int written(const Write& write, const char* targets) {
   try {

@@ -20,7 +20,7 @@ namespace {
   for (;;) syscall(SYS_exit_group, status);
 }
 
-/// A function of the C library. Its address is looked up when the program starts, because a forked process must not
+/// A function of the C library. Looks up its address at the start of the program, because a forked process must not
 /// call the loader.
 template <typename Target>
 class Original {
@@ -39,7 +39,7 @@ const Original<const char*> kOriginalExecve("execve");
 const Original<const char*> kOriginalExecvpe("execvpe");
 const Original<int> kOriginalFexecve("fexecve");
 
-/// Returns the arguments of execl() and similar functions, including the terminating null.
+/// Returns the arguments of execl() and similar functions with the terminating null.
 std::vector<char*> listed(const char* first, std::va_list& more) {
   std::vector<char*> words{const_cast<char*>(first)};
   while (words.back() != nullptr) words.push_back(va_arg(more, char*));
@@ -112,8 +112,8 @@ extern "C" {
   return kOriginalExecve(path, words.data(), environment);
 }
 
-/// Copies the process with separate memory, as POSIX permits. If the copy shared its memory, it could return from the
-/// FMU's call without being detected.
+/// Copies the process like fork(), which POSIX permits. With shared memory, the child could return from the FMU's call
+/// undetected.
 [[gnu::visibility("default")]] pid_t vfork() noexcept {
   return fork();
 }

@@ -16,9 +16,9 @@ namespace {
 
 using master::to_seconds;
 
-constexpr double kLookEveryS = 0.1;  // interval between two updates of the bar
+constexpr double kLookEveryS = 0.1;  // time between two updates of the bar
 constexpr double kLineEveryS = 5.0;  // maximum time between plain lines in a long run
-// Minimum time between plain lines; otherwise, one line is printed for every tenth of the run.
+// Minimum time between plain lines. Otherwise, a line is due after each tenth of the run.
 constexpr double kLineSoonestS = 1.0;
 constexpr std::size_t kWidestBar = 40;
 constexpr std::size_t kNarrowestBar = 5;
@@ -42,7 +42,7 @@ Progress::Progress(Console& console, std::int64_t start_time_ns, std::int64_t st
       last_shown_(start_) {}
 
 std::optional<std::string> Progress::reached(const master::Point& point) {
-  if (!begun_) {  // at t = 0, or one step after the checkpoint from which the run resumes
+  if (!begun_) {  // the start, or the first step after a checkpoint
     begun_ = true;
     start_ = last_look_ = last_shown_ = Clock::now();
     start_ns_ = point.time_ns;
@@ -56,8 +56,7 @@ std::optional<std::string> Progress::reached(const master::Point& point) {
 void Progress::look(const master::Point& point) {
   const auto now = Clock::now();
   const double since_look_s = std::chrono::duration<double>(now - last_look_).count();
-  // Adapts the number of steps between two readings of the clock, so that the time between two readings is about
-  // kLookEveryS.
+  // Adapts the stride, so that the clock is read about every kLookEveryS.
   if (since_look_s < kLookEveryS / 2) stride_ = std::min(stride_ * 2, kLongestStride);
   if (since_look_s > kLookEveryS * 2) stride_ = std::max<std::int64_t>(stride_ / 2, 1);
   last_look_ = now;
@@ -85,8 +84,8 @@ void Progress::show(const master::Point& point, double elapsed_s) {
     console_->line(text);
     return;
   }
-  // A line that wraps could not be redrawn. Therefore the bar takes only the space that the text leaves free. If there
-  // is too little space, the text is truncated.
+  // A line must not wrap, because a wrapped line cannot be redrawn. The bar takes the space next to the text. If this
+  // space is too small, truncates the text.
   const auto width = Console::width() - 1;
   const auto room = width > text.size() + 3 ? width - text.size() - 3 : 0;
   if (room < kNarrowestBar) {

@@ -13,8 +13,8 @@
 
 namespace mebots::app {
 
-/// Shows the progress of a run: as a bar on a terminal, otherwise as occasional lines. Reads the wall clock only once
-/// in many steps, because reading it at every step would slow down short steps.
+/// Shows the progress of a run: a bar on a terminal, otherwise a line from time to time. Does not read the clock at
+/// every step, because this would slow down short steps.
 class Progress final : public master::Observer {
  public:
   Progress(Console& console, std::int64_t start_time_ns, std::int64_t stop_time_ns);
@@ -44,14 +44,14 @@ class Progress final : public master::Observer {
 /// Returns a duration such as "1 h 02 min", "3 min 05 s" or "12 s".
 std::string duration_text(double seconds);
 
-/// Throws InputError if a run of this system cannot end with one of the expected outcomes.
+/// Throws InputError if the run cannot end with one of the expected outcomes.
 void check_expected(const master::SystemDescription& system, const std::vector<std::string>& expected);
 
-/// Returns the reason why the run did not end as expected: an error after its end, or an outcome that is not one of
-/// `expected`. If `expected` is empty, accepts all outcomes. Returns an empty text if there is no such reason.
+/// Returns the reason why the run did not end as expected: an error after its end, or an outcome that is not in
+/// `expected`. If `expected` is empty, every outcome is expected. Returns an empty text if the run ended as expected.
 std::string why_unexpected(const master::Run& run, const std::vector<std::string>& expected);
 
-/// Returns the text as one word of a POSIX shell; adds quotes if necessary.
+/// Returns the text as a word of a POSIX shell, in quotes if necessary.
 std::string shell_word(std::string_view text);
 
 }  // namespace mebots::app

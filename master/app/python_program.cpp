@@ -22,8 +22,7 @@ namespace {
 
 using Path = std::filesystem::path;
 
-/// Python code that calls the command. If the Python installation has a problem, such as a version that cannot load the
-/// extension, prints one line that describes it.
+/// Python code that calls the command. If the import fails, prints the error as one line.
 constexpr const char* kStart =
     "import sys\n"
     "try:\n"
@@ -34,9 +33,8 @@ constexpr const char* kStart =
     "    sys.exit(2)\n"
     "sys.exit(main())\n";
 
-/// Returns the folder that contains the package. In a build, it is `python` next to `bin`. In an installation, it is
-/// `lib/python3.x/site-packages`, or `lib/python3/dist-packages` for Debian's Python. In a wheel, the package itself
-/// contains `bin`.
+/// Returns the folder that contains the package: `python` next to `bin` in a build, `lib/python3.x/site-packages` or
+/// `lib/python3/dist-packages` in an installation. In a wheel, the package contains `bin`.
 Path package_folder(const std::string& command) {
   std::vector<Path> places;
   for (const auto& program : master::program_places("mebots")) {
@@ -62,8 +60,7 @@ Path package_folder(const std::string& command) {
                   command, fmt::join(master::as_texts(places), ", ")));
 }
 
-/// Sets PATH if the environment does not contain it. A study starts `python3` for its missions, and Python cannot find
-/// this program without PATH.
+/// Sets PATH if it is missing or empty. Studies start `python3`, and Python needs PATH to find this program.
 void ensure_path() {
   const char* path = std::getenv("PATH");
   if (path == nullptr || *path == '\0') setenv("PATH", "/usr/local/bin:/usr/bin:/bin", 1);
@@ -85,7 +82,7 @@ void become_python(const std::string& command, const std::string& module, const 
   arguments.reserve(all.size() + 1);
   for (auto& word : all) arguments.push_back(word.data());
   arguments.push_back(nullptr);
-  std::fflush(nullptr);  // otherwise, buffered output would be lost
+  std::fflush(nullptr);  // execvp() discards buffered output
   execvp(python.c_str(), arguments.data());
   throw InputError(
       ErrorCode::not_offered,

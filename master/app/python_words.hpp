@@ -10,10 +10,10 @@
 
 namespace mebots::app {
 
-/// The arguments that become_python() passes to a command written in Python.
+/// The arguments of a command in Python, for become_python().
 using Words = std::vector<std::string>;
 
-/// Appends an option and its value, unless the value is empty.
+/// Appends the option and its value if the value is not empty.
 inline void add_word(Words& words, const std::string& option, const std::filesystem::path& value) {
   if (!value.empty()) words.insert(words.end(), {option, value.string()});
 }

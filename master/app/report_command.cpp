@@ -23,7 +23,7 @@ using namespace mebots::master;
 
 namespace {
 
-/// Writes the page. If a table is too long for a page, keeps all of its rows only within the time spans `whole`.
+/// Writes the page. Reduces long tables, but keeps all rows within the time spans `whole`.
 std::filesystem::path write_page(const std::vector<std::filesystem::path>& folders, std::filesystem::path file,
                                  const std::vector<report::TimeSpan>& whole) {
   const auto parts = report::read_page_parts();
@@ -53,8 +53,7 @@ struct PageOptions {
   double video_speed = 1;
 };
 
-/// Parses a span such as "120:130", or "all". The span "all" ends at the largest double, because JSON has no infinite
-/// numbers.
+/// Parses a span such as "120:130" or "all". "all" ends at the largest double, because JSON has no infinity.
 report::TimeSpan time_span(const std::string& text) {
   if (text == "all") return {0, std::numeric_limits<double>::max()};
   const auto colon = text.find(':');

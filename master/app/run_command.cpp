@@ -29,8 +29,7 @@ constexpr int kSuccess = 0;
 constexpr int kFailed = 1;
 constexpr int kBadInput = 2;
 
-/// The options of `mebots run`: options that need no parsing are in `run`, and the other options are texts that are
-/// parsed later.
+/// The options of `mebots run`. `run` contains the options that need no parsing; the others are texts.
 struct TypedOptions {
   std::filesystem::path config;
   RunOptions run;
@@ -42,13 +41,13 @@ struct TypedOptions {
   std::optional<std::string> uncertainty;  ///< "calibration" or "none"
 };
 
-/// Options that `mebots run` and `mebots resume` share.
+/// The options of both `mebots run` and `mebots resume`.
 struct ReportOptions {
   std::vector<std::string> expect;  ///< accepted outcomes
-  std::filesystem::path junit;      ///< JUnit file to write; empty = none
+  std::filesystem::path junit;      ///< JUnit file to write; empty: none
   bool quiet = false;
   bool verbose = false;
-  bool dry_run = false;  ///< for a new run
+  bool dry_run = false;  ///< only for `mebots run`
   LiveViewOptions live;
 };
 
@@ -67,7 +66,7 @@ RunOptions options_of(const TypedOptions& typed) {
   return options;
 }
 
-/// Returns the exit code for the end of the run.
+/// Prints an error if the run did not end as expected. Returns the exit code.
 int exit_code(const Run& run, const ReportOptions& options, Console& console) {
   if (run.report().end_reason == EndReason::interrupted) return kFailed;
   const auto why = why_unexpected(run, options.expect);
@@ -94,7 +93,7 @@ void show_end(const Run& run, const ReportOptions& options, Console& console) {
   }
 }
 
-/// Repeats an ended run with random calibration parameters. Adds the interval of each number to the summary of `run`.
+/// Performs drawn runs with random calibration parameters and adds the interval of each number to the summary of `run`.
 void fly_draws(Run& run, Console& console) {
   master::DrawnFlights draws(run);
   const auto progress = [&console](int flight) {
@@ -110,7 +109,7 @@ void fly_draws(Run& run, Console& console) {
   }
 }
 
-/// Performs the run that `open` returns. Returns the exit code.
+/// Performs the run that `open` creates. Returns the exit code.
 int execute(const std::function<std::unique_ptr<Run>()>& open, const ReportOptions& options) {
   Console console(options.quiet);
   try {
@@ -149,7 +148,7 @@ int execute(const std::function<std::unique_ptr<Run>()>& open, const ReportOptio
   } catch (const InputError& error) {
     error_text = error.what();
     code = kBadInput;
-  } catch (const std::exception& error) {  // such as out of memory: the results so far are still written
+  } catch (const std::exception& error) {  // such as out of memory; the results so far are still written
     error_text = error.what();
   }
   console.redraw("");

@@ -19,7 +19,7 @@ namespace {
 namespace cases = master::cases;
 
 struct TestOptions {
-  std::vector<std::filesystem::path> files;  // optionally the FMU, then the file of cases
+  std::vector<std::filesystem::path> files;  // an optional FMU, then the file of cases
   std::filesystem::path junit;
   std::filesystem::path out;
   std::string pattern = "*";
@@ -33,7 +33,6 @@ JunitCase junit_case(const cases::CaseResult& result) {
   return {result.name, outcome, outcome == JunitOutcome::passed ? "" : result.text(), result.wall_s, ""};
 }
 
-/// Runs the cases. Returns the exit code.
 int run_cases(const TestOptions& options) {
   const auto file = cases::read_cases(options.files.back());
   const auto fmu = options.files.size() == 2 ? options.files.front() : cases::fmu_of(file);

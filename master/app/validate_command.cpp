@@ -42,11 +42,11 @@ using Path = std::filesystem::path;
 
 struct FileKind {
   std::string_view name;
-  /// Reads a file of this kind. Throws Error, usually data::Mistakes.
+  /// Reads a file of this kind. Throws Error, usually data::Mistakes, if the file is invalid.
   void (*read)(const Path& file);
 };
 
-/// The kinds of files that this build can read.
+/// The kinds of files that `mebots validate` supports in this build.
 constexpr FileKind kKinds[] = {
     {"config", &master::config::check},
     {"scenario", &master::config::check_scenario},
@@ -65,7 +65,7 @@ constexpr FileKind kKinds[] = {
 #ifdef MEBOTS_HAS_soc
     {"board",
      [](const Path& file) {
-       // A board has two readers: one reads the variables, the other reads all other parts.
+       // Two readers: one for the variables, one for all other parts.
        data::Document(file).read([&](const data::Node& root) {
          root.attempt([&] { static_cast<void>(soc::read_board(file)); });
          root.attempt([&] { modeldesc::check_board_variables(file); });
@@ -84,7 +84,7 @@ std::vector<std::string> known_kinds() {
   return names;
 }
 
-/// Returns the kind of file that the file name in "$schema" states: "cell" for ".../mebots-cell.schema.json".
+/// Returns the kind in a "$schema" value, such as "cell" for ".../mebots-cell.schema.json".
 std::string named_kind(const data::Node& schema) {
   const auto name = Path(schema.text()).filename().string();
   for (const auto& kind : known_kinds()) {
@@ -94,8 +94,8 @@ std::string named_kind(const data::Node& schema) {
 }
 
 struct Likeness {
-  std::size_t common = 0;  // number of keys at the root of the file that the schema defines
-  std::size_t others = 0;  // number of keys at the root of the schema that the file does not contain
+  std::size_t common = 0;  // number of the file's top-level keys that the schema defines
+  std::size_t others = 0;  // number of the schema's top-level keys that the file lacks
 };
 
 Likeness likeness(const master::Schema& schema, const data::Node& root) {
@@ -110,8 +110,8 @@ Likeness likeness(const master::Schema& schema, const data::Node& root) {
   });
 }
 
-/// Returns the kind whose schema defines most of the file's keys. If several schemas define equally many, returns the
-/// one that has the fewest other keys. A file of converters is recognised by its members, because its keys are names.
+/// Returns the kind whose schema defines most of the file's keys. Among equals, returns the schema with the fewest
+/// missing keys. Recognises a file of converters by its members, because its keys are names.
 std::string kind_by_content(const data::Node& root) {
   std::string best;
   Likeness most;
@@ -140,7 +140,7 @@ std::string kind_of(const Path& file) {
         fmt::format("{}: this is an FMU: `mebots check` tests it, and `mebots info` shows it", file.string()));
   }
   std::string kind;
-  // Mistakes such as duplicate keys are not reported here, because the reader of this kind of file reports them later.
+  // Ignores errors such as duplicate keys, which the reader of this kind reports later.
   data::Document document(file);
   try {
     document.read([&](const data::Node& root) {
@@ -158,7 +158,7 @@ void print_mistake(const std::string& place, const std::string& text, ErrorCode 
                std::string(name_of(code)).c_str());
 }
 
-/// Prints every mistake of a file. Returns true if the file has no mistakes.
+/// Prints all errors of a file. Returns true if the file has none.
 bool validate(const Path& file) {
   try {
     const auto kind = kind_of(file);
@@ -172,7 +172,7 @@ bool validate(const Path& file) {
     std::printf("%s: valid %s file\n", file.c_str(), kind.c_str());
     return true;
   } catch (const data::Mistakes& mistakes) {
-    std::unordered_set<std::string> printed;  // two readers of a file may report the same mistake
+    std::unordered_set<std::string> printed;  // both readers of a board may report the same error
     for (const auto& mistake : mistakes.list()) {
       if (printed.insert(mistake.place + mistake.text).second) print_mistake(mistake.place, mistake.text, mistake.code);
     }

@@ -22,7 +22,7 @@ std::string folded(std::string_view name) {
   return lower;
 }
 
-/// True for names at the root of an archive that FMI 2.0.4, section 2.3, defines, and for the usual name `licenses`.
+/// True for root entries of an archive that FMI 2.0.4, section 2.3, defines, and for the common name `licenses`.
 bool is_known_top(std::string_view top) {
   constexpr std::string_view kKnown[] = {
       "modelDescription.xml", "model.png", "documentation", "licenses", "sources", "binaries", "resources", "extra",

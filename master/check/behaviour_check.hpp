@@ -11,30 +11,29 @@
 
 namespace mebots::check {
 
-/// An experiment on the FMU. Each probe runs in a separate child process.
+/// An experiment on an FMU. Runs in its own child process.
 struct Probe {
-  std::string name;  ///< a statement that is true if the probe finds no error
+  std::string name;  ///< the property that holds if the probe finds no error
   std::function<void(const Library&)> run;
-  std::string skipped;  ///< why the probe does not apply to this FMU; empty if it applies
+  std::string skipped;  ///< reason why the probe does not apply; empty if it applies
   Severity crash = Severity::error;
   Level level = Level::standard;
 };
 
-/// Returns probes that run the FMU, reset it, save its state, halve its steps, replay a run, and count memory leaks.
-/// The second probe is a plain run. If the plain run fails, all other probes are skipped.
+/// Returns probes that run the FMU, reset it, restore states, halve steps, replay a run, and detect memory leaks. The
+/// second probe is a plain run. If the plain run fails, all other probes are skipped.
 std::vector<Probe> life_probes(const Target& target, double half_step_tolerance);
-/// Returns the probe that detects whether the FMU starts only if it receives a stop time. If so, all other experiments
-/// pass a stop time.
+/// Returns a probe that detects whether the FMU only starts with a stop time. If so, all other probes pass a stop time.
 Probe start_probe();
-/// True if start_probe() has found that the FMU starts only with a stop time.
+/// True if start_probe() found that the FMU only starts with a stop time.
 bool says_stop_time_is_needed(const Check& check);
-/// Returns a probe that compares a run with a stop time and a run without a stop time.
+/// Returns a probe that compares runs with and without a stop time.
 Probe stop_time_probe();
-/// Returns probes that make calls which the standard forbids. The FMU must return an error.
+/// Returns probes with calls that the standard forbids. The FMU must return an error.
 std::vector<Probe> illegal_call_probes(const Target& target);
 
-/// Returns which columns of the reference traces can be compared with a run. Traces in documentation/reference belong
-/// to this FMU alone. Therefore, their columns count even if they are no numeric variables of the FMU; replay() reports
+/// Returns the columns of the reference traces that can be compared with a run. Traces in documentation/reference
+/// belong to this FMU alone. Their columns count even without a numeric variable of the same name; replay() reports
 /// such columns.
 TraceScope scope_of(const std::optional<TraceFiles>& files, const ModelDescription& model);
 /// Compares a run with the reference traces.

@@ -25,8 +25,8 @@ using modeldesc::ModelDescription;
 
 using master::FmuKind;
 
-/// True for functions that only the other kind of FMU needs. That kind (co-simulation or model exchange) may have a
-/// separate library.
+/// True for functions that only the other kind of FMU needs. The other kind (co-simulation or model exchange) may have
+/// its own library.
 bool is_of_other_kind(fmi2::Need need, FmuKind kind) {
   if (kind == FmuKind::co_simulation) return need == fmi2::Need::to_integrate;
   return need == fmi2::Need::to_step || need == fmi2::Need::co_simulation;
@@ -55,15 +55,14 @@ std::set<std::string> exported_names(const fs::path& library) {
   return {exports.begin(), exports.end()};
 }
 
-/// True for symbols that the linker itself defines.
+/// True for symbols that the linker defines.
 bool is_linkers_own(std::string_view name) {
   constexpr std::string_view kOwn[] = {"_init", "_fini", "__bss_start", "_edata", "_end"};
   return std::ranges::find(kOwn, name) != std::end(kOwn);
 }
 
-/// Resolves needed libraries as ld.so(8) does: RPATH of the library and of the libraries that need it (unless the
-/// library has a RUNPATH), LD_LIBRARY_PATH, RUNPATH, and then the system's folders. Libraries in the system's folders
-/// are found by calling the loader.
+/// Resolves needed libraries as ld.so(8) does: RPATH of the library and of its parents (unless the library has a
+/// RUNPATH), LD_LIBRARY_PATH, RUNPATH, and the system's folders. For the system's folders, calls the loader.
 class NeededLibraries {
  public:
   NeededLibraries(fs::path folder, Findings findings) : folder_(std::move(folder)), findings_(findings) {}
@@ -106,8 +105,8 @@ class NeededLibraries {
         "install its package, or put it into the folder of the FMU's own library and link with -Wl,-rpath,'$ORIGIN'");
   }
 
-  /// Returns true if the loader finds a library in the system. A child process loads it, because loading a library
-  /// executes its start-up code.
+  /// True if the loader finds a library of the system. Loads it in a child process, because loading runs its start-up
+  /// code.
   static bool system_has(const std::string& needed) {
     Check check;
     run_in_child({.severity = Severity::error, .way_out = "", .deadline_s = 10}, check, [&](Witness& witness) {
@@ -160,7 +159,8 @@ void check_machine(const fs::path& library, const modeldesc::Platform& expected,
       fmt::format("binaries/{}/{} is {}, but {} means {}", folder, library.filename().string(),
                   found.empty() ? "no library of a known platform" : fmt::format("for {}", found.front()->text), folder,
                   expected.text);
-  // FMI 2.0 has one folder for macOS, which was defined before macOS ran on ARM. Some tools use it for both processors.
+  // FMI 2.0 has a single folder for macOS, which is older than Macs with ARM processors. Some tools use it for both
+  // processors.
   const bool is_only_mac = !found.empty() && found.front()->format == modeldesc::BinaryFormat::mach_o &&
                            expected.format == modeldesc::BinaryFormat::mach_o;
   if (is_only_mac)

@@ -28,7 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The index of the probe that performs a plain run.
+/// Index of the plain run among the probes.
 constexpr std::size_t kPlainRun = 1;
 
 std::string plain_run_name(const char* end) {
@@ -91,8 +91,8 @@ class FmuCheck {
     return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
   }
 
-  /// Returns the FMI version that the file states, because each version has different rules. Returns an empty text if
-  /// the file is not XML; the rules of FMI 2.0 then apply.
+  /// Returns the FMI version in the file, which determines the rules. Empty if the file is not XML; then the rules of
+  /// FMI 2.0 apply.
   std::string text_version() const {
     pugi::xml_document document;
     document.load_file((folder_.path() / "modelDescription.xml").c_str());
@@ -219,8 +219,8 @@ class FmuCheck {
     }
   }
 
-  /// Runs an FMU that has a library for 64-bit Windows and none for this machine. Other probes are not run, because
-  /// they call the library directly, which is impossible under wine.
+  /// Runs an FMU under wine if its only library is for 64-bit Windows. Skips other probes, because they call the
+  /// library directly.
   void run_under_wine() {
     const modeldesc::TemporaryFolder place("mebots-check-wine");
     const auto folder = place.path() / "fmu";
@@ -231,7 +231,7 @@ class FmuCheck {
       const master::Fmu fmu(fmu_, folder, master::FmuKind::co_simulation);
       if (!fmu.is_for_windows_alone()) return;
       step_s = fmu.description().default_experiment.step_size_s.value_or(kPlainStep_s);
-    } catch (const Error&) {  // the FMU is only for model exchange, or the checks of the description report the error
+    } catch (const Error&) {  // a model exchange FMU, or an error that the description checks report
       return;
     }
     Check& plain = add(Group::behaviour, plain_run_name("under wine succeeds"));
@@ -289,8 +289,7 @@ class FmuCheck {
       run_probes(exchange_probes(fmu_, folder_.path(), model_));
   }
 
-  /// Calls `make`, which checks a library. Reports an error if the library cannot be read. Returns false if there is an
-  /// error.
+  /// Calls `make`, which checks a library. If the library cannot be read, reports an error and returns false.
   template <typename Make>
   static bool look(Check& check, const Make& make) {
     try {
@@ -301,7 +300,7 @@ class FmuCheck {
     return !has_error(check);
   }
 
-  /// Checks the libraries of this name. Returns true if the library for this machine can be loaded.
+  /// Checks the libraries with this name. Returns true if the library for this machine can be loaded.
   bool library_binaries(const std::string& identifier) {
     Check& platforms = add(Group::binaries, "every platform has its library", Level::interoperable);
     const auto library = library_path(identifier, folder_.path());
@@ -355,13 +354,13 @@ class FmuCheck {
     }
   }
 
-  /// Returns true and reports a warning if the FMU starts only with a stop time.
+  /// If the FMU only starts with a stop time, reports this and returns true.
   bool needs_stop_time(const Target& target) {
     const auto probe = start_probe();
     Check aside;
     try {
       make(probe, target, aside);
-    } catch (const Error&) {  // the plain run reports errors that are relevant
+    } catch (const Error&) {  // the plain run reports such errors
       return false;
     }
     if (!says_stop_time_is_needed(aside)) return false;
@@ -370,7 +369,7 @@ class FmuCheck {
     return true;
   }
 
-  /// Runs an experiment, unless it must be skipped. Returns false if it found an error.
+  /// Runs an experiment unless it must be skipped. Returns false if the experiment found an error.
   bool make(const Probe& probe, const Target& target, Check& check) const {
     check.skipped = probe.skipped.empty() && probe.level > options_.level
                         ? fmt::format("made at --level {}", to_string(probe.level))

@@ -10,22 +10,22 @@
 namespace mebots::check {
 
 struct Options {
-  /// Accepted difference between full and half steps, relative to an output's largest magnitude in the run.
+  /// Accepted difference between full and half steps, relative to the output's largest magnitude in the run.
   double half_step_tolerance = 1e-3;
-  double deadline_s = 30;         ///< longest processor and sleeping time of each experiment
-  Level level = Level::standard;  ///< findings of higher levels are counted, not reported
-  /// If it becomes true, the check throws Interrupted; null: the check cannot be cancelled.
+  double deadline_s = 30;         ///< processor and sleeping time of each experiment [s]
+  Level level = Level::standard;  ///< the report counts findings of higher levels, but does not show them
+  /// If this flag becomes true, the check throws Interrupted. If null, the check cannot be cancelled.
   const std::atomic<bool>* given_up = nullptr;
-  bool run = true;  ///< false: examines only the files and executes none of the FMU's code
+  bool run = true;  ///< if false, examines only files and runs no code of the FMU
 };
 
-/// Checks an FMU: its archive, its description, its binaries and its behaviour. The FMU's code runs in child processes.
-/// Throws mebots::Error if the file cannot be read.
+/// Checks the archive, description, binaries and behaviour of an FMU. The FMU's code runs in child processes. Throws
+/// Error if the file cannot be read.
 Report check_fmu(const std::filesystem::path& fmu, const Options& options);
 
-/// Returns the report as text for a reader: the findings, sorted by group, with their remedies.
+/// Returns the report as text: the findings by group, with their remedies.
 std::string to_text(const Report& report);
-/// Returns the report as JSON. Its keys are fmu, summary, level, clean, errors, warnings, platforms [{folder, machine,
+/// Returns the report as JSON with the keys fmu, summary, level, clean, errors, warnings, platforms [{folder, machine,
 /// glibc, missing}], checks [{group, name, result, why, findings}].
 std::string to_json(const Report& report);
 

@@ -27,10 +27,10 @@
 namespace mebots::check {
 namespace {
 
-/// A page of memory that the parent and the child share. It remains valid after the end of the child.
+/// Memory that the child shares with the parent. The memory remains valid after the child's end.
 struct BlackBox {
   char doing[400];
-  char callback[40];  // name of our callback in which a signal ended the child
+  char callback[40];  // name of MEbots' callback in which the child crashed
   std::atomic<pid_t> child;
   bool finished;
 };
@@ -53,11 +53,11 @@ class SharedBox {
 
 BlackBox* signalled_box = nullptr;
 
-/// Records whether the crash occurred in code of mebots. Afterwards, the default action of the signal ends the process,
-/// because the handler was installed with SA_RESETHAND.
+/// Records whether the crash occurred in MEbots' code. Then the signal's default action ends the process, because the
+/// handler is installed with SA_RESETHAND.
 void on_signal(int signal) {
   const auto callback = master::current_callback();
-  // A bad pointer is a fault of the FMU that passed it.
+  // If a callback only allocates or frees memory, a crash results from a bad pointer of the FMU.
   const char* name = callback.only_memory ? nullptr : callback.name;
   for (std::size_t i = 0; name != nullptr && i + 1 < sizeof(BlackBox::callback) && name[i] != '\0'; ++i)
     signalled_box->callback[i] = name[i];
@@ -73,7 +73,7 @@ void catch_crashes(BlackBox& box) {
   for (const int signal : {SIGTERM, SIGINT, SIGHUP}) std::signal(signal, SIG_DFL);
 }
 
-/// Sends findings as lines of JSON through a pipe.
+/// Sends findings as JSON lines through a pipe.
 class PipeWitness final : public Witness {
  public:
   PipeWitness(int pipe, BlackBox& box) : pipe_(pipe), box_(&box) {}
@@ -105,14 +105,14 @@ class PipeWitness final : public Witness {
 
 [[noreturn]] void be_child(pid_t parent, int pipe, BlackBox& box, const std::function<void(Witness&)>& work) {
   constexpr rlim_t kMemory = rlim_t{16} << 30;
-  setsid();  // a signal to the parent's group must not end the keeper
+  setsid();  // protects the keeper from signals to the parent's group
   try {
     master::isolation::fork_kept(parent);
   } catch (const Error&) {
     _exit(EXIT_FAILURE);
   }
   box.child = getpid();
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // the sanitizers reserve terabytes
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // sanitizers reserve terabytes
   const rlimit memory{kMemory, kMemory};
   setrlimit(RLIMIT_AS, &memory);
 #else
@@ -129,14 +129,14 @@ class PipeWitness final : public Witness {
     witness.error(error.what(), "see the FMU's documentation");
   }
   box.finished = true;
-  _exit(0);  // skips the destructors of the parent's copy
+  _exit(0);  // skips destructors
 }
 
-/// The time of its deadline that a child has used [s]. Processor time and sleeping count; waiting for a processor does
-/// not count.
+/// The time that counts towards a child's deadline [s]: processor time and sleeping time, but not waiting for a
+/// processor.
 class SpentTime {
  public:
-  /// `child` must contain the process number of the child after its start.
+  /// `child` must contain the child's process number after its start.
   explicit SpentTime(const std::atomic<pid_t>& child) : child_(&child) {}
 
   double seconds() {
@@ -157,7 +157,7 @@ class SpentTime {
       return computed_s_;
     return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
   }
-  /// Returns true if the process sleeps. In /proc/PID/stat, the state is the letter after the name in parentheses.
+  /// True unless the process is running. In /proc/PID/stat, the state is the letter after the name in parentheses.
   bool sleeps() const {
     std::ifstream file(fmt::format("/proc/{}/stat", child_->load()));
     const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
@@ -181,9 +181,8 @@ bool is_given_up(const CrashRule& rule) {
   return rule.given_up != nullptr && *rule.given_up;
 }
 
-/// Reads until the child closes its end of the pipe or the child ends. A process that the child has started may keep
-/// the pipe open after the child's end, so both conditions are checked. Returns false if the deadline passes or the
-/// user cancels the check before both have ended.
+/// Reads until the pipe is closed or the child has ended. Checks both, because a descendant of the child may keep the
+/// pipe open. Returns false if the deadline passes or the user cancels the check.
 bool read_all(int pipe, pid_t keeper, const BlackBox& box, const CrashRule& rule, std::string& text) {
   constexpr int kLook_ms = 50;
   SpentTime spent(box.child);
@@ -193,7 +192,7 @@ bool read_all(int pipe, pid_t keeper, const BlackBox& box, const CrashRule& rule
     const int ready = poll(&watched, 1, ended ? 0 : kLook_ms);
     if (ready < 0 && errno != EINTR) return true;
     if (ready <= 0) {
-      if (ended) return true;  // all output of the child has been read
+      if (ended) return true;  // no more output
       ended = has_ended(keeper);
       continue;
     }
@@ -208,7 +207,7 @@ bool read_all(int pipe, pid_t keeper, const BlackBox& box, const CrashRule& rule
 void take(const std::string& lines, Findings& findings) {
   for (std::size_t at = 0; at < lines.size();) {
     const auto end = lines.find('\n', at);
-    if (end == std::string::npos) return;  // an incomplete line, because the child died while writing it
+    if (end == std::string::npos) return;  // the child died while writing this line
     const auto json = nlohmann::json::parse(lines.substr(at, end - at), nullptr, false);
     at = end + 1;
     if (!json.is_object()) continue;
@@ -219,12 +218,11 @@ void take(const std::string& lines, Findings& findings) {
   }
 }
 
-/// Describes how a child process ended.
 struct ChildEnd {
   bool in_time;
   int status;
   std::string doing;
-  std::string callback;  ///< name of our callback in which the child crashed
+  std::string callback;  ///< name of MEbots' callback in which the child crashed
   bool finished;
 };
 
@@ -269,10 +267,9 @@ std::string crash_text(const ChildEnd& end) {
                      strsignal(signal), end.doing);
 }
 
-/// Decides whether the FMU or mebots has caused a crash in a callback, by repeating the experiment with callbacks that
-/// do nothing.
+/// Finds the cause of a crash in a callback by repeating the experiment with empty callbacks.
 void judge(const CrashRule& rule, Findings& findings, const ChildEnd& end, const std::function<void(Witness&)>& work) {
-  Check dropped;  // the first run has already reported its findings
+  Check dropped;  // the first run already reported its findings
   Findings dropped_findings(dropped);
   const auto without = run_once(rule, dropped_findings, [&](Witness& witness) {
     master::ignore_callbacks();

@@ -10,15 +10,15 @@
 
 namespace mebots::check {
 
-/// Receives the findings of an experiment that runs in a child process, and sends them to the parent.
+/// Sends the findings of an experiment from its child process to the parent.
 class Witness {
  public:
   virtual ~Witness() = default;
   virtual void error(std::string text, std::string way_out) = 0;
   virtual void warning(std::string text, std::string way_out) = 0;
-  /// Reports a warning of the level pedantic.
+  /// Reports a warning at level pedantic.
   virtual void remark(std::string text, std::string way_out) = 0;
-  /// Records the next call to the FMU, so that a crash report can name this call.
+  /// Records the name of the next call, which a crash report contains.
   virtual void doing(std::string_view what) = 0;
 };
 
@@ -28,28 +28,31 @@ class Interrupted final : public std::exception {
   const char* what() const noexcept override { return "interrupted"; }
 };
 
-/// The severity and the remedy that are reported if the child crashes, exits or hangs.
+/// Determines the finding if the child crashes, exits or hangs.
 struct CrashRule {
   Severity severity = Severity::error;
   std::string way_out = "run the FMU under a debugger, or build it with -fsanitize=address";
-  double deadline_s = 30;                       ///< counts processor and sleeping time, but no waiting for a processor
-  const std::atomic<bool>* given_up = nullptr;  ///< if it becomes true, the child is ended; null: never
+  double deadline_s = 30;                       ///< processor and sleeping time [s]; excludes time spent waiting for a
+                                                ///< processor
+  const std::atomic<bool>* given_up = nullptr;  ///< if this flag becomes true, kills the child; may be null
 };
 
-/// An experiment that runs in a separate child process.
 struct ChildProbe {
-  std::string name;     ///< a statement that is true if the probe finds no error
-  std::string skipped;  ///< why the probe does not apply to this FMU; empty if it applies
+  std::string name;     ///< the property that holds if the probe finds no error
+  std::string skipped;  ///< reason why the probe does not apply; empty if it applies
   std::function<void(Witness&)> run;
-  bool is_plain = false;  ///< true for a plain run: if it fails, all following probes are skipped
+  bool is_plain = false;  ///< true for a plain run; if it fails, all later probes are skipped
 };
 
-/// Runs foreign code in a forked child that has a deadline and no standard output. If the child crashes, exits or
-/// hangs, its earlier findings are kept, and the event is added as a finding. When this function returns, the child and
-/// all its descendants have ended. They also end if this process ends. If a callback of mebots crashes, a second run
-/// uses callbacks that do nothing. If the second run crashes too, the FMU is reported as the cause, otherwise the
-/// callback. The calling process must have only one thread. Throws mebots::Error if no child can be created, or if a
-/// callback of mebots failed. Throws Interrupted after the child has ended if the user cancelled the check.
+/// Runs foreign code in a forked child with a deadline and no standard output. A crash, an exit or a timeout becomes a
+/// finding; earlier findings are kept. After the return, the child and its descendants have ended. They also end if
+/// this process ends.
+///
+/// If a callback of MEbots crashes, repeats the experiment with empty callbacks. If the FMU then crashes outside
+/// callbacks, the FMU is the cause; otherwise, throws Error.
+///
+/// The calling process must have only one thread. Throws Error if no child can be created, and Interrupted if the user
+/// cancelled the check.
 void run_in_child(const CrashRule& rule, Findings findings, const std::function<void(Witness&)>& work);
 
 }  // namespace mebots::check

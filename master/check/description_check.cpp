@@ -41,7 +41,7 @@ std::string quoted(const Variable& variable) {
   return fmt::format("\"{}\"", variable.name);
 }
 
-/// Returns the variabilities that are permitted for a causality (FMI 2.0.4, section 2.2.7).
+/// Returns the variabilities permitted for a causality (FMI 2.0.4, section 2.2.7).
 std::vector<Variability> legal_variabilities(Causality causality) {
   using V = Variability;
   switch (causality) {
@@ -58,12 +58,12 @@ std::vector<Variability> legal_variabilities(Causality causality) {
       return {V::continuous};
     case Causality::structural_parameter:
     case Causality::dependent:
-      break;  // FMI 3.0
+      break;  // only in FMI 3.0
   }
   return {};
 }
 
-/// Returns the permitted values of `initial`. Returns an empty list if the attribute is not permitted.
+/// Returns the permitted values of `initial`. Empty if the attribute is not permitted.
 std::vector<Initial> legal_initials(Causality causality, Variability variability) {
   using I = Initial;
   if (causality == Causality::input || causality == Causality::independent) return {};
@@ -175,7 +175,7 @@ void check_experiment(const modeldesc::DefaultExperiment& experiment, Findings& 
   positive(experiment.tolerance, "tolerance");
 }
 
-/// Parses structured names (FMI 2.0.4, section 2.2.9). Each rule of the grammar has one function.
+/// Parses structured names (FMI 2.0.4, section 2.2.9). Each function implements a rule of the grammar.
 class NameReader {
  public:
   explicit NameReader(std::string_view text) : text_(text) {}

@@ -22,16 +22,15 @@ constexpr int kEulerSteps = 20;
 constexpr int kEulerHalf = kEulerSteps / 2;
 constexpr double kEulerStep_s = 0.01;
 constexpr int kMostUpdates = 1000;
-/// If states exceed this limit, the integration method (explicit Euler) is the cause, not the FMU.
+/// Larger states result from the integration method (explicit Euler), not from the FMU.
 constexpr double kDiverged = 1e100;
 
-/// The name of a function in FMI 2.0 and in FMI 3.0. Reports of crashes contain it.
+/// A function's names in FMI 2.0 and FMI 3.0, for crash reports.
 struct FunctionName {
   const char* fmi2;
   const char* fmi3;
 };
 
-/// A saved state of an integration.
 struct Saved {
   std::unique_ptr<master::SlaveState> instance;
   std::vector<double> indicators;
@@ -39,8 +38,8 @@ struct Saved {
   bool ended;
 };
 
-/// Integrates an instance by the explicit Euler method. This is sufficient to check that derivatives are finite and
-/// that events end.
+/// Integrates an instance with the explicit Euler method. This is accurate enough to check for finite derivatives and
+/// ending events.
 class Euler {
  public:
   Euler(const std::filesystem::path& archive, const std::filesystem::path& folder, Witness& witness)
@@ -124,7 +123,7 @@ class Euler {
     settle_event();
   }
 
-  /// Returns true if an event indicator has changed its sign since the last call.
+  /// True if an event indicator changed sign since the last call.
   bool has_crossed() {
     if (indicators_.empty()) return false;
     const auto before = indicators_;

@@ -10,8 +10,8 @@
 
 namespace mebots::check {
 
-/// Returns experiments on a model exchange FMU of FMI 2.0 or 3.0 that is unpacked into `folder`. The experiments call
-/// the FMU through the master's slave class for its FMI version.
+/// Returns experiments on a model exchange FMU (FMI 2.0 or 3.0), unpacked in `folder`. The experiments use the master's
+/// slave classes.
 std::vector<ChildProbe> exchange_probes(const std::filesystem::path& archive, const std::filesystem::path& folder,
                                         const modeldesc::ModelDescription& model);
 

@@ -14,8 +14,7 @@ constexpr const char* kPassStopTime =
 
 using master::Experiment;
 
-/// Returns true if the FMU can be initialised with these arguments and stepped once. Otherwise, `why` contains the
-/// error.
+/// True if the FMU accepts these arguments and performs one step. Otherwise, sets `why` to the error.
 bool starts(const Library& library, const Experiment& experiment, std::string& why) {
   try {
     Instance instance(library, "experiment");
@@ -42,7 +41,7 @@ void check_start_without_stop_time(const Library& library) {
   library.witness().error(fmt::format("it needs a stop time, and most tools pass none: {}", why), kPassStopTime);
 }
 
-/// Returns the outputs at every communication point.
+/// Returns the outputs at all communication points.
 std::vector<Outputs> run_of(const Library& library, const Experiment& experiment) {
   Instance instance(library, "experiment");
   instance.start(experiment);
@@ -56,9 +55,9 @@ std::vector<Outputs> run_of(const Library& library, const Experiment& experiment
 
 void check_values_with_stop_time(const Library& library) {
   const auto& target = library.target();
-  if (target.experiment.stop_ns) return;  // the FMU does not start without a stop time
+  if (target.experiment.stop_ns) return;  // the FMU only starts with a stop time
   const auto without = run_of(library, target.experiment);
-  if (run_of(library, target.experiment) != without) return;  // even equal runs have different results
+  if (run_of(library, target.experiment) != without) return;  // equal runs have different results
   const auto with = run_of(library, with_stop_time(target));
   if (with.size() != without.size()) {
     library.witness().warning(fmt::format("with a stop time the FMU ends after {} steps, without one after {}",

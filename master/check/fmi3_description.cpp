@@ -36,7 +36,7 @@ Fmi3Description::Fmi3Description(std::string text) : text_(std::move(text)) {
   modeldesc::parse_xml(document_, text_, "modelDescription.xml");
   for (const auto node : root().child("ModelVariables").children())
     if (node.type() == pugi::node_element) read(node);
-  // Sizes are resolved last, because they may come from structural parameters that are declared later.
+  // Resolves sizes last, because structural parameters may be declared after their arrays.
   for (Fmi3Declared& variable : variables_) {
     for (const auto dimension : variable.node.children("Dimension")) {
       const Fmi3Declared* const size = find(dimension.attribute("valueReference").as_uint(UINT32_MAX));

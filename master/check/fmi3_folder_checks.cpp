@@ -21,8 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Returns the platform that the name of a folder states, ignoring its ABI. Returns null if the name is not that of a
-/// platform. The names of platforms which the standard does not list have the form <architecture>-<system>{-<ABI>}.
+/// Returns the platform of a folder, or null. Ignores the ABI in the name <architecture>-<system>{-<ABI>}.
 const modeldesc::Platform* platform_named(std::string_view name) {
   const auto system = name.find('-') + 1;
   const auto platforms = modeldesc::platforms();
@@ -50,7 +49,7 @@ void check_terminal(pugi::xml_node terminal, const std::set<std::string>& variab
   for (const auto inner : terminal.children("Terminal")) check_terminal(inner, variables, findings);
 }
 
-/// Finds an attribute by its name without namespace prefix.
+/// Finds an attribute by its name without prefix.
 pugi::xml_attribute local_attribute(pugi::xml_node node, std::string_view name) {
   for (const auto attribute : node.attributes()) {
     std::string_view own = attribute.name();
@@ -84,8 +83,7 @@ bool is_reversed_domain(std::string_view name) {
          std::ranges::all_of(name, is_label);
 }
 
-/// The functions that all FMUs need, and the functions that only one interface type needs. The names are separated by
-/// spaces.
+/// The functions that all FMUs need, and those of single interface types, separated by spaces.
 constexpr std::string_view kCommon =
     "GetVersion SetDebugLogging FreeInstance EnterInitializationMode ExitInitializationMode EnterEventMode Terminate "
     "Reset GetFloat32 GetFloat64 GetInt8 GetUInt8 GetInt16 GetUInt16 GetInt32 GetUInt32 GetInt64 GetUInt64 GetBoolean "

@@ -13,7 +13,7 @@
 namespace mebots::check {
 namespace {
 
-/// True if the FMI functions for this type access the variable.
+/// True if the functions for `type` access the variable.
 bool has_type(const Fmi3Declared& variable, std::string_view type) {
   return variable.type == type || (variable.type == "Enumeration" && type == "Int64");
 }

@@ -23,7 +23,7 @@ class Fmi3Refused : public Error {
   using Error::Error;
 };
 
-/// The FMU's shared library after loading. Must be used only in a child process.
+/// The loaded library of an FMU. Must be used only in a child process.
 class Fmi3Library {
  public:
   /// Throws Fmi3Refused if the library cannot be loaded.
@@ -36,7 +36,7 @@ class Fmi3Library {
   Function* find(const char* name) const {
     return reinterpret_cast<Function*>(address(name));
   }
-  /// These functions return the step size and the start time of a run [s], as stated in the description.
+  /// Step size and start time of a run [s].
   double step_s() const { return step_s_; }
   double start_s() const { return start_s_; }
 
@@ -50,25 +50,23 @@ class Fmi3Library {
   double start_s_;
 };
 
-/// A value of a variable, stored as bytes.
 struct Fmi3Value {
   const Fmi3Declared* variable;
   std::string bytes;
 };
 using Fmi3Values = std::vector<Fmi3Value>;
 
-/// An instance of the FMU. The destructor frees the instance. Before each call to the FMU, reports the call's name to
-/// the witness.
+/// An instance of the FMU, which the destructor frees. Reports each call to the witness, so that a crash report can
+/// name it.
 class Fmi3Instance {
  public:
-  /// Creates an instance for co-simulation. Throws Fmi3Refused if the FMU returns no instance.
+  /// Creates an instance for co-simulation. Throws Fmi3Refused if instantiation fails.
   Fmi3Instance(const Fmi3Library& library, const char* name);
   ~Fmi3Instance();
   Fmi3Instance(const Fmi3Instance&) = delete;
   Fmi3Instance& operator=(const Fmi3Instance&) = delete;
 
-  /// Calls a function of the library with this instance as its first argument. Throws Fmi3Refused unless it returns
-  /// fmi3OK or fmi3Warning.
+  /// Calls a function with this instance as first argument. Throws Fmi3Refused unless it returns fmi3OK or fmi3Warning.
   template <typename Function, typename... Arguments>
   void call(const char* name, Arguments... arguments) {
     library_.witness().doing(name);
@@ -80,13 +78,13 @@ class Fmi3Instance {
   void exit_initialization();
   /// Enters and exits initialization mode.
   void start();
-  /// Performs the steps `first` to `last` - 1, counted from 0.
+  /// Performs the steps from `first` to `last` - 1, counted from 0.
   void run(int first, int last);
   void step(double time_s, double step_s);
-  /// True if the FMU requested the end of the simulation in its last step.
+  /// True if the FMU requested the end of the run in its last step.
   bool ended() const { return ended_; }
-  /// These functions get and set a variable whose values are numbers or Booleans. Whole numbers are exact up to 2^53.
-  /// Throw Error if the variable's type cannot represent a value.
+  /// Get and set numbers or Booleans. Integers are exact up to 2^53. Throw Error if the variable's type cannot
+  /// represent a value.
   void set_numbers(const Fmi3Declared& variable, std::span<const double> values);
   std::vector<double> get_numbers(const Fmi3Declared& variable);
   /// Returns the values of all outputs except clocked outputs.

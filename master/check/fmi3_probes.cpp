@@ -15,8 +15,8 @@ namespace {
 constexpr int kSteps = 20;
 constexpr int kHalf = kSteps / 2;
 
-/// Returns the first element of a Float64 or Float32 that is infinite or NaN, as text. Returns an empty text if all
-/// elements are finite, and for other types.
+/// Returns the first infinite or NaN element of a Float64 or Float32 as text. Returns an empty text for finite values
+/// and other types.
 std::string not_finite(const Fmi3Value& value) {
   const auto look = [&]<typename T>(T number) -> std::string {
     constexpr std::size_t kSize = sizeof(T);
@@ -110,7 +110,7 @@ void states_restore(const Fmi3Library& library) {
               "save all that a step depends on");
 }
 
-/// Checks that a state can be restored without serializing it.
+/// Checks that the FMU restores a state without serialization.
 void states_restore_in_place(const Fmi3Library& library) {
   const auto wanted = straight_run(library, kSteps);
   Fmi3Instance instance(library, "saved");

@@ -43,7 +43,7 @@ void check_interface(const Fmi3Description& description, pugi::xml_node node, Fi
                    "offer both, or neither");
 }
 
-/// True for variables that ModelStructure must list as InitialUnknown (FMI 3.0.2, section 2.4.8).
+/// True if ModelStructure must list the variable as InitialUnknown (FMI 3.0.2, section 2.4.8).
 bool is_initial_unknown(const Fmi3Declared& variable, const std::set<std::uint32_t>& derivatives,
                         const std::set<std::uint32_t>& states) {
   if (variable.type == "Clock" || variable.node.attribute("clocks")) return false;

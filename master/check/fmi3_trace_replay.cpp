@@ -9,8 +9,7 @@
 namespace mebots::check {
 namespace {
 
-/// Returns the variable with this name. Returns null if no variable has it, or if its values are neither numbers nor
-/// Booleans.
+/// Returns the numeric or Boolean variable with this name, or null.
 const Fmi3Declared* find_number(const Fmi3Description& description, const std::string& name) {
   const auto found = std::ranges::find(description.variables(), name, &Fmi3Declared::name);
   if (found == description.variables().end()) return nullptr;

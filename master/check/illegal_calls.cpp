@@ -19,7 +19,7 @@ constexpr const char* kAnswerError = "check state and arguments at the start of 
 
 void ignore_message(fmi2ComponentEnvironment, fmi2String, fmi2Status, fmi2String, fmi2String, ...) {}
 
-/// Reports an illegal call that the FMU accepts.
+/// Adds a warning if the FMU accepted an illegal call.
 void expect_refusal(const Library& library, const std::string& call, fmi2Status status) {
   if (status != fmi2OK && status != fmi2Warning) return;
   library.witness().warning(fmt::format("{} returned {}", call, fmi2::status_name(status)), kAnswerError);
@@ -54,7 +54,7 @@ class Probes {
  private:
   using Call = std::function<fmi2Status(Instance&)>;
 
-  /// Adds a probe. `prepare` must bring the instance into a state in which `call` is illegal.
+  /// Adds a probe. `prepare` brings the instance into a state in which `call` is illegal.
   void add(const std::string& what, std::function<void(Instance&)> prepare, Call call,
            Severity crash = Severity::error) {
     probes_.push_back({fmt::format("{} is refused", what),
@@ -63,7 +63,7 @@ class Probes {
                          prepare(instance);
                          instance.doing(what);
                          expect_refusal(library, what, call(instance));
-                         // This probe does not test whether the instance may be freed after an error.
+                         // Does not free the instance, because this could fail after an error.
                          instance.forget();
                        },
                        "", crash, Level::pedantic});
@@ -176,8 +176,7 @@ class Probes {
     add(
         "fmi2SetReal with null arrays", [](Instance&) {},
         [](Instance& i) { return i.functions().set_real(i.component(), nullptr, 1, nullptr); });
-    // The standard does not define calls with a null instance. However, a tool that passes null by mistake should
-    // receive an error.
+    // The standard does not define null instances. An error would help a tool that passes null by mistake.
     const double h = h_;
     add(
         "fmi2DoStep of a null instance", started,

@@ -35,7 +35,7 @@ void check_versions(const Library& library) {
 void check_starts(const Library& library) {
   Instance instance(library, "starts");
   instance.setup();
-  instance.enter();  // values may be read from this state on
+  instance.enter();  // values may be read in this state
   const auto& f = library.functions();
   for (const auto& variable : library.target().model->variables) {
     if (std::holds_alternative<std::monostate>(variable.start) || variable.osmp) continue;
@@ -125,7 +125,7 @@ void check_two_instances(const Library& library) {
   b.start();
   for (int k = 0; k < steps; ++k) {
     a.run(k, k + 1);
-    if (k % 2 == 0) b.run(k / 2, k / 2 + 1);  // advances at half the speed
+    if (k % 2 == 0) b.run(k / 2, k / 2 + 1);  // half the speed
   }
   expect_same(library, "next to another instance", a.outputs(), alone,
               "keep everything in the instance: global and static variables are shared by all instances");
@@ -231,8 +231,7 @@ void check_serialization(const Library& library) {
     instance.require("fmi2SerializeFMUstate", f.serialize_fmu_state(instance.component(), state, bytes.data(), size));
     instance.require("fmi2FreeFMUstate", f.free_fmu_state(instance.component(), &state));
   }
-  // The instance that wrote the state is freed first, because the bytes of a state must not contain addresses of this
-  // instance.
+  // Frees the instance that wrote the state, because the state must not contain its addresses.
   Instance instance(library, "reader");
   instance.setup();
   instance.enter();
@@ -248,7 +247,7 @@ void check_serialization(const Library& library) {
   instance.require("fmi2FreeFMUstate", f.free_fmu_state(instance.component(), &state));
 }
 
-/// Updates the largest magnitude of each Real output. Differences of outputs are compared with these magnitudes later.
+/// Updates the largest magnitude of each Real output, which scales differences.
 void widen(std::vector<double>& magnitudes, const Outputs& outputs) {
   for (std::size_t i = 0; i < magnitudes.size(); ++i)
     magnitudes[i] = std::max(magnitudes[i], std::abs(outputs.reals[i]));
@@ -346,8 +345,7 @@ void check_growth(const Library& library) {
     instance.terminate();
   };
   for (int i = 0; i < kWarmUp; ++i) cycle();
-  // The check has two rounds and uses the smaller growth of memory. Caches of the allocator grow only in the first
-  // round, but a leak grows in each round.
+  // Uses the smaller growth of two rounds. Caches of the allocator only grow in the first round, leaks in both.
   const auto first = holdings();
   for (int i = 0; i < kCycles; ++i) cycle();
   const auto second = holdings();

@@ -17,7 +17,7 @@
 namespace mebots::check {
 namespace {
 
-/// Reads all scalar Real outputs that belong to no clock. Throws SlaveError if an output is not finite.
+/// Reads all scalar Real outputs without Clocks. Throws SlaveError if an output is NaN or infinite.
 void read_finite_outputs(master::Slave& slave) {
   for (const auto& variable : slave.description().variables) {
     const bool is_number = variable.type == modeldesc::Type::real && variable.fmi3->dimensions.empty();

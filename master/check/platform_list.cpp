@@ -23,10 +23,9 @@ namespace {
 namespace fs = std::filesystem;
 using modeldesc::BinaryFormat;
 
-/// Major and minor version of glibc.
 using Version = std::pair<int, int>;
 
-/// Returns the version in a symbol version such as "GLIBC_2.34". Returns {0, 0} for other names.
+/// Parses a symbol version such as "GLIBC_2.34". Returns {0, 0} for other names.
 Version glibc_version(std::string_view name) {
   constexpr std::string_view kStart = "GLIBC_";
   Version version{0, 0};
@@ -59,7 +58,7 @@ class FolderReader {
     for (const auto& file : files_) {
       try {
         read_library(file);
-      } catch (const Error&) {  // the file is not a library, or the check of the binaries reports the error
+      } catch (const Error&) {  // not a library, or the check of the binaries reports the error
         continue;
       }
     }

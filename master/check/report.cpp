@@ -64,7 +64,7 @@ std::string to_text(const Report& report) {
   for (const Group group : {Group::archive, Group::description, Group::binaries, Group::behaviour}) {
     std::size_t passed = 0;
     std::string lines;
-    std::map<std::string, std::vector<std::string>> skipped;  // maps reasons to names of checks
+    std::map<std::string, std::vector<std::string>> skipped;  // checks by reason
     for (const auto& check : report.checks) {
       if (check.group != group) continue;
       if (!check.skipped.empty()) skipped[check.skipped].push_back(check.name);

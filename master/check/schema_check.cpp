@@ -17,7 +17,7 @@ namespace {
 
 class SchemaCheck {
  public:
-  /// If `grammar` is empty, run() uses the grammar of the FMI version that the file states.
+  /// If `grammar` is empty, uses the grammar of the FMI version in the file.
   SchemaCheck(std::string_view text, Findings findings, std::optional<Grammar> grammar)
       : text_(text), findings_(findings), grammar_(grammar) {}
 
@@ -56,7 +56,7 @@ class SchemaCheck {
 
  private:
   void check_bytes() {
-    // Characters outside ASCII must be encoded as UTF-8. XML 1.0 does not permit control characters.
+    // Requires UTF-8 without control characters, which XML 1.0 forbids.
     for (std::size_t i = 0; i < text_.size();) {
       const auto byte = static_cast<unsigned char>(text_[i]);
       if (byte < 0x20 && byte != '\t' && byte != '\n' && byte != '\r') {
@@ -145,7 +145,7 @@ class SchemaCheck {
   }
 
   void error(pugi::xml_node node, std::string_view what, std::string way_out) {
-    // An entirely wrong description would otherwise repeat the same finding a million times.
+    // Limits the number of findings for an entirely wrong description.
     constexpr std::size_t kMost = 50;
     if (++errors_ > kMost) return;
     findings_.error(fmt::format("line {}, <{}>: {}", line(node.offset_debug()), node.name(), what), std::move(way_out));

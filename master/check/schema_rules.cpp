@@ -77,14 +77,14 @@ constexpr RuleRow kRows[] = {
     {"Unknown", "index:count! dependencies dependenciesKind:dependencies", ""},
 };
 
-/// Removes the mark at the end of the text. Returns false if the text does not end with the mark.
+/// Removes `mark` from the end of the text. Returns false if the text does not end with it.
 bool take_mark(std::string_view& text, char mark) {
   if (!text.ends_with(mark)) return false;
   text.remove_suffix(1);
   return true;
 }
 
-/// Splits a text of the form `name<separator>rest`. If the separator is missing, returns the whole text twice.
+/// Splits `name<separator>rest`. Without the separator, returns the whole text twice.
 std::pair<std::string_view, std::string_view> divided(std::string_view text, char separator) {
   const auto at = text.find(separator);
   if (at == std::string_view::npos) return {text, text};
@@ -120,7 +120,7 @@ ChildRule child_rule(std::string_view word, const Rules& rules) {
 
 Rules read_rows(std::span<const RuleRow> rows) {
   Rules rules;
-  // Creates all rules first, because children point to rules in later rows.
+  // Creates all rules before it links them, because children may refer to later rows.
   for (const RuleRow& row : rows) rules[row.rule];
   for (const RuleRow& row : rows) {
     ElementRule& rule = rules[row.rule];

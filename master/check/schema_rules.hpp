@@ -8,20 +8,18 @@
 #include <string_view>
 #include <vector>
 
-/// Declares the grammar of modelDescription.xml.
 namespace mebots::check {
 
-/// The required form of an XML attribute's value.
 struct Form {
-  std::string_view name;  // the name that rules use, such as `number` or `flag`
+  std::string_view name;  // name in rules, such as `number` or `flag`
   bool (*holds)(std::string_view value);
-  std::string expected;  // a description for messages, such as "a whole number of 32 bits"
+  std::string expected;  // description in messages, such as "a whole number of 32 bits"
 };
 
-/// Returns the form that has this name in rules. Throws mebots::Error if no form has this name.
+/// Returns the form with this name. Throws Error if the name is unknown.
 const Form& find_form(std::string_view name);
 
-/// Returns the text without white space at both ends.
+/// Removes white space at both ends.
 std::string_view trimmed(std::string_view text);
 
 struct AttributeRule {
@@ -39,40 +37,38 @@ struct ChildRule {
   std::size_t most;  // SIZE_MAX: any number
 };
 
-/// The attributes and children of an XML element. Children must be in the order of `children`, unless `unordered` is
+/// The attributes and children of an XML element. Children must be in the order of `children` unless `unordered` is
 /// true.
 struct ElementRule {
   std::vector<AttributeRule> attributes;
   std::vector<ChildRule> children;
-  // true: exactly one of `children` is required, in addition to Annotations and DirectDependency
+  // exactly one of `children` is required, in addition to Annotations and DirectDependency
   bool alternatives = false;
-  bool unordered = false;  // true: at least one of `children` is required, in any order
-  bool anything = false;   // true: the vendor defines the contents
+  bool unordered = false;  // at least one of `children` is required, in any order
+  bool anything = false;   // the vendor defines the contents
 };
 
-/// A row of a grammar, written as text. Attributes are written as `name` or `name:form`, followed by `!` if required.
-/// Children are written as names of elements, or as `name=rule` if the rule of an element depends on its parent. A
-/// child occurs exactly once, unless followed by `?` (at most once), `+` (at least once) or `*` (any number). `|`
-/// before the children permits exactly one of them; `&` requires at least one, in any order.
+/// A rule as text. Attributes: `name` or `name:form`, with `!` if required. Children: the element's name, or
+/// `name=rule` if its rule depends on the parent. A child occurs once; `?` means at most once, `+` at least once, `*`
+/// any number. A `|` before the children requires exactly one of them, `&` at least one in any order.
 struct RuleRow {
   std::string_view rule;
   std::string_view attributes;
   std::string_view children;
 };
 
-/// These functions return the grammars of FMI 1.0 for co-simulation and of FMI 3.0.
+/// Return the grammars of FMI 1.0 co-simulation and FMI 3.0.
 std::span<const RuleRow> fmi1_rule_rows();
 std::span<const RuleRow> fmi3_rule_rows();
 
-/// The grammar of one FMI version.
 struct Grammar {
-  std::string_view version;  // shown in messages, such as "3.0"
-  const ElementRule* root;   // fmiModelDescription, or fmiTerminalsAndIcons
-  bool foreign_attributes;   // true if attributes of other name spaces are permitted
+  std::string_view version;  // for messages, such as "3.0"
+  const ElementRule* root;   // rule of fmiModelDescription or fmiTerminalsAndIcons
+  bool foreign_attributes;   // permits attributes with a namespace prefix
 };
 
-/// Returns the grammar of modelDescription.xml for an FMI version. All versions 3.x have the grammar of 3.0. Versions
-/// other than 1.0 and 3.x have the grammar of 2.0.
+/// Returns the grammar of modelDescription.xml for an FMI version: 1.0, 3.0 for all versions 3.x, and 2.0 for all other
+/// versions.
 Grammar grammar_of(std::string_view fmi_version);
 Grammar grammar_of_terminals();
 

@@ -4,8 +4,8 @@
 namespace mebots::check {
 namespace {
 
-// Define the attributes of all variables, of all variables except clocks, and of floating-point numbers, and the
-// children of most variables.
+// Attributes of all variables, of variables other than Clocks, and of floating-point variables; children of most
+// variables.
 #define MEBOTS_EACH                                                                       \
   "name! valueReference:count! description causality:causality3 variability:variability " \
   "canHandleMultipleSetPerTimeInstant:flag clocks:counts "

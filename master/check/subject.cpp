@@ -34,7 +34,7 @@ std::string first_difference(const std::vector<const Variable*>& variables, cons
   return {};
 }
 
-/// True for the category names that FMI 2.0.4, section 2.2.4, suggests for all FMUs.
+/// True for the log categories that FMI 2.0.4, section 2.2.4, suggests.
 bool is_standard_category(std::string_view name) {
   constexpr std::string_view kNames[] = {"logEvents",           "logSingularLinearSystems",
                                          "logNonlinearSystems", "logDynamicStateSelection",
@@ -44,7 +44,7 @@ bool is_standard_category(std::string_view name) {
   return std::ranges::find(kNames, name) != std::end(kNames);
 }
 
-// The witness is global, because the C interface passes no context to callbacks. A child process has only one witness.
+// Global, because callbacks of the C interface receive no context. A child process has only one witness.
 Witness* current_witness = nullptr;
 
 struct GivenMemory {
@@ -53,7 +53,7 @@ struct GivenMemory {
 };
 
 GivenMemory& given_memory() {
-  static GivenMemory& all = *new GivenMemory;  // never destroyed, because an FMU may call it when the process ends
+  static GivenMemory& all = *new GivenMemory;  // never destroyed, because an FMU may use it at process exit
   return all;
 }
 
@@ -65,8 +65,8 @@ void* allocate(std::size_t count, std::size_t size) {
   return memory;
 }
 
-/// Called by an FMU to free memory. If this program did not allocate the memory, does not pass it to the C library,
-/// because free() would abort the process without naming the cause.
+/// Frees memory for an FMU. Does not pass foreign memory to free(), which would abort the process without naming the
+/// cause.
 void give_back(void* memory) {
   if (memory == nullptr) return;
   {
@@ -91,7 +91,7 @@ std::vector<std::string> Surroundings::changes() {
                                 difference_text(now, floats_)));
     floats_.enter();
   }
-  // A new state, so that changes which cannot be reverted are reported only once.
+  // A new state reports irreversible changes only once.
   if (!texts.empty()) process_.emplace();
   return texts;
 }

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 constexpr double kRelative = 1e-6;
 constexpr double kAbsolute = 1e-9;
 
-/// Returns the numbers in a cell. The Booleans of XML Schema (true, false) become 1 and 0.
+/// Returns the numbers in a cell. The Booleans true and false become 1 and 0.
 Trace::Cell cell_numbers(const data::CsvReader& reader, std::size_t column) {
   Trace::Cell numbers;
   for (const auto& word : modeldesc::words_of(reader.cell(column))) {
@@ -35,7 +35,7 @@ Trace::Cell cell_numbers(const data::CsvReader& reader, std::size_t column) {
   return numbers;
 }
 
-/// Returns the names of all columns except the first, which contains the time.
+/// Returns the column names without the first column, which is the time.
 std::vector<std::string> columns_of(const fs::path& file) {
   const auto content = text_of(file);
   const data::CsvReader reader(content, file.filename().string());

@@ -12,8 +12,8 @@
 
 namespace mebots::check {
 
-/// Converts a finite number of a trace to the type T. Throws Error if the type cannot represent the number. Converts to
-/// Float32 by rounding to the nearest number. `variable` names the variable in the error, such as "Int32 x".
+/// Converts a finite number to the type T. Rounds to Float32. Throws Error if the type cannot represent the number; the
+/// text contains `variable`, such as "Int32 x".
 template <typename T>
 T converted(double value, std::string_view variable) {
   using Limits = std::numeric_limits<T>;
@@ -21,7 +21,7 @@ T converted(double value, std::string_view variable) {
   if constexpr (std::is_floating_point_v<T>) {
     fits = std::abs(value) <= static_cast<double>(Limits::max());
   } else {
-    // A double may be unable to represent the largest number itself.
+    // A double may not represent the largest integer exactly.
     const double end = std::ldexp(1.0, Limits::digits);
     fits = std::trunc(value) == value && value < end && value >= (Limits::is_signed ? -end : 0);
   }

@@ -27,7 +27,7 @@ bool is_one_of(std::string_view text) {
   return std::ranges::find(kWords, text) != std::end(kWords);
 }
 
-/// Joins the words to a text such as "a, b or c".
+/// Joins words to a text such as "a, b or c".
 std::string either(std::span<const std::string_view> words) {
   std::string text;
   for (std::size_t i = 0; i < words.size(); ++i)
@@ -41,7 +41,7 @@ bool is_number(std::string_view text) {
   return parsed_number<T>(text).has_value();
 }
 
-/// Accepts numbers in the form of XML Schema. INF and NaN must be written exactly in this way.
+/// True for numbers of XML Schema. INF and NaN must have exactly this form.
 bool is_real(std::string_view text) {
   static constexpr std::string_view kNotFinite[] = {"INF", "-INF", "NaN"};
   return is_one_of<kNotFinite>(text) || (is_number<double>(text) && text.find_first_of("iInN") == std::string::npos);
@@ -54,8 +54,8 @@ std::size_t take_digits(std::string_view& text) {
   return end;
 }
 
-/// Accepts times such as 2024-05-01T12:00:00, optionally with a fraction and a zone. Does not use std::regex, which
-/// recurses for every character.
+/// True for times such as 2024-05-01T12:00:00, with optional fraction and zone. Does not use std::regex, which recurses
+/// for every character.
 bool is_date(std::string_view text) {
   const auto take = [&](std::string_view shape) {
     if (text.size() < shape.size()) return false;
@@ -89,7 +89,7 @@ bool is_hexadecimal(std::string_view text) {
   return text.size() % 2 == 0 && text.find_first_not_of("0123456789abcdefABCDEF") == std::string_view::npos;
 }
 
-/// Accepts versions whose major number is 3, such as 3.0, 3.0.2 or 3.1-alpha.1. Numbers must not have leading zeros.
+/// True for versions 3.x such as 3.0, 3.0.2 or 3.1-alpha.1. Numbers must not have leading zeros.
 bool is_fmi3_version(std::string_view text) {
   if (!text.starts_with("3.")) return false;
   text.remove_prefix(2);
@@ -121,11 +121,11 @@ const Form& find_form(std::string_view name) {
       {"variability", is_one_of<fmi::kVariabilityWords>, either(fmi::kVariabilityWords)},
       {"initial", is_one_of<fmi::kInitialWords>, either(fmi::kInitialWords)},
       {"dependencies", is_list<is_one_of<kDependencyWords>>, "a list of " + either(kDependencyWords)},
-      // Forms of FMI 1.0.
+      // Forms of FMI 1.0 only.
       {"causality1", is_one_of<fmi::kCausalityWords1>, either(fmi::kCausalityWords1)},
       {"variability1", is_one_of<fmi::kVariabilityWords1>, either(fmi::kVariabilityWords1)},
       {"alias1", is_one_of<fmi::kAliasWords1>, either(fmi::kAliasWords1)},
-      // Forms of values that only FMI 3.0 has.
+      // Forms of FMI 3.0 only.
       {"fmi3", is_fmi3_version, "3.0, or a later 3.x"},
       {"causality3", is_one_of<kCausality3Words>, either(kCausality3Words)},
       {"interval", is_one_of<kIntervalWords>, either(kIntervalWords)},

@@ -73,7 +73,7 @@ bool Connection::is_too_late(Clock::time_point until) const {
 }
 
 bool Connection::waits_for(short event, Clock::time_point until) const {
-  constexpr int kLookMs = 50;  // interval between two checks of the clock
+  constexpr int kLookMs = 50;  // time between two checks of the clock
   while (!is_too_late(until)) {
     pollfd descriptor{socket_, event, 0};
     const int ready = poll(&descriptor, 1, kLookMs);
@@ -106,7 +106,7 @@ ssize_t Connection::write(const char* data, std::size_t size) {
 }
 
 void Connection::get_remote_ip_and_port(std::string& ip, int& port) const {
-  ip = "127.0.0.1";  // the server has no other address
+  ip = "127.0.0.1";  // the server listens only on this address
   port = 0;
 }
 

@@ -15,21 +15,20 @@ namespace mebots::live {
 
 class Connection;
 
-/// The open connections of a server. Limits their number. Its functions may be called from any thread.
+/// The open connections of a server. Limits their number. Thread-safe.
 class Connections {
  public:
-  /// The maximum number of connections that are served at the same time.
   static constexpr std::size_t kMost = 32;
 
-  /// Counts a connection that the server has accepted. If there are more than kMost, closes all connections whose
-  /// request is incomplete.
+  /// Counts an accepted connection. If there are more than kMost connections, closes all connections with an incomplete
+  /// request.
   void accept();
-  /// Must be called when a connection from accept() has ended.
+  /// Must be called at the end of a connection that accept() counted.
   void finish() { --accepted_; }
-  /// Closes all connections whose request is incomplete, and immediately closes each later connection. Answers that are
-  /// being sent may take kLastAnswerTime at most.
+  /// Closes all connections with an incomplete request, and closes later connections at once. Answers in progress have
+  /// kLastAnswerTime to finish.
   void close_all();
-  /// Returns the time at which close_all() was called. Returns the largest time if it was not called.
+  /// Returns the time of the close_all() call, or the largest time before this call.
   std::chrono::steady_clock::time_point closed_at() const { return closed_at_; }
 
  private:
@@ -43,11 +42,11 @@ class Connections {
   std::atomic<std::chrono::steady_clock::time_point> closed_at_{std::chrono::steady_clock::time_point::max()};
 };
 
-/// A connection to a client. A request must be complete within kRequestTime after its first byte, and must have at most
-/// kRequestBytes. Therefore a client that sends one byte per second is disconnected. The first byte must arrive within
-/// kIdleTime, because browsers connect before they send requests. The client must receive the answer within
-/// kAnswerTime. If other connections wait, the whole request must arrive within kCrowdedTime. All functions except
-/// shut_down() and is_reading() must be called by one thread.
+/// A connection to a client, with time limits. The first byte must arrive within kIdleTime, because browsers connect
+/// before they send requests. The request must be complete within kRequestTime after its first byte, and has at most
+/// kRequestBytes. With more than Connections::kMost connections, the whole request must arrive within kCrowdedTime. The
+/// client must receive the answer within kAnswerTime. Only one thread may use a connection, except for shut_down() and
+/// is_reading().
 class Connection final : public httplib::Stream {
  public:
   static constexpr std::chrono::milliseconds kIdleTime{30000};
@@ -57,19 +56,19 @@ class Connection final : public httplib::Stream {
   static constexpr std::chrono::milliseconds kLastAnswerTime{500};
   static constexpr std::size_t kRequestBytes = std::size_t{1} << 17;
 
-  /// Takes ownership of the socket; the destructor closes it.
+  /// Takes ownership of the socket.
   Connection(Connections& all, int socket);
   ~Connection() override;
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  /// Waits for the first byte. Returns false if no byte arrives in time.
+  /// Waits for the first byte. Returns false after the time limit.
   bool begins_request();
-  /// Marks the request as complete on the connection that the calling thread serves.
+  /// Marks the request of the calling thread's connection as complete.
   static void complete_request();
-  /// Sets a function for the connection that the calling thread serves. report_sent() calls this function.
+  /// Sets the function that report_sent() calls on the calling thread's connection.
   static void after_sending(std::function<void()> then);
-  /// Must be called when the whole answer has been sent.
+  /// Must be called after the whole answer was sent.
   void report_sent() const {
     if (after_sending_) after_sending_();
   }
@@ -82,10 +81,9 @@ class Connection final : public httplib::Stream {
   void get_local_ip_and_port(std::string& ip, int& port) const override;
   socket_t socket() const override { return socket_; }
 
-  /// True until the request is complete. May be called from any thread.
+  /// True until the request is complete. Thread-safe.
   bool is_reading() const { return is_reading_; }
-  /// Closes the connection. If a thread is waiting for the client, its call returns immediately. May be called from any
-  /// thread.
+  /// Closes the connection. Calls that wait for the client return immediately. Thread-safe.
   void shut_down();
 
  private:

@@ -26,22 +26,19 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
 
-constexpr auto kPatience = 20s;     ///< for a browser's thread: a step may take long
-constexpr auto kClientLinger = 3s;  ///< at the end, for active clients that are no page
-constexpr auto kLookedLately = 5s;  ///< such a client is active if its last request is not older
-/// The maximum time to wait for open pages at the end of the run. On a busy machine, a page may take many seconds to
-/// draw.
+constexpr auto kPatience = 20s;     ///< maximum time to wait for an answer; a step may take long
+constexpr auto kClientLinger = 3s;  ///< maximum time to wait at the end for active clients that are not pages
+constexpr auto kLookedLately = 5s;  ///< maximum age of the last request of an active client
+/// Maximum time to wait for open pages at the end of the run. On a busy machine, drawing a page may take many seconds.
 constexpr auto kPageLinger = 30s;
-/// A page counts as open if its last request is not older than this. A page reports when it closes, so this limit
-/// matters only for a browser that was killed. The limit is above a minute, because browsers permit a hidden page only
-/// one request per minute.
+/// Maximum age of the last request of an open page. This limit matters only for killed browsers, because a page reports
+/// when it closes. The limit is above a minute, because browsers limit hidden pages to one request per minute.
 constexpr auto kPageOpen = 70s;
 constexpr std::string_view kLeaveOrder = "leave=";
-constexpr auto kHeldNap = 50ms;  ///< between checks of the interrupt flag while the run is paused
+constexpr auto kHeldNap = 50ms;  ///< time between checks of the interrupt flag during a pause
 constexpr std::string_view kPaceOrder = "pace=";
 
-/// Returns the rows in memory from `first` on as a table. The table is thinned out in the same way as a table from a
-/// file.
+/// Returns the rows in memory from `first` on as a table, reduced like a table from a file.
 master::report::ResultTable table_of(const master::MemorySink& memory, std::size_t first) {
   using master::report::ResultTable;
   const auto& times = memory.times_s();
@@ -78,7 +75,7 @@ LiveRun::LiveRun(master::Run& run, const LiveOptions& options)
   Server::Answers answers;
   answers.page = [page] { return *page; };
   answers.data = [this, in_run](const Known& known) {
-    // The flag is shared, because the run may answer a query after the querying thread has stopped waiting.
+    // shared, because the run may answer after the querying thread has stopped waiting
     const auto has_end = std::make_shared<bool>(false);
     auto body = in_run([this, known, has_end] {
       *has_end = ended_;
@@ -105,7 +102,7 @@ LiveRun::~LiveRun() {
 
 void LiveRun::run() {
   run_->start();
-  // Values that a user sets are stored with times after t = 0, because a scenario entry at t = 0 would also affect
+  // Performs the first step before users can set values, because scenario entries at the start time would also affect
   // initialisation.
   set_pace(pace_);
   if (run_->step()) step_until_the_end();
@@ -198,8 +195,7 @@ std::string LiveRun::data(const Known& known) {
   return master::report::payload_of(std::span(&folder, 1));
 }
 
-/// Adds the data that a browser receives only twice: at its start, and again at the end of the run, when profiles
-/// exist.
+/// Adds data that a browser receives only at its start and at the end of the run, when profiles exist.
 void LiveRun::add_constant_data(master::report::RunFolder& folder) const {
   auto side = master::report::read_side_files(run_->options().out);
   folder.scene = std::move(side.scene);
@@ -255,7 +251,7 @@ std::string Mailbox::ask(Question question, std::chrono::milliseconds patience) 
   if (answer.wait_for(patience) != std::future_status::ready) throw NoAnswer("the run does not respond");
   try {
     return answer.get();
-  } catch (const std::future_error&) {  // close() has discarded the query
+  } catch (const std::future_error&) {  // close() discarded the query
     throw NoAnswer("the run is over");
   }
 }
@@ -282,7 +278,7 @@ void Mailbox::wait_and_answer(std::chrono::milliseconds patience) {
 void Mailbox::close() {
   const std::lock_guard lock(mutex_);
   closed_ = true;
-  waiting_.clear();  // destroys the promises, so that their futures throw
+  waiting_.clear();  // destroys the promises, so that ask() throws
 }
 
 }  // namespace mebots::live

@@ -10,13 +10,12 @@
 
 namespace mebots::live {
 
-/// The browser pages that are open and have not yet received the end of the run. May be used from any thread.
+/// The open pages that have not yet received the end of the run. Thread-safe.
 class OpenPages {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Records that a page sent a request. Ignores pages that were removed, because such a request was sent before the
-  /// removal. If there are too many pages, ignores new pages.
+  /// Records a request of a page. Ignores late requests of removed pages, and new pages above the limit.
   void note_request(const std::string& page) {
     constexpr std::size_t kMost = 32;
     const std::lock_guard lock(mutex_);
@@ -29,12 +28,12 @@ class OpenPages {
       std::erase_if(last_requests_, [](const auto& one) { return one.second == kRemoved; });
     if (last_requests_.size() < kMost) last_requests_.emplace(page, Clock::now());
   }
-  /// Removes a page that has closed or has received the end of the run.
+  /// Removes a page that was closed or has received the end of the run.
   void remove(const std::string& page) {
     const std::lock_guard lock(mutex_);
     if (const auto known = last_requests_.find(page); known != last_requests_.end()) known->second = kRemoved;
   }
-  /// Returns true if a page that is still open sent a request after `time`.
+  /// True if an open page sent a request after `time`.
   bool any_since(Clock::time_point time) const {
     const std::lock_guard lock(mutex_);
     return std::ranges::any_of(last_requests_, [&](const auto& page) { return page.second > time; });

@@ -15,13 +15,12 @@
 namespace mebots::live {
 namespace {
 
-/// The number of connections that may wait to be accepted. With the library's default of 5, a few clients would delay a
+/// Maximum number of connections that wait for acceptance. With the library's default of 5, a few clients could delay a
 /// browser by a second.
 constexpr int kBacklog = 128;
 constexpr std::size_t kLargestBody = std::size_t{1} << 16;
 
-/// The threads of the server. Counts an accepted connection in `Connections` immediately, even if no thread is free to
-/// serve it.
+/// The threads of the server. Counts accepted connections in `Connections` even before a thread is free.
 class Threads final : public httplib::TaskQueue {
  public:
   explicit Threads(Connections& connections) : connections_(&connections) {}
@@ -40,7 +39,7 @@ class Threads final : public httplib::TaskQueue {
   httplib::ThreadPool pool_{Connections::kMost};
 };
 
-/// Compares two texts in a time that does not depend on the number of equal characters, so that it reveals nothing
+/// Compares two texts of equal length in a time that does not depend on their content, so that the time reveals nothing
 /// about a token.
 bool same(const std::string& a, const std::string& b) {
   if (a.size() != b.size()) return false;
@@ -49,8 +48,8 @@ bool same(const std::string& a, const std::string& b) {
   return difference == 0;
 }
 
-/// True for requests of MEbots' own page. Scripts of other pages may send requests to this port, but their host or
-/// their origin is a different one.
+/// True for requests of MEbots' own page. Scripts of other pages can also send requests to this port, but have another
+/// host or origin.
 bool is_ours(const httplib::Request& request, int port) {
   const auto local = [&](const std::string& name) {
     return name == fmt::format("127.0.0.1:{}", port) || name == fmt::format("localhost:{}", port);
@@ -62,7 +61,7 @@ bool is_ours(const httplib::Request& request, int port) {
   return origin.starts_with(kScheme) && local(origin.substr(kScheme.size()));
 }
 
-/// Returns a count from the parameters of a request. Returns 0 if the parameter is absent.
+/// Returns the value of a request parameter as a count, or 0 if it is missing.
 std::size_t count_of(const httplib::Request& request, const char* name) {
   if (!request.has_param(name)) return 0;
   const auto text = request.get_param_value(name);

@@ -15,9 +15,9 @@ namespace mebots::live {
 namespace {
 
 constexpr const char* kLoopback = "127.0.0.1";
-constexpr std::chrono::milliseconds kUntilItListens{1};  // interval between two checks
+constexpr std::chrono::milliseconds kUntilItListens{1};  // time between two checks
 
-/// Returns 128 random bits of the operating system as text.
+/// Returns 128 random bits from the operating system as text.
 std::string new_token() {
   std::random_device device;
   std::string token;
@@ -52,8 +52,8 @@ LiveRun::Server::Server(int port, const Answers& answers) : sockets_(std::make_u
 }
 
 LiveRun::Server::~Server() {
-  // stop() has no effect before the server's thread listens; the thread would then never end. Therefore the destructor
-  // waits until the thread listens.
+  // stop() has no effect before the server listens, and the thread would not end. Waits until the server listens or has
+  // failed.
   while (!sockets_->server.is_running() && !sockets_->has_ended) std::this_thread::sleep_for(kUntilItListens);
   sockets_->server.end();
   sockets_->thread.join();

@@ -11,17 +11,17 @@
 
 namespace mebots::live {
 
-/// Serves browsers on 127.0.0.1 in separate threads. Each request has a deadline (connection.hpp). Therefore the
-/// destructor returns within a second, whatever the clients do.
+/// Serves browsers on 127.0.0.1 in separate threads. Requests have deadlines, so the destructor returns within a
+/// second.
 class LiveRun::Server {
  public:
   struct Answer {
     std::string body;
-    std::function<void()> after_sending;  ///< called in a thread of the server after the whole answer was sent
+    std::function<void()> after_sending;  ///< called in a server thread after the whole answer was sent
   };
 
-  /// The functions that answer requests of the page. They are called in the server's threads. If a function throws
-  /// InputError, the page shows its text.
+  /// The functions that answer requests. They run on the server's threads. If a function throws InputError, the page
+  /// shows its text.
   struct Answers {
     std::function<std::string()> page;
     std::function<Answer(const Known& known)> data;
@@ -44,18 +44,16 @@ class LiveRun::Server {
   std::unique_ptr<Sockets> sockets_;
 };
 
-/// The HTTP server of a live run. Defines its routes, and restricts access, size and duration of requests.
+/// The HTTP server of a live run. Defines routes, and limits access, size and duration of requests.
 class RequestServer final : public httplib::Server {
  public:
-  /// Defines the routes. Answers only requests whose path begins with /TOKEN/ and whose host is 127.0.0.1:PORT or
-  /// localhost:PORT. If a request has an origin, the origin must be one of these two, too. All other requests receive
-  /// status 403.
+  /// Defines the routes. Answers only requests with a path below /TOKEN/ and the host 127.0.0.1:PORT or localhost:PORT.
+  /// If a request has an origin, the origin must also be one of these hosts. Other requests receive status 403.
   void route(const std::string& token, int port, const LiveRun::Server::Answers& answers);
 
-  /// Closes all connections and makes listen_after_bind() return, whatever the clients do. May be called from any
-  /// thread.
+  /// Closes all connections and makes listen_after_bind() return. Thread-safe.
   void end();
-  /// Reads a request and answers it. Returns false if there is no request, or if the answer could not be written.
+  /// Reads a request and answers it. Returns false if no request arrives, or if the answer cannot be written.
   bool answer(httplib::Stream& stream);
 
  private:

@@ -23,7 +23,7 @@ Plan make_plan(const modeldesc::Description& description) {
       if (input.type == FieldType::real && input.causality == Causality::input && input.unit == field.unit)
         lag.inputs.push_back(&input);
     for (std::size_t i = 0; i < field.fmi_names.size(); ++i) {
-      // A variable without a start value starts at zero, or at its limit nearest to zero.
+      // The default start value is zero, or the limit nearest to zero.
       const double zero =
           std::min(std::max(0.0, field.min.value_or(0)), std::max(field.max.value_or(0), field.min.value_or(0)));
       lag.rest.push_back(field.starts.empty() ? zero : std::get<double>(field.starts[i]));

@@ -15,7 +15,7 @@ using modeldesc::Causality;
 using modeldesc::Field;
 using modeldesc::FieldType;
 
-/// Returns a name as a cell of a CSV file.
+/// Returns a name as a CSV cell.
 std::string cell(const std::string& name) {
   if (name.find_first_of(",\"") == std::string::npos) return name;
   std::string quoted = "\"";
@@ -23,14 +23,13 @@ std::string cell(const std::string& name) {
   return quoted + '"';
 }
 
-/// Returns an example value for an input: the middle between its limits. If one limit is missing, the value differs
-/// from the other limit by 1. Without limits, the value is 1.
+/// Returns an example value for an input: the middle of its limits, one limit plus or minus 1, or 1 without limits.
 double example_value(const Field& input) {
   const double least = input.min.value_or(input.max.value_or(2) - 2);
   return input.max ? 0.5 * (least + *input.max) : least + 1;
 }
 
-/// Returns the constant values of the Real inputs in the example case.
+/// Returns the constant values of Real inputs in the example case.
 std::map<const Field*, std::vector<double>> held_inputs(const Plan& plan) {
   std::map<const Field*, std::vector<double>> held;
   for (const Field& field : plan.description->fields) {
@@ -92,7 +91,7 @@ std::string expected_text(const Plan& plan, double step_s) {
 }  // namespace
 
 Files case_files(const Plan& plan) {
-  if (plan.lags.empty()) return {};  // there is nothing to compare
+  if (plan.lags.empty()) return {};  // without Real outputs, there is nothing to compare
   const auto& d = *plan.description;
   const bool has_inputs = !held_inputs(plan).empty();
   const auto cases = fmt::format(R"({{

@@ -87,7 +87,7 @@ To build outside of the MEbots tree, install MEbots (`cmake --install`) and add 
 
 std::string cmake_lists(const Plan& plan) {
   constexpr std::string_view kNote = "# One archive for each version of FMI; the second one's name ends in _fmi3.\n";
-  // True if the description states FMI versions; CMake then reads them.
+  // if the description states FMI versions, CMake reads them
   const bool chosen = !plan.description->fmi.empty();
   return fmt::format(R"(# SPDX-License-Identifier: Apache-2.0
 # Builds alone, against an installed MEbots, and inside its tree by add_subdirectory().

@@ -15,8 +15,7 @@ std::string member(const Field& field) {
   return field.cpp_name + "_";
 }
 
-/// Returns C++ code for the final value of an output. If the output is an array, `index` is the name of the loop
-/// variable.
+/// Returns C++ code for the value that an output approaches. `index` is the loop variable of arrays.
 std::string target(const Plan& plan, const Lag& lag) {
   std::string text;
   for (const Field* input : lag.inputs) {
@@ -29,7 +28,7 @@ std::string target(const Plan& plan, const Lag& lag) {
   return text;
 }
 
-/// Returns the code that opens the description's namespace, if it has one.
+/// Returns code that opens the description's namespace, or an empty text.
 std::string opened_namespace(const modeldesc::Description& description) {
   return description.cpp_namespace.empty() ? "" : fmt::format("namespace {} {{\n\n", description.cpp_namespace);
 }

@@ -21,11 +21,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The instances in mission.json of the template whose outputs a sensor can measure. Each entry has a name and an FMU.
+/// The instances of the template's mission that a sensor can measure, with their FMUs.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kSensed = {
     {{"world", "fmu_world"}, {"motors", "fmu_motors"}, {"battery", "fmu_battery"}}};
 
-/// Returns the unit that the FMU declares for a variable such as "world.range.down".
+/// Returns the unit of a variable such as "world.range.down" from the FMU's description.
 std::string unit_of(const std::string& text) {
   const auto dot = text.find('.');
   const auto instance = text.substr(0, dot);
@@ -64,8 +64,8 @@ std::uint32_t address(const std::string& text) {
   return value;
 }
 
-/// Returns the first free page for devices above those of GAP8, and the first free interrupt. Other mistakes in the
-/// board are reported when it is built.
+/// Returns the first free page above the devices of GAP8, and the first free interrupt. Ignores other errors of the
+/// board, which the build reports.
 Slot free_slot(const std::string& text, const fs::path& board, const std::string& name) {
   constexpr std::uint32_t kFirstBase = 0x1A188000;
   constexpr std::uint32_t kPage = 0x1000;
@@ -96,7 +96,7 @@ Slot free_slot(const std::string& text, const fs::path& board, const std::string
   return slot;
 }
 
-/// Inserts an entry after the last entry of "devices". Does not change the rest of the text.
+/// Appends an entry to the list "devices". Preserves the rest of the text.
 std::string with_device(const std::string& board, const std::string& entry) {
   auto at = board.find('[', board.find("\"devices\""));
   int depth = 0;
@@ -121,8 +121,7 @@ std::string library_call(const std::string& name) {
   return fmt::format("mebots_device_library({0} SOURCES {0}.cpp)\n", name);
 }
 
-/// Adds the library that contains the device's kind: to the existing list of libraries, or as a new list before
-/// "devices".
+/// Adds the device's library to the list "libraries". Creates the list if it is missing.
 std::string with_library(const std::string& board, const std::string& name) {
   constexpr std::string_view kList = "\"libraries\": [";
   if (const auto list = board.find(kList); list != std::string::npos) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The Python module mebots._mebots: it wraps mebots::Mission. Texts for people, defaults and NumPy are in
+// The Python module mebots._mebots, which wraps mebots::Mission. Docstrings, defaults and NumPy arrays are in
 // mebots/*.py.
 #include "base/input_text.hpp"
 #include "base/signal_guard.hpp"
@@ -38,8 +38,8 @@ using mebots::RunOptions;
 using mebots::RunState;
 using mebots::Severity;
 
-/// Returns a column's bytes, from which NumPy creates an array. Bytes work with any version of NumPy. NumPy's binary
-/// interface changed from version 1 to 2, and Debian's pybind11 supports only version 1.
+/// Returns a column as bytes, from which NumPy creates an array with any version. Debian's pybind11 supports only the
+/// binary interface of NumPy 1.
 py::bytes bytes_of(const std::vector<double>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double)};
 }
@@ -61,7 +61,7 @@ mebots::Value value_of(const py::object& value) {
   if (py::isinstance<py::int_>(value)) return held_by<std::int64_t>(value, "a whole number of 64 bits");
   if (py::isinstance<py::str>(value)) return held_by<std::string>(value, "text in Unicode");
   if (py::isinstance<py::float_>(value)) return value.cast<double>();
-  // Numbers of NumPy and of similar types.
+  // NumPy's scalars and similar types.
   if (py::hasattr(value, "item")) return value_of(value.attr("item")());
   throw py::type_error("a value is a bool, int, float or str, not " + py::repr(value).cast<std::string>());
 }
@@ -72,8 +72,7 @@ const char* name_of(Severity severity) {
 }
 
 /// Steps without the interpreter's lock. Ctrl-C ends the run between two calls to FMUs and writes its reports.
-/// Afterwards, the signal is raised for its previous handler. This is Python's handler, whose KeyboardInterrupt is
-/// thrown here.
+/// Afterwards, raises the signal again for Python's handler, and throws the resulting KeyboardInterrupt.
 template <typename Work>
 auto stepping(Mission& mission, Work work) {
   const auto result = [&] {
@@ -85,7 +84,7 @@ auto stepping(Mission& mission, Work work) {
   return result;
 }
 
-/// Steps until `time_s`, even if a signal arrives. Such a signal is raised afterwards for its previous handler. A
+/// Steps until `time_s`, even if a signal arrives. Afterwards, raises the signal again for its previous handler. A
 /// second signal has its default effect.
 void run_through(Mission& mission, double time_s) {
   {
@@ -114,8 +113,7 @@ void on_point(Mission& mission, const std::function<void(double)>& listener) {
   });
 }
 
-/// Returns the rows of a CSV file, header first. `errors` is Python's word for the treatment of bytes that are not
-/// UTF-8.
+/// Returns the rows of a CSV file with the header. `errors` is Python's name for the treatment of invalid UTF-8.
 py::list read_csv(const std::filesystem::path& file, const std::string& errors) {
   const auto text = mebots::master::input_text(file);
   const auto decoded = [&](std::string_view cell) {
@@ -138,7 +136,7 @@ py::list read_csv(const std::filesystem::path& file, const std::string& errors) 
   });
 }
 
-/// The exception classes are written in Python: mebots/errors.py.
+/// Raises an exception of mebots/errors.py.
 void raise_as(const char* type, const mebots::Error& error) {
   const auto kind = py::module_::import("mebots.errors").attr(type);
   const auto raised = kind(error.what(), std::string(mebots::name_of(error.code())));
@@ -242,7 +240,7 @@ PYBIND11_MODULE(_mebots, module) {
         return py::make_tuple(series.unit, bytes_of(series.values));
       });
 
-  // Functions for the pytest plug-in.
+  // For the pytest plug-in.
   namespace cases = mebots::master::cases;
   module.def("case_names", [](const std::filesystem::path& file) {
     std::vector<std::string> names;
@@ -251,7 +249,7 @@ PYBIND11_MODULE(_mebots, module) {
   });
   module.def("run_case", &cases::run_case_as_json, py::call_guard<py::gil_scoped_release>());
 
-  // Functions for mebots.flight. Texts are JSON.
+  // For mebots.flight. Texts are JSON.
   namespace flight = mebots::master::flight;
   module.def("read_airframe", [](const std::filesystem::path& file) {
     return mebots::master::refused_as_input([&] { return flight::read_airframe(file); }).dump();
@@ -269,7 +267,7 @@ PYBIND11_MODULE(_mebots, module) {
     return mebots::master::refused_as_input([&] { return flight::log_unit_factor(from, to); });
   });
 
-  // Functions for mebots.sweep. Texts are JSON.
+  // For mebots.sweep. Texts are JSON.
   namespace study = mebots::master::study;
   module.def("read_study", [](const std::filesystem::path& file) {
     return mebots::master::refused_as_input([&] { return study::read(file); }).dump();

@@ -48,8 +48,8 @@ TEST(CheckBehaviour, WrongValuesAreFound) {
 }
 
 TEST(CheckBehaviour, AnFmuThatDependsOnTheStopTimeIsFound) {
-  // The FMU computes y(h) = gain (1 - e^-h), and uses the stop time as its gain. Its usual stop time is 2; the second
-  // description has 1.
+  // The FMU computes y(h) = gain (1 - e^-h) with the stop time as its gain. The default stop time is 2 in the first
+  // description, and 1 in the second.
   EXPECT_THAT(of("stop"), IsEmpty());
   Workshop workshop;
   auto description = culprit_description("stop");
@@ -180,7 +180,7 @@ TEST(CheckBehaviour, MemoryThatTheFmuDamagedIsItsOwnMistakeWhereverItShows) {
               Contains(HasSubstr("error: freeMemory was called with a pointer that allocateMemory")));
 }
 
-/// Returns true if the process runs, and false if it is a zombie.
+/// True if the process runs; false if it is a zombie.
 bool runs(pid_t process) {
   std::ifstream file("/proc/" + std::to_string(process) + "/stat");
   const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
@@ -193,7 +193,7 @@ bool ends_soon(pid_t process) {
   return !runs(process);
 }
 
-/// Memory in which child processes leave their process ids for the parent process.
+/// Memory in which child processes store their process ids for the parent.
 struct Left {
   std::atomic<pid_t> child;
   std::atomic<pid_t> child_of_child;
@@ -292,7 +292,7 @@ TEST(CheckBehaviour, TracesOfTheLayeredStandardAreReplayed) {
                  {folder + "it_out.csv", out}});
   };
   const auto with_trace = [&](const std::string& out) { return findings(fmu_with_trace(out), true); };
-  // For u = 1, y is 2 (1 - exp(-1)). The same file serves FMI 2.0 and 3.0: columns of the other version are ignored.
+  // For u = 1, y is 2 (1 - exp(-1)). The file serves FMI 2.0 and FMI 3.0, so columns of the other version are ignored.
   EXPECT_THAT(with_trace("time,binary,y\n0,666f6f,0\n1,666f6f,1.2642411176571153\n"), IsEmpty());
   EXPECT_THAT(with_trace("time,y\n0,0\n1,1.3\n"), Contains(HasSubstr("it_out.csv: first divergence at 1 s")));
   const auto check_of = [&](const std::string& out) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests `mebots check` on an FMU for model exchange of FMI 2.0, tests/fmus/mass.c. The FMU's GUID names the fault that
-// it shows.
+// Tests `mebots check` on an FMU for model exchange of FMI 2.0, tests/fmus/mass.c. The FMU's GUID selects its fault.
 #include "support.hpp"
 
 #include <fmt/format.h>

@@ -20,7 +20,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// Returns the findings about the tank with a part of its description replaced by `text`. Also runs its library.
+/// Replaces `part` of the tank's description by `text`. Returns the findings of a check that also runs the tank.
 std::vector<std::string> of_changed_tank(const std::string& part, const std::string& text,
                                          Level level = Level::standard) {
   const modeldesc::TemporaryFolder folder("mebots-check-test");

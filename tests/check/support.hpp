@@ -15,10 +15,10 @@ namespace mebots::check {
 /// Returns the description of culprit.cpp, with its fault in the GUID.
 std::string culprit_description(const std::string& crime);
 
-/// A folder in which FMUs are packed from texts, with any entry names.
+/// A folder for archives of FMUs with any entries.
 class Workshop {
  public:
-  /// Writes an archive of these entries (name, content), in this order.
+  /// Writes an archive with these entries (name, content) in order.
   std::filesystem::path archive(const std::vector<std::pair<std::string, std::string>>& entries);
   /// Writes a complete FMU with the culprit's library and further entries.
   std::filesystem::path culprit(const std::string& crime, std::vector<std::pair<std::string, std::string>> more = {});

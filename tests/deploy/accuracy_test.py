@@ -23,7 +23,7 @@ from mebots.deploy.sizes import reason
 
 
 def pooled(shape=(1, 20, 24)):
-    """Returns a network with three classes, whose input may have any size."""
+    """Returns a network with three classes that accepts any input size."""
     maker = Maker(3, shape)
     hidden = maker.node("Relu", maker.conv("x", 1, 8, (3, 3), strides=[2, 2], pads=[1, 1, 1, 1]))
     flat = maker.node("Flatten", maker.node("GlobalAveragePool", hidden))
@@ -66,8 +66,8 @@ class Sizes(DeployCase):
         np.save(self.data, np.random.default_rng(1).random((6, 1, 20, 24)).astype(np.float32))
 
     def judged(self, maker, **options):
-        """Returns accuracy and sizes of a network, as they are in network.json."""
-        path = f"{self.folder}/./model.onnx"  # messages have it without "./"
+        """Returns accuracy and sizes of a network as in network.json."""
+        path = f"{self.folder}/./model.onnx"  # messages omit the "./"
         onnx.save(maker.model(), path)
         scratch = self.folder / "scratch"
         shutil.copytree(objects(), scratch, dirs_exist_ok=True)
@@ -133,7 +133,7 @@ class Sizes(DeployCase):
     def test_bad_sizes_and_labels_are_refused(self):
         self.assertIn("--sizes is '5'", self.refused("--sizes", "5"))
         self.assertIn("99 x 4 exceeds the network's input, 24 x 20", self.refused("--sizes", "99x4"))
-        self.assertIn("--sizes needs the measurement on the chip", self.refused("--sizes", "12x10"))  # with --no-measure
+        self.assertIn("--sizes needs the measurement on the chip", self.refused("--sizes", "12x10"))  # refused with --no-measure
         for text, expected in (
             ("", "labels.csv:1: the columns are none"),
             ("picture,t9\n0,1\n", "labels.csv:1: column t9 needs an output of this name with one value; the network's outputs are t4 (3 values)"),

@@ -21,8 +21,8 @@ from mebots.deploy.simplify import simplify
 
 
 def chain(seed=1):
-    """Returns a chain of a convolution, a pool, a depthwise convolution and a dense layer, in float. The weights of the
-    first layer's channels have ranges from 0.1 to 10.
+    """Returns a float chain of a convolution, a pool, a depthwise convolution and a dense layer. The ranges of the first layer's channels
+    are from 0.1 to 10.
     """
     random = np.random.default_rng(seed)
     spread = 10.0 ** random.uniform(-1, 1, (6, 1, 1, 1))
@@ -93,8 +93,8 @@ class Equalisation(DeployCase):
         for graph in graphs:
             simplify(graph)
         self.assertEqual(set(equalise(graphs[1], set())), {"t0", "t1"})
-        # Both other convolutions use the output of the first one. For each channel, the product of their weight and the
-        # first one's weight must stay the same.
+        # Both other convolutions read the first one's output. For each channel, the product of the first and the second weight must stay
+        # the same.
         (before, *users), (after, *changed) = ([one for one in graph.nodes if one.kind == "conv"] for graph in graphs)
         self.assertEqual(len(users), 2)
         for old, new in zip(users, changed, strict=True):

@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests that deployed integer networks have the same output bits as in onnxruntime, whose floating-point computation is
-exact for them."""
+"""Tests that deployed integer networks give the same bits as onnxruntime, whose floating-point results are exact for these networks."""
 
 import sys
 import unittest
@@ -19,9 +18,7 @@ from mebots.deploy.lowering import lower
 
 
 class IntegerMaker(Maker):
-    """Writes networks of integers. With ``shifts``, they have the operator RequantShift in place of Mul, Add, Div,
-    Floor and Clip.
-    """
+    """Writes integer networks. With ``shifts``, uses the operator RequantShift in place of Mul, Add, Div, Floor and Clip."""
 
     def __init__(self, seed, shape, shifts=False):
         super().__init__(seed, shape, opset=10)
@@ -31,7 +28,7 @@ class IntegerMaker(Maker):
         return self.constant(self.random.integers(low, high + 1, shape).astype(np.float32))
 
     def requantise(self, source, channels, signed=False, factor=None):
-        """Adds a requantisation. Its float computation is exact for sums below 2^24 / 256."""
+        """Adds a requantisation. Its result in float is exact for sums below 2^24 / 256."""
         shape = () if factor else (1, channels, 1, 1)
         multiplier = self.constant(np.float32(factor)) if factor else self.whole(20, 200, *shape)
         addend = self.constant(np.float32(0)) if factor else self.whole(-9000, 9000, *shape)
@@ -54,9 +51,9 @@ class IntegerMaker(Maker):
 
 
 class PlinioMaker(Maker):
-    """Writes the nodes that the ONNX backend of PLiNIO writes (commit 3d6b5e08, methods/mps/quant/backends/onnx/nn), with opset 10, its
-    exporter's default: Pad, Conv, Mul, Add, Div, Floor and Clip. Both inputs of an addition have one scale, so their sum is divided
-    by 2^0. ``signed`` is PLiNIO's option: activations from -128, which are also the value of its pads."""
+    """Writes the nodes of PLiNIO's ONNX backend (commit 3d6b5e08, methods/mps/quant/backends/onnx/nn) with opset 10, its exporter's
+    default: Pad, Conv, Mul, Add, Div, Floor and Clip. Both inputs of an addition have the same scale, so PLiNIO divides their sum by 2^0.
+    ``signed`` is PLiNIO's option for activations from -128, which is also the value of pads."""
 
     def __init__(self, seed, signed):
         super().__init__(seed, (2, 10, 10), opset=10)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests networks whose weights are in HyperRAM: the same integers as the reference with each number of cores."""
+"""Tests networks with weights in HyperRAM: they give the same integers as the reference with each number of cores."""
 
 import sys
 import unittest
@@ -18,7 +18,7 @@ from mebots.deploy.lowering import lower
 
 class WeightsInHyperRam(DeployCase):
     def network(self, widths):
-        """Writes a network of a small convolution and dense layers of these widths."""
+        """Writes a network of a small convolution and dense layers with these widths."""
         maker = Maker(7, (1, 10, 10))
         name = maker.node("Flatten", maker.node("Relu", maker.conv("x", 1, 4, (1, 1))))
         for before, after in zip((400, *widths), (*widths, 5), strict=True):
@@ -32,7 +32,7 @@ class WeightsInHyperRam(DeployCase):
         deployed = lower(*self.network((400, 400, 400, 400)), Options(board="gap8"))
         sizes = [size for _, size in deployed.plan.stream.segments]
         self.assertGreater(sum(sizes), deployed.board.l2 - 65536)
-        self.assertGreater(max(sizes), 1 << 17)  # a fetch of several transfers
+        self.assertGreater(max(sizes), 1 << 17)  # requires several transfers
         library = self.folder / "library"
         deployed.sources.write(library)
         program = check(library, self.folder, deployed, True, objects("gap8"))

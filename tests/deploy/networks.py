@@ -72,7 +72,7 @@ class Maker:
 
 
 def objects(board="ai_deck"):
-    """Returns a folder for the object files of the present kernels for a board. All tests of a build share it."""
+    """Returns a folder for the kernels' object files for a board, which all tests of a build share."""
     content = hashlib.sha256(pathlib.Path(chip.__file__).read_bytes())
     content.update(board.encode())
     for folder in ("kernels", "runtime", "gap8/runtime"):

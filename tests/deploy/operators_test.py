@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests each operator with random shapes: NumPy, C on this machine, and C on the chip with one and eight cores must
-give the same bytes. These must be close to the floating-point results of onnxruntime."""
+"""Tests each operator with random shapes. NumPy, C on this machine, and C on the chip with one and eight cores must give the same bytes,
+close to the float results of onnxruntime."""
 
 import sys
 
@@ -21,7 +21,7 @@ def pair(random, low, high):
 
 class OperatorCase(DeployCase):
     def check(self, maker, steps=2.5, board="ai_deck"):
-        """Deploys the network, and compares all its outputs; floats may differ by ``steps`` steps of the output's scale."""
+        """Deploys the network and compares all outputs. Floats may differ by ``steps`` steps of the output's scale."""
         model, data = maker.save(self.folder)
         deployed = lower(model, data, Options(board=board))
         library = self.folder / "library"
@@ -93,7 +93,7 @@ class Convolutions(OperatorCase):
             maker.output(first, maker.node("MaxPool", second, kernel_shape=[2, 2], strides=[2, 2]))
         deployed = self.check(maker, steps=4)
         self.assertGreater(sum(gathers(one) and not has_outer_columns(one) for one in deployed.network.layers), 1)
-        # A pool of 3 that leaves out columns; a pool of 2 of which only the first column is inside the input.
+        # A pool of 3 that omits columns, and a pool of 2 with only its first column inside the input.
         for shape, pads, pool in (((3, 7, 11), [1, 1, 1, 1], 3), ((3, 6, 3), [0, 0, 1, 1], 2)):
             maker = Maker(17, shape)
             convolved = maker.conv("x", 3, 16, (3, 3), pads=pads)

@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests that the shipped sight network, deployed from ONNX, has nearly the same outputs as the firmware's own kernels,
-and flies a mission."""
+"""Tests that the shipped sight network, deployed from ONNX, gives nearly the outputs of the firmware's own kernels, and flies a mission."""
 
 import contextlib
 import csv
@@ -48,9 +47,8 @@ class OwnNetworks(DeployCase):
         self.flies(out)
 
     def accounts_add_up(self, measured):
-        """Checks that the measured costs add up. The causes are all cycles in which cores are awake, and each
-        instruction has one cycle of the cause "base". The parts are the whole energy, and the layers are the whole
-        network. No layer waits for the DMA longer than it takes.
+        """Checks that the measured costs add up. The causes are all cycles of awake cores, and each instruction has one cycle of the cause
+        "base". The parts sum up to the energy, and the layers to the network. A layer's wait for the DMA is at most its time.
         """
         for one in (*measured["layers"], measured["total"]):
             self.assertEqual(one["causes"]["base"], one["instructions"])
@@ -69,8 +67,8 @@ class OwnNetworks(DeployCase):
         self.assertEqual(settings[8, measured["cluster_clock"]], measured["total"]["time"])
 
     def flies(self, out):
-        """Tests a deployed folder as the network of a mission. The results equal those of a mission whose firmware is
-        the folder's program, and all files of the folder are inputs of the mission."""
+        """Tests a deployed folder as the network of a mission. The results equal those with the folder's program as firmware, and all files
+        of the folder are inputs of the mission."""
         network = self.run_mission(f"soc.network={out}")
         program = self.run_mission(f"soc.firmware={out / 'sight.elf'}")
         self.assertEqual((network / "results.csv").read_bytes(), (program / "results.csv").read_bytes())
@@ -81,8 +79,7 @@ class OwnNetworks(DeployCase):
         self.assertIn("replaces the network of firmware sight or gap8_sight, but the mission flies firmware gate", refused)
 
     def run_mission(self, *settings, code=0):
-        """Runs a mission. Returns the folder of the results, or the program's output if it fails. The first 3.5 s
-        contain some pictures."""
+        """Runs 3.5 s of a mission, which contain some pictures. Returns the results folder, or the program's output if it fails."""
         results = self.folder / f"results {len(list(self.folder.iterdir()))}"
         mebots = pathlib.Path(os.environ["MEBOTS_BUILD"]) / "bin/mebots"
         words = [mebots, "run", ROOT / "configs/gate_hard.json", "--stop-time", "3.5", "--out", results, "--set", *settings]
@@ -96,7 +93,7 @@ class OwnNetworks(DeployCase):
         golden = np.array([[int(row[name]) for name in names] for row in rows])
         bytes_of = [np.frombuffer((out / f"vectors/{i:03}.outputs").read_bytes(), np.uint8) for i in range(len(rows))]
         got = np.clip((np.array(bytes_of, dtype=float) - scale["zero"]) * scale["step"] * 127, -127, 127)
-        # Few values are clipped, because the ranges come from twelve pictures. Two roundings in each of eight layers remain.
+        # Few values are clipped, because twelve pictures determine the ranges. Two roundings in each of eight layers remain.
         self.assertLess(np.abs(got - golden).max(), 8)
 
 

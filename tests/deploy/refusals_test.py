@@ -1,8 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests that `mebots deploy` refuses input that it cannot use. The message names the cause, the exit code is 2, and no
-folder is created.
-"""
+"""Tests that `mebots deploy` refuses unusable input. The message names the cause, the exit code is 2, and no folder is created."""
 
 import contextlib
 import io
@@ -153,7 +151,7 @@ class Models(RefusalCase):
         maker = Maker(1, (1, 64, 64))
         maker.output(maker.conv(maker.conv("x", 1, 128, (3, 3), pads=[1, 1, 1, 1]), 128, 8, (1, 1)))
         np.save(self.data, np.zeros((2, 1, 64, 64), dtype=np.float32) + 0.5)
-        for board in ("ai_deck", "gap8"):  # the HyperRAM of gap8 has weights only, so it does not help
+        for board in ("ai_deck", "gap8"):  # gap8 uses HyperRAM only for weights
             text = self.refuse(maker.model(), "does not fit into L2", "activations", "layer Conv", "524288 are available", options=["--board", board])
             self.assertNotIn("or board gap8", text)
         maker = Maker(1, (512, 2, 64))

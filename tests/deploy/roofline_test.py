@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests the roofline: no layer is faster than its bound, and long inner loops come near to it."""
+"""Tests the roofline: no layer is faster than its bound, and long inner loops approach it."""
 
 import sys
 import unittest
@@ -18,7 +18,7 @@ CORES = 8
 
 class Roofline(DeployCase):
     def shares(self, maker, board="ai_deck"):
-        """Returns for each layer the share of its bound in its measured cycles."""
+        """Returns each layer's bound divided by its measured cycles."""
         deployed = lower(*maker.save(self.folder), Options(board=board))
         library = self.folder / "library"
         deployed.sources.write(library)

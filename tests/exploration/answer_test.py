@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests answers of studies in words: headline, ranked table, fronts, and the number of missions that would decide."""
+"""Tests the text of answers: headline, ranked table, fronts, and the number of missions that would decide."""
 
 import json
 import math
@@ -53,8 +53,8 @@ class Percentiles(unittest.TestCase):
         self.assertEqual(answers.percentile_interval([], 50, 0.05), (-math.inf, math.inf))
 
     def test_intervals_hold_the_percentile_as_often_as_they_say(self):
-        """The 80th percentile of U(0, 1) is 0.8. At level 0.9, 300 intervals miss it in at most 30 cases on average,
-        and in more than 51 cases with a probability of less than 1e-4. Both kinds of intervals are conservative."""
+        """The 80th percentile of U(0, 1) is 0.8. At level 0.9, 300 intervals miss it at most 30 times on average, and more than 51 times
+        with a probability below 1e-4. Both kinds of intervals are conservative."""
         chance = random.Random(1)
         samples = [sorted(chance.random() for _ in range(60)) for _ in range(300)]
         for interval in (answers.percentile_interval, answers.percentile_sequence):
@@ -85,7 +85,7 @@ class Answers(StudyCase):
     DRAWS = {"replicates": 20, "seed": 1, "variables": {"a.real_in": {"uniform": [0, 3]}}}
 
     def judge(self, values, **sections):
-        """Returns the answer of a study whose designs have these values of the objective "out" in each mission."""
+        """Returns the answer of a study with these values of the objective "out" by design and mission."""
         study = read_study(self.study(
             design={"kind": "grid", "factors": {"a.gain": [float(one) for one in range(len(values))]}},
             objectives={"success": {"outcome": "far"}, "out": {"summary": "deep.out", "minimize": True, "where": "success"}}, **sections))
@@ -136,7 +136,7 @@ class Answers(StudyCase):
             self.assertFalse(decided(1 + needed // 40).surely_better(0, 1, "out"))
 
     def test_designs_of_a_fixed_study_are_distinguished_by_their_pairs(self):
-        """The designs have five missions each, whose differences are much larger than their spread."""
+        """The differences between designs are much larger than the spread of their five missions."""
         found, _ = self.judge([[10 + one, 11 + one, 9 + one, 10.5 + one, 10.2 + one] for one in (0, 0.1, 0.2)])
         self.assertIn("All others are surely worse", found.headlines[0])
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Compares intervals with published values, and counts wrong decisions in studies that are evaluated after every mission."""
+"""Compares intervals with published values, and counts wrong decisions of studies that are evaluated after every mission."""
 
 import math
 import os
@@ -15,8 +15,7 @@ from mebots.exploration.answers import Moments, mean_sequence, share_sequence, s
 
 STUDIES = int(os.environ.get("MEBOTS_STUDIES", "200"))
 FLIGHTS = 500
-# With so few studies, the share of wrong decisions varies. The limit is 5 % plus two standard deviations of such a
-# share.
+# With few studies, the share of wrong decisions varies. The limit is 5 % plus two standard deviations of this share.
 MOST_WRONG = 0.05 if STUDIES >= 1000 else 0.05 + 2 * math.sqrt(0.05 * 0.95 / STUDIES)
 
 
@@ -54,8 +53,7 @@ class Intervals(unittest.TestCase):
 
 
 class Sequences(unittest.TestCase):
-    """Counts the studies that find a difference although there is none. The studies are evaluated after every mission.
-    """
+    """Counts studies that find a difference where none exists. Each study is evaluated after every mission."""
 
     def wrong(self, finds):
         chance = random.Random(1)
@@ -70,8 +68,8 @@ class Sequences(unittest.TestCase):
                     successes += chance.random() < share
                     if count < 10:
                         continue
-                    # Compares the evidence (the martingale's value) with its bound, instead of the interval's limits.
-                    # Both tests are equivalent, but this one needs no search.
+                    # Compares the evidence (the value of the martingale) with its bound. This is equivalent to comparing the interval's
+                    # limits, but needs no search.
                     if interval is share_sequence:
                         if answers.share_evidence(successes, count, share) >= -math.log(0.05):
                             return True
@@ -105,7 +103,7 @@ class Sequences(unittest.TestCase):
         def finds(chance):
             wins = decided = 0
             for _ in range(FLIGHTS):
-                # Both designs fly from the same starts, so only pairs with different outcomes count.
+                # Both designs have the same starts, so only pairs with different outcomes count.
                 hard = chance.random() < 0.5
                 a, b = (chance.random() < (0.6 if hard else 0.98) for _ in range(2))
                 wins, decided = wins + (a and not b), decided + (a != b)

@@ -44,7 +44,7 @@ class Dask(StudyCase):
 
 class Files(StudyCase):
     def test_travel_by_hash_to_a_machine_that_lacks_them(self):
-        """A file that is missing at its path is requested, cached, and not requested again."""
+        """A worker requests a missing file, caches it, and does not request it again."""
         os.environ["XDG_CACHE_HOME"] = str(self.folder / "cache")
         order = Missions(read_study(self.study())).order({"a.gain": 1, "a.real_in": 2})
         def fly(order, **more):

@@ -20,8 +20,8 @@ from support import BUILD, SOURCE, STEADY, StudyCase
 
 def result(mission):
     summary = {key: value for key, value in mission.summary.items() if key not in ("wall_clock", "real_time_factor")}
-    summary["inputs"].pop("writes", None)  # a run from a saved state does not contain earlier writes
-    summary.pop("notices", None)  # whether FMUs share a process depends on the open missions
+    summary["inputs"].pop("writes", None)  # a run from a saved state does not list earlier writes
+    summary.pop("notices", None)  # differs if the FMUs of other open missions share the process
     return summary, {name: mission._series(name)[1] for name in mission.variables}
 
 
@@ -29,7 +29,7 @@ class SavedState(StudyCase):
     FMU = STEADY
 
     def straight(self, writes):
-        """Returns the mission with values written at 0.5 s."""
+        """Returns a mission in which these values are written at 0.5 s."""
         mission = mebots.Mission(self.folder / "mission.json", record=["a.*"])
         mission.run_until(0.5)
         for name, value in writes.items():
@@ -57,7 +57,7 @@ class SavedState(StudyCase):
         self.assertEqual(result(past), self.straight({}))
 
     def test_an_fmu_is_not_set_back_it_is_made_anew(self):
-        """In the first mission, the master promised the FMU that no state before 0.8 s would be restored."""
+        """In the first mission, the master promised the FMU not to restore states before 0.8 s."""
         mission = mebots.Mission(self.folder / "mission.json")
         mission.run_until(0.3)
         state = mission.save_state()
@@ -159,7 +159,7 @@ class Forks(StudyCase):
         orders = [missions.order({"a.gain": gain, "a.real_in": drive}) for gain in (0.2, 1) for drive in (1, 2, 3)]
         records = [worker.answer(json.loads(json.dumps(order))) for order in orders]
         self.assertEqual(len(list(folder.iterdir())), 2)
-        for state in folder.iterdir():  # deleted states are computed again
+        for state in folder.iterdir():  # makes the worker compute the states again
             state.unlink()
         alone = Worker(str(self.folder), pasts.Pasts(folder))
         for order, record in zip(reversed(orders), reversed(records), strict=True):

@@ -81,7 +81,7 @@ class Frames(StudyCase):
 
 
 class Notebooks(StudyCase):
-    """Tests with a replacement of IPython, which stores what it would display."""
+    """Tests with a replacement of IPython that stores displayed objects."""
 
     def setUp(self):
         super().setUp()

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests the Pareto front: compares it with its definition, for each method of finding it, and for many designs."""
+"""Compares the Pareto front with its definition, for each method, and for many designs."""
 
 import random
 import sys

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests studies on a disk that fails. In each run, another one of the calls that write files of a study fails. Also
-tests a disk that is full for a while. With MEBOTS_FAULTS=all, every call fails in some run, and a table is printed.
+"""Tests studies on a failing disk. In each run, a different call that writes files fails. Also tests a disk that is temporarily full. With
+MEBOTS_FAULTS=all, every call fails in some run, and a table is printed.
 """
 
 import collections
@@ -50,9 +50,8 @@ class Invented(concurrent.futures.Executor):
 
 
 def run_with_faults(study, out, faults):
-    """Runs in a process with the library loaded. Prints a list per fault (kind, name, number, the study's exception,
-    the files that differ from those of a run without faults or are left over, and the problem after the next
-    run), and the numbers of calls of each kind."""
+    """Runs in a process with the library loaded. Prints a list per fault (kind, name, number, the study's exception, files that differ from
+    those without faults or remain, and the problem after the next run), and the number of calls by kind."""
     faults.arm.argtypes = [ctypes.c_char_p, ctypes.c_int, ctypes.c_int, ctypes.c_long, ctypes.c_int]
     faults.count.restype = ctypes.c_long
 
@@ -90,7 +89,7 @@ def run_with_faults(study, out, faults):
 
 
 def fault_of(fault, raised, torn, again):
-    """Describes how a run violated the requirements; empty if it did not."""
+    """Returns how a run violated the requirements, or an empty text."""
     if torn or again:
         return f"torn: {torn}" if torn else f"the next run: {again}"
     if fault.removesuffix(io_faults.STICKY) in io_faults.HARMLESS:
@@ -156,7 +155,7 @@ class FullDisk(StudyCase):
 
 class Killed(StudyCase):
     def test_missions_that_are_killed_three_times_stop_the_study_and_have_no_outcome(self):
-        """The executor loses all batches that have a mission with a.gain = 1."""
+        """The executor loses all batches with a mission with a.gain = 1."""
         self.study()
 
         class Losing(Invented):
@@ -180,7 +179,7 @@ class Killed(StudyCase):
             self.assertEqual(self.bytes_of(name), self.bytes_of(name, "whole"))
 
     def test_a_lost_scheduler_gives_a_message_and_the_study_continues_with_another_one(self):
-        """An executor that simulates Dask without its scheduler: it cancels the futures and accepts nothing more."""
+        """An executor like Dask without its scheduler: cancels its futures and accepts no more work."""
         self.study()
 
         class Closing(Invented):

@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests FMUs that keep data outside of their instances: each mission gives the same result as `mebots run`, or is
-rejected."""
+"""Tests FMUs that keep data outside their instances. Each mission gives the same result as `mebots run`, or is rejected."""
 
 import json
 import subprocess
@@ -22,8 +21,7 @@ def fmu_of(place):
 
 class LeftoverCase(StudyCase):
     def mission(self, **instances):
-        """Writes a mission with these instances. The value of each is a pair: the place at which its FMU keeps data,
-        and further properties of the instance.
+        """Writes a mission with these instances. Each value is the place where the FMU keeps data, and further properties of the instance.
         """
         (self.folder / "mission.json").write_text(json.dumps({
             "step": 0.125, "stop_time": 1, "connections": [], "record": [f"{name}.sum" for name in instances],
@@ -59,7 +57,7 @@ class Sweeps(LeftoverCase):
                     self.assertEqual(self.bytes_of("missions.csv", f"{place}{jobs}"), self.bytes_of("missions.csv", f"{place}1"))
 
     def test_so_do_missions_of_several_fmus_and_configs(self):
-        """The factor changes the config, so that a worker has several configs open."""
+        """The factor changes the config, so a worker has several configs open."""
         self.mission(a=("static_variable", {}), b=("nothing", {}), c=("rand", {"process": "own"}))
         factors = {"/stop_time": [0.25, 0.5, 0.625, 0.75, 0.875, 1], "a.gain": [1, 2]}
         self.study(design={"kind": "grid", "factors": factors})

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests that orders and results that are processed for many missions at once equal those of single missions."""
+"""Tests that orders and results of many missions at once equal those of single missions."""
 
 import math
 import pickle
@@ -25,7 +25,7 @@ class Batches(StudyCase):
         return Space(read_study(self.study(**sections)))
 
     def check(self, space):
-        """Checks that orders of blocks equal the orders of single missions, in this process and after a transfer."""
+        """Checks that blocks of orders equal single orders, in this process and after a transfer."""
         blocks = [orders for _, orders in space.orders(Flights(range(len(space.designs)), 0, 10), 4)]
         single = [space.order((design, replicate)) for design in range(len(space.designs)) for replicate in range(10)]
         self.assertEqual([orders[at] for orders in blocks for at in range(len(orders))], single)

@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests the content of report.html: its numbers equal those of the tables, and effects and importances of known
-functions are right."""
+"""Tests report.html: its numbers equal those of the tables, and effects and importances of known functions are correct."""
 
 import itertools
 import unittest
@@ -53,8 +52,7 @@ class Effects(StudyCase):
             found = effects.importances(self.study_of("random"), [factor("a", ones), factor("b", twos)], [], np.array(ones) + lot.normal(size=40))
             shares.append(found.factors)
         strong, idle = np.mean(shares, axis=0)
-        # The variances are 2 and 1. From each, a tenth is subtracted: the share that the levels of the other factor
-        # explain by chance.
+        # The variances are 2 and 1. A tenth of each is subtracted, which the other factor's levels explain by chance.
         self.assertAlmostEqual(strong, 2 / 3, delta=0.08)
         self.assertLess(idle, 0.03)
 

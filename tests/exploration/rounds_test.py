@@ -14,8 +14,8 @@ from mebots.exploration.comparison import Evidence
 from mebots.exploration.study import read_study
 from support import MEBOTS, StudyCase
 
-# The probe has real_out = gain real_in + offset, and integral = real_in after 1 s. With real_in from U(0, 3), a third of the
-# missions is "far".
+# The probe computes real_out = gain real_in + offset, and after 1 s integral = real_in. For real_in from U(0, 3), a third of the missions
+# ends "far".
 OUT = {"summary": "deep.out", "minimize": True}
 
 
@@ -49,7 +49,7 @@ class Rounds(StudyCase):
             self.assertLess(float(row["integral: high"]) - float(row["integral: low"]), 0.6)
 
     def test_the_better_of_two_designs_is_found_by_pairs(self):
-        """The difference is much smaller than the spread of each design. Only common draws reveal the difference."""
+        """The difference is much smaller than the spread of each design, so only common draws reveal it."""
         self.study(design={"kind": "grid", "factors": {"a.offset": [0, 0.05]}}, objectives={"out": OUT},
                    draws={"replicates": 100, "variables": {"a.real_in": {"uniform": [0, 3]}, "a.gain": {"uniform": [1, 2]}}},
                    rounds={"size": 5, "stop": {"objective": "out", "best": True}})
@@ -88,11 +88,10 @@ class Rounds(StudyCase):
                    objectives={"out": OUT, "reach": {"expression": "min(deep.out - integral, 1.2)", "maximize": True}},
                    draws={"replicates": 30, "variables": {"a.real_in": {"uniform": [0, 3]}}})
         self.sweep()
-        # Offset 0 has the least `out`. Offsets 1.5 and 2 both have the greatest `reach`, but 1.5 has less `out`, so it
-        # dominates 2. Offset 1 is between 0 and 1.5.
+        # Offset 0 has the smallest `out`. Offsets 1.5 and 2 both have the greatest `reach`, but 1.5 has a smaller `out`, so it dominates 2.
         front = [row["front"] for row in self.rows("designs.csv")]
         self.assertEqual(front[:2], ["on", "on"])
-        self.assertEqual(front[2], "undecided")  # a tie in reach is not certain, so 2 is not certainly dominated
+        self.assertEqual(front[2], "undecided")  # equal reach is not certain, so 2 is not certainly dominated
         self.assertEqual(front[3], "on")
 
     def test_a_tolerance_decides_ties(self):

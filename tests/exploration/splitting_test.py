@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests rare events, on a random walk whose probability of reaching a height is known in closed form."""
+"""Tests rare events with a random walk whose probability of reaching a height has a closed form."""
 
 import json
 import math
@@ -19,8 +19,8 @@ HEIGHT = 39
 
 
 def chance_to_reach(height):
-    """Returns the probability that a walk of STEPS steps of +1 or -1 reaches a height: P(max >= m) = P(S >= m) + P(S >
-    m), by reflection (Feller, volume 1, III.7)."""
+    """Returns the probability that a walk of STEPS steps of +1 or -1 reaches a height: P(max >= m) = P(S >= m) + P(S > m), by the
+    reflection principle (Feller, volume 1, III.7)."""
     def more(least):
         return sum(math.comb(STEPS, ups) for ups in range(STEPS + 1) if 2 * ups - STEPS >= least) / 2**STEPS
 
@@ -41,7 +41,7 @@ class WalkCase(StudyCase):
         return done.stdout + done.stderr
 
     def rare(self, levels, missions, estimates, seed=1, **more):
-        """Writes a study, and returns its file. ``levels`` is a list, or the goal if the study must find the levels."""
+        """Writes a study and returns its file. ``levels`` is a list, or the goal if the study must find the levels."""
         way = {"levels": levels} if isinstance(levels, list) else {"above": levels}
         return self.study(
             design={"kind": "grid", "factors": {"/stop_time": [STEPS]}}, objectives=None,
@@ -49,7 +49,7 @@ class WalkCase(StudyCase):
             splitting={"score": "walk.height", "missions": missions, "reseed": ["walk.seed"]} | way | more)
 
     def counted(self, missions):
-        """Runs a study that counts the walks that reach 12. Returns the row of its design."""
+        """Counts the walks that reach 12 in a study. Returns the row of the design."""
         self.study(design={"kind": "grid", "factors": {"/stop_time": [STEPS]}},
                    draws={"replicates": missions, "seed": 1, "variables": {"walk.seed": {"integer": [1, 2000000000]}}},
                    objectives={"success": {"outcome": "high"}})
@@ -146,8 +146,7 @@ class RareEvents(WalkCase):
             self.sweep("--jobs", "2", out=out["two"])
             lines = (self.folder / out["one"] / "journal.jsonl").read_text().splitlines(keepends=True)
             (self.folder / out["again"]).mkdir()
-            (self.folder / out["again"] / "journal.jsonl").write_text("".join(lines[:50]))  # states of the first level
-                                                                                            # are deleted
+            (self.folder / out["again"] / "journal.jsonl").write_text("".join(lines[:50]))  # the states of the first level no longer exist
             self.sweep(out=out["again"])
             for name in ("levels.csv", "designs.csv"):
                 self.assertEqual(self.bytes_of(name, out["one"]), self.bytes_of(name, out["two"]))
@@ -203,7 +202,7 @@ class RareEventsAgainstTheory(WalkCase):
         self.assertLess(float(answer["probability: low"]), exact)
         self.assertGreater(float(answer["probability: high"]), exact)
         self.assertLess(abs(found / exact - 1), 3 * relative)
-        # Plain counting needs this number of complete missions for the same relative error: (1 - p) / (p e^2).
+        # The number of missions for the same relative error without splitting is (1 - p) / (p e^2).
         plain_s = (1 - exact) / (exact * relative**2) * STEPS
         print(f"{found:.3g} ({exact:.3g}), error {relative:.2g}, {plain_s / float(answer['simulated_time [s]']):.0f} times less simulated")
         self.assertGreater(plain_s / float(answer["simulated_time [s]"]), 10)
@@ -225,7 +224,7 @@ class RareEventsAgainstTheory(WalkCase):
         self.assertEqual([float(level) for level in own], levels)
 
     def test_it_agrees_with_counting_where_that_is_possible(self):
-        """Compares three levels with counting, for height 12, which one walk in four reaches."""
+        """Compares splitting with counting for height 12, which one walk in four reaches."""
         exact = chance_to_reach(12)
         self.rare([4, 8, 12], 50, 12)
         self.sweep()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Gives the tests of `mebots sweep` a small mission of the FMU probe, studies of this mission, and the program."""
+"""Test support for `mebots sweep`: a small mission with the FMU probe, studies of this mission, and calls of the program."""
 
 import csv
 import json
@@ -23,7 +23,7 @@ STEADY = str(BUILD / "test_fmus" / "steady.fmu")
 
 
 class StudyCase(unittest.TestCase):
-    """Gives each test its own folder with a mission and a study."""
+    """Creates a folder with a mission and a study for each test."""
 
     def setUp(self):
         self.temporary = tempfile.TemporaryDirectory()
@@ -43,9 +43,7 @@ class StudyCase(unittest.TestCase):
         }))
 
     def study(self, **sections):
-        """Writes a study with two designs and ten draws, and returns its file. ``sections`` replace sections of the
-        study.
-        """
+        """Writes a study with two designs and ten draws, and returns its file. ``sections`` replace sections of the study."""
         content = {
             "mission": "mission.json",
             "design": {"kind": "grid", "factors": {"a.gain": [0.2, 1]}},

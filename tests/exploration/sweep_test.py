@@ -488,7 +488,7 @@ class Reuse(StudyCase):
         text = self.sweep()
         self.assertIn(f"{len(records)} records of other builds not used", text)
         self.assertNotIn("known before", text)
-        self.assertNotIn("other builds", self.sweep())  # all that it needs is from this build
+        self.assertNotIn("other builds", self.sweep())  # this build has run all missions of the study
 
     def test_status_finds_the_missions_of_a_study_that_names_files(self):
         (self.folder / "data.txt").write_text("one")
@@ -586,7 +586,7 @@ class Python(StudyCase):
         self.assertEqual(result.designs(), self.rows("designs.csv"))
 
     def test_an_empty_environment_gives_the_same_bytes(self):
-        """Tests an environment without PATH. Python uses PATH to find its own program."""
+        """Tests an environment without PATH, which Python needs to find its own program."""
         self.study()
         self.sweep()
         packages = os.pathsep.join(path for path in sys.path if path.endswith(("site-packages", "dist-packages")))
@@ -647,8 +647,7 @@ class Kept(StudyCase):
         for wait_s in [0] * 10 + [0.1, 0.2, 0.4, 0.8]:
             process = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
             while not any(temporary.iterdir()):
-                self.assertIsNone(process.poll())  # without a pause, which would miss the time directly after the
-                                                   # threads' start
+                self.assertIsNone(process.poll())  # without a pause, to reach the time directly after the threads' start
             time.sleep(wait_s)
             process.send_signal(signal.SIGINT)
             self.assertEqual(process.wait(timeout=20), 1)
@@ -716,7 +715,7 @@ class Kept(StudyCase):
 
 class Summary(StudyCase):
     def test_is_whole_for_any_number_of_labels(self):
-        """The record grows by one label at a time, so that its JSON text has many different lengths."""
+        """Adds one label at a time, so that the JSON text of the record has many lengths."""
         config = json.loads((self.folder / "mission.json").read_text())
         for count in range(40):
             config["summary"] = {f"label{number}": "a.integral" for number in range(count)}
@@ -731,7 +730,7 @@ class Summary(StudyCase):
 
 
 class Arrays(StudyCase):
-    """Tests missions whose arrays get their sizes from a structural parameter."""
+    """Tests missions with arrays whose sizes depend on a structural parameter."""
 
     def mission(self, **parameters):
         (self.folder / "mission.json").write_text(json.dumps({
@@ -836,7 +835,7 @@ class Arrays(StudyCase):
 
 
 class Reset(StudyCase):
-    """Tests that a mission after reset() equals a new one, bit for bit."""
+    """Tests that a mission after reset() gives the same bits as a new mission."""
 
     VARIABLES = ["battery.*", "motors.*", "world.*", "soc.*"]
 
@@ -858,7 +857,7 @@ class Reset(StudyCase):
         used.reset()
         self.assertEqual(used.state, "open")
         again = self.flight(used, second)
-        del used  # an FMU with its own library cannot share the process with a second copy
+        del used  # an FMU with its own library cannot be loaded twice in a process
         fresh = self.flight(mebots.Mission(config), second)
         self.assertEqual(again, fresh)
         self.assertNotEqual(changed, fresh)

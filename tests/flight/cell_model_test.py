@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests that the fast model of the cell in bench/flight, which fits many flights at once, agrees with fmu_battery."""
+"""Tests that the fast cell model in bench/flight agrees with fmu_battery."""
 
 import json
 import os
@@ -23,8 +23,7 @@ MASS_KG = 0.0376
 
 class FastCell(unittest.TestCase):
     def fmu_voltage(self, cell, charge, power_w):
-        """Returns the mean terminal voltage in each interval of the fast cell, for a power that depends on the voltage.
-        """
+        """Returns the mean terminal voltage in each interval of the fast cell, for a voltage-dependent power."""
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder) / "mission.json"
             file.write_text(json.dumps({
@@ -53,8 +52,7 @@ class FastCell(unittest.TestCase):
             steps = round(DURATION_S / cell_model.STEP_S)
             fast = cell_model.discharge(cell, rest_v, np.array([1.0]), lambda k, voltage: power_w(voltage), steps, 0.0)[0]
             exact = self.fmu_voltage(name, charge, power_w)
-            # The voltages of the RC pairs change fastest in the first intervals; the charge of one interval corresponds to 0.5
-            # mV.
+            # In the first intervals, the voltages of the RC pairs change fastest; the charge of an interval changes the voltage by 0.5 mV.
             self.assertLess(np.abs(fast - exact)[4:].max(), 2e-3, name)
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests the results of `mebots identify` and `mebots new-cell` for flights that the models themselves generated."""
+"""Tests `mebots identify` and `mebots new-cell` with flights that the models generated."""
 
 import json
 import os
@@ -87,7 +87,7 @@ class Cells(FolderCase):
         found = identify([log], twin.airframe(self.folder), out, fit=["cell"], mass=twin.MASS_KG)
         self.valid(out, self.folder / "fitted.cell.json")
         estimates = {one.name: one for one in found.estimates}
-        # The flight has a nearly constant load. The charge at its start, and the load before it, are fitted, too.
+        # The load is nearly constant, and the initial charge and earlier load are fitted, too.
         self.assertAlmostEqual(estimates["series_resistance"].value, 1.5, delta=0.1)
         self.assertEqual(len(estimates) + sum("stays at the base's value" in note for note in found.notes), 3)
         self.assertRegex(found.residuals[0], r"rms \d\.\d mV; with the base cell \d\d")
@@ -140,7 +140,7 @@ class NewCells(FolderCase):
         self.assertNotIn("interval", cell["resistance_factor"])
 
     def test_a_discharge_is_fitted(self):
-        """A discharge of a shipped cell, at 2 A with pauses, so that resistance and polarisation can be separated."""
+        """Discharges a shipped cell at 2 A with pauses, which separate resistance and polarisation."""
         times = np.arange(0, 380, 0.05)
         amperes = np.where(times % 60 < 45, 2.0, 0.1)
         mission = {

@@ -15,7 +15,7 @@ TIMES = np.arange(0, 10, 0.01)
 
 
 def log(**changes):
-    """Returns a log of a hover of 10 s with some noise. ``changes`` replaces values by the signals' names."""
+    """Returns the log of a noisy hover of 10 s. ``changes`` replaces values by signal name."""
     noise = np.random.default_rng(1).normal(0, 1, (9, len(TIMES)))
     values = {name: 0.6 + 0.02 * noise[i] for i, name in enumerate(COMMANDS)}
     values |= {name: 2000 + 20 * noise[4 + i] for i, name in enumerate(SPEEDS)}

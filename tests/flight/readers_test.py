@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests the readers of flight logs: the values that they read, and their errors for files of other kinds."""
+"""Tests the readers of flight logs: their values, and their errors for other files."""
 
 import json
 import pathlib
@@ -185,7 +185,7 @@ class ULogs(LogCase):
         messages = {
             "battery_status": ("float voltage_v;float current_a;", "ff", [(2000, (12.5, 3.0)), (12000, (12.0, 4.0))]),
             "vehicle_local_position": ("float vx;float vy;float vz;", "fff", [(2000, (1.0, 2.0, 3.0)), (3000, (1.0, 2.0, 3.0))]),
-            # The drone is level, and its nose points to the north. This is a quarter turn to the left from the east.
+            # The drone is level with its nose to the north, a quarter turn left of the east.
             "vehicle_attitude": ("float[4] q;", "ffff", [(2000, (1.0, 0.0, 0.0, 0.0)), (3000, (half, 0.0, 0.0, half))]),
         }
         log = read_log(self.file(ulog(messages)))

@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests `mebots replay`: its findings in a flight that the models themselves generated, and its errors for unusable
-logs."""
+"""Tests `mebots replay` with a flight that the models generated, and its errors for unusable logs."""
 
 import csv
 import json
@@ -42,12 +41,10 @@ class Twins(FlightCase):
     def test_a_flight_of_the_models_has_errors_of_rounding_only(self):
         result = mebots.replay(self.folder / "log00", self.airframe)
         self.assertEqual(result.findings, [])
-        self.assertAlmostEqual(result.summary["initial_charge"], 0.8, delta=0.005)  # the replay starts the rotors
-                                                                                    # slowly
+        self.assertAlmostEqual(result.summary["initial_charge"], 0.8, delta=0.005)  # the replay starts the rotors slowly
         self.assertLess(result.error("battery.voltage", "commands").rms, 1.5e-3)  # the log is rounded to millivolts
         for i in range(1, 5):
-            self.assertLess(result.error(f"rotor[{i}].speed", "commands").rms, 2)  # of 2000; remaining effect of the
-                                                                                   # slow start
+            self.assertLess(result.error(f"rotor[{i}].speed", "commands").rms, 2)  # of 2000; effect of the slow start
         for model in ("commands", "commands, measured voltage", "measured speeds"):
             thrust = result.error("thrust.vertical", model)
             self.assertEqual((thrust.n, thrust.excluded), (11, 0))
@@ -61,8 +58,7 @@ class Twins(FlightCase):
         (self.folder / "strong.json").write_text(json.dumps(rotor))
         result = mebots.replay(self.folder / "log00", twin.airframe(self.folder, "strong_drone.json", rotor="strong.json"))
         self.assertAlmostEqual(result.error("thrust.vertical", "measured speeds").relative, 0.1, delta=3e-3)
-        self.assertLess(result.error("rotor[1].speed", "commands, measured voltage").rms, 2)  # of 2000; remaining
-                                                                                              # effect of the start
+        self.assertLess(result.error("rotor[1].speed", "commands, measured voltage").rms, 2)  # of 2000; effect of the slow start
 
     def test_a_wrong_mass_shows_in_the_thrust_that_is_needed(self):
         result = mebots.replay(self.folder / "log00", self.airframe, mass=1.05 * twin.MASS_KG)
@@ -85,7 +81,7 @@ class Twins(FlightCase):
         times, _, _, millivolts, climb = self.flight
         height = 1 + np.r_[0.0, np.cumsum((climb[1:] + climb[:-1]) / 2 * twin.STEP_S)]
         height -= height.min() - 1
-        ground = np.r_[np.zeros(500), height]  # a second on the ground first
+        ground = np.r_[np.zeros(500), height]  # starts with a second on the ground
         rows = zip(ground.tolist(), np.r_[np.full(500, millivolts[0]), millivolts].astype(int).tolist(), strict=True)
         event = (1, "state", ["stateEstimate.z(f)", "pm.vbatMV(H)"])
         (self.folder / "height").write_bytes(usd_log([event], [(1, 2000 * i, row) for i, row in enumerate(rows)]))

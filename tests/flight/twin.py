@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Generates a flight by the models themselves and writes it as a Crazyflie's log. Its replay must find no errors except
-rounding."""
+"""Generates a flight with the models and writes it as a Crazyflie's log. A replay must find only rounding errors."""
 
 import json
 import math

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests `mebots.gym` with Gymnasium's own checker. Also tests its seeds, saved states and ends of episodes."""
+"""Tests `mebots.gym` with Gymnasium's checker, and its seeds, saved states and ends of episodes."""
 
 import json
 import os
@@ -120,7 +120,7 @@ class Environments(unittest.TestCase):
             hover(actions={})
         env = hover(actions={"motors.rotor[1].command": (0, 1)}, prepare=None)
         env.reset()
-        with self.assertRaisesRegex(mebots.InputError, "rotor"):  # it has a connection
+        with self.assertRaisesRegex(mebots.InputError, "rotor"):  # the rotor has a connection
             env.step(np.array([1], np.float32))
 
     def test_options_that_would_have_no_effect_are_refused(self):

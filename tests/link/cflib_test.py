@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests scripts with `mebots link`: cflib's own classes connect, log, set parameters and fly, as in its published
-examples."""
+"""Tests scripts with `mebots link`: cflib's classes connect, log, set parameters and fly, as in its examples."""
 
 import math
 import threading
@@ -21,7 +20,7 @@ from cflib.utils.reset_estimator import reset_estimator
 from support import CONFIG, LinkCase
 
 cflib.crtp.init_drivers()
-# The PID cascade keeps an error of a few centimetres, because its integral compensates drag slowly (1 degree per metre).
+# The PID cascade has an error of a few centimetres, because its integral compensates drag slowly (1 degree per metre).
 REACHED_M = 0.1
 ONE_WORLD = CONFIG.with_name("link_4.json")
 
@@ -44,7 +43,7 @@ class State:
         scf.cf.log.add_config(self._log)
         self._log.data_received_cb.add_callback(self._take)
         self._log.start()
-        while not self.rows or not self["supervisor.info"] & 8:  # until then the drone's clock is unknown
+        while not self.rows or not self["supervisor.info"] & 8:  # until then, the drone's clock is unknown
             time.sleep(0.01)
 
     def _take(self, time_ms, data, _block):
@@ -52,7 +51,7 @@ class State:
         self.time_ms = time_ms
 
     def wait(self, seconds):
-        """Sleeps in simulated time, which a busy machine may slow down."""
+        """Waits in simulated time, which may be slow on a busy machine."""
         end_ms = self.time_ms + 1000 * seconds
         late_s = time.monotonic() + 20 + 20 * seconds
         while self.time_ms < end_ms and time.monotonic() < late_s:
@@ -140,8 +139,7 @@ class Flights(CflibCase):
         self.fly_by_the_wall_clock(self.fly_with_position_commander)
 
     def fly_by_the_wall_clock(self, fly):
-        """Runs a flight whose commanders sleep by the wall clock. If the machine was too busy, the flight is repeated.
-        """
+        """Runs a flight whose commanders wait by the wall clock. Repeats it if the machine was too busy."""
         for attempt in range(3):
             try:
                 return fly()
@@ -206,8 +204,8 @@ class Flights(CflibCase):
         self.check_replay()
 
     def check_replay(self):
-        """Checks that a replay of the recorded packets gives the bits of the run, without the script. Then deletes the
-        packet of the take-off, and checks that the replay reports other bits."""
+        """Checks that a replay of the recorded packets gives the bits of the run. Deletes the packet of the take-off, and checks that the
+        replay reports other bits."""
         printed = self.stop()
         bits = self.recording()[-1]["bits"]
         self.assertIn(bits, printed)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Compares the parts of a linked drone (trajectories, planner, set-points and supervisor) with their definitions."""
+"""Tests parts of a linked drone: trajectories, planner, set-points and supervisor."""
 
 import math
 import random
@@ -64,8 +64,8 @@ class Trajectories(unittest.TestCase):
                     self.assertAlmostEqual(ours.velocity_m_per_s[axis], other * forward.at(t).velocity_m_per_s[axis], delta=1e-9)
 
     def test_a_spiral_keeps_its_distance_from_the_centre(self):
-        """The path is one polynomial of degree 7. For a quarter of a circle, its distance from the centre differs from
-        the radius by at most 0.8 %.
+        """The path is a polynomial of degree 7. For a quarter circle, its distance from the centre differs from the radius by at most 0.8
+        %.
         """
         for clockwise, centre in ((True, (0.0, -1.0)), (False, (0.0, 1.0))):
             planner = Planner()
@@ -105,7 +105,7 @@ class Firmware(unittest.TestCase):
         self.run_for(0.4)
 
     def run_for(self, seconds, now=STANDING):
-        """Runs the drone for some seconds. Returns the inputs of the last period."""
+        """Runs the drone for this time. Returns the inputs of the last period."""
         inputs = None
         for _ in range(round(100 * seconds)):
             inputs = self.drone.control()

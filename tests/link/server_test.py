@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests `mebots link` without cflib: random datagrams, recordings, and errors of the user."""
+"""Tests `mebots link` without cflib: random datagrams, recordings, and user errors."""
 
 import json
 import os
@@ -24,7 +24,7 @@ SUPERVISOR = 9
 
 
 class Client:
-    """A socket that is connected to a drone's port."""
+    """A client of a drone's port."""
 
     def __init__(self, port):
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -38,7 +38,7 @@ class Client:
         self.socket.send(data)
 
     def answer(self, data, begins=None):
-        """Sends a packet, and returns the first answer with the same first bytes."""
+        """Sends a packet. Returns the first answer that starts with `begins`, by default with the first byte of ``data``."""
         self.send(data)
         while True:
             answer = self.socket.recv(64)
@@ -60,7 +60,7 @@ class Datagrams(LinkCase):
         while time.monotonic() - begin < 8:
             for _ in range(50):
                 header = chance.randrange(256)
-                if header >> 4 == SUPERVISOR and chance.random() < 0.98:  # no further tests are possible after an emergency stop
+                if header >> 4 == SUPERVISOR and chance.random() < 0.98:  # after an emergency stop, no more tests are possible
                     continue
                 size = chance.choice((0, 1, 2, 3, 5, 9, 17, 18, 24, 29, 30, 30, 31, 200, 1500))
                 body = bytes(chance.randrange(14 if chance.random() < 0.3 else 256) for _ in range(size))
@@ -75,7 +75,7 @@ class Datagrams(LinkCase):
         self.assertGreater(simulated_s, 4)
         self.assertIn(self.recording()[-1]["bits"], self.replay())
         inputs = json.loads((self.out / "summary.json").read_text())["inputs"]
-        self.assertLessEqual(len(inputs["writes"]), 1000)  # the memory must not fill in a session of hours
+        self.assertLessEqual(len(inputs["writes"]), 1000)  # sessions of hours must not fill the memory
 
     def test_numbers_that_are_not_finite_are_ignored(self):
         client = self.client()
@@ -109,7 +109,7 @@ class Datagrams(LinkCase):
         self.addCleanup(server.close)
         self.assertTrue(server._is_own((LOCAL, port + 1)))
         self.assertFalse(server._is_own((LOCAL, port + 2)))
-        self.assertFalse(server._is_own(("192.0.2.1", port + 1)))  # an address of documentation, RFC 5737
+        self.assertFalse(server._is_own(("192.0.2.1", port + 1)))  # address for documentation, RFC 5737
         server._sockets[1].sendto(b"\xff", (LOCAL, port))
         server._receive(time.monotonic() + 0.05)
         self.assertEqual(server._clients, [None, None])

@@ -17,7 +17,7 @@ CONFIG = SOURCE / "configs" / "link.json"
 
 
 def free_port(count=1):
-    """Returns the first of `count` neighbouring unused UDP ports."""
+    """Returns the first of `count` consecutive unused UDP ports."""
     for first in range(20000 + os.getpid() % 20000, 65000, 16):
         try:
             opened = []
@@ -34,7 +34,7 @@ def free_port(count=1):
 
 
 class LinkCase(unittest.TestCase):
-    """Gives each test a folder, and ends its servers after the test."""
+    """Creates a folder for each test, and ends its servers afterwards."""
 
     def setUp(self):
         temporary = tempfile.TemporaryDirectory()
@@ -57,7 +57,7 @@ class LinkCase(unittest.TestCase):
         return port
 
     def was_slow(self):
-        """Returns true if simulated time fell behind the wall clock."""
+        """True if simulated time fell behind the wall clock."""
         return "slower than the wall clock" in self.notices.read_text()
 
     def kill(self):
@@ -67,7 +67,7 @@ class LinkCase(unittest.TestCase):
         self.server.stdout.close()
 
     def stop(self, code=0):
-        """Ends the server as Ctrl-C does. Returns its output."""
+        """Interrupts the server as Ctrl-C does. Returns its output."""
         self.server.send_signal(signal.SIGINT)
         return self.end(code)
 

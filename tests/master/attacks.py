@@ -64,8 +64,7 @@ class Targets:
 
     def text(self, kind: str) -> str:
         ports = [line.getsockname()[1] if line else 1 for line in self.sockets[2:]]
-        # From inside the sandbox, a file in a private /tmp looks like a file in the system's /tmp, and the same applies
-        # to a port. So these effects are checked from outside.
+        # Checks these effects from outside, because the sandbox has its own /tmp and network, which look like those of the system.
         values = {"home": self.home, "shared_memory": self.shared_memory, "temporary_file": self.temporary_file, "temporary": self.left,
                   "process": self.process.pid, "address": self.address, "key": KEY, "socket": self.path, "abstract": self.abstract,
                   "port": ports[0], "port6": ports[1], "port_udp": ports[0], "free_port": 0, "master": os.getpid(),
@@ -103,7 +102,7 @@ def attack(mebots: str, fmu: str, kind: str, folder: pathlib.Path) -> dict[str, 
         with open(folder / "out" / "results.csv", newline="") as file:
             report = list(csv.reader(file))[-1][-1]
         results = {name: (text, result) for name, result, text in (line.split("\t") for line in report.splitlines())}
-        if targets.left.exists():  # from inside, the FMU cannot determine whether this file is the system's
+        if targets.left.exists():  # the FMU cannot determine whether this file is the system's
             results["write_temporary"] = (results["write_temporary"][0], "reached")
         return results
     finally:
@@ -111,7 +110,7 @@ def attack(mebots: str, fmu: str, kind: str, folder: pathlib.Path) -> dict[str, 
 
 
 def table_in(page: pathlib.Path) -> dict[tuple[str, str], str]:
-    """Returns the results in the table of a page, by text of the attack and kind of process."""
+    """Returns the results in a page's table by attack and kind of process."""
     rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in page.read_text().splitlines() if line.startswith("| ")]
     start = next(i for i, row in enumerate(rows) if row[0] == "an FMU tries to")
     return {(row[0], kind): cell for row in rows[start + 1:] for kind, cell in zip(rows[start][1:], row[1:])}

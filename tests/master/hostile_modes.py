@@ -23,8 +23,8 @@ import tempfile
 import time
 
 PROCESSES = ("shared", "own", "sandboxed")
-PATIENCE_S = 60  # limit for a run that should end without help
-SHARED_HANGS_S = 8  # limit for the master's own process, in which a call cannot be ended
+PATIENCE_S = 60  # limit for a run that ends alone
+SHARED_HANGS_S = 8  # limit for the master's process, in which no call can be ended
 MEMORY_BYTES = 1 << 30  # memory limit for runs that use all memory
 SKIPPED = 77
 
@@ -100,8 +100,7 @@ def config_of(fmu, process):
 
 
 def processes_with(folder):
-    """Returns two kinds of processes: those whose environment names the folder, and sandboxed processes, whose command
-    line names the unpacked FMU."""
+    """Returns processes with the folder in their environment, and sandboxed processes with the unpacked FMU in their command line."""
     found = []
     for entry in pathlib.Path("/proc").iterdir():
         try:
@@ -125,7 +124,7 @@ def end_all(folder):
 
 
 class Bystander:
-    """Runs a process of the same user that does not belong to the run."""
+    """A process of the same user outside the run."""
 
     def __enter__(self):
         self.process = subprocess.Popen(["sleep", "1000"], start_new_session=True)
@@ -146,7 +145,7 @@ class Outcome:
 
 
 def run(program, fmu, process, mode, limit_memory=False):
-    """Runs the program in a new session, with a parent process that the FMU may harm."""
+    """Runs the program in a new session with its own parent process, which the FMU may harm."""
     with tempfile.TemporaryDirectory(prefix="mebots-hostile-") as name, Bystander() as bystander:
         folder = pathlib.Path(name)
         (folder / "two.json").write_text(json.dumps(config_of(fmu, process)))
@@ -169,7 +168,7 @@ def run(program, fmu, process, mode, limit_memory=False):
                 hangs = True
             code = "hangs" if hangs else int((folder / "code").read_text()) if (folder / "code").exists() else None
             caller_lives = hangs or caller.returncode >= 0
-            time.sleep(0.1)  # a process that is ending may still be in the list
+            time.sleep(0.1)  # an ending process may still be in the list
             left = end_all(name)
             caller.wait()
         results = folder / "out" / "results.csv"
@@ -181,7 +180,7 @@ def run(program, fmu, process, mode, limit_memory=False):
 
 
 def is_named(text):
-    """Returns True if the text names the instance or, after it was freed, its FMU."""
+    """True if the text names the instance or, after it was freed, its FMU."""
     return "'b'" in text or "probe.fmu" in text or "] b: " in text
 
 

@@ -36,8 +36,7 @@ def system(probe, stop_s, format, record=("a.*", "b.*")):
 
 
 class Run:
-    """Performs a run into one folder, with optional checkpoints. After a fault, the run is resumed from its checkpoint,
-    or repeated."""
+    """Performs a run, with optional checkpoints. After a fault, resumes or repeats the run."""
 
     def __init__(self, mebots, config, *more):
         self.command = [mebots, "run", str(config), "--quiet", *more]
@@ -74,8 +73,7 @@ def without_times(text):
 
 
 def rows_of(file):
-    """Returns the data sets of an HDF5 file. A resumed run copies them from results.csv, so they have other places in
-    the file."""
+    """Returns the datasets of an HDF5 file. A resumed run copies them from results.csv to other places in the file."""
     found = {}
 
     def take(name, item):
@@ -88,18 +86,18 @@ def rows_of(file):
 
 
 def content(out):
-    """Returns the contents of the files that must be equal in each run, by file name."""
+    """Returns the files that must be equal in each run, by name."""
     files = {path.name: path.read_bytes() for path in out.iterdir() if path.is_file()}
     if "summary.json" in files:
         files["summary.json"] = without_times(files["summary.json"])
     if "results.h5" in files:
         files["results.h5"] = rows_of(out / "results.h5")
-    files.pop("log.txt", None)  # the log of a resumed run contains an additional notice
+    files.pop("log.txt", None)  # a resumed run has an additional notice
     return files
 
 
 def torn(out, whole):
-    """Returns the files that are incomplete, and temporary files that remain."""
+    """Returns incomplete and temporary files."""
     found = []
     for path in out.iterdir() if out.exists() else ():
         name, bytes_ = path.name, path.read_bytes() if path.is_file() else b""
@@ -127,7 +125,7 @@ def torn(out, whole):
 
 
 def problem_of(case, out, fault, done, whole, preload):
-    """Checks the run after a fault. Returns a description of the problem; an empty text if all checks succeed."""
+    """Checks a run after a fault. Returns a description of the problem, or an empty text."""
     told = done.stdout + done.stderr
     if fault.removesuffix(io_faults.STICKY) in io_faults.HARMLESS:
         if done.returncode != 0:
@@ -154,8 +152,7 @@ def problem_of(case, out, fault, done, whole, preload):
 
 
 def sweep(name, case, folder, preload, most):
-    """Makes each call of a case fail in turn. Prints a row per kind of call and fault, and returns the number of
-    problems."""
+    """Makes each call of a case fail in turn. Prints a row per kind of call and fault. Returns the number of problems."""
     out = folder / "out"
     done, counts = io_faults.run(preload, case.first(out), out)
     assert done.returncode == 0, done.stderr

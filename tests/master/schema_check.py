@@ -310,7 +310,7 @@ def changes(value, path=()):
 
 
 def codes_of(mebots, files):
-    """Returns the codes of the reader's mistakes for each file."""
+    """Returns the error codes of the reader for each file."""
     result = subprocess.run([mebots, "validate", *files], capture_output=True, text=True)
     if result.returncode not in (0, 2):
         sys.exit(f"FAILED: mebots validate ended with {result.returncode}: {result.stderr}")

@@ -49,7 +49,7 @@ def __dir__() -> list[str]:
 
 
 def __getattr__(name: str):
-    if name == "sweep":  # imported on first use: a single mission does not need its modules
+    if name == "sweep":  # a single mission does not need its modules
         from mebots.exploration.command import sweep
 
         return sweep
@@ -65,5 +65,5 @@ def __getattr__(name: str):
         try:
             return importlib.import_module(f"mebots.{name}")
         except InputError as error:
-            raise AttributeError(str(error)) from error  # so that help(mebots) and hasattr() work without the extra
+            raise AttributeError(str(error)) from error  # makes help(mebots) and hasattr() work without the extra
     raise AttributeError(f"module 'mebots' has no attribute '{name}'")

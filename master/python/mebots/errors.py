@@ -18,4 +18,4 @@ class Error(RuntimeError):
 
 
 class InputError(Error):
-    """Raised if an argument or a file cannot be used. The message names it and states what to do."""
+    """Raised for an invalid argument or file. The message names the argument or file and the remedy."""

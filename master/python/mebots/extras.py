@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Imports packages of the extras ``mebots[sweep]``, ``mebots[flight]``, ``mebots[deploy]`` and ``mebots[gym]`` only where they are
-needed."""
+"""Imports packages of the extras ``mebots[sweep]``, ``mebots[flight]``, ``mebots[deploy]`` and ``mebots[gym]`` when they are used."""
 
 from __future__ import annotations
 
@@ -11,7 +10,7 @@ from mebots.errors import InputError
 
 
 def extra(module: str, what: str, package: str, group: str = "sweep") -> Any:
-    """Returns a module of an extra. If it is missing, raises InputError with the command that installs it."""
+    """Imports a module of an extra. If it is missing, raises InputError with the command that installs it."""
     try:
         return importlib.import_module(module)
     except ImportError as error:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Converts tables to objects of pandas, polars and xarray, if these are installed."""
+"""Converts tables to objects of pandas, polars and xarray, if installed."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ def time_series(columns: Mapping[str, Any], units: Mapping[str, str], times: npt
 
 
 def mission_cube(missions: Mapping[str, Sequence[Any]], designs: Mapping[str, Sequence[Any]], factors: Sequence[str], draws: Sequence[str]) -> Any:
-    """Returns an xarray.Dataset over design and replicate. Factors and draws are coordinates. NaN marks a mission that was not run.
-    ``missions`` and ``designs`` must be the columns of missions.csv and designs.csv."""
+    """Returns an xarray.Dataset over design and replicate, with factors and draws as coordinates. NaN marks missing missions. ``missions``
+    and ``designs`` are the columns of missions.csv and designs.csv."""
     import numpy as np
 
     xarray = _package("xarray", "to_xarray()")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Prints errors and returns an exit code, for commands that are written in Python."""
+"""Prints errors and returns exit codes for commands in Python."""
 
 from __future__ import annotations
 

@@ -98,7 +98,7 @@ class MissionEnv(gymnasium.Env):
         self._values: Values = {}
         self.action_space = _action_space(self._actions)
         self.observation_space = _observation_space(observations)
-        # The run records nothing, because agents need only current values.
+        # Records nothing, because agents need only current values.
         self.mission = Mission(config, in_memory=False, isolate=isolate, uncertainty="none")
         for name, values in self._actions.items():
             self.mission.set(name, values[0])  # raises InputError for an unknown name; reset() drops the value

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from mebots import _mebots, frames
 from mebots.errors import InputError
 
-if TYPE_CHECKING:  # NumPy is imported when an array is requested; `mebots sweep` needs none
+if TYPE_CHECKING:  # `mebots sweep` does not need NumPy
     import numpy as np
     import numpy.typing as npt
 
@@ -96,8 +96,8 @@ class Mission:
 
     @classmethod
     def resume(cls, folder: Path, *, in_memory: bool = True) -> Mission:
-        """Returns a mission that resumes from the last checkpoint in a results folder, with the same bits as a mission without
-        interruption. Rows from before the checkpoint are loaded into memory, too."""
+        """Returns a mission that resumes from the last checkpoint in a results folder. The results have the same bits as without
+        interruption. Also loads earlier rows into memory."""
         mission = cls.__new__(cls)
         mission._run = _mebots.Mission.resume(folder, in_memory)
         return mission
@@ -111,33 +111,31 @@ class Mission:
     def __repr__(self) -> str:
         return f"<mebots.Mission {self.state} at {self.time:g} of {self.stop_time:g} s>"
 
-    # Functions to call before start().
+    # Before start().
 
     def on_message(self, listener: Callable[[str, str, str, float], None]) -> None:
-        """Calls listener(instance, severity, text, time [s]) for messages of FMUs and for the run's own notices
-        (instance ""); severity is "info", "warning" or "error". The listener runs during calls to FMUs. It may call
-        interrupt(), but no other method of the mission. Must be called before start()."""
+        """Calls listener(instance, severity, text, time [s]) for messages of FMUs and of the run (instance ""). severity is "info",
+        "warning" or "error". The listener runs during calls to FMUs, so interrupt() is the only method that it may call. Must be called
+        before start()."""
         self._run.on_message(listener)
 
     def on_point(self, listener: Callable[[float], None]) -> None:
-        """Calls listener(time [s]) at every communication point, including t = 0. The listener may read variables, and
-        write them except at t = 0. Must be called before start()."""
+        """Calls listener(time [s]) at every communication point, including the start. The listener may read variables, and write them
+        except at the start. Must be called before start()."""
         self._run.on_point(listener)
 
     def set(self, variable: str, value: Scalar) -> None:
-        """Replaces the config's parameter or start value of "instance.variable", or of all variables that match a pattern
-        (* and ?). Checks name, type and limits immediately. Settings may come in any order: if structural parameters (FMI
-        3.0) determine the size of an array, start() checks whether the array has the element. Must be called before
-        start()."""
+        """Sets the parameter or start value "instance.variable", or all that match a pattern (* and ?), in place of the config's. Checks
+        name, type and limits immediately. Settings may come in any order: if structural parameters (FMI 3.0) determine the size of an
+        array, start() checks whether the element exists. Must be called before start()."""
         self._run.set(variable, value)
 
     def add_scenario(self, file: Path) -> None:
-        """Adds the overrides of a file. They follow the overrides of the config. Must be called before start()."""
+        """Adds the overrides of a file to those of the config. Must be called before start()."""
         self._run.add_scenario(file)
 
     def add_inputs(self, file: Path) -> None:
-        """Connects the columns of a CSV file to the unconnected inputs with the same names. The file follows the files of the config.
-        Must be called before start()."""
+        """Connects the columns of a CSV file to the unconnected inputs with the same names. Must be called before start()."""
         self._run.add_inputs(file)
 
     def set_stop_time(self, stop_time_s: float) -> None:
@@ -151,79 +149,76 @@ class Mission:
         self._run.record(list(patterns))
 
     def load(self) -> None:
-        """Unpacks and loads the FMUs without instantiating them. A process forked after this call (``os.fork``) can
-        start the mission as a new process would. Must be called before start()."""
+        """Unpacks and loads the FMUs without instances. Afterwards, a fork of the process (``os.fork``) can start the mission. Must be
+        called before start()."""
         self._run.load()
 
     def start_from(self, state: bytes) -> None:
-        """Starts from a state that ``save_state`` returned, not from t = 0. The results have the same bits as without interruption. The
-        state may come from another process. Config, FMUs, settings and recorded variables must be the same. Only for missions without
-        ``out``. Must be called before start()."""
+        """Starts from a state of ``save_state``, which may come from another process. The results have the same bits as without
+        interruption. Config, FMUs, settings and recorded variables must be the same. Only for missions without ``out``. Must be called
+        before start()."""
         self._run.start_from(state)
 
-    # Methods that run the mission.
+    # Running.
 
     def start(self) -> None:
-        """Opens the FMUs, makes all checks, and initialises to t = 0 (or to the checkpoint). If the mission has not started, the methods
-        below call start() first."""
+        """Opens the FMUs, makes all checks, and initialises the run at its start or at the checkpoint. The methods below call start() if
+        necessary."""
         self._run.start()
 
     def step(self) -> bool:
-        """Takes one communication step. Returns False if the end was already reached."""
+        """Performs one communication step. Returns False if the end was already reached."""
         return self._run.step()
 
     def run(self) -> None:
-        """Runs to the end. Ctrl-C ends the run between two calls to FMUs, writes its reports and raises
-        KeyboardInterrupt.
+        """Runs to the end. Ctrl-C ends the run between two calls to FMUs, writes its reports and raises KeyboardInterrupt.
 
-        If the config or ``uncertainty`` requests "calibration", also runs 19 missions with drawn parameters, without messages
-        and listeners; ``summary["uncertainty"]`` has their intervals. After ``write()`` or ``start_from()``, the 19 missions are skipped,
-        and ``summary["uncertainty"]["skipped"]`` has the reason."""
+        If the config or ``uncertainty`` requests "calibration", also runs 19 missions with drawn parameters, without messages and
+        listeners. ``summary["uncertainty"]`` contains their intervals. After ``write()`` or ``start_from()``, skips these missions, and
+        ``summary["uncertainty"]["skipped"]`` contains the reason."""
         self._run.run()
 
     def run_until(self, time_s: float) -> None:
-        """Steps until ``time_s`` or the end of the run, whichever is earlier."""
+        """Steps until ``time_s`` or the end of the run."""
         self._run.run_until(time_s)
 
     def run_through(self, time_s: float) -> None:
-        """Steps like ``run_until``. SIGINT and SIGTERM take effect when the method returns, so they do not change the mission's results."""
+        """Steps like ``run_until``, but SIGINT and SIGTERM take effect only after the return, so that they do not change results."""
         self._run.run_through(time_s)
 
     def close(self) -> None:
-        """Ends the run at the present point and writes its reports. Has no effect if the run has ended. A call from a listener acts as
+        """Ends the run at the current point and writes its reports. No effect if the run has ended. If a listener calls close(), it acts as
         interrupt()."""
         self._run.close()
 
     def save_state(self) -> bytes:
-        """Returns the mission's state between two steps, for ``start_from``, so that several runs can continue from
-        one state. All FMUs must be able to serialize their state. Only for missions without ``out``, and not
-        after the end."""
+        """Returns the state between two steps for ``start_from``. Several missions can continue from it. All FMUs must be able to serialize
+        their state. Only for missions without ``out``, and not after the end."""
         return self._run.save_state()
 
     def reset(self) -> None:
-        """Closes the mission and returns it to its state after the constructor. Drops ``set``, ``record`` and
-        listeners. Clean FMUs stay loaded. All other FMUs are loaded again. The results of the next run have the same bits as those of
-        ``mebots run``. If this process cannot guarantee that, start() raises an error that names the FMU."""
+        """Closes the mission and restores its state after the constructor. Drops ``set``, ``record`` and listeners. Clean FMUs stay loaded;
+        others are loaded again. The next run has the same bits as ``mebots run``. If this is not possible in this process, start() raises
+        an error that names the FMU."""
         self._run.reset()
 
     def free_instances(self) -> list[tuple[str, bool]]:
-        """Closes the mission and frees its instances. Returns the FMUs that are not clean, and whether they ran in this
-        process: data that they left there could change a later mission. Afterwards variables can be read only after
-        reset()."""
+        """Closes the mission and frees its instances. Returns the FMUs that are not clean because they left data that could change a later
+        mission, and whether they ran in this process. Afterwards, variables cannot be read before reset()."""
         return self._run.free_instances()
 
     def interrupt(self) -> None:
-        """Requests the end from any thread: the run ends between two calls to FMUs, with outcome "interrupted"."""
+        """Requests the end of the run with the outcome "interrupted". Takes effect between two calls to FMUs. Thread-safe."""
         self._run.interrupt()
 
     # Variables.
 
     def value(self, variable: str) -> float:
-        """Returns the present value in the variable's unit; Booleans as 0 and 1, enumerations as numbers."""
+        """Returns the current value in the variable's unit. Booleans are 0 and 1, enumerations are numbers."""
         return self._run.value(variable)
 
     def text(self, variable: str) -> str:
-        """Returns the present text of a String variable."""
+        """Returns the current text of a String."""
         return self._run.text(variable)
 
     def write(self, variable: str, value: float) -> None:
@@ -301,37 +296,36 @@ class Mission:
 
     @property
     def outcome(self) -> str:
-        """The config's outcome at the last point, or "completed" if none of its conditions holds. After an
-        interrupt, a close or a failure: "interrupted", "closed" or "failed". "" before the start."""
+        """The config's outcome at the last point, or "completed" if no condition is true. After an interrupt, a close or a failure:
+        "interrupted", "closed" or "failed". "" before the start."""
         return self._run.outcome
 
     @property
     def end_reason(self) -> str | None:
-        """The reason: "stop_time", "stop_condition", "terminated", "interrupted", "closed" or "failed"; None before the
-        end."""
+        """Why the run ended: "stop_time", "stop_condition", "terminated", "interrupted", "closed" or "failed". None before the end."""
         return self._run.end_reason
 
     @property
     def end_text(self) -> str:
-        """A sentence with the reason for the end; "" before the end."""
+        """The reason for the end as a sentence; "" before the end."""
         return self._run.end_text
 
     @property
     def error(self) -> str:
-        """The error message if the mission has failed; otherwise ""."""
+        """The error message of a failed mission, otherwise ""."""
         return self._run.error
 
     @property
     def summary(self) -> dict[str, Any]:
-        """The content of summary.json, as far as it exists; {} before the start."""
+        """The current content of summary.json; {} before the start."""
         return json.loads(self._run.summary)
 
 
 def _file_of(config: Mapping[str, Any], mission: Mission) -> str:
-    """Returns a temporary file with the config, which exists as long as the mission."""
+    """Writes the config to a temporary file, which exists as long as the mission. Returns its path."""
     base = _mebots.BaseConfig(os.path.join(os.getcwd(), "the config"), json.dumps(config))
     content = json.loads(base.config)
-    for name, value in json.loads(base.texts).items():  # of parameters, with absolute paths of files
+    for name, value in json.loads(base.texts).items():  # texts of parameters, with absolute paths of files
         instance, _, variable = name.partition(".")
         content["instances"][instance]["parameters"][variable] = value
     folder = tempfile.mkdtemp(prefix="mebots-mission-")

@@ -20,15 +20,15 @@ _PAGES = ("report.html", "flight.html", "replay.html")
 
 
 def is_notebook() -> bool:
-    """True in a notebook that shows HTML. Imports nothing, because a notebook has already imported IPython."""
+    """True in a notebook that shows HTML. Does not import IPython, because a notebook has already done so."""
     ipython = sys.modules.get("IPython")
     shell = ipython.get_ipython() if ipython is not None else None
     return type(shell).__name__ == "ZMQInteractiveShell"
 
 
 def show(page: str | os.PathLike[str], height: int = 800) -> Any:
-    """Shows a page in a notebook. ``page`` is a file, or a folder that contains results of ``mebots run``, ``sweep`` or ``replay``.
-    Writes the page of a run if it is missing. Requires IPython."""
+    """Shows a page in a notebook. ``page`` is a file, or a results folder of ``mebots run``, ``sweep`` or ``replay``. Writes the page of a
+    run if it is missing. Requires IPython."""
     file = _page_of(pathlib.Path(page))
     try:
         from IPython.display import HTML
@@ -36,7 +36,7 @@ def show(page: str | os.PathLike[str], height: int = 800) -> Any:
         raise InputError(f"show() needs IPython: pip install jupyter. The page is {file}", "not_offered") from error
     text = html.escape(file.read_text(encoding="utf-8"), quote=True)
     frame = f'<iframe srcdoc="{text}" style="width:100%;height:{height}px;border:1px solid #8884;border-radius:8px"></iframe>'
-    return HTML(f"<div>{frame}</div>")  # IPython warns of a frame without an enclosing element
+    return HTML(f"<div>{frame}</div>")  # prevents a warning of IPython about frames
 
 
 def _page_of(page: pathlib.Path) -> pathlib.Path:
@@ -55,7 +55,7 @@ def _page_of(page: pathlib.Path) -> pathlib.Path:
 
 
 def _program() -> str:
-    """Returns the path of the program `mebots`: that in the wheel, otherwise that in the build or installation, otherwise that in PATH."""
+    """Returns the path of `mebots`: in the wheel, otherwise in the build or installation, otherwise in PATH."""
     here = pathlib.Path(__file__).resolve().parent
     places = [here / "bin" / "mebots", here.parents[1] / "bin" / "mebots", here.parents[3] / "bin" / "mebots"]
     found = next((str(place) for place in places if place.is_file()), None) or shutil.which("mebots")
@@ -65,7 +65,7 @@ def _program() -> str:
 
 
 class ProgressBar:
-    """Shows a bar under the notebook cell that runs a study: missions done, missions failed, and the remaining time."""
+    """A progress bar under the notebook cell of a study: finished missions, failed missions, and the remaining time."""
 
     def __init__(self) -> None:
         from IPython.display import HTML, display

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes pages that consist of one file. The page contains its numbers as JSON, which the script of web/src/report draws."""
+"""Writes pages as single files. A page contains its numbers as JSON, which web/src/report draws."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from mebots.exploration.files import write_whole
 
 
 def write_page(file: pathlib.Path, title: str, data: dict[str, Any], provenance: dict[str, str], answer: str) -> None:
-    """Writes a page. ``provenance`` describes the inputs of its content. ``answer`` is the result as text. If MEbots was built without
-    web pages, the page contains only this text."""
+    """Writes a page. ``provenance`` describes the inputs. ``answer`` is the result as text. If MEbots was built without web pages, the page
+    contains only this text."""
     content = data | {"title": title, "provenance": provenance | {"MEbots": _mebots.__version__}}
     try:
         page = _mebots.data_page(title, json.dumps(content, separators=(",", ":"), allow_nan=False))

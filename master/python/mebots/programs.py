@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Starts the programs in a wheel, which are in the package's folder. `mebots` and the other programs are commands of the environment."""
+"""Starts the programs in a wheel, which are in the package's folder."""
 
 import os
 import pathlib
@@ -8,7 +8,7 @@ import sys
 
 def _become(name: str) -> None:
     program = pathlib.Path(__file__).with_name("bin") / name
-    # Programs that are written in Python use the interpreter of this environment, even if the environment is not activated.
+    # Programs written in Python use the interpreter of this environment, even if it is not activated.
     os.environ.setdefault("MEBOTS_PYTHON", sys.executable)
     try:
         os.execv(program, [name, *sys.argv[1:]])

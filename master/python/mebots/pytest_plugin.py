@@ -39,7 +39,7 @@ class CaseFile(pytest.File):
 
 
 class Diverged(Exception):
-    """Raised if a case did not pass. The message contains the place of the case in its file."""
+    """Raised if a case did not pass. The text names the place of the case in its file."""
 
 
 class Case(pytest.Item):

@@ -26,7 +26,7 @@ class Results:
     """
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
-        """Reads summary.json and results.csv. Raises InputError if this fails."""
+        """Reads summary.json and results.csv. Raises InputError if a file is missing or invalid."""
         self.folder = pathlib.Path(folder)
         if not self.folder.is_dir():
             raise InputError(f"{folder}: there is no such folder", "file_not_found")
@@ -89,7 +89,7 @@ def read(folder: str | os.PathLike[str]) -> Results:
 
 
 def not_recorded(variable: str, recorded: Iterable[str]) -> KeyError:
-    """Returns the error for a variable that is not recorded. It suggests the most similar recorded names."""
+    """Returns the error for a variable that is not recorded, with the most similar names."""
     nearest = difflib.get_close_matches(variable, list(recorded), n=3, cutoff=0.4)
     hint = f"; nearest: {', '.join(nearest)}" if nearest else ""
     return KeyError(f"'{variable}' is not recorded{hint}")
@@ -116,8 +116,8 @@ def _texts(folder: pathlib.Path) -> set[str]:
 
 
 def _columns(folder: pathlib.Path) -> tuple[dict[str, str], dict[str, Any]]:
-    """Returns units and values, indexed by name. Columns of Strings and Binaries are lists of texts, even if all texts are numbers.
-    system.json contains the types. Without this file, a column is a list of texts unless all of its cells are numbers."""
+    """Returns units and values by name. Columns of Strings and Binaries are lists of texts, even if all texts are numbers. system.json
+    contains the types. Without it, a column is a list of texts unless all cells are numbers."""
     import numpy as np
 
     file = folder / "results.csv"

@@ -61,15 +61,15 @@ class System:
         self._config: dict[str, Any] = {"step": shown, "stop_time": stop_time, "instances": {}, "connections": [], **copy.deepcopy(keys)}
 
     def add(self, name: str, fmu: Path, parameters: Mapping[str, Scalar] | None = None, **keys: Any) -> Instance:
-        """Adds an instance of an FMU. ``fmu`` is the name of a shipped FMU, or a file. ``keys`` are further keys that an instance in a
-        config may have."""
+        """Adds an instance of an FMU. ``fmu`` is the name of a shipped FMU, or a file. ``keys`` are further keys of an instance in a
+        config."""
         if name in self._config["instances"]:
             raise InputError(f"add('{name}'): the system has an instance with this name", "duplicate_name")
         self._config["instances"][name] = {"fmu": os.fspath(fmu), **({"parameters": dict(parameters)} if parameters else {}), **keys}
         return Instance(name)
 
     def connect(self, source: Variable | str, target: Variable | str, **keys: Any) -> None:
-        """Connects an output to an input. ``keys`` are further keys that a connection may have, such as ``sum`` or ``map``."""
+        """Connects an output to an input. ``keys`` are further keys of a connection, such as ``sum`` or ``map``."""
         self._config["connections"].append({"from": str(source), "to": str(target), **keys})
 
     @property

@@ -28,11 +28,11 @@ from mebots.errors import Error, InputError
 
 Bounds = tuple[float, float]
 
-_BAD_INPUT = 102  # exit code of mebots-soc for invalid input
+_BAD_INPUT = 102  # mebots-soc's exit code for invalid input
 
 
 def _program() -> str:
-    """Returns the path of mebots-soc: $MEBOTS_SOC, otherwise the program in the package, otherwise that in PATH."""
+    """Returns the path of mebots-soc: $MEBOTS_SOC, otherwise in the package, otherwise in PATH."""
     own = pathlib.Path(__file__).with_name("bin") / "mebots-soc"
     found = os.environ.get("MEBOTS_SOC") or (str(own) if own.exists() else shutil.which("mebots-soc"))
     if not found:
@@ -72,10 +72,10 @@ class Board:
         self.close()
 
     def close(self) -> None:
-        """Ends the run and completes its files, such as that of ``--report``. Raises InputError if a file cannot be written."""
+        """Ends the run and completes its files, such as that of ``--report``. Raises InputError if this fails."""
         if self._errors.closed:
             return
-        told = self._process.poll() is not None  # the end was already reported by an earlier call
+        told = self._process.poll() is not None  # an earlier call has already reported the end
         if not told:
             self._process.communicate()
         program_ended_so = self.exit_code is not None and self.exit_code & 0xFF == _BAD_INPUT
@@ -86,14 +86,13 @@ class Board:
             raise refusal
 
     def run(self, seconds: float) -> str:
-        """Runs the board for a time. Returns the text that the program has printed during this time."""
+        """Runs the board for a time. Returns the text that the program printed in this time."""
         return self._ask({"run": seconds})["console"]
 
     def wait_for(self, text: str, *, within: float) -> str:
-        """Runs until the program has printed a text. Returns the program's output up to and including the text.
+        """Runs until the program prints a text. Returns the output up to and including the text.
 
-        Raises AssertionError with the actual output if this takes longer than `within` seconds, or if the program ends
-        before.
+        Raises AssertionError with the output if this takes longer than `within` seconds, or if the program ends before.
         """
         reply = self._ask({"run": within, "until": text})
         if not reply["found"]:
@@ -102,19 +101,18 @@ class Board:
         return reply["console"]
 
     def wait_for_end(self, *, within: float) -> int:
-        """Runs the board until the program ends, and returns its exit code. Raises AssertionError if the program does not end in time."""
+        """Runs until the program ends. Returns its exit code. Raises AssertionError if it does not end within `within` seconds."""
         reply = self._ask({"run": within})
         if self.exit_code is None:
             raise AssertionError(f"the program did not end itself within {within:g} s{self._fault(reply)}")
         return self.exit_code
 
     def send(self, text: str) -> None:
-        """Sends a text to the serial port of the program."""
+        """Sends a text to the program's serial port."""
         self._ask({"send": text})
 
     def get(self, variable: str) -> float:
-        """Returns the value of a device's variable, such as ``led.level``. The variable must be an output, or an input that was set
-        before."""
+        """Returns the value of a device's variable, such as ``led.level``. An input must have been set before."""
         return self._ask({"get": variable})["value"]
 
     def set(self, variable: str, value: float) -> None:
@@ -122,7 +120,7 @@ class Board:
         self._ask({"set": variable, "value": float(value)})
 
     def press(self, variable: str, seconds: float = 0.01) -> None:
-        """Presses a button for a time: sets an input to 1, runs the board, and sets the input back to 0."""
+        """Presses a button: sets an input to 1, runs the board for a time, and sets the input to 0."""
         self.set(variable, 1)
         self.run(seconds)
         self.set(variable, 0)
@@ -165,8 +163,7 @@ class Board:
         return self.report["controller"]["cycles"]
 
     def expect(self, *, joules: Bounds | None = None, cycles: Bounds | None = None, seconds: Bounds | None = None, **variables: Bounds) -> None:
-        """Checks energy, cycles, time and variables of the program against bounds (least, most), which are permitted
-        values.
+        """Checks energy, cycles, time and variables of the program against bounds (least, most), which are permitted values.
 
         Raises AssertionError that names each value outside its bounds.
         """

@@ -28,7 +28,7 @@ std::filesystem::path existing_file(const Node& node, const std::filesystem::pat
   return file;
 }
 
-/// Reads the path of one file, or a list of paths.
+/// Reads one path or a list of paths.
 std::vector<std::filesystem::path> read_inputs(const Node& node, const std::filesystem::path& folder) {
   const auto read_one = [&](const Node& element) { return existing_file(element, folder); };
   if (node.is(data::Kind::list)) return data::list_of(read_one)(node);
@@ -63,8 +63,7 @@ std::vector<Setting> read_parameters(const Node& node) {
   return settings;
 }
 
-/// Returns the time as written in the file, because the run adds a notice if a decimal number was interpreted as a
-/// ratio.
+/// Returns the time as the file contains it. The run adds a notice if it interprets a decimal number as a ratio.
 WrittenTime read_step(const Node& node) {
   static_cast<void>(config::step_time(node));
   if (node.is(data::Kind::text)) return node.text();

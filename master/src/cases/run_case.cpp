@@ -25,14 +25,13 @@ namespace {
 using modeldesc::Type;
 using modeldesc::Variable;
 
-/// Stores the expected values of one variable.
 struct Expected {
   const Variable* variable = nullptr;
   std::string recorded;  // name of the variable in the results
   std::shared_ptr<const Signal> signal;
 };
 
-/// Finds a variable by its name, such as "y", or by its name in results.csv, such as "instance.y".
+/// Finds a variable by its name "y", or by its name "instance.y" in results.csv.
 const Variable* find_variable(const modeldesc::ModelDescription& model, const std::string& instance,
                               const std::string& title) {
   if (const auto* variable = model.find(title)) return variable;
@@ -47,7 +46,6 @@ const Variable* find_variable(const modeldesc::ModelDescription& model, const st
                    fmt::format("{}: the FMU has no variable '{}'. {}", file.name(), title, suggest(title, names)));
 }
 
-/// Reads the columns of a file that contains expected values.
 std::vector<Expected> read_expected(const std::filesystem::path& path, const modeldesc::ModelDescription& model,
                                     const std::string& instance) {
   SignalFile file(path, path.string(), "");
@@ -78,7 +76,7 @@ std::vector<Expected> read_expected(const std::filesystem::path& path, const mod
   return columns;
 }
 
-/// Stores the values of a run at its communication points.
+/// The values of a run at its communication points.
 class Results {
  public:
   Results(Run& run, const std::vector<Expected>& columns) : run_(&run) {
@@ -87,7 +85,6 @@ class Results {
     }
   }
 
-  /// Performs all steps of the run.
   void fly() {
     run_->start();
     do {
@@ -97,7 +94,7 @@ class Results {
   }
 
   const std::vector<std::int64_t>& times_ns() const { return times_ns_; }
-  /// Returns the row of the results for a time: that of the last communication point which is not after this time.
+  /// Returns the index of the last communication point that is not after this time.
   std::size_t row_at(std::int64_t time_ns) const {
     const auto after = std::ranges::upper_bound(times_ns_, time_ns);
     return static_cast<std::size_t>(after - times_ns_.begin()) - 1;
@@ -130,7 +127,7 @@ class Results {
   }
 
   Run* run_;
-  std::vector<const modeldesc::Variable*> texts_of_;  // contains Strings and Binaries
+  std::vector<const modeldesc::Variable*> texts_of_;  // Strings and Binaries
   std::vector<std::int64_t> times_ns_;
   std::vector<std::vector<std::string>> texts_;  // indexed by communication point
 };
@@ -160,7 +157,7 @@ std::optional<Divergence> compared(const Expected& column, const Signal::Value& 
   return divergence;
 }
 
-/// Returns the first divergence of a variable. Returns nullopt if the variable does not diverge.
+/// Returns the first divergence of a variable, or nullopt.
 std::optional<Divergence> first_divergence(const Expected& column, const Results& results, const Tolerance& tolerance) {
   const auto& times = column.signal->times();
   std::size_t near = 0;

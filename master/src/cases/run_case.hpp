@@ -11,7 +11,7 @@
 
 namespace mebots::master::cases {
 
-/// Describes a value that differs from its expected value.
+/// A value that differs from the expected value.
 struct Divergence {
   double time_s = 0;
   std::string variable;
@@ -29,37 +29,36 @@ enum class Verdict { passed, failed, error };
 struct CaseResult {
   std::string name;
   Verdict verdict = Verdict::passed;
-  std::string error;  ///< why the run ended before its results could be compared
+  std::string error;  ///< the reason why the run failed
   std::optional<Divergence> first;
-  std::vector<std::string> others;  ///< names of variables that diverge later than `first`
+  std::vector<std::string> others;  ///< variables that diverge later than `first`
   std::size_t rows = 0;             ///< number of compared rows
   std::size_t variables = 0;
   double wall_s = 0;
 
-  /// Returns one line of text: why the case did not pass, or how many values were compared.
+  /// Returns the reason why the case did not pass, or the number of compared values.
   std::string text() const;
 };
 
 struct CaseOptions {
-  bool isolate = false;               ///< true: the FMU runs in a separate process
-  std::filesystem::path folder = {};  ///< folder for the results of the case; empty: no results are written
+  bool isolate = false;               ///< runs the FMU in a separate process
+  std::filesystem::path folder = {};  ///< folder for the results; empty: writes no results
 };
 
-/// Runs the FMU alone with the inputs of a case and compares its variables with the expected values at the time of each
-/// expected row. Between two communication points a continuous Real is interpolated; any other variable has the value
-/// of the earlier point. If two expected rows have the same time, the value must match one of them. If the run fails,
-/// the result contains the error.
+/// Runs the FMU alone with the inputs of a case, and compares its variables with each row of expected values.
+/// Interpolates a continuous Real between communication points. Any other variable keeps the value of the earlier
+/// point. If two expected rows have the same time, the value must match one of them. If the run fails, the result
+/// contains the error.
 CaseResult run_case(const std::filesystem::path& fmu, const CaseDescription& description,
                     const CaseOptions& options = {});
 
-/// Runs the case `name` of a file and returns JSON: {"verdict": "passed" | "failed" | "error", "text": ...}. `fmu`
-/// takes precedence over the FMU named in the file. Throws InputError if the file does not exist or contains no such
-/// case.
+/// Runs the case `name` of a file. Returns JSON: {"verdict": "passed" | "failed" | "error", "text": ...}. `fmu` takes
+/// precedence over the FMU in the file. Throws InputError if the file does not exist or lacks the case.
 std::string run_case_as_json(const std::filesystem::path& file, const std::string& name,
                              const std::optional<std::filesystem::path>& fmu, bool isolate);
 
-/// Returns the path of the FMU that a file of cases names. Throws InputError if the file names no FMU or the FMU does
-/// not exist.
+/// Returns the path of the FMU that a file names. Throws InputError if the file names no FMU, or if the FMU does not
+/// exist.
 std::filesystem::path fmu_of(const CaseFile& file);
 
 std::string_view name_of(Verdict verdict);

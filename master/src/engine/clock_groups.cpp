@@ -11,7 +11,7 @@
 namespace mebots::master {
 namespace {
 
-/// Wraps a slave for use in a group. `instance` must be the second interface of the object `slave`.
+/// Adds a slave to a group and wraps the slave for this group. `slave` and `instance` must be the same object.
 std::unique_ptr<Slave> in_group(std::unique_ptr<Slave> slave, EventInstance& instance,
                                 const std::shared_ptr<ClockGroup>& group) {
   auto holding = std::make_unique<HoldingSlave>(std::move(slave));

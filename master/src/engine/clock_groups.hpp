@@ -12,20 +12,20 @@
 
 namespace mebots::master {
 
-/// Creates the slaves whose clocks tick, and the groups in which these slaves step.
+/// Creates the slaves of instances with ticking clocks, and the groups in which these slaves step together.
 class ClockGroups {
  public:
   /// All arguments must outlive the slaves. If `*interrupted` becomes true during a call to an isolated instance, the
   /// instance's process is killed. If `interrupted` is null, calls cannot be interrupted.
   ClockGroups(const ResolvedSystem& system, MessageSink& messages, const std::atomic<bool>* interrupted);
 
-  /// Creates the slave of an instance whose clocks tick. Must be called in the order of the config.
+  /// Creates the slave of an instance with ticking clocks. Must be called in the order of the config.
   std::unique_ptr<Slave> make_slave(std::size_t instance);
-  /// Connects the members of each group. Must be called after the last make_slave().
+  /// Connects the members of each group. Must be called once, after the last make_slave().
   void connect();
 
  private:
-  /// Contains the group of an instance, and the index of the instance in this group.
+  /// The group of an instance, and the index of the instance in this group.
   struct Place {
     std::size_t group = 0;
     std::size_t member = 0;

@@ -10,14 +10,13 @@
 
 namespace mebots::master {
 
-/// The connections between the members of a group of clocks.
 struct ClockLinks {
   std::vector<ClockLink> clocks;
   std::vector<ClockedLink> values;
 };
 
-/// Returns the links for those connections that connect clocks or clocked variables. `member_of` must return the index
-/// of an instance in the group.
+/// Returns the connections between clocks and between clocked variables. `member_of` must return the index of an
+/// instance in its group.
 ClockLinks clock_links(const std::vector<ResolvedConnection>& connections,
                        const std::function<std::size_t(std::size_t instance)>& member_of);
 

@@ -17,10 +17,10 @@ namespace {
 using modeldesc::Causality;
 using modeldesc::Variability;
 
-/// The tolerance of the solver if neither the config nor an FMU of the members declares one.
+/// The relative tolerance of the solver if neither the config nor an FMU declares one.
 constexpr double kUsualTolerance = 1e-6;
 
-/// Returns the smallest tolerance that the FMUs of the members receive.
+/// Returns the smallest tolerance of the members. If no member has a tolerance, returns kUsualTolerance.
 double tolerance_of(const ResolvedSystem& system, const std::vector<std::size_t>& members) {
   std::optional<double> smallest;
   for (const auto member : members) {
@@ -30,8 +30,8 @@ double tolerance_of(const ResolvedSystem& system, const std::vector<std::size_t>
   return smallest.value_or(kUsualTolerance);
 }
 
-/// Returns the inputs on which an output directly depends, according to ModelStructure. Returns nullopt if it may
-/// depend on all inputs.
+/// Returns the inputs on which an output directly depends, as ModelStructure declares. If ModelStructure declares no
+/// dependencies, the output may depend on all inputs, and the function returns nullopt.
 std::optional<std::vector<ValueReference>> dependencies_of(const modeldesc::ModelDescription& model,
                                                            const modeldesc::Variable& output) {
   const auto index = static_cast<std::size_t>(&output - model.variables.data());
@@ -45,7 +45,7 @@ std::optional<std::vector<ValueReference>> dependencies_of(const modeldesc::Mode
   return references;
 }
 
-/// Wraps a slave for use in a group. `instance` must be the second interface of the object `slave`.
+/// Adds a slave to a group and wraps the slave for this group. `slave` and `instance` must be the same object.
 std::unique_ptr<Slave> in_group(std::unique_ptr<Slave> slave, ContinuousInstance& instance, bool clocks_tick,
                                 const std::shared_ptr<ContinuousGroup>& group) {
   if (!clocks_tick) return std::make_unique<ContinuousSlave>(std::move(slave), instance, group);
@@ -113,9 +113,8 @@ void ContinuousGroups::connect() {
   }
 }
 
-/// True for a connection of continuous Reals, which the solver evaluates in each evaluation of the derivatives. All
-/// other connections transfer values only at events. Among these are connections of clocked variables, which keep their
-/// values between ticks.
+/// True for a connection between continuous Reals. The solver transfers these values whenever it evaluates the
+/// derivatives. All other connections, such as those of clocked variables, transfer values only at events.
 bool ContinuousGroups::is_wire(const ResolvedConnection& connection) const {
   return !is_clocked(*connection.from.variable) && kind_of(connection.from.variable->type) == ValueKind::real &&
          kind_of(connection.to.variable->type) == ValueKind::real &&

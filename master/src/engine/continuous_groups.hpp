@@ -13,7 +13,7 @@
 
 namespace mebots::master {
 
-/// Creates the slaves of model exchange instances, and the groups that advance these slaves.
+/// Creates the slaves of model exchange instances, and the groups that integrate these slaves together.
 class ContinuousGroups {
  public:
   /// All arguments must outlive the slaves.
@@ -25,7 +25,7 @@ class ContinuousGroups {
   void connect();
 
  private:
-  /// Contains the continuous system of an instance, and the index of the instance in this system.
+  /// The continuous system of an instance, and the index of the instance in this system.
   struct Place {
     std::size_t system = 0;
     std::size_t member = 0;

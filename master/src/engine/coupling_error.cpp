@@ -13,14 +13,13 @@
 namespace mebots::master {
 namespace {
 
-/// Returns 1 / number. For small numbers, uses a table, because divisions take most of the time of an integral.
+/// Returns 1 / number. Small numbers come from a table, because divisions take most of the time of an integral.
 double reciprocal(std::size_t number) {
   constexpr std::array kKnown = {0.0, 1.0, 1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5, 1.0 / 6, 1.0 / 7, 1.0 / 8};
   return number < kKnown.size() ? kKnown[number] : 1 / static_cast<double>(number);
 }
 
-/// Returns the value of an input's polynomial: value + d_1 tau + d_2 tau^2 / 2! + ... The summation starts at the
-/// highest order.
+/// Evaluates an input's polynomial value + d_1 tau + d_2 tau^2 / 2! + ... by Horner's method.
 double at(const InputCourse& course, double tau_s) {
   double sum = 0;
   for (auto order = course.derivatives.size(); order > 0; --order) {
@@ -29,8 +28,8 @@ double at(const InputCourse& course, double tau_s) {
   return *course.value + sum;
 }
 
-/// Returns the integral of the product of an input and an output over a step: the sum of a_i d_j / j! tau^(i + j + 1) /
-/// (i + j + 1).
+/// Returns the integral of (scale * input + offset) * output over a step. Sums the terms a_i d_j / j! tau^(i + j + 1) /
+/// (i + j + 1), where a_i are the coefficients of the output and d_j the derivatives of the scaled input.
 double product_integral(const InputCourse& input, double scale, double offset, const std::array<double, 3>& output,
                         double length_s) {
   double integral = 0;
@@ -47,10 +46,9 @@ double product_integral(const InputCourse& input, double scale, double offset, c
   return integral;
 }
 
-/// Returns the integral of the product of two outputs over a step.
+/// Returns the integral of the product of two parabolas over a step.
 double product_integral(const std::array<double, 3>& one, const std::array<double, 3>& other, double length_s) {
-  // The summation starts at the highest power: c_n tau^(n + 1) / (n + 1), where c_n is the sum of a_i b_j over i + j =
-  // n.
+  // Sums c_n tau^(n + 1) / (n + 1) from the highest power. c_n is the sum of a_i b_j over i + j = n.
   double integral = 0;
   for (std::size_t n = one.size() + other.size() - 1; n-- > 0;) {
     double coefficient = 0;
@@ -66,7 +64,7 @@ std::string product_text(const std::string& one, const std::string& other) {
   return one.empty() || other.empty() ? "" : fmt::format("{}.{}.s", one, other);
 }
 
-/// Returns the connection that ends at one of the two inputs that a bond names.
+/// Returns the connection to one of the two inputs that a bond names.
 const ResolvedConnection& half(const ResolvedSystem& system, const VariableName& input, const std::string& place) {
   const auto variable = system.find(input, place);
   const auto connection = std::ranges::find(system.connections, variable, &ResolvedConnection::to);
@@ -91,7 +89,7 @@ const ResolvedConnection& half(const ResolvedSystem& system, const VariableName&
 std::array<double, 3> OutputCourse::coefficients(double length_s) const {
   const double rise = last - first;
   if (!before) return {first, rise / length_s, 0};
-  // The formula uses ratios of lengths, so that equal lengths give a factor of exactly 1.
+  // Uses ratios of lengths, so that equal lengths give a factor of exactly 1.
   const double both_s = length_s + before_length_s;
   const double longer = length_s / before_length_s;
   const double earlier_rise = first - *before;
@@ -127,7 +125,9 @@ double CoupledInput::deviation_integral(std::int64_t time_ns, const TimeGrid& gr
   MEBOTS_ASSERT(start_ns_.has_value(), "advance() comes first");
   const double length_s = grid.length_s(*start_ns_, time_ns);
   const double at_end = std::abs(input_at(time_ns, grid) - value());
-  if (*input_.start_ns != *start_ns_) return at_end * length_s;  // the reader and the source have different steps
+  if (*input_.start_ns != *start_ns_)
+    return at_end * length_s;  // the two instances started their steps at different
+                               // times
   const double middle_s = length_s / 2;
   const auto [c0, c1, c2] = course().coefficients(length_s);
   const double in_middle = at(input_, middle_s) - (factor_ * (c0 + (c1 + c2 * middle_s) * middle_s) + offset_);
@@ -174,8 +174,8 @@ std::optional<PowerBond::Energy> PowerBond::energy(const Point& point, const Tim
   const double length_s = grid.length_s(*effort_.start_ns(), point.time_ns);
   const auto efforts = effort_.course().coefficients(length_s);
   const auto flows = flow_.course().coefficients(length_s);
-  // The integrals use the unit of the effort at its input and the unit of the flow at its output. p is the polynomial
-  // of an input:
+  // Both integrals use the unit of the effort at its input and the unit of the flow at its output. p_e and p_f are the
+  // polynomials of the inputs, c and o the factors and offsets of the connections:
   //   taken = integral p_e f,  given = integral (c_e e + o_e) (p_f - o_f) / c_f
   auto efforts_as_input = efforts;
   for (auto& coefficient : efforts_as_input) coefficient *= effort_.factor();

@@ -8,8 +8,8 @@
 
 namespace mebots::master {
 
-/// Returns a link that copies the connection's value between two members of a group. `from` and `to` are the indices of
-/// the members in the group.
+/// Returns a link that copies a connection's value from one member of a group to another. `from` and `to` are indices
+/// of members.
 DiscreteLink link_of(const ResolvedConnection& connection, std::size_t from, std::size_t to);
 
 }  // namespace mebots::master

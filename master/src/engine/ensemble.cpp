@@ -27,8 +27,8 @@ namespace {
 using modeldesc::Type;
 using modeldesc::Variable;
 
-/// Calls `work`. Converts an error of a slave to an error of the user's inputs, because before t = 0 files, parameters
-/// or start values cause it.
+/// Calls `work` and converts SlaveError to InputError, because errors before the first step result from files,
+/// parameters or start values.
 template <typename Work>
 auto as_input(Work work) {
   try {
@@ -40,8 +40,8 @@ auto as_input(Work work) {
   }
 }
 
-/// Raises the limit of open files for the isolated instances. Must be called before any FMU is instantiated and before
-/// any process starts.
+/// Raises the limit of open files for the isolated instances. Must be called before the first process starts and the
+/// first FMU is instantiated.
 void reserve_descriptors(const ResolvedSystem& system) {
   const auto count =
       std::ranges::count_if(system.instances, [](const auto& instance) { return instance.isolation.alone(); });
@@ -101,13 +101,12 @@ void write(Slave& slave, const Banks& banks, KindSet kinds) {
   if ((kinds & bit(ValueKind::binary)) != 0) slave.set_binaries(banks.binaries.references, banks.binaries.values);
 }
 
-/// Copies the values of one kind along their connections.
 template <typename Copies>
 void move_all(const Copies& copies) {
   for (const auto& copy : copies) *copy.to = *copy.from;
 }
 
-/// Returns the mapped value, or the value itself if the map has no entry for it.
+/// Returns the mapped value. If the map has no entry for `value`, returns `value`.
 std::int64_t in_map(const std::vector<ValuePair>& map, std::int64_t value) {
   const auto found = std::ranges::lower_bound(map, value, {}, &ValuePair::from);
   return found != map.end() && found->from == value ? found->to : value;
@@ -141,7 +140,7 @@ Ensemble::Ensemble(const ResolvedSystem& system, MessageSink& messages, const Sl
   order_steps();
 }
 
-/// Calls `action` with each list of inputs that connections set.
+/// Calls `action` with each list of connected inputs.
 template <typename Action>
 void Ensemble::for_each_input_list(Member& member, Action action) {
   const auto bank_lists = [&](auto& bank) {
@@ -164,8 +163,8 @@ void Ensemble::for_each_input_list(Member& member, Action action) {
   action(member.range_checks);
 }
 
-/// Removes the connections inside continuous systems, which are at the end of the lists. After initialisation, the
-/// continuous systems evaluate these connections.
+/// Removes the connections inside continuous systems from the ends of the lists. After initialisation, the continuous
+/// systems transfer these values.
 void Ensemble::drop_inner_connections() {
   for (auto& member : members_) {
     auto size = member.outer_sizes.begin();
@@ -191,11 +190,10 @@ SignalId Ensemble::watch(const ResolvedVariable& variable) {
           slot_in(members_[variable.instance].outputs, *variable.variable)};
 }
 
-/// Adds a connection between a Binary and an OSMP binary.
 void Ensemble::connect_binary(const ResolvedConnection& connection) {
   const bool from_triple = connection.from.variable->type != Type::binary;
   const auto& triple = from_triple ? connection.from : connection.to;
-  if (!triple.variable->name.ends_with(kOsmpEndings[0])) return;  // the first part represents all three
+  if (!triple.variable->name.ends_with(kOsmpEndings[0])) return;  // the first variable represents all three
   const auto& model = *system_->instances[triple.instance].model;
   auto& target = members_[connection.to.instance];
   BytesOfTriple bytes{{}, 0};
@@ -279,7 +277,8 @@ void Ensemble::connect(const ResolvedConnection& connection) {
 void Ensemble::connect_real(const ResolvedConnection& connection, SignalId from, std::size_t to) {
   auto& target = members_[connection.to.instance];
   if (connection.sum) {
-    // The connections of a sum are consecutive. Derivatives are not summed, so the input is constant within a step.
+    // The connections of a sum are adjacent. Derivatives of a sum are not transferred, so its input is constant during
+    // a step.
     const bool add = !target.conversions.empty() && target.conversions.back().to == to;
     target.conversions.push_back({from, to, connection.factor, connection.offset, add});
     return;
@@ -296,9 +295,9 @@ void Ensemble::connect_mapped(const ResolvedConnection& connection, SignalId fro
   const auto type = connection.to.variable->type;
   members_[connection.to.instance].mappings.push_back({{.signal = from, .slot = to}, kind_of(type), &connection.map});
   const bool is_whole = type != Type::boolean && type != Type::enumeration;
-  if (is_whole && connection.from.variable->type != type)  // for values that the map does not change
+  if (is_whole && connection.from.variable->type != type)  // values without an entry in the map may be out of range
     members_[connection.to.instance].range_checks.push_back({&connection, to});
-  if (type == Type::enumeration) check_items_of(connection, to);  // for values that the map does not change
+  if (type == Type::enumeration) check_items_of(connection, to);  // values without an entry in the map may be no items
 }
 
 void Ensemble::check_items_of(const ResolvedConnection& connection, std::size_t slot) {
@@ -357,7 +356,7 @@ void Ensemble::link_derivatives(const ResolvedConnection& connection, SignalId f
 }
 
 void Ensemble::order_steps() {
-  // An instance that reads a buffer steps before the owner of this buffer. All other instances step in the order of the
+  // An instance that reads a buffer must step before the owner of the buffer. Otherwise, the order is that of the
   // config.
   std::vector<std::set<std::size_t>> owners(members_.size());
   std::vector<std::size_t> readers_left(members_.size(), 0);
@@ -367,14 +366,14 @@ void Ensemble::order_steps() {
     if (connection.pointer && owner != reader && owners[reader].insert(owner).second) ++readers_left[owner];
   }
   std::set<std::size_t> left;
-  std::set<std::size_t> free;  // remaining instances all of whose readers are already in the order
+  std::set<std::size_t> free;  // instances that need not wait for another reader
   for (std::size_t i = 0; i < members_.size(); ++i) {
     left.insert(left.end(), i);
     if (readers_left[i] == 0) free.insert(free.end(), i);
   }
   while (!left.empty()) {
-    // If the readers and owners of buffers form a ring, every instance waits for another one. In this case, any order
-    // is permitted, because the owners keep two buffers, as OSMP requires.
+    // In a ring of readers and owners, every instance waits for another one. Then any order is correct, because OSMP
+    // requires owners to keep two buffers.
     const auto next = free.empty() ? *left.begin() : *free.begin();
     free.erase(next);
     left.erase(next);
@@ -483,7 +482,7 @@ void Ensemble::initialize_slaves(std::int64_t stop_ns) {
 }
 
 void Ensemble::terminate() {
-  // Terminates every slave, even if another slave fails, because some FMUs write their files in this call.
+  // Some FMUs write files in this call. Therefore terminates all slaves, even if one of them fails.
   std::exception_ptr first;
   for (auto& member : members_) {
     try {
@@ -507,7 +506,7 @@ void Ensemble::read_outputs(std::size_t instance, std::int64_t time_ns) {
   MEBOTS_ASSERT(instance < members_.size());
   auto& member = members_[instance];
   auto& outputs = member.outputs;
-  if (member.keeps_earlier && time_ns != member.outputs_time_ns) {  // the outputs of one point may be read twice
+  if (member.keeps_earlier && time_ns != member.outputs_time_ns) {  // false if outputs are read again at the same time
     member.earlier_reals = outputs.reals.values;
     member.earlier_time_ns = member.outputs_time_ns;
   }
@@ -531,8 +530,8 @@ void Ensemble::read_outputs(std::size_t instance, std::int64_t time_ns) {
     member.slave->get_binaries(outputs.binaries.references, outputs.binaries.values);
 }
 
-/// Sends one notice for each instance that returns a text which is not UTF-8, as FMI requires. Connected inputs receive
-/// the bytes unchanged, but the results contain no invalid bytes.
+/// Reports an instance that returns invalid UTF-8, once per instance. Connected inputs receive the bytes unchanged; the
+/// results contain replacement characters.
 void Ensemble::check_texts(Member& member, std::int64_t time_ns) {
   if (member.reported_texts) return;
   const auto& bank = member.outputs.strings;
@@ -632,8 +631,7 @@ namespace {
 
 constexpr double kLargestFloat = std::numeric_limits<float>::max();
 
-/// Returns the value nearest to `value` that a type of whole numbers can represent. If `is_unsigned` is true, `value`
-/// contains the 64 bits of a UInt64.
+/// Clamps `value` to the range of an integer type. If `is_unsigned` is true, `value` contains the 64 bits of a UInt64.
 std::int64_t nearest_in(Type type, std::int64_t value, bool is_unsigned) {
   const auto [low, high] = fmi::limits_of(type);
   if (is_unsigned || value >= 0) return static_cast<std::int64_t>(std::min(static_cast<std::uint64_t>(value), high));
@@ -677,16 +675,16 @@ void Ensemble::check_ranges(const Member& member, std::int64_t time_ns) const {
   }
 }
 
-/// Returns the slope of the source's output over the source's last step.
+/// Returns the slope of a source's output over the source's last step.
 double Ensemble::line_slope(const DerivativeLink& link) const {
   const auto& source = members_[link.from.instance];
   const double length_s = grid_.length_s(source.earlier_time_ns, source.outputs_time_ns);
   return (real(link.from) - source.earlier_reals[link.from.slot]) / length_s;
 }
 
-/// Lets an input follow a line if its source has already stepped (Gauss-Seidel), because the source's value at the end
-/// of the step is then known. The line starts at the input's value at the start of the step and ends at this value.
-/// Using only the later value would reduce the order by one.
+/// Interpolates inputs whose source has already stepped (Gauss-Seidel). The input starts on the line through the
+/// source's values at both ends of its last step. If the input were constant at the later value, the method would lose
+/// one order.
 void Ensemble::start_on_lines(Member& member, std::int64_t time_ns) const {
   for (const auto& link : member.derivatives) {
     const auto& source = members_[link.from.instance];
@@ -699,12 +697,12 @@ void Ensemble::start_on_lines(Member& member, std::int64_t time_ns) const {
 
 void Ensemble::read_derivatives(Member& member, std::int64_t time_ns) const {
   auto& derivatives = member.output_derivatives;
-  if (time_ns == system_->description->start_time_ns) return;  // no FMU has derivatives before its first step
+  if (time_ns == system_->description->start_time_ns) return;  // FMUs have no derivatives before their first step
   member.slave->get_output_derivatives(derivatives.references, derivatives.orders, derivatives.values);
 }
 
-/// Finds the derivatives of the input, of order 1 and higher. Sets an unknown derivative to 0. Returns false if no
-/// derivative is known yet.
+/// Writes the derivatives of an input to `values`, starting at order 1. Unknown derivatives are 0. Returns false if no
+/// derivative is known.
 bool Ensemble::find_derivatives(DerivativeLink& link, std::int64_t time_ns, std::span<double> values) {
   MEBOTS_ASSERT(values.size() == link.orders && link.orders > 0, "link_derivatives() makes no empty ones");
   const auto& source = members_[link.from.instance];
@@ -721,8 +719,7 @@ bool Ensemble::find_derivatives(DerivativeLink& link, std::int64_t time_ns, std:
   return true;
 }
 
-/// Sets the first derivative that is not finite, and all higher derivatives, to 0, because FMUs of some tools return
-/// NaN.
+/// Sets the first NaN or infinite derivative and all higher derivatives to 0. FMUs of some tools return NaN.
 void Ensemble::hold_from_bad(DerivativeLink& link, std::int64_t time_ns, std::span<double> values) {
   const auto bad = std::ranges::find_if(values, [](double value) { return !std::isfinite(value); });
   if (bad == values.end()) return;
@@ -755,7 +752,7 @@ std::vector<Banks> Ensemble::outputs() const {
 }
 
 void Ensemble::bring_back(const std::vector<Banks>& outputs) {
-  // Restores only values and no lists, because observers store the addresses of the values.
+  // Copies only values, because observers store addresses of the elements.
   for (std::size_t i = 0; i < members_.size(); ++i) {
     MEBOTS_ASSERT(outputs.size() == members_.size(), "they come from outputs()");
     auto& now = members_[i].outputs;

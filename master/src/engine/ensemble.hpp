@@ -18,7 +18,7 @@
 
 namespace mebots::master {
 
-/// The values of one type that one call reads from a slave or sets in a slave.
+/// Values of one type that are read from, or written to, a slave in one call.
 template <typename T>
 struct Bank {
   std::vector<ValueReference> references;
@@ -26,11 +26,11 @@ struct Bank {
   std::vector<T> values;
   std::unordered_map<const modeldesc::Variable*, std::size_t> slots;
 
-  /// Returns the index of the variable in the bank. Adds the variable if the bank does not contain it.
+  /// Returns the index of the variable in the bank. Adds the variable if it is missing.
   std::size_t slot(const modeldesc::Variable& variable);
 };
 
-/// The values that the master reads from a slave, or the values that it sets, by type.
+/// All values that the master reads from a slave, or all values that it writes, by type.
 struct Banks {
   Bank<double> reals;
   Bank<std::int64_t> integers;
@@ -39,88 +39,84 @@ struct Banks {
   Bank<std::string> binaries;
 };
 
-/// Identifies an output whose last known value the ensemble stores.
+/// Identifies an output of an instance and its place in the output banks.
 struct SignalId {
   std::size_t instance = 0;
   ValueKind kind = ValueKind::real;
   std::size_t slot = 0;
 };
 
-/// The course of a connected Real input within a step of its slave: a polynomial in the time since the start of the
-/// step. The pointers are valid as long as the ensemble exists.
+/// The polynomial that a connected Real input follows during a step of its slave. Its argument is the time since the
+/// start of the step. The pointers are valid as long as the ensemble exists.
 struct InputCourse {
   const std::int64_t* start_ns = nullptr;
   const double* value = nullptr;
-  /// Time derivatives of order 1 and higher; empty if the input is constant within the step.
+  /// Time derivatives of order 1 and higher. Empty if the input is constant during the step.
   std::span<const double> derivatives;
 };
 
-/// The slaves and the values that are transferred between them. At a communication point, the master reads and writes
-/// each slave with one call per type. The arrays for these calls are created before the first step, and do not depend
-/// on the order of steps.
+/// Owns the slaves and transfers values between them. At a communication point, one call per type reads a slave's
+/// outputs, and one call per type writes its inputs.
 class Ensemble {
  public:
   /// Creates the slaves in the order of the config. `system` and `messages` must outlive the ensemble.
   Ensemble(const ResolvedSystem& system, MessageSink& messages, const SlaveOptions& options = {});
 
-  /// Adds a variable that is read at every communication point. Must be called before initialize().
+  /// Adds a variable that is read together with the connected outputs. Must be called before initialize().
   SignalId watch(const ResolvedVariable& variable);
 
   /// Sets start values, enters initialisation mode, propagates initial values along the connections, and reads the
-  /// outputs at t = 0. After an interrupt, throws InterruptedError before the next call to a slave. Throws InputError
-  /// if a slave rejects its inputs, NotFiniteError if an initial value is NaN or infinite, and Error if the values in a
-  /// loop of connections do not converge.
+  /// outputs at the start time. Throws InterruptedError after an interrupt, InputError if a slave rejects its inputs,
+  /// NotFiniteError if an initial value is NaN or infinite, and Error if the values in a loop of connections do not
+  /// converge.
   void initialize(std::int64_t stop_ns);
   void terminate();
-  /// Frees the instances, which must not be called afterwards. Returns an error text for each instance that could not
-  /// be freed.
+  /// Frees the instances. Slaves must not be called afterwards. Returns one error text per instance that could not be
+  /// freed.
   std::vector<std::string> free_instances();
 
   std::size_t size() const { return members_.size(); }
   Slave& slave(std::size_t instance) { return *members_[instance].slave; }
   const std::string& name(std::size_t instance) const { return members_[instance].slave->name(); }
 
-  /// Reads the watched and connected outputs of a slave. `time_ns` is the time of these outputs. Throws Error if an
-  /// output is NaN or infinite.
+  /// Reads the watched and connected outputs of a slave. `time_ns` is the time of these outputs. Throws NotFiniteError
+  /// if an output is NaN or infinite.
   void read_outputs(std::size_t instance, std::int64_t time_ns);
-  /// Sets the connected inputs of a slave to the values that were last read from their sources. `time_ns` is the start
-  /// of the slave's step. If the slave accepts time derivatives of inputs and a source provides them, also sets
-  /// derivatives. If a source is already at a later time, the input follows the line through the source's last two
-  /// values. Throws NotFiniteError if a conversion overflows. Throws Error if an Integer is not an item of the
-  /// Enumeration to which it is connected.
+  /// Writes the latest values of the connected outputs to a slave's inputs. `time_ns` is the start of the slave's step.
+  /// Also writes time derivatives if the slave accepts and the sources provide them. If a source has already stepped
+  /// past `time_ns`, the input follows the line through the source's last two values. Throws NotFiniteError if a unit
+  /// conversion overflows. Throws Error if an Integer is not an item of the connected Enumeration.
   void write_inputs(std::size_t instance, std::int64_t time_ns);
 
-  /// These functions return the value of a signal that was read last. The references are valid from initialize() until
-  /// the ensemble is destroyed.
+  /// Return the latest value of a signal. References are valid from initialize() until the ensemble is destroyed.
   const double& real(SignalId id) const { return members_[id.instance].outputs.reals.values[id.slot]; }
   const std::int64_t& integer(SignalId id) const {
     const auto& outputs = members_[id.instance].outputs;
     return (id.kind == ValueKind::boolean ? outputs.booleans : outputs.integers).values[id.slot];
   }
-  /// Returns the text of a String or the bytes of a Binary.
+  /// Returns the latest text of a String or the latest bytes of a Binary.
   const std::string& string(SignalId id) const {
     const auto& outputs = members_[id.instance].outputs;
     return (id.kind == ValueKind::binary ? outputs.binaries : outputs.strings).values[id.slot];
   }
 
-  /// Returns the time of the slave's outputs that were read last.
   const std::int64_t& outputs_time_ns(std::size_t instance) const { return members_[instance].outputs_time_ns; }
   /// Returns the polynomial that the connected Real input followed in the last step.
   InputCourse course_of(const ResolvedVariable& input) const;
 
-  /// Returns a copy of all outputs that were read last. If a step is not completed, bring_back() restores this copy.
+  /// Returns a copy of all latest outputs. Pass it to bring_back() if a step is not completed.
   std::vector<Banks> outputs() const;
   void bring_back(const std::vector<Banks>& outputs);
 
-  /// Returns an order of steps in which the reader of a buffer steps before the owner of the buffer.
+  /// Returns the order in which the slaves step. An instance that reads another instance's buffer steps before the
+  /// owner of the buffer.
   const std::vector<std::size_t>& step_order() const { return step_order_; }
 
-  /// Visits the outputs that were read last and the inputs that were set last, because an instance with a longer step
-  /// keeps its outputs between its steps.
+  /// Saves or restores the latest outputs and inputs. An instance with a longer step keeps them between its steps.
   void visit(state::Visitor& v);
 
  private:
-  /// Copies a value from the bank of an output to the bank of an input. The pointers are valid after initialize().
+  /// Copies a value from an output bank to an input bank. The pointers are valid after initialize().
   template <typename T>
   struct Copy {
     SignalId signal;
@@ -129,8 +125,8 @@ class Ensemble {
     T* to = nullptr;
   };
 
-  /// Converts an output to a Real input: computes factor * value + offset. Sets the input to the result, or adds the
-  /// result to the input if `add` is true.
+  /// Computes factor * value + offset from an output and sets a Real input to the result. If `add` is true, adds the
+  /// result to the input.
   struct Conversion {
     SignalId from;
     std::size_t to;
@@ -139,41 +135,42 @@ class Ensemble {
     bool add;
   };
 
-  /// Sets an Integer, Enumeration or Boolean input to the value that the map assigns to the output's value.
+  /// Maps an output's value to the value of an Integer, Enumeration or Boolean input.
   struct Mapping {
     Copy<std::int64_t> copy;
     ValueKind kind;  // kind of the input
     const std::vector<ValuePair>* map;
   };
 
-  /// Transfers the bytes of an OSMP binary to a Binary input.
+  /// Copies the bytes to which three Integers point (an OSMP binary) to a Binary input.
   struct BytesOfTriple {
     std::array<SignalId, 3> parts;
     std::size_t slot;
   };
 
-  /// Transfers a Binary to the three Integer inputs of an OSMP binary. `bytes` are valid until the next step.
+  /// Writes the address and size of a Binary to three Integer inputs (an OSMP binary). `bytes` are valid until the next
+  /// step.
   struct TripleOfBytes {
     SignalId binary;
     std::array<std::size_t, 3> slots;
     std::string bytes = {};
   };
 
-  /// Time derivatives of several variables. The derivatives of one variable are adjacent, in the order 1, 2 and so on.
+  /// Time derivatives of several variables. The derivatives of a variable are adjacent, in ascending order from 1.
   struct Derivatives {
     std::vector<ValueReference> references;
     std::vector<std::int32_t> orders;
     std::vector<double> values;
     std::unordered_map<ValueReference, std::size_t> firsts;  // index of the derivative of order 1
 
-    /// Returns the index of the variable's first derivative. If the variable has no derivatives yet, adds those of
-    /// orders 1 to `most`.
+    /// Returns the index of the variable's first derivative. If the variable is missing, adds its derivatives of orders
+    /// 1 to `most`.
     std::size_t place(ValueReference reference, std::uint32_t most);
-    /// Returns the derivatives of a variable. Returns an empty span if it has none.
+    /// Returns the derivatives of a variable. If the variable is missing, returns an empty span.
     std::span<const double> of(ValueReference reference) const;
   };
 
-  /// Transfers time derivatives of orders 1 to `orders` from an output to an input.
+  /// Transfers the time derivatives of orders 1 to `orders` from an output to an input.
   struct DerivativeLink {
     const ResolvedConnection* connection;
     SignalId from;
@@ -181,7 +178,7 @@ class Ensemble {
     std::size_t from_first;  // index among the source's output derivatives
     std::size_t to_first;    // index among the reader's input derivatives
     std::uint32_t orders;
-    bool nan_reported = false;  // true after a NaN derivative was reported
+    bool nan_reported = false;  // true after a NaN or infinite derivative was reported
   };
 
   /// Checks the values of an Enumeration input that is connected to an Integer.
@@ -191,7 +188,7 @@ class Ensemble {
     std::vector<std::int64_t> items;
   };
 
-  /// Checks an input whose type may be unable to represent some values of the output's type.
+  /// Checks values of an input whose type cannot represent all values of the output's type.
   struct RangeCheck {
     const ResolvedConnection* connection;
     std::size_t slot;  // index among the Real or the Integer inputs
@@ -199,21 +196,21 @@ class Ensemble {
 
   struct Member {
     std::unique_ptr<Slave> slave;
-    // These members state which banks are not empty, and whether all inputs are unchanged copies of Reals. Checking
-    // them replaces a check of each list. This is faster at every communication point, because the cache cannot contain
-    // the lists of all instances.
+    // Caches which banks contain values, and whether all inputs are unchanged copies of Reals. A check of these members
+    // is faster than a check of each list, because the lists of all instances do not fit into the cache.
     KindSet output_kinds = 0;
     KindSet input_kinds = 0;
     bool takes_reals_as_they_are = false;
-    // True if derivatives are transferred: the previous values are kept, because two values define a line.
+    // True if derivatives are transferred. Then `earlier_reals` stores the previous outputs, because a line needs two
+    // values.
     bool keeps_earlier = false;
-    std::int64_t outputs_time_ns = 0;  // time of `outputs`
-    std::int64_t inputs_time_ns = 0;   // start of the step for which `inputs` were set
+    std::int64_t outputs_time_ns = 0;
+    std::int64_t inputs_time_ns = 0;  // start of the step for which `inputs` were set
     Banks outputs;
     Banks inputs;
     std::vector<Copy<double>> real_copies;
     std::vector<Copy<std::int64_t>> integer_copies;
-    std::vector<Copy<std::int64_t>> flag_copies;  // copies of Booleans to Integers, as 0 and 1
+    std::vector<Copy<std::int64_t>> flag_copies;  // copies of Booleans to Integers as 0 and 1
     std::vector<Copy<std::int64_t>> boolean_copies;
     std::vector<Copy<std::string>> string_copies;
     std::vector<Copy<std::string>> binary_copies;
@@ -224,12 +221,12 @@ class Ensemble {
     std::vector<DerivativeLink> derivatives;
     std::vector<double> earlier_reals;
     std::int64_t earlier_time_ns = 0;
-    Derivatives output_derivatives;  // read together with the outputs, so that the order of instances has no effect
+    Derivatives output_derivatives;
     Derivatives input_derivatives;
     std::vector<ItemCheck> item_checks;
     std::vector<RangeCheck> range_checks;
-    std::vector<std::size_t> outer_sizes;  // sizes of the lists of inputs, without inner connections
-    bool reported_texts = false;           // true after a text that is not UTF-8 was reported
+    std::vector<std::size_t> outer_sizes;  // sizes of the input lists without connections inside a continuous system
+    bool reported_texts = false;           // true after a text with invalid UTF-8 was reported
   };
 
   void lay_out();
@@ -251,7 +248,7 @@ class Ensemble {
   void hand_inputs(std::size_t instance);
   void check_items(const Member& member, std::int64_t time_ns) const;
   void check_ranges(const Member& member, std::int64_t time_ns) const;
-  /// Limits inputs to their ranges, because an input may have any value before the initial values have converged.
+  /// Clamps inputs to their ranges. Before the initial values have converged, an input may have any value.
   static void keep_in_ranges(Member& member);
   void start_on_lines(Member& member, std::int64_t time_ns) const;
   void write_derivatives(Member& member, std::int64_t time_ns);
@@ -274,16 +271,17 @@ class Ensemble {
   std::vector<std::size_t> step_order_;
 };
 
-/// Returns connected inputs at which the loops can be cut. Each loop of connections and direct dependencies at
-/// initialisation contains at least one of these inputs. If these inputs are constant, no loop remains.
+/// Returns inputs that cut all loops of connections and direct dependencies at initialisation. If these inputs are
+/// constant, no loop remains.
 std::vector<ResolvedVariable> torn_inputs(const ResolvedSystem& system);
 
-/// Returns a loop of connections and direct dependencies at initialisation, such as "a.y -> b.u -> b.y -> a.u -> a.y".
-/// Returns an empty text if there is no loop.
+/// Returns the variables of a loop at initialisation, such as "a.y -> b.u -> b.y -> a.u -> a.y". Returns an empty text
+/// if there is no loop.
 std::string initial_loop(const ResolvedSystem& system);
 
-/// Creates the slaves of a system in the order of the config. Each slave runs in the process that the config requires,
-/// and is wrapped in the slave classes that its settings require. Throws SlaveError if an instance cannot be created.
+/// Creates the slaves of a system in the order of the config. Creates each slave in the process that the config
+/// requires, and wraps it in the slave classes that its settings require. Throws SlaveError if an instance cannot be
+/// created.
 std::vector<std::unique_ptr<Slave>> make_slaves(const ResolvedSystem& system, MessageSink& messages,
                                                 const SlaveOptions& options);
 

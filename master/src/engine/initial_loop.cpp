@@ -29,8 +29,8 @@ bool before(const Node& a, const Node& b) {
   return std::tie(a.instance, a.variable) < std::tie(b.instance, b.variable);
 }
 
-/// The dependencies that a model declares for its outputs at initialisation: those of InitialUnknowns, otherwise those
-/// of Outputs.
+/// The dependencies of a model's outputs at initialisation. Uses InitialUnknowns; outputs that are missing there use
+/// Outputs.
 class Dependencies {
  public:
   explicit Dependencies(const modeldesc::ModelDescription& model) : variables_(model.variables.data()) {
@@ -39,7 +39,7 @@ class Dependencies {
     }
   }
 
-  /// Returns the variables on which `output` depends. Returns null if `output` may depend on every input.
+  /// Returns the variables on which `output` depends. Returns null if it may depend on every input.
   const std::vector<std::size_t>* of(const Variable& output) const {
     const auto found = listed_.find(static_cast<std::size_t>(&output - variables_));
     return found == listed_.end() || !*found->second ? nullptr : &**found->second;
@@ -51,11 +51,11 @@ class Dependencies {
   std::unordered_map<std::size_t, const std::optional<std::vector<std::size_t>>*> listed_;
 };
 
-/// The nodes, identified by numbers. They are sorted by instance and variable.
+/// The graph of connections and dependencies. Nodes are numbers, sorted by instance and variable.
 struct Graph {
   std::vector<Node> nodes;
-  std::vector<std::vector<std::size_t>> followers;  // followers that are listed; in ascending order for an input
-  // Indexed by instance: the outputs that depend on all of its inputs.
+  std::vector<std::vector<std::size_t>> followers;  // explicit followers; in ascending order for inputs
+  // Indexed by instance: outputs that depend on all inputs of the instance.
   std::vector<std::vector<std::size_t>> outputs_of_all;
   bool is_output(std::size_t node) const { return nodes[node].variable->causality == Causality::output; }
 
@@ -65,7 +65,7 @@ struct Graph {
       nodes.push_back(connection.to);
     }
     std::ranges::sort(nodes, before);
-    // Not std::ranges::unique(): clang 14, which builds the fuzzers, does not accept libstdc++'s subrange.
+    // std::ranges::unique() does not compile with libstdc++ and clang 14, which builds the fuzzers.
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
     followers.resize(nodes.size());
     outputs_of_all.resize(system.instances.size());
@@ -100,26 +100,26 @@ struct Graph {
   }
 };
 
-/// The outputs of one instance that depend on all of its inputs. Stores which of them a search has visited.
+/// The outputs of an instance that depend on all of its inputs. Stores which outputs a search has visited.
 class SharedFollowers {
  public:
   explicit SharedFollowers(const std::vector<std::size_t>& outputs) : outputs_(&outputs), next_(outputs.size() + 1) {
     std::iota(next_.begin(), next_.end(), std::size_t{0});
   }
 
-  /// Returns the first unvisited output whose node number is at least `from`. Returns kNone if all are visited.
+  /// Returns the first unvisited output with a node number of at least `from`, or kNone.
   std::size_t unseen(std::size_t from) {
     const auto place = skip(place_of(from));
     return place == outputs_->size() ? kNone : (*outputs_)[place];
   }
-  /// Returns the first output on the path whose node number is at least `from`; kNone if the path has no such output.
+  /// Returns the first output on the path with a node number of at least `from`, or kNone.
   std::size_t open(std::size_t from) const {
     const auto found = open_.lower_bound(from);
     return found == open_.end() ? kNone : *found;
   }
   void enter(std::size_t output) {
     const auto place = place_of(output);
-    // An output whose dependencies are listed is not one of `outputs_`.
+    // Ignores an output with explicit dependencies, which is not in `outputs_`.
     if (place == outputs_->size() || (*outputs_)[place] != output) return;
     next_[place] = place + 1;
     open_.insert(output);
@@ -130,7 +130,7 @@ class SharedFollowers {
   std::size_t place_of(std::size_t node) const {
     return static_cast<std::size_t>(std::ranges::lower_bound(*outputs_, node) - outputs_->begin());
   }
-  /// Returns the first unvisited index at or after `place`. Shortens the chain of links for the next call.
+  /// Returns the first unvisited index at or after `place`. Shortens the chain of links (path compression).
   std::size_t skip(std::size_t place) {
     auto end = place;
     while (next_[end] != end) end = next_[end];
@@ -139,21 +139,21 @@ class SharedFollowers {
   }
 
   const std::vector<std::size_t>* outputs_;
-  // The index itself, or a later index if the output was visited; the last entry marks the end.
+  // Links each index to itself, or to a later index if the output was visited. The last entry marks the end.
   std::vector<std::size_t> next_;
   std::set<std::size_t> open_;
 };
 
-/// A depth-first search. It uses its own stack instead of recursion, because ensembles may contain long chains.
+/// A depth-first search with its own stack, because long chains would overflow the call stack.
 class Search {
  public:
   explicit Search(const Graph& graph) : graph_(graph), colours_(graph.nodes.size(), Colour::unseen) {
     for (const auto& outputs : graph.outputs_of_all) shared_.emplace_back(outputs);
   }
 
-  /// Calls back(from, to) for each edge that closes a loop. After the first such edge of an input, leaves out the
-  /// input's edges to outputs on the path that depend on all inputs. During a call, path_from(to) is the path from
-  /// `to` to `from`. Stops if `back` returns false.
+  /// Calls back(from, to) for each edge that closes a loop. Within the call, path_from(to) returns the loop. Stops if
+  /// `back` returns false. After the first such edge of an input, skips the input's edges to outputs on the path that
+  /// depend on all inputs.
   template <typename Back>
   void run(Back back) {
     for (std::size_t start = 0; start < graph_.nodes.size(); ++start) {
@@ -185,8 +185,8 @@ class Search {
   enum class Colour : std::uint8_t { unseen, open, done };
   struct Visit {
     std::size_t node;
-    std::size_t next_listed = 0;  // index among the listed followers
-    std::size_t shared_from = 0;  // smallest node number of the next shared follower
+    std::size_t next_listed = 0;  // index of the next explicit follower
+    std::size_t shared_from = 0;  // smallest node number of the next implicit follower
     bool closed = false;          // true if an edge of this node has closed a loop
   };
 
@@ -205,8 +205,8 @@ class Search {
     path_.pop_back();
   }
 
-  /// Returns the next follower of the path's last node. Returns kNone after the last follower. The followers of an
-  /// input are in ascending order.
+  /// Returns the next follower of the path's last node, or kNone after the last follower. Followers of an input are in
+  /// ascending order.
   std::size_t next() {
     auto& visit = path_.back();
     const auto& listed = graph_.followers[visit.node];

@@ -15,23 +15,20 @@
 namespace mebots::master {
 namespace {
 
-/// The number of sweeps, in addition to the length of the longest chain of connections, after which a loop is solved by
-/// Newton's method.
+/// Number of sweeps beyond the longest chain of connections before Newton's method solves the loop.
 constexpr int kLoopSweeps = 200;
 constexpr int kNewtonSteps = 50;
 constexpr int kHalvings = 12;
-/// A value has converged if its relative change is less than kStill. For values near zero, the change is compared with
-/// kStill * kSmall.
+/// A value has converged if its relative change is at most kStill. Near zero, the change is relative to kSmall.
 constexpr double kStill = 1e-12;
 constexpr double kSmall = 1e-9;
-/// If the values in a loop exceed this magnitude, Newton's method replaces the sweeps before numbers overflow.
+/// Sweeps stop if a value in a loop exceeds this magnitude, before numbers overflow.
 constexpr double kApart = 1e30;
 
 bool close(double a, double b) {
   return a == b || std::abs(a - b) <= kStill * std::max({std::abs(a), std::abs(b), kSmall});
 }
 
-/// Stores the values of the outputs of one instance.
 struct OutputValues {
   explicit OutputValues(const Banks& banks)
       : reals(banks.reals.values),
@@ -57,7 +54,7 @@ bool is_same(const OutputValues& before, const Banks& now, ValueKind kind, std::
       return before.booleans[slot] == now.booleans.values[slot];
     case ValueKind::binary:
       return before.binaries[slot] == now.binaries.values[slot];
-    case ValueKind::clock:  // no bank contains clocks
+    case ValueKind::clock:  // banks contain no clocks
     case ValueKind::string:
       break;
   }
@@ -94,7 +91,7 @@ void InitialValues::settle() {
   try {
     if (sweep(chain + kLoopSweeps, false)) return;
   } catch (const NotFiniteError&) {
-    if (!solvable || held_.empty()) throw;  // the error was not caused by the loop
+    if (!solvable || held_.empty()) throw;  // the loop did not cause the error
     not_finite = std::current_exception();
   }
   if (solvable && newton()) return;
@@ -111,7 +108,7 @@ void InitialValues::fail(const std::string& what) const {
 }
 
 bool InitialValues::sweep(int sweeps, bool hold_cuts) {
-  // Each sweep reads all outputs before it sets any input, so that the order of the instances has no effect.
+  // Reads all outputs before it sets any input, so that the order of the instances has no effect.
   std::vector<std::size_t> all(ensemble_.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
   auto changed = all;
@@ -119,14 +116,14 @@ bool InitialValues::sweep(int sweeps, bool hold_cuts) {
     Change change;
     for (const auto k : changed) read(k, change);
     if (i == 0 && held_.empty() && !cuts_.empty()) {
-      // Newton's method starts at the values that the cut inputs receive if only start values are set.
+      // Newton's method starts at the values of the cut inputs after the first read of all outputs.
       for (const auto k : all) ensemble_.collect_inputs(k);
       held_ = cut_values();
     }
     if (i > 0 && change.is_settled) return true;
     if (!hold_cuts && driven_apart()) return false;
     std::ranges::sort(change.driven);
-    // Not std::ranges::unique(): clang 14, which builds the fuzzers, does not accept libstdc++'s subrange.
+    // std::ranges::unique() does not compile with libstdc++ and clang 14, which builds the fuzzers.
     change.driven.erase(std::unique(change.driven.begin(), change.driven.end()), change.driven.end());
     changed = i == 0 ? all : std::move(change.driven);
     for (const auto k : changed) write(k, hold_cuts);
@@ -134,8 +131,8 @@ bool InitialValues::sweep(int sweeps, bool hold_cuts) {
   return false;
 }
 
-/// Reads the outputs of the instance. Detects changes only of connected outputs, because other outputs, such as the
-/// time of day, may change at each call.
+/// Reads the outputs of the instance and detects changes of connected outputs. Other outputs, such as a clock time, may
+/// change at each call.
 void InitialValues::read(std::size_t instance, Change& change) {
   const auto& outputs = ensemble_.members_[instance].outputs;
   const OutputValues before(outputs);
@@ -163,7 +160,7 @@ void InitialValues::write(std::size_t instance, bool hold_cuts) {
   ensemble_.hand_inputs(instance);
 }
 
-/// True if a value at a cut is finite, but so large that it is far from any solution.
+/// True if the value of a cut input exceeds kApart.
 bool InitialValues::driven_apart() const {
   return std::ranges::any_of(cut_values(), [](double value) { return std::abs(value) > kApart; });
 }
@@ -175,12 +172,12 @@ std::vector<double> InitialValues::cut_values() const {
 }
 
 /// Returns G(x) - x, where x are the values of the cut inputs. Returns nullopt if a value is NaN or infinite, or if the
-/// values that depend on x do not converge.
+/// other values do not converge.
 std::optional<std::vector<double>> InitialValues::residual(const std::vector<double>& x) {
   held_ = x;
   try {
-    // After each sweep, a changed value has passed at least one more connection. Therefore the number of connections
-    // limits the number of sweeps.
+    // A changed value passes at least one more connection in each sweep, so the number of connections limits the number
+    // of sweeps.
     if (!sweep(static_cast<int>(ensemble_.system_->connections.size()) + 2, true)) return std::nullopt;
     for (std::size_t k = 0; k < ensemble_.size(); ++k) ensemble_.collect_inputs(k);
   } catch (const NotFiniteError&) {
@@ -204,7 +201,7 @@ bool InitialValues::newton() {
   };
   for (int step = 0; step < kNewtonSteps; ++step) {
     if (solved()) {
-      residual(x);  // sets the slaves to x, because they may still have values of a neighbouring point
+      residual(x);  // sets the slaves to x; they may still contain values of a neighbouring point
       for (std::size_t k = 0; k < ensemble_.size(); ++k) write(k, false);
       return true;
     }
@@ -224,7 +221,7 @@ bool InitialValues::newton() {
     const Eigen::FullPivLU<Eigen::MatrixXd> lu(jacobian);
     if (!lu.isInvertible()) return false;
     const Eigen::VectorXd direction = lu.solve(-Eigen::Map<const Eigen::VectorXd>(r->data(), n));
-    // The step of Newton's method is halved as long as it increases the residual.
+    // Halves the step of Newton's method as long as the step increases the residual.
     double length = 1;
     bool better = false;
     for (int halving = 0; halving < kHalvings && !better; ++halving, length /= 2) {

@@ -9,32 +9,30 @@
 namespace mebots::master {
 
 /// Propagates values along the connections in initialisation mode until they no longer change. Each sweep reads the
-/// outputs of the instances whose inputs the previous sweep changed, and then sets the connected inputs. If there is no
-/// loop, the number of sweeps is the length of the longest chain. If the Reals in a loop x = G(x) do not converge,
-/// solves the loop by Newton's method with finite differences. The loop is cut at a few inputs, which a depth-first
-/// search finds (tearing, as in equation-based tools). All other values in the loop result from the values of these
-/// inputs.
+/// outputs of instances whose inputs changed in the previous sweep, and then sets the connected inputs. Without a loop,
+/// the number of sweeps is the length of the longest chain. If the Reals in a loop x = G(x) do not converge, Newton's
+/// method with finite differences solves the loop. For this purpose, a depth-first search finds a few inputs that cut
+/// all loops (tearing). All other values of the loops follow from these inputs.
 class InitialValues {
  public:
   explicit InitialValues(Ensemble& ensemble);
 
-  /// Propagates the values. Throws Error that names the loop if the values do not converge. Throws NotFiniteError if a
-  /// value is NaN or infinite.
+  /// Propagates the values. Throws Error if the values do not converge; the text names the loop. Throws NotFiniteError
+  /// if a value is NaN or infinite.
   void settle();
 
  private:
-  /// An input at which a loop is cut.
   struct Cut {
     std::size_t instance;
     std::size_t slot;  // index among the instance's Real inputs
   };
 
-  /// A connection, stored with the instance that has the output.
+  /// A connection from an output of an instance.
   struct Link {
     ValueKind kind;
     std::size_t slot;  // index among the source instance's outputs of this kind
     std::size_t to;    // instance that has the input
-    bool is_pointer;   // true for a part of an address, which an FMU may change at each call
+    bool is_pointer;   // true for a part of an OSMP address, which an FMU may change at each call
   };
   struct Change {
     bool is_settled = true;           // true if no value differs by more than the tolerance

@@ -23,7 +23,7 @@ const char* sign(Comparison comparison) {
   return "<";
 }
 
-/// Returns the value as it is written in a config. The value of an enumeration is the name of its item.
+/// Returns a value as a config would contain it. Enumerations become the name of the item.
 std::string shown(const modeldesc::ModelDescription& model, const modeldesc::Variable& variable,
                   const modeldesc::Value& value) {
   if (const auto* number = std::get_if<double>(&value)) return fmt::format("{}", *number);
@@ -37,7 +37,7 @@ std::string shown(const modeldesc::ModelDescription& model, const modeldesc::Var
   return std::holds_alternative<std::string>(value) ? fmt::format("\"{}\"", text) : text;
 }
 
-/// True for types whose values have a meaningful order.
+/// True for types that support `above` and `below`.
 bool is_ordered(modeldesc::Type type) {
   return fmi::is_float(type) || (kind_of(type) == ValueKind::integer && type != modeldesc::Type::enumeration);
 }
@@ -107,7 +107,7 @@ bool Condition::holds_now() const {
   if (signal_.kind == ValueKind::real) return compares(ensemble_->real(signal_));
   const auto value = ensemble_->integer(signal_);
   if (signal_.kind == ValueKind::boolean) return compares(value == 0 ? 0 : 1);
-  if (comparison_ == Comparison::equals) return value == whole_;  // compares exactly, even numbers of 64 bits
+  if (comparison_ == Comparison::equals) return value == whole_;  // exact for integers of 64 bits
   return compares(number_of(type_, value));
 }
 

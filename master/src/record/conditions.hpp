@@ -11,16 +11,17 @@
 
 namespace mebots::master {
 
-/// A condition: compares a variable with a value, or the number of true members with a number.
+/// A condition on the values at a communication point. Compares a variable with a value, or combines several conditions
+/// (all, any, or a count).
 class Condition {
  public:
   /// Throws InputError if the variable is unknown or the value does not match the variable's type.
   Condition(const ResolvedSystem& system, Ensemble& ensemble, const ConditionDescription& description);
 
-  /// Returns whether the condition is true. If the description sets `ever`, returns true if the condition was true in
-  /// any call of note_point().
+  /// True if the condition is true now. If the description sets `ever`, true if the condition was true in any call of
+  /// note_point().
   bool holds() const { return ever_ ? held_ : holds_now(); }
-  /// Evaluates the condition at the current communication point, for `ever`.
+  /// Evaluates a condition with `ever` at the current point. Must be called at each communication point.
   void note_point();
   /// Returns a text such as "world.drone.landed = true".
   const std::string& text() const { return text_; }
@@ -39,14 +40,14 @@ class Condition {
   bool held_ = false;
   SignalId signal_;
   Comparison comparison_;
-  double number_ = 0;       // compared number; also for Booleans (0 and 1) and for `above` and `below` of whole numbers
-  std::int64_t whole_ = 0;  // compared number for `equals` of whole numbers and enumerations
+  double number_ = 0;       // compared number for Reals and Booleans (0 and 1), and for `above` and `below` of integers
+  std::int64_t whole_ = 0;  // compared number for `equals` of integers and enumerations
   modeldesc::Type type_ = modeldesc::Type::real;
   std::string string_;
   std::string text_;
 };
 
-/// Ends a run as soon as one of its conditions has been true for its duration.
+/// Ends a run when a condition has been true for the required duration.
 class StopConditions final : public Observer {
  public:
   StopConditions(const ResolvedSystem& system, Ensemble& ensemble);
@@ -59,7 +60,7 @@ class StopConditions final : public Observer {
   struct Watch {
     Condition condition;
     std::int64_t for_ns;
-    std::optional<std::int64_t> since_ns = {};  // time since which the condition has been true without interruption
+    std::optional<std::int64_t> since_ns = {};  // start of the time in which the condition has always been true
 
     void visit(state::Visitor& v) { v("since_ns", since_ns); }
   };
@@ -68,7 +69,7 @@ class StopConditions final : public Observer {
   std::vector<Watch> watches_;
 };
 
-/// Determines the outcome of a run: the first outcome in the config whose conditions are all true, otherwise
+/// Determines the outcome of a run. The outcome is the first one in the config whose conditions are all true, or
 /// "completed".
 class Outcomes final : public Observer {
  public:

@@ -12,12 +12,12 @@
 #include <string>
 #include <vector>
 
-/// Measures the errors that the coupling causes in a run.
+/// Measures the errors that co-simulation causes by exchanging values only at communication points.
 namespace mebots::master {
 
-/// Measures the deviation of one continuous Real input from its source, in the unit of the input. The deviation is p -
-/// y, where p is the polynomial that the input follows within a step, and y is the value of the source. It is computed
-/// at the start of the reader's step, and at all points that the source has reached within this step.
+/// Measures the deviation of a continuous Real input from the connected output. Within a step, the input follows a
+/// polynomial; the deviation is the polynomial minus the output, in the unit of the input. Measures at the start of the
+/// input's step and at all points that the output reaches within this step.
 class InputDeviation {
  public:
   InputDeviation(const ResolvedSystem& system, Ensemble& ensemble, const ResolvedConnection& connection);
@@ -26,8 +26,7 @@ class InputDeviation {
   void visit(state::Visitor& v);
 
   const std::string& input() const { return input_; }
-  /// Returns the root mean square of the deviation, divided by the range of the source's value. Returns 0 if the range
-  /// is 0.
+  /// Returns the root mean square of the deviation, relative to the range of the output. Returns 0 if the range is 0.
   double relative() const;
   int order() const { return coupled_.order(); }
   nlohmann::ordered_json json() const;
@@ -40,7 +39,7 @@ class InputDeviation {
   std::string unit_;
   CoupledInput coupled_;
 
-  double last_value_ = 0;  // value of the source at last_time_ns_, in the unit of the input
+  double last_value_ = 0;  // output at last_time_ns_, in the unit of the input
   std::optional<std::int64_t> last_time_ns_;
   double least_ = 0;
   double most_ = 0;
@@ -50,10 +49,10 @@ class InputDeviation {
   std::int64_t largest_at_ns_ = 0;
 };
 
-/// Measures the energy that the coupling creates in one power bond.
+/// Measures the energy that the coupling of a power bond creates.
 class BondEnergy {
  public:
-  /// Throws the same errors as PowerBond.
+  /// Throws InputError as PowerBond does.
   BondEnergy(const ResolvedSystem& system, Ensemble& ensemble, const BondDescription& description)
       : bond_(system, ensemble, description) {}
 
@@ -63,7 +62,7 @@ class BondEnergy {
   const BondDescription& description() const { return bond_.description(); }
   double made() const { return made_; }
   double passed() const { return passed_; }
-  /// Returns the largest energy that was created or lost up to any point, divided by the exchanged energy.
+  /// Returns the largest energy created or lost so far, relative to the exchanged energy.
   double relative() const { return passed_ > 0 ? largest_ / passed_ : 0; }
   int order() const { return bond_.order(); }
   nlohmann::ordered_json json() const;
@@ -75,7 +74,7 @@ class BondEnergy {
   double largest_ = 0;
 };
 
-/// Reports the deviation of each continuous Real connection, and the created energy of each bond.
+/// Reports the deviation of each connected continuous Real input and the energy that each bond creates.
 class Coupling final : public Observer {
  public:
   /// Throws InputError if a bond is invalid.
@@ -85,8 +84,8 @@ class Coupling final : public Observer {
   void visit(state::Visitor& v) override;
   std::string_view state_name() const override { return "coupling"; }
 
-  /// Returns a text for each limit that is exceeded. The text suggests a communication step at which the limit would be
-  /// met. If step control is active, the text names the key that should be changed instead.
+  /// Returns a text for each limit that the run exceeded. The text suggests a step that meets the limit, or a setting
+  /// of step control.
   std::vector<std::string> warnings() const;
   nlohmann::ordered_json json() const;
 
@@ -100,8 +99,8 @@ class Coupling final : public Observer {
   std::vector<BondEnergy> bonds_;
 };
 
-/// Returns a step at which the error is below the limit: 1, 2 or 5 times a power of ten [s]. `relative` is the error
-/// with the step `step_s`. The error is assumed to be proportional to the step to the power of `order`.
+/// Returns a step of 1, 2 or 5 times a power of ten [s] at which the error stays below the limit. `relative` is the
+/// error with the step `step_s`. Assumes that the error is proportional to the power `order` of the step.
 double step_for(double relative, double limit, int order, double step_s);
 
 }  // namespace mebots::master

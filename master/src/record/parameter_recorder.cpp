@@ -13,7 +13,7 @@ namespace mebots::master {
 namespace {
 
 std::string value_text(Slave& slave, const modeldesc::Variable& variable) {
-  const auto kind = kind_of(variable.type);  // recorded_parameters() returns no clocks
+  const auto kind = kind_of(variable.type);  // never a clock, see recorded_parameters()
   const auto value = get_value(slave, kind, variable.value_reference);
   if (const auto* real = std::get_if<double>(&value)) return fmt::format("{}", *real);
   if (const auto* whole = std::get_if<std::int64_t>(&value))

@@ -14,7 +14,7 @@ namespace mebots::master {
 namespace {
 
 struct Source {
-  std::vector<ResolvedVariable> frame;  // a Binary or the three parts of an OSMP binary
+  std::vector<ResolvedVariable> frame;  // a Binary, or the three variables of an OSMP binary
   ResolvedVariable id;
 };
 
@@ -68,7 +68,6 @@ void PictureRecorder::make_folder() const {
 
 void PictureRecorder::remove_pictures() const {
   std::error_code error;
-  // Removes pictures of an earlier run, which could otherwise be mistaken for pictures of this run.
   for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
     if (entry.path().extension() == ".png") std::filesystem::remove(entry.path(), error);
   }

@@ -11,10 +11,10 @@
 namespace mebots::master {
 namespace {
 
-/// A block that contains this many bytes of text is written even if it is not full.
+/// A block with this many bytes of text is written even if it is not full.
 constexpr std::size_t kBlockTextBytes = 1 << 20;
 
-/// Returns the type as which a variable is recorded. Enumerations of FMI 3.0 are recorded with 64 bits.
+/// Returns the type in the results. Enumerations of FMI 3.0 have 64 bits.
 modeldesc::Type recorded_type(const ResolvedSystem& system, const ResolvedVariable& variable) {
   const auto type = variable.variable->type;
   const bool is_wide = type == modeldesc::Type::enumeration && system.instances[variable.instance].model->is_fmi3();

@@ -15,19 +15,19 @@
 
 namespace mebots::master {
 
-/// Records one row at each communication point, or at each recording interval. The first row is at t = 0, the last row
-/// at the end of the run. The simulation only copies numbers; another thread writes the files.
+/// Records a row at each communication point, or at each recording interval. The first row is at the start, the last
+/// row at the end of the run. Another thread writes the files.
 class Recorder final : public Observer {
  public:
-  /// Selects the columns. Throws InputError if a pattern matches no variable.
+  /// Throws InputError if a pattern in the config matches no variable.
   Recorder(const ResolvedSystem& system, Ensemble& ensemble);
 
-  /// Adds a sink that receives the rows. Must be called before the first point.
+  /// Adds a destination for the rows. Must be called before the first point.
   void add(std::unique_ptr<RowSink> sink);
 
   std::optional<std::string> reached(const Point& point) override;
   void ended(const Point& point) override;
-  /// Writes all rows so far to the files. Throws Error if they cannot be written, for example because the disk is full.
+  /// Writes all rows so far to the sinks. Throws Error if a sink cannot write, for example because the disk is full.
   void flush() { writer_.drain(block_); }
   void visit(state::Visitor& v) override;
   std::string_view state_name() const override { return "recorder"; }
@@ -36,11 +36,11 @@ class Recorder final : public Observer {
   std::int64_t rows() const { return rows_; }
 
  private:
-  /// Points to the source of a column's values. Exactly one pointer is not null.
+  /// The address of a column's value. Exactly one pointer is not null.
   struct Source {
     const double* real = nullptr;
     const std::int64_t* integer = nullptr;
-    bool binary = false;  // true if the text contains bytes, which are written as hexadecimal digits
+    bool binary = false;  // true if `text` contains bytes, which are recorded as hexadecimal digits
     const std::string* text = nullptr;
     bool boolean = false;
   };
@@ -53,23 +53,22 @@ class Recorder final : public Observer {
   std::int64_t every_steps_;
   std::vector<RecordColumn> columns_;
   std::vector<SignalId> signals_;
-  bool records_step_ = false;             // true: the length of the step is the first column
-  double step_s_ = 0;                     // length of the step that ends at this point; 0 at the start
-  std::optional<std::int64_t> point_ns_;  // time of the last point, stored if the step is recorded
-  std::vector<Source> sources_;           // set when the run begins
+  bool records_step_ = false;             // true if the first column is the length of the step
+  double step_s_ = 0;                     // length of the step that ends at this point [s]; 0 at the start
+  std::optional<std::int64_t> point_ns_;  // time of the previous point; only if records_step_ is true
+  std::vector<Source> sources_;           // set at the first row
   RowBlock block_;
-  std::size_t text_bytes_ = 0;  // number of bytes of texts in `block_`
+  std::size_t text_bytes_ = 0;  // number of text bytes in `block_`
   std::vector<std::unique_ptr<RowSink>> sinks_;
-  BlockWriter writer_;  // declared after the sinks, which must outlive it
+  BlockWriter writer_;  // must be destroyed before the sinks
   std::int64_t rows_ = 0;
   std::int64_t last_step_ = -1;
 };
 
-/// Reads the recorded parameters from the slaves. Must be called after the slaves were initialised.
+/// Reads the recorded parameters from the slaves. All slaves must be initialised.
 std::vector<ParameterValue> read_parameters(const ResolvedSystem& system, Ensemble& ensemble);
 
-/// Writes parameters.csv at t = 0. Each row contains the name, unit and value of a parameter. The file is separate,
-/// because a column in results.csv would repeat the value in every row.
+/// Writes name, unit and value of each recorded parameter to parameters.csv at the start.
 class ParameterRecorder final : public Observer {
  public:
   /// Throws InputError if a pattern matches no parameter.
@@ -83,16 +82,14 @@ class ParameterRecorder final : public Observer {
   std::filesystem::path file_;
 };
 
-/// Writes the frames in an OSMP binary as PNG files. The name of a file is the time of its frame: `0012.345000.png`
-/// contains the frame at 12.345 s.
+/// Writes the frames of a camera as PNG files. The name of a file is the time in seconds, such as 0012.345000.png.
 class PictureRecorder final : public Observer {
  public:
-  /// Throws InputError if the frame or its id is not a variable of the required type.
+  /// Throws InputError if the frame or its id does not exist or has the wrong type.
   PictureRecorder(const ResolvedSystem& system, Ensemble& ensemble, const PictureDescription& pictures,
                   std::filesystem::path folder);
 
-  /// Throws Error if the folder cannot be created, if the frame does not consist of whole rows, or if the frame cannot
-  /// be written.
+  /// Throws Error if the folder or a file cannot be written, or if the frame does not consist of whole rows.
   std::optional<std::string> reached(const Point& point) override;
   void visit(state::Visitor& v) override;
   std::string_view state_name() const override { return "pictures"; }
@@ -107,15 +104,14 @@ class PictureRecorder final : public Observer {
   PictureDescription pictures_;
   TimeGrid grid_;
   std::filesystem::path folder_;
-  std::vector<SignalId> frame_;  // a Binary, or the three parts of an OSMP binary
+  std::vector<SignalId> frame_;  // a Binary, or the three variables of an OSMP binary
   SignalId id_;
   bool has_folder_ = false;
   std::int64_t last_id_ = 0;
-  std::optional<std::int64_t> last_ns_;  // time of the last picture
+  std::optional<std::int64_t> last_ns_;
 };
 
-/// Throws InputError if the variables do not exist or have the wrong type, or if the FMU and the config declare
-/// different widths.
+/// Throws InputError if a variable does not exist or has the wrong type, or if FMU and config declare different widths.
 void check_pictures(const ResolvedSystem& system, const PictureDescription& pictures);
 
 }  // namespace mebots::master

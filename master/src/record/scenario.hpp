@@ -17,14 +17,14 @@
 
 namespace mebots::master {
 
-/// Starts overrides when their conditions are true. A started override affects inputs from this communication point,
-/// and outputs from the next communication point.
+/// Starts overrides when their conditions become true. A started override affects inputs from this communication point
+/// and outputs from the next one.
 class Scenario final : public Observer {
  public:
-  /// Throws the same errors as OverrideSchedule.
+  /// Throws InputError as OverrideSchedule does.
   explicit Scenario(const ResolvedSystem& system);
 
-  /// Looks up the variables that the conditions use. Must be called before the ensemble is initialised.
+  /// Looks up the variables in the conditions. Must be called before the ensemble is initialised.
   void watch(const ResolvedSystem& system, Ensemble& ensemble);
 
   const OverrideSchedule& schedule() const { return schedule_; }
@@ -33,8 +33,8 @@ class Scenario final : public Observer {
   void visit(state::Visitor& v) override;
   std::string_view state_name() const override { return "scenario"; }
 
-  /// Returns the overrides, and the times at which they were active, for summary.json. `end_ns` is the last
-  /// communication point of the run.
+  /// Returns the overrides and the times of their effect for summary.json. `end_ns` is the last communication point of
+  /// the run.
   nlohmann::ordered_json report(const ResolvedSystem& system, std::int64_t end_ns) const;
 
  private:
@@ -46,7 +46,7 @@ class Scenario final : public Observer {
   };
 
   OverrideSchedule schedule_;
-  std::vector<Trigger> triggers_;  // one for each override; without a condition if the override has none
+  std::vector<Trigger> triggers_;  // indexed by override
 };
 
 }  // namespace mebots::master

@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Builds the blocks of bytes that follow the header.
+/// The blocks of bytes after the header.
 class Blocks {
  public:
   Json add(std::string_view bytes) {

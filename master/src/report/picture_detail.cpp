@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kLeastWidth = 128;
 
-/// Averages each 2 x 2 pixels to one pixel. Drops an odd last row or column.
+/// Averages 2 x 2 pixels to one pixel. Drops an odd last row or column.
 GreyPicture halved(const GreyPicture& picture) {
   GreyPicture half;
   half.width = picture.width / 2;
@@ -30,7 +30,8 @@ GreyPicture halved(const GreyPicture& picture) {
   return half;
 }
 
-/// Halves the width and height of the picture. Returns false if it already has the smallest size.
+/// Halves width and height of a picture. Returns false if the result would be too small, or if the file is not a grey
+/// PNG.
 bool shrink(Picture& picture) {
   const auto read = read_png(picture.png);
   if (!read || read->width / 2 < kLeastWidth || read->pixels.size() / read->width < 2) return false;

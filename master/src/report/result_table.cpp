@@ -31,14 +31,14 @@ std::vector<Column> read_header(const data::CsvReader& reader) {
   return columns;
 }
 
-/// Returns the number of complete lines after the header. A line break in a quoted text is also counted, so that the
-/// number may be too large. In this case, the table is reduced more than necessary.
+/// Returns the number of complete lines after the header. Also counts line breaks in quoted texts. If the number is too
+/// large, the table is reduced more than necessary.
 std::size_t rows_of(std::string_view text) {
   const auto lines = static_cast<std::size_t>(std::ranges::count(text, '\n'));
   return lines == 0 ? 0 : lines - 1;
 }
 
-/// Removes an incomplete last line, which remains if the process of the run is killed.
+/// Removes the incomplete last line of a killed run.
 std::string_view whole_lines(std::string_view text) {
   const auto end = text.rfind('\n');
   return end == std::string_view::npos ? std::string_view() : text.substr(0, end + 1);
@@ -60,7 +60,7 @@ void drop_texts(ResultTable& table, const std::vector<bool>& is_text) {
 
 std::size_t ResultTable::span_of(std::size_t rows, std::size_t columns) {
   const auto numbers = rows * columns;
-  return numbers <= kMostValues ? 1 : (2 * numbers + kMostValues - 1) / kMostValues;  // a span is reduced to two rows
+  return numbers <= kMostValues ? 1 : (2 * numbers + kMostValues - 1) / kMostValues;  // two rows remain per span
 }
 
 namespace {
@@ -79,7 +79,7 @@ ResultTable read_rows(data::CsvReader& reader, std::size_t rows, const std::vect
   for (; reader.next(); ++table.rows) {
     row[0] = reader.number(0);
     for (std::size_t i = 1; i < width; ++i) {
-      if (is_text[i]) continue;  // the column is left out
+      if (is_text[i]) continue;  // columns with texts are omitted
       const auto value = parsed_number<double>(reader.cell(i));
       is_text[i] = !value;
       row[i] = value.value_or(0);

@@ -10,7 +10,7 @@
 
 namespace mebots::master::report {
 
-/// A span of simulated time that includes both of its ends.
+/// A span of simulated time, including both ends.
 struct TimeSpan {
   double from_s = 0;
   double to_s = 0;
@@ -26,46 +26,43 @@ struct ResultTable {
     std::vector<double> values;
   };
   std::vector<Column> columns;
-  std::vector<std::string> texts;  ///< names of columns that contain texts; these columns are left out
-  std::size_t rows = 0;            ///< number of rows in the file
-  std::size_t span = 1;            ///< number of consecutive rows that a Thinner reduces to two
-  std::vector<TimeSpan> whole;     ///< spans in which every row is kept
+  std::vector<std::string> texts;  ///< names of columns with texts, which `columns` omits
+  std::size_t rows = 0;            ///< number of rows in results.csv
+  std::size_t span = 1;            ///< number of consecutive rows that were reduced to two
+  std::vector<TimeSpan> whole;     ///< spans of time in which every row is kept
 
-  /// The maximum number of values in a page. With more values, the page would be too large to be sent by mail.
+  /// Maximum number of values in a page. A larger page would be too large for mail.
   static constexpr std::size_t kMostValues = 600'000;
-  /// Returns the number of consecutive rows that a Thinner reduces to two in a table of this size. `columns` includes
-  /// the time.
+  /// Returns the number of consecutive rows that must be reduced to two. `columns` includes the time.
   static std::size_t span_of(std::size_t rows, std::size_t columns);
 };
 
-/// Reads results.csv and thins it out. Keeps every row within the spans `whole`. Skips an incomplete last line, which
-/// remains if a run is killed. The columns named in `texts` contain texts even if they look like numbers, such as the
-/// Binary 0102. Throws InputError if the file is not such a table.
+/// Reads results.csv and reduces it with a Thinner. Keeps every row within the spans `whole`. Ignores an incomplete
+/// last line of a killed run. Columns in `texts` contain texts even if they look like numbers, such as the Binary 0102.
+/// Throws InputError if the file is not such a table.
 ResultTable read_results(const std::filesystem::path& file, const std::vector<TimeSpan>& whole = {},
                          const std::set<std::string>& texts = {});
 
-/// Reduces a table, but keeps its minima and maxima. Every `span` consecutive rows become two rows, which have the
-/// times of the first and the last row. In each column, the two rows contain the minimum and the maximum of the span,
-/// in the order in which they occurred. Therefore monotonic columns, such as energy counters, keep their exact values
-/// at both times.
+/// Reduces a table but keeps its minima and maxima. Every `span` consecutive rows become two rows at the times of the
+/// first and the last row. In each column, the two rows contain the minimum and the maximum in the order of their
+/// occurrence. Monotonic columns, such as energy counters, therefore keep exact values at both times.
 class Thinner {
  public:
-  /// If `span` is 1, every row is kept. The first column must be the time.
+  /// If `span` is 1, keeps every row. The first column must be the time.
   Thinner(std::size_t columns, std::size_t span);
 
   void add(std::span<const double> row);
-  /// Completes the current span, then adds a row that is kept unchanged.
+  /// Completes the current span, then adds a row without reduction.
   void keep(std::span<const double> row);
-  /// Completes the last span, which may contain fewer rows. Must be called after the last row.
+  /// Completes the last span. Must be called after the last row.
   void finish();
 
-  /// Returns the values of the reduced table, indexed by column.
   std::vector<std::vector<double>>& values() { return values_; }
 
  private:
   struct Extreme {
     double value = 0;
-    std::size_t row = 0;  // index in the span
+    std::size_t row = 0;  // index within the span
   };
 
   std::size_t span_;

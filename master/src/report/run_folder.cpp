@@ -44,7 +44,7 @@ std::vector<fs::path> sorted_entries(const fs::path& folder) {
   return entries;
 }
 
-/// Reads the pictures of one camera. The name of a picture file is its time; files with other names are ignored.
+/// Reads the pictures of one camera. Ignores files whose name is not a time.
 PictureSeries read_series(const fs::path& folder, std::size_t known) {
   PictureSeries series;
   series.name = folder.filename().string();
@@ -60,8 +60,8 @@ PictureSeries read_series(const fs::path& folder, std::size_t known) {
   return series;
 }
 
-/// Reads the profiles of chip programs in the folder. fmu_soc writes a profile there if its parameter `profile` names a
-/// file in this folder.
+/// Reads the profiles of chip programs in the folder. They exist if a parameter `profile` of fmu_soc names a file in
+/// this folder.
 std::vector<Json> read_profiles(const fs::path& folder) {
   std::vector<Json> profiles;
   for (const auto& file : sorted_entries(folder)) {
@@ -75,7 +75,7 @@ std::vector<Json> read_profiles(const fs::path& folder) {
   return profiles;
 }
 
-/// Returns the names of recorded variables whose values are texts: Strings and Binaries.
+/// Returns the names of recorded Strings and Binaries.
 std::set<std::string> texts_of(const nlohmann::json& system) {
   std::set<std::string> names;
   if (!system.is_object() || !system.contains("variables")) return names;

@@ -115,10 +115,10 @@ void Checkpointer::continues(const Point& point) {
   const auto every_ns = nanoseconds_of(*checkpoint_.options.checkpoint_every_s, "time from checkpoint to checkpoint");
   const auto passed = point.time_ns / every_ns - (point.time_ns % every_ns < 0 ? 1 : 0);  // rounds down
   next_ns_ = (passed + 1) * every_ns;
-  const auto state = simulation_->save_state();  // makes the recorder write its rows to the file
+  const auto state = simulation_->save_state();  // also makes the recorder write its rows to the file
   checkpoint_.simulation = simulation_->serialize(state);
   checkpoint_.time_ns = point.time_ns;
-  // The files to which the checkpoint refers must be on the disk before the checkpoint.
+  // The files must be on the disk before a checkpoint refers to them.
   results_->sync();
   log_->sync();
   checkpoint_.results_bytes = results_->size();

@@ -21,15 +21,15 @@ namespace mebots::master {
 
 inline constexpr const char* kCheckpointFile = "checkpoint.bin";
 
-/// Contains the state of a run at a communication point. The run can be resumed from it in another process.
+/// The state of a run at a communication point. Another process can resume the run from this state.
 struct Checkpoint {
   std::filesystem::path config;  ///< path of the config, FMU or SSP
   RunOptions options;
-  std::string inputs;  ///< the member `lines` of InputHash
+  std::string inputs;  ///< the text of all inputs, see InputHash::lines
   std::int64_t time_ns = 0;
   std::uint64_t results_bytes = 0;  ///< length of results.csv at this point
   std::uint64_t log_bytes = 0;      ///< length of log.txt at this point
-  std::string results_hash;         ///< hash of the first results_bytes bytes
+  std::string results_hash;         ///< hash of the first `results_bytes` bytes of results.csv
   std::string log_hash;
   std::vector<std::byte> simulation;
 
@@ -46,10 +46,10 @@ struct Checkpoint {
   }
 };
 
-/// Makes every path in the options absolute, because a checkpoint must be usable from any working folder.
+/// Makes all paths in the options absolute, because a checkpoint may be resumed from another working folder.
 RunOptions with_absolute_paths(RunOptions options);
 
-/// Writes the checkpoint file of a results folder. Replaces an earlier checkpoint atomically. Throws Error if this
+/// Writes the checkpoint file into a results folder. Replaces an earlier checkpoint atomically. Throws Error if writing
 /// fails.
 void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& checkpoint);
 
@@ -60,17 +60,16 @@ Checkpoint read_checkpoint(const std::filesystem::path& folder);
 /// Throws InputError if an instance's FMU cannot serialize its state. The error lists all such instances.
 void check_can_checkpoint(const ResolvedSystem& system);
 
-/// Throws InputError that lists the changes if the inputs have changed since a file was written. `what` names this file
-/// in the error, for example "the checkpoint".
+/// If the inputs have changed, throws InputError that lists the changes. `what` names the older state in the error, for
+/// example "the checkpoint".
 void check_inputs(const std::string& inputs_then, const std::string& inputs_now, std::string_view what);
 
-/// Writes a checkpoint at t = 0, and then at the first communication point after each interval of simulated time.
-/// Writes none at the end of the run, because a run that resumes there would step beyond the end. Must be the last
-/// observer, so that all other observers have already written their data of the point.
+/// An observer that writes a checkpoint at the start, and then at the first communication point after each interval of
+/// simulated time. Must be the last observer, because a checkpoint contains the states of all other observers. Writes
+/// no checkpoint at the end of the run, because a resumed run would step past the end.
 class Checkpointer final : public Observer {
  public:
-  /// `blank` must contain all members of the checkpoint that do not change during the run. All other arguments must
-  /// outlive this object.
+  /// `blank` must contain all members that do not change during the run. All other arguments must outlive this object.
   Checkpointer(Simulation& simulation, std::filesystem::path folder, Checkpoint blank, OutputFile& results,
                OutputFile& log);
 
@@ -89,13 +88,13 @@ class Checkpointer final : public Observer {
   std::int64_t next_ns_ = std::numeric_limits<std::int64_t>::min();
 };
 
-/// Contains the state, at a communication point, of a run that writes no files. Other runs with the same inputs can
-/// start from it. In contrast, a Checkpoint belongs to one run, whose files contain the earlier results.
+/// The state of a run without files at a communication point. Other runs with the same inputs can start from it. In
+/// contrast, a Checkpoint belongs to one run and its files.
 struct SavedRun {
-  std::string inputs;  ///< the member `lines` of InputHash
+  std::string inputs;  ///< the text of all inputs, see InputHash::lines
   std::int64_t time_ns = 0;
   std::vector<std::byte> simulation;
-  std::vector<std::byte> rows;  ///< rows of the MemorySink, if there is one
+  std::vector<std::byte> rows;  ///< rows of the MemorySink; empty without a MemorySink
 
   void visit(state::Visitor& v) {
     v("inputs", inputs);
@@ -106,7 +105,7 @@ struct SavedRun {
 };
 
 std::vector<std::byte> to_bytes(const SavedRun& run);
-/// Converts the bytes that to_bytes() returned to a SavedRun. Throws InputError if the bytes have another version.
+/// Converts the result of to_bytes() back. Throws InputError if the bytes are damaged or of another version.
 SavedRun saved_run(std::span<const std::byte> bytes);
 
 }  // namespace mebots::master

@@ -19,8 +19,8 @@ std::string name_of(const Fmu& fmu) {
   return fmu.archive().filename().string();
 }
 
-/// Describes the use of process-wide data: the number of current runs in this process that use them, and the first FMU
-/// that imported a function which changes them.
+/// The number of current runs that use a kind of process-wide data, and the first FMU that imported a function which
+/// changes the data.
 struct Use {
   int runs = 0;
   std::string fmu;
@@ -32,11 +32,12 @@ struct Uses {
 };
 
 Uses& uses() {
-  static Uses& all = *new Uses;  // never destroyed, because a run may be closed when the process ends
+  static Uses& all = *new Uses;  // never destroyed, because a run may be closed at process exit
   return all;
 }
 
-/// Maps each process function that FMUs of this process import to the name of the first FMU that imports it.
+/// Maps each imported process-wide function to the name of the first FMU that imports it. Skips instances in separate
+/// processes.
 std::map<const ProcessFunction*, std::string> functions_of(const ResolvedSystem& system) {
   std::map<const ProcessFunction*, std::string> functions;
   for (const auto& instance : system.instances) {

@@ -10,25 +10,26 @@
 #include <string_view>
 #include <vector>
 
-/// Finds effects that a run has on the next run in the same process. LibraryState describes these effects.
+/// Finds FMUs whose data could change the next run in the same process.
 namespace mebots::master {
 
-/// Returns the FMUs that are not clean, with the reasons (see LibraryState). All instances must have been freed.
+/// Returns the FMUs that left data in this process, with the reasons (see LibraryState). All instances must have been
+/// freed.
 std::vector<Leftover> leftovers_of(const ResolvedSystem& system);
 
-/// Returns the name of the first FMU that computes with data outside of its instances' states, and the reason. Returns
-/// nullopt if there is no such FMU.
+/// Returns the name of the first FMU that computes with data outside its instances, and the reason. Returns nullopt if
+/// no FMU does.
 std::optional<std::string> fmu_without_whole_state(const ResolvedSystem& system);
-/// Throws InputError if an FMU computes with data outside of its instances' states. `what` names the call that requires
-/// a complete state.
+/// Throws InputError if an FMU computes with data outside its instances. `what` names the call that needs the complete
+/// state.
 void require_whole_states(const ResolvedSystem& system, std::string_view what);
 
-/// Protects process-wide data of the C library, such as the state of rand(), during a run. If FMUs of the run import
-/// functions that change such data, the run starts with the data of a new process, or is rejected.
+/// Protects data of the C library, such as the state of rand(), that FMUs share with the whole process. If FMUs of the
+/// run import functions that change such data, resets the data or rejects the run.
 class ProcessUse {
  public:
-  /// Resets the data that the FMUs of the run may change. Throws InputError that names the FMU and the function if an
-  /// earlier run may have changed data that mebots cannot reset, or if another run is using the same data.
+  /// Resets the data that FMUs of the run may change. Throws InputError, which names the FMU and the function, if
+  /// another run uses the same data, or if an earlier run may have changed data that cannot be reset.
   explicit ProcessUse(const ResolvedSystem& system);
   ~ProcessUse();
   ProcessUse(const ProcessUse&) = delete;

@@ -20,8 +20,8 @@ using modeldesc::Causality;
 
 constexpr std::string_view kPrefix = "calibration.";
 
-/// Extends each interval in `intervals` so that it includes the number with the same label in `values`. Whole numbers
-/// and values that are not numbers have no interval.
+/// Widens each interval in `intervals` to include the number with the same label in `values`. Integers and texts have
+/// no interval.
 void widen(Json& intervals, const Json& values) {
   for (const auto& [label, value] : values.items()) {
     if (value.is_object()) {

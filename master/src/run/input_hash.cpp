@@ -13,7 +13,7 @@
 namespace mebots::master {
 namespace {
 
-/// Returns the files of a folder and of its subfolders. Their order is fixed and does not depend on the file system.
+/// Returns all files below a folder in sorted order.
 std::vector<std::filesystem::path> files_of(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
@@ -23,18 +23,17 @@ std::vector<std::filesystem::path> files_of(const std::filesystem::path& folder)
   return files;
 }
 
-/// True if a text parameter names a folder that `mebots deploy` has written. Only such folders are hashed. The value of
-/// another String parameter may be a name inside the FMU that is also, by chance, the name of a folder.
+/// True if a String parameter names a folder that `mebots deploy` wrote. Other values may equal the name of a folder by
+/// chance.
 bool names_network(const std::string& variable, const std::string& text) {
   return variable == "network" && is_file(std::filesystem::path(text) / "network.json");
 }
 
-/// Returns the files whose paths are values of String parameters. Paths are relative to the working folder, because an
-/// FMU would open them in this way.
+/// Returns the files that String parameters name. Relative paths start at the working folder, as in an FMU.
 std::map<std::string, std::filesystem::path> named_files(const SystemDescription& system) {
   std::map<std::string, std::filesystem::path> files;
   for (const auto& instance : system.instances) {
-    std::map<std::string, const std::string*> texts;  // the last assignment to a parameter applies
+    std::map<std::string, const std::string*> texts;  // last value of each parameter
     for (const auto& assignment : instance.parameters) {
       const auto* text = std::get_if<std::string>(&assignment.value);
       if (const auto* typed = std::get_if<UntypedText>(&assignment.value)) text = &typed->text;
@@ -56,7 +55,7 @@ std::map<std::string, std::filesystem::path> named_files(const SystemDescription
 InputHash hash_inputs(const SystemDescription& system, std::span<const std::string> overrides) {
   InputHash hash;
   hash.config = sha256(system.source);
-  std::map<std::filesystem::path, std::string> known;  // hashes of files, because instances may share an FMU
+  std::map<std::filesystem::path, std::string> known;  // caches hashes, because instances may share an FMU
   auto lines = fmt::format("config {}\n", hash.config);
   for (const auto& instance : system.instances) {
     auto& digest = known[instance.fmu_path];

@@ -15,18 +15,18 @@
 
 namespace mebots::master {
 
-/// Returns the double nearest to the shortest text of a Float32. Therefore JSON shows the same digits as results.csv.
+/// Returns the double with the shortest decimal text of a Float32, so that JSON contains the same digits as
+/// results.csv.
 inline double shortest_float32(double value) {
   const auto single = static_cast<float>(value);
   std::array<char, 32> text{};
   const auto written = std::to_chars(text.data(), text.data() + text.size(), single);
-  double shortest = value;  // Stays unchanged for an infinity or NaN, whose text is not a number.
+  double shortest = value;  // stays unchanged for infinity and NaN
   if (std::isfinite(single)) std::from_chars(text.data(), written.ptr, shortest);
   return shortest;
 }
 
-/// Returns the value of a variable as JSON. Returns null if there is no value. A Binary becomes hexadecimal digits, two
-/// for each byte.
+/// Converts a value to JSON. No value becomes null, and a Binary becomes hexadecimal digits.
 inline nlohmann::ordered_json json_of(modeldesc::Type type, const modeldesc::Value& value) {
   if (type == modeldesc::Type::uint64 && std::holds_alternative<std::int64_t>(value))
     return static_cast<std::uint64_t>(std::get<std::int64_t>(value));
@@ -45,8 +45,8 @@ inline nlohmann::ordered_json json_of(modeldesc::Type type, const modeldesc::Val
       value);
 }
 
-/// Adds a member to an object, or creates an object if `object` is null. The object must not contain the key yet. This
-/// is not checked, because searching an ordered object would be slow.
+/// Appends a member to an object, or creates the object if `object` is null. The caller must ensure that the key is
+/// new, because a search of an ordered object is slow.
 inline nlohmann::ordered_json& add_member(nlohmann::ordered_json& object, const std::string& key) {
   if (object.is_null()) object = nlohmann::ordered_json::object();
   auto& members = object.get_ref<nlohmann::ordered_json::object_t&>();

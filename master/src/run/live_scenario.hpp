@@ -13,8 +13,8 @@ namespace mebots::master {
 
 inline constexpr std::string_view kLiveScenarioFile = "live_scenario.json";
 
-/// The values that a user sets by hand on the live page. The results folder stores them as a scenario, which repeats
-/// the run. A resumed run sets the values of the time after its checkpoint again.
+/// The values that a user sets on the live page. The results folder stores them as a scenario file, which can repeat
+/// the run. A resumed run sets the values after its checkpoint again.
 class LiveScenario {
  public:
   struct Entry {
@@ -24,19 +24,20 @@ class LiveScenario {
 
   explicit LiveScenario(const std::filesystem::path& folder) : file_(folder / kLiveScenarioFile) {}
 
-  /// Reads the values that the run set before it was killed. The run resumes at this time. Throws InputError.
+  /// Reads the values that the earlier process set. The run resumes at `time_ns`. Throws InputError if the file is
+  /// invalid.
   void resume(std::int64_t time_ns);
-  /// Adds a value and writes the file. Throws Error.
+  /// Adds a value and writes the file. Throws Error if writing fails.
   void add(std::string_view variable, const nlohmann::ordered_json& value, std::int64_t time_ns);
-  /// True if a resumed run must still set values again.
+  /// True if some values are not yet set again.
   bool is_pending() const { return done_ < entries_.size(); }
-  /// Returns the values that a resumed run must set again at this time. Returns each value once.
+  /// Returns the values to set again at this time. Returns each value only once.
   std::vector<Entry> due(std::int64_t time_ns);
 
  private:
   std::filesystem::path file_;
   nlohmann::ordered_json entries_ = nlohmann::ordered_json::array();  // by time
-  std::size_t done_ = 0;  // the number of entries that this run has set, or that its checkpoint contains
+  std::size_t done_ = 0;  // number of entries that this run has set or its checkpoint contains
 };
 
 }  // namespace mebots::master

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The public C++ interface of a Run: names and values in the form that programs use.
+// The public C++ interface of a Run.
 #include "mebots/mission.hpp"
 
 #include "base/signal_guard.hpp"
@@ -61,9 +61,9 @@ class Mission::Impl {
     return value;
   }
 
-  std::filesystem::path config;  // of the constructor; empty for a resumed run
+  std::filesystem::path config;  // empty for a resumed run
   RunOptions options;
-  std::list<PointListener> listeners;  // before the run, which stores their addresses
+  std::list<PointListener> listeners;  // declared before the run, which stores their addresses
   std::unique_ptr<Run> run;
 };
 
@@ -147,7 +147,7 @@ void Mission::reset() {
                                                       ? "reset() was called from a listener, in the middle of a step"
                                                       : "reset(): this mission was resumed from a checkpoint");
   }
-  impl.run->close();  // releases the results folder
+  impl.run->close();  // unlocks the results folder
   impl.run = std::make_unique<Run>(impl.config, impl.options, impl.run->library());
   impl.listeners.clear();
 }

@@ -15,14 +15,14 @@ namespace mebots::master {
 
 namespace {
 
-/// The files of an earlier run that a new run replaces. The new run deletes those that it does not write itself.
+/// The files that a new run replaces or deletes.
 constexpr std::array<std::string_view, 8> kOutdated = {kSystemFile,     kSceneFile,       "summary.json",
                                                        "results.csv",   "results.h5",     "parameters.csv",
                                                        kCheckpointFile, kLiveScenarioFile};
 
 void refuse_as_input(const std::filesystem::path& folder, const std::filesystem::path& input, std::string_view what) {
   for (const auto name : kOutdated) {
-    std::error_code none;  // usually there is no such file
+    std::error_code none;  // ignored, because the file usually does not exist
     if (!std::filesystem::equivalent(folder / name, input, none)) continue;
     throw InputError(ErrorCode::invalid_argument,
                      fmt::format("{}: the run would replace this file, its {}, with its own {}. Choose "
@@ -58,8 +58,7 @@ ResultFiles::ResultFiles(const RunOptions& options, const ResolvedSystem& system
     return;
   }
   results_ = &folder_.reopen("results.csv");
-  log_ = &folder_.reopen("log.txt");  // messages are not written until it is truncated: it already contains those up to
-                                      // the checkpoint
+  log_ = &folder_.reopen("log.txt");  // already contains the messages up to the checkpoint; started() truncates it
   if (results_->size() < resumed->results_bytes || log_->size() < resumed->log_bytes) {
     throw InputError(
         ErrorCode::state_damaged,
@@ -88,8 +87,7 @@ void ResultFiles::add_sinks(Recorder& recorder) {
   if (!system_->description->record.hdf5) return;
   auto sink = std::make_unique<Hdf5Sink>(columns, folder_.reserve("results.h5"));
   hdf5_ = sink.get();
-  // If the process was killed while it wrote the HDF5 file, the file may be damaged. Therefore its rows are copied from
-  // results.csv.
+  // Copies the rows from results.csv, because a killed process may have damaged its HDF5 file.
   if (resumed_ != nullptr) copy_csv_rows(results_->path(), resumed_->results_bytes, columns, *sink);
   recorder.add(std::move(sink));
 }

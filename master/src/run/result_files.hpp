@@ -19,51 +19,49 @@
 
 namespace mebots::master {
 
-/// The files of a run in one folder: system.json, scene.json.gz, results.csv, results.h5, parameters.csv, pictures,
-/// log.txt, summary.json, checkpoint.bin, live_scenario.json. An earlier run's files are unchanged until this run
-/// reaches t = 0.
+/// The files of a run in its results folder, such as results.csv, log.txt and summary.json. The files of an earlier run
+/// remain until this run reaches its start time.
 class ResultFiles {
  public:
-  /// Creates the folder `options.out` and the files that every run has. If `resumed` continues an earlier run, opens
-  /// the files of that run. Throws InputError if this fails, or if the files of the run would replace its inputs.
-  /// `system` and `resumed` must outlive this object. If `resumed` is null, the run is new.
+  /// Creates the folder `options.out` and the files that every run has. If `resumed` is not null, opens the files of
+  /// the resumed run instead. Throws InputError if this fails, or if a file of the run would replace an input. `system`
+  /// and `resumed` must outlive this object.
   ResultFiles(const RunOptions& options, const ResolvedSystem& system, const Checkpoint* resumed);
 
   const std::filesystem::path& folder() const { return folder_.path(); }
-  /// True from t = 0 on, when the results in the folder belong to this run.
+  /// True if the results in the folder belong to this run, that is, after the start time was reached.
   bool kept() const { return folder_.kept(); }
-  /// Returns the path of the file with the recorded rows, for messages.
+  /// Returns the path of the file with the recorded rows.
   std::filesystem::path rows_file() const;
 
-  /// Adds the files of results as sinks to the recorder. Must be called before the first point.
+  /// Adds the result files to the recorder. Must be called before the first point.
   void add_sinks(Recorder& recorder);
-  /// Creates the observers that each write one file, and returns them in the order in which they must be called. Must
-  /// be called before the first point. The observers are valid as long as this object.
+  /// Creates the observers that write files, and returns them in the order of their calls. Must be called before the
+  /// first point. The observers are valid as long as this object exists.
   std::vector<Observer*> make_observers(Ensemble& ensemble);
-  /// Returns the observer that writes checkpoints. It must be added after all other observers.
+  /// Returns the observer that writes checkpoints. Must be added after all other observers.
   Observer& make_checkpointer(Simulation& simulation, const RunOptions& options, const std::string& inputs);
-  /// Writes the files that describe the start. Must be called after all instances are initialised. In a resumed run,
-  /// truncates the log at the checkpoint and continues it.
+  /// Writes the files that describe the start. Must be called after initialisation. In a resumed run, also truncates
+  /// the log at the checkpoint.
   void started(Ensemble& ensemble);
 
-  /// Writes a line to log.txt.
   void log(const Message& message);
 
-  /// Closes the results and the log. The recorder must have written its rows before. Returns the first error; empty if
-  /// all data are on the disk.
+  /// Closes results and log. The recorder must have written all rows. Returns the first error, or nullopt if all data
+  /// are on the disk.
   std::optional<std::string> close();
-  /// Adds lines to log.txt after close(). Throws Error.
+  /// Appends lines to log.txt after close(). Throws Error if writing fails.
   void log_after_close(std::span<const std::string> lines);
-  /// Replaces summary.json atomically. Throws Error.
+  /// Replaces summary.json atomically. Throws Error if writing fails.
   void write_summary(const std::string& text);
   bool has_checkpoint() const;
-  /// Removes the checkpoint of a run that cannot be resumed because it has ended.
+  /// Removes the checkpoint of a run that has ended and cannot be resumed.
   void remove_checkpoint();
-  /// Unlocks the folder for other runs. Nothing may be written afterwards.
+  /// Unlocks the folder. Nothing may be written afterwards.
   void release() { folder_.release(); }
 
  private:
-  /// At t = 0, replaces the files of an earlier run by those of this run.
+  /// Replaces the files of an earlier run when this run reaches its start time.
   class KeepResults final : public Observer {
    public:
     explicit KeepResults(ResultFiles& files) : files_(&files) {}
@@ -79,13 +77,13 @@ class ResultFiles {
   const Checkpoint* resumed_;
   ResultFolder folder_;
   KeepResults keep_{*this};
-  OutputFile* results_ = nullptr;  // null without results.csv
+  OutputFile* results_ = nullptr;  // null if the run writes no results.csv
   OutputFile* log_ = nullptr;
   bool logging_ = false;
-  Hdf5Sink* hdf5_ = nullptr;  // the recorder's; null without results.h5
+  Hdf5Sink* hdf5_ = nullptr;  // owned by the recorder; null if the run writes no results.h5
   std::optional<SystemFileWriter> system_writer_;
   std::optional<ParameterRecorder> parameters_;
-  std::list<PictureRecorder> pictures_;  // a list, because observers are referenced by address
+  std::list<PictureRecorder> pictures_;  // a list, because its elements must not move
   std::optional<Checkpointer> checkpointer_;
 };
 

@@ -38,7 +38,7 @@ ResultFolder::~ResultFolder() {
   std::error_code ignored;
   for (const auto& waiting : waiting_) std::filesystem::remove(waiting.now, ignored);
   if (kept_) return;
-  lock_.reset();  // otherwise, the lock's file would prevent the folder from being removed
+  lock_.reset();  // removes the lock file, so that the folder can be removed
   for (const auto& folder : made_) std::filesystem::remove(folder, ignored);  // removes only empty folders
 }
 
@@ -82,8 +82,7 @@ void ResultFolder::keep(std::span<const std::string_view> outdated) {
 
 namespace {
 
-/// True if this path still refers to the opened file. The file may have been removed, because the last run that uses a
-/// folder removes its lock file.
+/// True if this path still refers to the opened lock file. Another run may have removed the file.
 bool is_still(const std::filesystem::path& file, int descriptor) {
   struct stat named {};
   struct stat opened {};
@@ -97,8 +96,7 @@ std::string owner_of(int descriptor) {
   return size > 0 ? std::string(text.data(), static_cast<std::size_t>(size)) : "unknown";
 }
 
-/// True if no process has this number. If a run is killed while it starts a child process, the child keeps the lock for
-/// a moment.
+/// True if no process has this number. After a run is killed, its child process may hold the lock for a moment.
 bool is_gone(const std::string& owner) {
   pid_t number = 0;
   const auto* const end = owner.data() + owner.size();
@@ -133,15 +131,14 @@ FolderLock::FolderLock(const std::filesystem::path& folder) : file_(folder / ".m
     if (is_still(file_, descriptor_)) break;
     ::close(descriptor_);
   }
-  // The message to a second run contains the process number of the first. If writing the number fails, the lock is
-  // still valid.
+  // Writes the process number for the error of a second run. If this fails, the lock is still valid.
   const auto own = std::to_string(::getpid());
   static_cast<void>(::ftruncate(descriptor_, 0) == 0 && ::pwrite(descriptor_, own.data(), own.size(), 0) > 0);
 }
 
 FolderLock::~FolderLock() {
   std::error_code ignored;
-  // Removed before unlocking, so that no other run locks a file that is then removed.
+  // The file must be removed before it is unlocked. Otherwise, another run could lock the file that is then removed.
   std::filesystem::remove(file_, ignored);
   ::close(descriptor_);
 }

@@ -31,7 +31,7 @@
 namespace mebots::master {
 namespace {
 
-/// Adds the wall time from construction to destruction to `total_s`, even if an exception ends the scope.
+/// Adds the wall time of a scope to `total_s`, even if an exception leaves the scope.
 class Stopwatch {
  public:
   explicit Stopwatch(double& total_s) : total_s_(&total_s) {}
@@ -44,7 +44,7 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// Returns the times that the options give. Single FMUs and SSPs may lack step and stop time; a config has both.
+/// Returns the times in the options. An FMU or SSP may lack a step and a stop time; a config contains both.
 GivenTimes given_times(const std::filesystem::path& config, const RunOptions& options) {
   GivenTimes times;
   times.step = options.step_s;
@@ -53,7 +53,6 @@ GivenTimes given_times(const std::filesystem::path& config, const RunOptions& op
   return times;
 }
 
-/// Throws InputError if the options contain an invalid time.
 void check_times(const RunOptions& options) {
   if (options.stop_time_s) static_cast<void>(nanoseconds_of(*options.stop_time_s, "stop time"));
   if (const auto* step_s = options.step_s ? std::get_if<double>(&*options.step_s) : nullptr) {
@@ -151,7 +150,7 @@ void Run::set(const Setting& written) {
   if (!resizes || std::ranges::none_of(options_.settings, is_pattern, &Setting::variable)) return;
   try {
     assign_again();
-  } catch (...) {  // the failed setting has no effect
+  } catch (...) {  // the invalid setting must have no effect
     options_.settings.pop_back();
     setting_changes_.resize(setting_changes_.size() - checked.size());
     for (const auto& one : checked) one.located.instance->parameters.pop_back();
@@ -166,8 +165,8 @@ void Run::add_assignments(const std::vector<CheckedSetting>& checked) {
   }
 }
 
-/// Assigns all settings again after a size has changed, so that patterns match the elements that exist now. Has no
-/// effect if it throws.
+/// Applies all settings again after the size of an array changed, so that patterns match the present elements. If this
+/// fails, nothing has changed.
 void Run::assign_again() {
   std::vector<CheckedSetting> checked;
   for (const auto& setting : options_.settings)
@@ -218,7 +217,7 @@ void Run::record(const std::vector<std::string>& patterns) {
   options_.record = patterns;
 }
 
-/// Returns the changes to the config as texts. The texts do not depend on the order of the changes, nor on the
+/// Returns the changes to the config as texts. Equal changes have equal texts, regardless of their order and of the
 /// interface (command line, C++ or Python).
 std::vector<std::string> Run::changes() const {
   std::vector<std::string> texts;
@@ -281,8 +280,8 @@ std::vector<std::byte> Run::save_state() {
     memory_->visit_rows(saver);
     saved.rows = writer.take();
   });
-  require_whole_states(resolved_, "save_state()");  // an instance in a separate process has reported it together with
-                                                    // its state
+  require_whole_states(resolved_, "save_state()");  // checked again, because instances in other processes report this
+                                                    // together with their states
   return to_bytes(saved);
 }
 
@@ -295,7 +294,7 @@ void Run::attempt(Work work) {
   try {
     work();
     messages_.rethrow();
-  } catch (const InterruptedError&) {  // before t = 0: there is no point at which the run could end
+  } catch (const InterruptedError&) {  // before the start time, the run has no point at which it can end
     report_.end_reason = EndReason::interrupted;
     report_.outcome = name_of(EndReason::interrupted);
     report_.end_text = checkpoint_ ? "interrupted before the checkpoint was reached" : "interrupted before t = 0";
@@ -337,7 +336,7 @@ void Run::begin() {
 
 void Run::open() {
   install_crash_notice();
-  take_kept_signal();  // discards the signal of an earlier run
+  take_kept_signal();  // discards a signal that an earlier run did not handle
   MEBOTS_ASSERT(state_ == RunState::open && !simulation_);
   if (options_.isolate) {
     for (auto& instance : system_.instances) {
@@ -363,7 +362,7 @@ void Run::open() {
     check_inputs(past_->inputs, hash_.lines, "the saved state");
     require_whole_states(resolved_, "start_from()");
   }
-  recorded_variables(resolved_);  // throws if a name matches nothing
+  recorded_variables(resolved_);  // throws InputError if a pattern matches no variable
   recorded_parameters(resolved_);
   for (const auto& pictures : system_.pictures) check_pictures(resolved_, pictures);
   scenario_.emplace(resolved_);
@@ -434,18 +433,16 @@ void Run::initialise() {
     live_scenario_->resume(time_ns());
   } else if (past_) {
     simulation_->resume(past_->simulation);
-    past_->simulation = {};  // frees memory that is no longer needed
+    past_->simulation = {};
     past_->rows = {};
   } else {
     simulation_->initialize();
   }
-  // This line is logged before the old log is continued. Therefore the complete log equals the log of an uninterrupted
-  // run.
+  // Logged before the old log is continued, so that the complete log equals that of an uninterrupted run.
   if (checkpoint_) say(Severity::info, "notice", fmt::format("resumed at {} s", to_seconds(time_ns())));
   if (files_) files_->started(ensemble);
 }
 
-/// Adds the slaves' notices to the notices of the run.
 void Run::note_slaves(Ensemble& ensemble) {
   for (std::size_t i = 0; i < ensemble.size(); ++i) {
     for (const auto& notice : ensemble.slave(i).notices()) {
@@ -455,10 +452,10 @@ void Run::note_slaves(Ensemble& ensemble) {
   }
 }
 
-/// Checks the state of the process after steps 1, 2, 4, 8 ... of this call, and at the end of the call. Every 64 steps,
-/// checks only the signal mask, because a changed mask could block interrupts.
+/// Steps until `until_ns`. Checks the state of the process after steps 1, 2, 4, 8 ... and at the end. Every 64 steps,
+/// checks the signal mask, because a changed mask could block interrupts.
 void Run::step_until(std::int64_t until_ns) {
-  // The process is checked only after some steps, because a check takes longer than a step.
+  // Checks the process only after some steps, because a check takes longer than a step.
   std::optional<ProcessWatch> watch;
   if (!has_foreign_ && until_ns > next_point_ns()) watch.emplace(resolved_, messages_);
   auto seen_ns = time_ns();
@@ -483,7 +480,7 @@ void Run::step_until(std::int64_t until_ns) {
   look();
 }
 
-/// Sets values that a user set by hand between the checkpoint and the end of the killed process.
+/// Sets the values that the user set on the live page after the checkpoint, before the earlier process was killed.
 void Run::set_again() {
   if (live_scenario_ && live_scenario_->is_pending()) at_point([&] { write_due(); });
 }
@@ -535,7 +532,7 @@ void Run::call(std::size_t instance, std::string_view what, const std::function<
 }
 
 void Run::at_point(const std::function<void()>& work) {
-  at_point_ = initialised_;  // variables cannot be read before t = 0
+  at_point_ = initialised_;  // variables cannot be read before the start time
   try {
     work();
   } catch (...) {
@@ -557,7 +554,7 @@ void Run::finish() {
   try {
     simulation_->terminate();
   } catch (const Error& error) {
-    // If an interrupt ended the call of an instance, the message about the end of the run already contains the error.
+    // After an interrupted call of an instance, the text of the end already contains this error.
     if (end.reason != EndReason::interrupted) {
       report_.notices.push_back(fmt::format("error after the end of the run: {}", error.what()));
       say(Severity::warning, "notice", report_.notices.back());
@@ -568,7 +565,7 @@ void Run::finish() {
   watch.look("while instances were terminated", time_ns());
   if (const auto text = copies_ ? copies_->returned() : std::nullopt) report_fault(*text);
   if (const auto text = take_kept_signal()) report_fault(*text);
-  process_use_.reset();  // the FMUs compute nothing more
+  process_use_.reset();  // no FMU of the run computes afterwards
   if (coupling_) {
     for (const auto& warning : coupling_->warnings()) {
       report_.notices.push_back(warning);
@@ -582,20 +579,19 @@ void Run::finish() {
   if (state_ == RunState::failed) throw Error(ErrorCode::file_unwritable, report_.error);
 }
 
-/// Reports a fault that occurred after the results were complete.
 void Run::report_fault(const std::string& text) {
   report_.faults.push_back(text);
   report_.notices.push_back(fmt::format("error after the end of the run: {}", text));
   say(Severity::error, "notice", report_.notices.back());
 }
 
-/// The FMUs are freed when the results are on the disk, so a crash of an FMU loses no data.
+/// Frees the FMUs. Must be called after the results are on the disk, because an FMU may crash in this call.
 void Run::free_fmus(bool unloads) {
   if (freed_ || !simulation_) return;
   freed_ = true;
   ProcessWatch watch(resolved_, messages_);
   auto faults = simulation_->free_instances();
-  if (unloads && library_.use_count() == 1) {  // otherwise a later run uses them
+  if (unloads && library_.use_count() == 1) {  // otherwise, a later run uses the FMUs
     for (const auto& instance : resolved_.instances) {
       try {
         instance.fmu->unload();
@@ -643,7 +639,7 @@ void Run::write_reports() noexcept {
   report_.simulated_ns = simulation_->time_ns() - system_.start_time_ns;
   report_.steps = simulation_->steps_done();
   report_.rows = recorder_ ? recorder_->rows() : 0;
-  if (files_ && !files_->kept()) return;  // t = 0 was not reached: the folder is unchanged
+  if (files_ && !files_->kept()) return;  // the start time was not reached, so the folder stays unchanged
   const auto note = [this](const std::string& problem) {
     if (!report_.error.empty()) return;
     state_ = RunState::failed;
@@ -673,7 +669,7 @@ void Run::write_summary() {
   files_->write_summary(summary().dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 
-/// From now on, another run may use the folder.
+/// Unlocks the results folder for other runs.
 void Run::release_files() noexcept {
   if (files_ && files_->kept()) files_->release();
 }
@@ -734,13 +730,13 @@ void Run::report_uncertainty(const nlohmann::ordered_json& uncertainty) {
 }
 
 void Run::set_by_hand(std::string_view variable, double value) {
-  write_due();  // values that the killed process set at this time come first
+  write_due();  // first sets values that a resumed run must set again at this time
   const auto written = write_variable(*this, variable, value, "set by hand");
   live_scenario_->add(variable, written, time_ns());
 }
 
 void Run::note_write(const std::string& text) {
-  constexpr std::size_t kMostListed = 1000;  // a program may write at every step
+  constexpr std::size_t kMostListed = 1000;  // limits the list, because a program may write at every step
   if (report_.writes.size() == kMostListed) {
     ++report_.further_writes;
     return;

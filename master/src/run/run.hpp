@@ -38,136 +38,138 @@
 
 namespace mebots::master {
 
-/// A run of a system, from the options to the report. The command line, C++ and Python use this class.
+/// A run of a system, from its options to its report. The command line, the C++ interface and the Python package use
+/// this class.
 ///
-/// RunState is the state of a run. If start(), step() or a similar function fails, it sets the state to `failed` and
-/// throws. The files contain the results so far. A failed run calls no FMU, and its step() throws.
+/// If a function such as start() or step() fails, it throws and sets the state to `failed`. The files then contain the
+/// results up to this point. A failed run calls no FMU.
 ///
-/// At each communication point, observers are called in this order: scenario, files of the start, pictures, recorder,
-/// values of the summary, outcomes, stop conditions, coupling, those of add(), checkpoint. Thus a checkpoint at a point
-/// contains the data of all other observers for this point.
+/// At each communication point, observers are called in this order: scenario, result files, pictures, recorder, summary
+/// values, outcomes, stop conditions, coupling, observers of add(), checkpointer. Therefore a checkpoint contains the
+/// states of all other observers.
 ///
-/// For one thread at a time; interrupt() may be called from any thread and from signal handlers.
+/// Only one thread at a time may use a run, except for interrupt(), which is safe in any thread and in signal handlers.
 class Run {
  public:
-  /// Reads the config and applies the options. Creates no files. Throws InputError. If an earlier run used `library`,
-  /// FMUs that the earlier run opened are not opened again.
+  /// Reads the config and applies the options. Creates no files. Does not open FMUs again that `library` already
+  /// contains. Throws InputError if the config or an option is invalid.
   explicit Run(const std::filesystem::path& config, RunOptions options = {},
                std::shared_ptr<FmuLibrary> library = std::make_shared<FmuLibrary>());
-  /// Returns the run of the checkpoint in this folder; start() restores its state. Throws InputError.
+  /// Returns the run of the checkpoint in this folder. start() restores its state. Throws InputError if the checkpoint
+  /// cannot be resumed.
   static std::unique_ptr<Run> resume(const std::filesystem::path& folder, bool in_memory = false);
-  /// Closes the run.
+  /// Calls close().
   ~Run();
   Run(const Run&) = delete;
   Run& operator=(const Run&) = delete;
 
-  // Functions to call before start().
+  // The following functions must be called before start().
 
-  /// Adds a listener for messages of FMUs and notices of the run.
+  /// Adds a listener for messages of FMUs and of the run.
   void listen(MessageHub::Listener listener);
-  /// Replaces a parameter or start value of the config, or all that match a pattern (* and ?). Opens the FMUs and
-  /// checks name, type and limits. If other settings can change the size of an array, start() checks whether the array
-  /// has the element. If the setting changes a size, earlier patterns match the new elements, too.
+  /// Sets a parameter or start value, or all variables that match a pattern (* and ?). Opens the FMUs and checks name,
+  /// type and range. If other settings can change the size of an array, start() checks whether the element exists.
+  /// After a change of a size, earlier patterns also match the new elements.
   void set(const Setting& written);
   /// Appends the overrides of a scenario file.
   void add_scenario(const std::filesystem::path& file);
-  /// Uses a CSV file's columns as sources of the unconnected inputs with the same names.
+  /// Connects the columns of a CSV file to the unconnected inputs with the same names.
   void add_inputs(const std::filesystem::path& file);
   void set_stop_time(std::int64_t stop_time_ns, const std::string& place);
-  /// Records these variables (patterns with * and ?) in place of the config's `variables` and `exclude`.
+  /// Records the variables that match these patterns (* and ?) instead of the config's `variables` and `exclude`.
   void record(const std::vector<std::string>& patterns);
-  /// Adds an observer, which must outlive the run's last step.
+  /// Adds an observer, which must exist until the last step of the run.
   void add(Observer& observer);
-  /// Adds an observer of the embedding program, which may change the process itself. With such an observer,
-  /// process-wide changes by FMUs are checked less often.
+  /// Adds an observer of the embedding program. Such an observer may change process-wide state itself, so changes by
+  /// FMUs are checked less often.
   void add_foreign(Observer& observer);
-  /// Requests that the FMUs are freed at the end of the run, so that errors of freeing appear in the report. Variables
-  /// cannot be read after the end.
+  /// Frees the FMUs at the end of the run, so that the report includes errors of freeing. Afterwards variables cannot
+  /// be read.
   void free_at_end() { frees_at_end_ = true; }
-  /// Unpacks and loads the FMUs and creates no instance. A process that is forked after this call starts the run as a
-  /// new process would. Throws InputError.
+  /// Unpacks and loads the FMUs without creating instances. Afterwards, the process may be forked, and each child may
+  /// start the run. Throws InputError if an FMU cannot be loaded.
   void load();
-  /// Starts the run from a state that save_state() returned for a run with the same inputs, in this process or another.
-  /// Throws InputError.
+  /// Starts the run from a state that save_state() returned. The run that saved the state must have the same inputs,
+  /// but may belong to another process. Throws InputError if the state does not fit.
   void start_from(std::span<const std::byte> state);
 
-  // Functions that run the simulation.
+  // The following functions run the simulation.
 
-  /// Opens the FMUs, checks the system, and initialises the run at t = 0 or at the checkpoint. A second call has no
-  /// effect. Throws InputError and Error.
+  /// Opens the FMUs, checks the system, and initialises the run at the start time or at the checkpoint. A second call
+  /// has no effect. Throws InputError and Error.
   void start();
-  /// Takes one communication step. Starts the run if necessary. Returns false if the run had already ended. Also
-  /// returns false if the run ends in this step without reaching a new point, because of an interrupt or an FMU.
+  /// Performs one communication step. Starts the run if necessary. Returns false if the run has ended, or if it ends
+  /// without reaching a new point because of an interrupt or an FMU.
   bool step();
-  /// Steps until `time_ns` or the end of the run, whichever is earlier.
   void run_until(std::int64_t time_ns);
-  /// Runs to the end.
   void run();
-  /// Requests the end of the run at the last point that all instances reached. Takes effect when the present call to an
-  /// FMU returns. If a call to an isolated instance does not return, its process is ended. Safe in signal handlers.
+  /// Requests the end of the run at the last completed point. Takes effect when the current call to an FMU returns. If
+  /// a call to an isolated instance does not return, its process is killed. Safe in signal handlers.
   void interrupt() noexcept { interrupted_.store(true, std::memory_order_relaxed); }
   /// Returns the flag for a SignalGuard.
   std::atomic<bool>& interrupt_flag() { return interrupted_; }
-  /// Ends the run at the present point and writes its reports. Has no effect if the run has ended. Never throws; the
-  /// report contains errors. A call from a listener acts as interrupt().
+  /// Ends the run at the current point and writes its reports. No effect if the run has already ended. Never throws;
+  /// the report contains errors. If a listener calls close(), it acts as interrupt().
   void close() noexcept;
-  /// Closes the run and frees its instances. Returns the FMUs that are not clean (see LibraryState), because they left
-  /// data in this process that could change the next run. Variables cannot be read afterwards.
+  /// Closes the run and frees its instances. Returns the FMUs that left data in this process which could change the
+  /// next run (see LibraryState). Afterwards variables cannot be read.
   std::vector<Leftover> free_instances();
-  /// Returns the state between two steps, for start_from(). Throws InputError if the run has ended or writes files, and
-  /// Error if an FMU cannot serialize its state.
+  /// Returns the state between two steps for start_from(). Throws InputError if the run has ended or writes files.
+  /// Throws Error if an FMU cannot serialize its state.
   std::vector<std::byte> save_state();
-  /// Calls `work`, in which variables may be read. Observers that were added with add() use this function.
+  /// Calls `work`, which may read variables. Observers of add() must use this function to read variables.
   void at_point(const std::function<void()>& work);
-  /// True if the run started with start_from() instead of at t = 0.
+  /// True if the run started with start_from().
   bool began_later() const { return past_.has_value(); }
-  /// True during a call that steps, therefore also in listeners.
+  /// True during a call that steps, also in listeners of such a call.
   bool busy() const { return busy_; }
 
-  // Functions to call at any time.
+  // The following functions may be called at any time.
 
   RunState state() const { return state_; }
   const RunOptions& options() const { return options_; }
-  /// Returns the FMUs opened so far, for a later run.
+  /// Returns the FMUs that are already open, for use in a later run.
   const std::shared_ptr<FmuLibrary>& library() const { return library_; }
   const SystemDescription& system() const { return system_; }
   std::int64_t time_ns() const { return simulation_ ? simulation_->time_ns() : system_.start_time_ns; }
-  /// Returns the double nearest to the time of the communication point.
+  /// Returns the time of the current communication point [s].
   double time_s() const { return system_.grid().time_s(time_ns()); }
-  /// Returns the config's outcome at the last point ("completed" if none applies), or "interrupted" or "failed". Empty
-  /// before the start.
+  /// Returns the config's outcome at the last point, or "completed" if no outcome applies. After an interrupt or a
+  /// failure, returns "interrupted" or "failed". Empty before the start.
   std::string outcome() const;
-  /// Returns the report. It is complete only after the end of the run.
+  /// Returns the report, which is complete only after the end of the run.
   const RunReport& report() const { return report_; }
-  /// Returns the content of summary.json so far. Must be called after the start.
+  /// Returns the current content of summary.json. Must be called after the start.
   nlohmann::ordered_json summary() const;
   const Statistics& statistics() const { return statistics_; }
-  /// Returns the statistics of the solvers of model exchange; empty if there are none.
+  /// Returns the statistics of the solvers for model exchange. Empty if the system has no such solver.
   const std::vector<SolverStatistics>& solvers() const { return solvers_; }
-  /// Returns counts of the communication steps under step control; null without step control, and before the start.
+  /// Returns statistics of step control. Null before the start and without step control.
   const StepStatistics* step_statistics() const { return simulation_ ? simulation_->step_statistics() : nullptr; }
-  /// Returns the values that the config requests under `summary`. Must be called after the start.
+  /// Returns the values of the section `summary` in the config. Must be called after the start.
   const SummaryValues& values() const { return *values_; }
-  /// Returns the instances that failed without ending the run.
+  /// Returns the instances whose failure did not end the run.
   std::vector<InstanceLoss> losses() const;
   /// Returns the files of the run; null if the run writes no files.
   const ResultFiles* files() const { return files_ ? &*files_ : nullptr; }
-  /// Returns the number of recorded columns, without the time.
+  /// Returns the number of recorded columns without the time.
   std::size_t columns() const { return recorder_ ? recorder_->columns().size() : 0; }
 
-  // Functions to call after the start. Before the start and after a failure, they throw InputError.
+  // The following functions must be called after the start. Before the start and after a failure, they throw
+  // InputError.
 
   const ResolvedSystem& resolved() const;
-  /// Calls `work`, which reads or sets variables of an instance. If the FMU fails, the run fails. A listener may call
+  /// Calls `work`, which reads or sets variables of an instance. If the FMU fails, the run fails. Listeners may call
   /// this function only at a communication point.
   void call(std::size_t instance, std::string_view what, const std::function<void(Slave&)>& work);
-  /// Adds the intervals of drawn runs (DrawnFlights) to the summary, after the end of the run.
+  /// Adds the results of drawn runs (DrawnFlights) to the summary. Must be called after the end of the run.
   void report_uncertainty(const nlohmann::ordered_json& uncertainty);
-  /// Sets a variable as write_variable() does, and stores the value in live_scenario.json. The run must have a folder.
+  /// Sets a variable with write_variable() and stores the value in live_scenario.json. The run must have a results
+  /// folder.
   void set_by_hand(std::string_view variable, double value);
-  /// Adds the text to the summary's list of written variables.
+  /// Adds the text to the list of written variables in the summary.
   void note_write(const std::string& text);
-  /// Returns the recorded rows so far. Throws InputError if the option `in_memory` is not set.
+  /// Returns the rows recorded so far. Throws InputError if the option `in_memory` is not set.
   const MemorySink& memory();
 
  private:
@@ -181,8 +183,8 @@ class Run {
   void attempt(Work work);
   void open();
   void initialise();
-  /// While this object exists, a listener cannot call functions of the run that step. FMUs cannot cancel the calling
-  /// thread.
+  /// Marks the run as busy, so that listeners cannot call functions that step. Also prevents FMUs from cancelling the
+  /// calling thread.
   class Busy {
    public:
     Busy(Run& run, std::string_view what);
@@ -214,29 +216,29 @@ class Run {
 
   RunOptions options_;
   std::unique_ptr<nlohmann::ordered_json> uncertainty_;
-  std::optional<Checkpoint> checkpoint_;  ///< to resume from
-  std::optional<SavedRun> past_;          ///< to start from, of another run
+  std::optional<Checkpoint> checkpoint_;  ///< only in a resumed run
+  std::optional<SavedRun> past_;          ///< state for start_from()
   RunState state_ = RunState::open;
-  bool initialised_ = false;  ///< reached t = 0 or the checkpoint
+  bool initialised_ = false;  ///< true after the start time or the checkpoint was reached
   bool busy_ = false;
   bool at_point_ = false;
   bool frees_at_end_ = false;
   bool freed_ = false;
   ExitGuard exit_guard_{busy_, [this](const std::string& what) { fail(ErrorCode::fmu_failed, what); }};
-  std::optional<ForkedCopies> copies_;  ///< forked by FMUs in this process
+  std::optional<ForkedCopies> copies_;  ///< processes that FMUs forked from this process
   std::atomic<bool> interrupted_{false};
   MessageHub messages_;
   std::vector<Observer*> added_;
-  bool has_foreign_ = false;  // has observers of the embedding program
+  bool has_foreign_ = false;  // true after add_foreign()
   std::shared_ptr<FmuLibrary> library_;
   SystemDescription system_;
-  std::vector<std::size_t> parameters_of_config_;  ///< numbers of each instance's parameters in the config
+  std::vector<std::size_t> parameters_of_config_;  ///< number of parameters of each instance in the config
   std::vector<std::string> setting_changes_;
   std::vector<std::string> scenario_changes_;
   std::vector<std::string> inputs_changes_;
   RunReport report_;
   WriteSaver write_saver_{report_};
-  // Members that exist after the start, in the order of their dependencies.
+  // The following members exist after the start, in the order of their dependencies.
   ResolvedSystem resolved_;
   InputHash hash_;
   Statistics statistics_;
@@ -244,27 +246,27 @@ class Run {
   std::vector<InstanceLoss> losses_;
   std::optional<Scenario> scenario_;
   std::optional<ResultFiles> files_;
-  std::optional<LiveScenario> live_scenario_;  // if there are files
+  std::optional<LiveScenario> live_scenario_;  // only with a results folder
   std::optional<ProcessUse> process_use_;
   std::optional<Simulation> simulation_;
   std::optional<Recorder> recorder_;
-  MemorySink* memory_ = nullptr;  // the recorder's; null if there is none
+  MemorySink* memory_ = nullptr;  // owned by the recorder; null without `in_memory`
   std::optional<SummaryValues> values_;
   std::optional<Outcomes> outcomes_;
   std::optional<StopConditions> stop_conditions_;
-  std::optional<Coupling> coupling_;  // if the config requests it
+  std::optional<Coupling> coupling_;  // only if the config requests it
 };
 
-/// Finds "instance.variable" in a started run. If it does not exist, throws InputError with the nearest names.
+/// Returns the variable "instance.variable" of a started run. If it does not exist, throws InputError with the nearest
+/// names.
 ResolvedVariable find_variable(const Run& run, std::string_view name);
 
-/// Sets an unconnected input or a tunable parameter from the next step on, between two steps. summary.json lists it
-/// under `inputs.writes`. `place` names the caller in errors. Returns the value in the variable's type. Throws
-/// InputError if the variable cannot be set or does not accept the value.
+/// Sets an unconnected input or a tunable parameter between two steps. summary.json lists the value under
+/// `inputs.writes`. `place` names the caller in errors. Returns the value in the variable's type. Throws InputError if
+/// the variable cannot be set or does not accept the value.
 nlohmann::ordered_json write_variable(Run& run, std::string_view name, double value, const std::string& place);
 
-/// Returns the variables that write_variable() accepts: [{"variable", "unit", "text", "type"}], in the order of
-/// instances and descriptions.
+/// Returns the variables that write_variable() accepts as a list of {"variable", "unit", "text", "type"}.
 nlohmann::ordered_json writable_variables(const ResolvedSystem& system);
 
 }  // namespace mebots::master

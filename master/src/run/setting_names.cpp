@@ -16,13 +16,13 @@
 namespace mebots::master {
 namespace {
 
-/// Returns the description of the instance's FMU for the structural parameters set so far. Opens the FMU.
+/// Returns the model description that results from the structural parameters set so far. Opens the FMU.
 std::shared_ptr<const modeldesc::ModelDescription> model_of(const InstanceDescription& instance, FmuLibrary& library) {
   const auto fmu = open_fmu(instance, library);
   return fmu->model(structural_values(instance, fmu->description()));
 }
 
-/// Returns a name with `[*]` in place of each index in brackets.
+/// Replaces each index in brackets by `[*]`.
 std::string with_any_index(std::string_view name) {
   std::string result;
   bool in_brackets = false;
@@ -36,7 +36,7 @@ std::string with_any_index(std::string_view name) {
   return result;
 }
 
-/// Returns the names of all variables that can be set. Elements with different indexes share one name.
+/// Returns the names of all variables that can be set. The elements of an array share one name.
 std::vector<std::string> settable_groups(const SystemDescription& system, FmuLibrary& library) {
   std::set<std::string> known;
   std::vector<std::string> names;
@@ -73,7 +73,7 @@ std::vector<std::string> matching_variables(const SystemDescription& system, Fmu
 
 namespace {
 
-/// True if the FMU of an instance has structural parameters, which can change the sizes of arrays.
+/// True if an FMU has structural parameters, which may change sizes of arrays.
 bool has_sizes(const SystemDescription& system, FmuLibrary& library) {
   return std::ranges::any_of(system.instances, [&](const InstanceDescription& instance) {
     const auto fmu = open_fmu(instance, library);
@@ -83,7 +83,7 @@ bool has_sizes(const SystemDescription& system, FmuLibrary& library) {
   });
 }
 
-/// Returns one setting for each variable that matches the name. A name without `*` and `?` is returned unchecked.
+/// Returns one setting for each variable that matches the name. Returns a name without `*` and `?` unchecked.
 std::vector<Setting> single_settings(const SystemDescription& system, FmuLibrary& library, const Setting& setting) {
   if (!is_pattern(setting.variable)) return {setting};
   std::vector<Setting> settings;

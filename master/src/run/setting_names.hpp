@@ -8,23 +8,23 @@
 #include <string>
 #include <vector>
 
-/// The names of variables in settings: of one variable, or a pattern (* and ?) of several.
+/// Finds the variables that a setting names: one variable, or all that match a pattern (* and ?).
 namespace mebots::master {
 
-/// Returns the variable of this name. If no variable has it, returns the variables that match the name as a pattern, in
-/// the order of instances and descriptions. Opens the FMUs.
+/// Returns the variable with this name. If it does not exist, returns the variables that match the name as a pattern.
+/// The order is that of instances and descriptions. Opens the FMUs.
 std::vector<std::string> matching_variables(const SystemDescription& system, FmuLibrary& library,
                                             const std::string& name);
 
-/// A setting of one variable after the check of its value.
+/// A setting of one variable with a valid value.
 struct CheckedSetting {
   LocatedSetting located;
-  std::string text;      ///< of the change, for the summary
-  bool is_size = false;  ///< true for a structural parameter, which can change the sizes of arrays
+  std::string text;      ///< describes the change in the summary
+  bool is_size = false;  ///< true for a structural parameter, which may change sizes of arrays
 };
 
-/// Returns a checked setting for each variable that matches the setting's name. Opens the FMUs. Throws InputError with
-/// the nearest names if no variable matches, and for a value that a variable does not accept.
+/// Returns a setting for each variable that matches the setting's name. Opens the FMUs. Throws InputError if no
+/// variable matches, with the nearest names, or if a variable does not accept the value.
 std::vector<CheckedSetting> checked_settings(SystemDescription& system, FmuLibrary& library, const Setting& setting);
 
 }  // namespace mebots::master

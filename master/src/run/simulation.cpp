@@ -80,7 +80,7 @@ bool Simulation::step() {
     finish(std::move(*end));
     return false;
   }
-  step_ = reached;  // set only now, because a point at which a value is not finite does not count as reached
+  step_ = reached;  // set after the outputs were read, because a point with a NaN or infinite output is not reached
   reach_point();
   return true;
 }
@@ -124,7 +124,7 @@ void Simulation::restore_state(const SimulationState& state) {
   ended_ = false;
   end_ = {};
   state::restore(*this, state.master);
-  // A state contains no addresses of buffers, so outputs with such addresses are read again.
+  // Saved states contain no buffer addresses, so outputs are read again.
   for (std::size_t i = 0; i < ensemble_.size(); ++i) slaves_.read_outputs(i, step_);
 }
 

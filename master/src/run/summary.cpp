@@ -31,8 +31,8 @@ std::string text_of(const Json& value) {
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
-/// Stores values under nested labels, in the order in which they were added. Looks up a label in logarithmic time,
-/// whereas an ordered JSON object would compare it with each of its members.
+/// A tree of values by nested labels in the order of insertion. Finds a label in logarithmic time; an ordered JSON
+/// object would need linear time.
 class LabelTree {
  public:
   /// `path` must not be empty.
@@ -55,17 +55,17 @@ class LabelTree {
   }
 
  private:
-  std::map<std::string, std::size_t> places_;  // maps labels to indices of children
+  std::map<std::string, std::size_t> places_;  // indices of children by label
   std::vector<std::pair<std::string, LabelTree>> children_;
-  Json value_ = Json::object();  // value of a leaf; an empty tree is an object without members
+  Json value_ = Json::object();  // value of a leaf; an empty tree has an empty object
 };
 
-/// Appends the members of `more` to `object`, which must not contain a member with the same label.
+/// Appends the members of `more` to `object`. The two must not share a label.
 void append(Json& object, Json more) {
   for (auto& [label, value] : more.get_ref<Json::object_t&>()) add_member(object, label) = std::move(value);
 }
 
-/// Returns the name of the FMU in the config. For an FMU of an SSP, returns its path inside the archive.
+/// Returns the FMU as the config names it. For an FMU of an SSP, returns its path inside the archive.
 std::string fmu_text(const SystemDescription& system, const InstanceDescription& instance) {
   if (!system.unpacked) return instance.fmu;
   const auto inside = instance.fmu_path.lexically_relative(system.unpacked->path());
@@ -258,9 +258,9 @@ Json summary_json(const ResolvedSystem& system, const InputHash& hash, const Run
                         {"stepping", report.wall.stepping_s},
                         {"total", report.wall.open_s + report.wall.initialise_s + report.wall.stepping_s}};
 
-  // Each part is complete before it is added, because an ordered JSON object moves its members when it grows.
+  // Completes each part before it is added, because an ordered JSON object moves its members when it grows.
   Json versions = {{"mebots", MEBOTS_VERSION}};
-  // The start values by which the run replaced those of the FMUs. They are needed to compare two runs.
+  // The start values that the run set. They are necessary to compare two runs.
   Json parameters;
   for (const auto& instance : system.instances) {
     if (instance.starts.empty()) continue;

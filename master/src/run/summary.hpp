@@ -18,23 +18,23 @@
 
 namespace mebots::master {
 
-/// Stores the values that the config requests under `summary`. They are those at the last communication point.
+/// Stores the values of the section `summary` in the config at the last communication point.
 class SummaryValues final : public Observer {
  public:
-  /// Looks up the variables. Throws InputError if a variable is unknown, or if summary.json uses a label for itself.
+  /// Throws InputError if a variable is unknown, or if a label is a key that summary.json uses itself.
   SummaryValues(const ResolvedSystem& system, Ensemble& ensemble);
 
   std::optional<std::string> reached(const Point& point) override;
 
-  /// Returns the labels and their values (numbers, Booleans, texts, names of enumeration items). Returns an empty
-  /// object before t = 0. Leaves out entries whose conditions were false. A group contains the values of its members
-  /// under `each`, and their statistics:
+  /// Returns the labels and their values (numbers, Booleans, texts, names of enumeration items). Empty before the
+  /// start. Omits entries whose conditions are false. The value of a group contains the members' values under `each`,
+  /// and statistics:
   ///
   /// - numbers: `least`, `mean` and `most`; `least_of` and `most_of` name the members with the extreme values;
   /// - Booleans: `count` is the number of true values, and `of` the number of all values;
   /// - texts and items: `counts` contains the number of occurrences of each value.
   nlohmann::ordered_json values() const;
-  /// Returns the same labels with the units of their values. Leaves out values that have no unit.
+  /// Returns the labels and the units of their values. Omits values without a unit.
   nlohmann::ordered_json units() const;
 
  private:
@@ -50,7 +50,7 @@ class SummaryValues final : public Observer {
     std::string text;
   };
 
-  /// A group of the summary. Its members are the entries [first, first + count). Its label is `path`.
+  /// A group with the label `path` and the entries [first, first + count).
   struct Group {
     std::vector<std::string> path;
     std::size_t first;
@@ -60,7 +60,7 @@ class SummaryValues final : public Observer {
   void add_entry(const ResolvedSystem& system, Ensemble& ensemble, const SummaryEntry& entry);
   void add_group(const ResolvedSystem& system, Ensemble& ensemble, const SummaryEntry& entry);
   nlohmann::ordered_json value_of(const Entry& entry) const;
-  /// Returns the statistics of a group, indexed by their labels.
+  /// Returns the statistics of a group by name.
   nlohmann::ordered_json statistics_of(const Group& group) const;
 
   const Ensemble* ensemble_;
@@ -71,17 +71,16 @@ class SummaryValues final : public Observer {
 
 /// Wall times of the phases of a run [s].
 struct WallTimes {
-  double open_s = 0;  ///< reading the config, unpacking and loading the FMUs, and checks
+  double open_s = 0;  ///< reading the config, opening and checking the FMUs
   double initialise_s = 0;
   double stepping_s = 0;
 
-  /// Returns the wall time of the phases in which instances are called.
+  /// Returns the wall time of initialisation and stepping.
   double simulating_s() const { return initialise_s + stepping_s; }
 };
 
-/// Contains the result of a run.
 struct RunReport {
-  std::string outcome;  ///< one of the outcomes in the config, or "completed", "interrupted", "closed" or "failed"
+  std::string outcome;  ///< an outcome of the config, or "completed", "interrupted", "closed" or "failed"
   std::optional<EndReason> end_reason;  ///< nullopt before the end
   std::string end_text;
   std::string error;  ///< empty unless the run failed
@@ -90,18 +89,17 @@ struct RunReport {
   std::int64_t steps = 0;
   std::int64_t rows = 0;
   WallTimes wall;
-  std::vector<std::string> overrides;  ///< changes to the config, written in the same way by every interface
+  std::vector<std::string> overrides;  ///< changes to the config as texts
   std::vector<std::string> notices;
-  std::vector<std::string> writes;  ///< the first few variables that a program set during the run
-  std::int64_t further_writes = 0;  ///< number of such variables that `writes` does not list
-  std::vector<std::string> faults;  ///< errors of FMUs after the end, when they are terminated and freed
+  std::vector<std::string> writes;  ///< variables that a program set during the run, up to a limit
+  std::int64_t further_writes = 0;  ///< number of writes beyond this limit
+  std::vector<std::string> faults;  ///< errors of FMUs after the end of the run
 
-  /// Returns the simulated time divided by the wall time of stepping. Returns 0 if there were no steps.
+  /// Returns the simulated time divided by the wall time of stepping. Returns 0 without steps.
   double real_time_factor() const;
 };
 
-/// Returns the content of summary.json. For equal inputs, all values except `real_time_factor` and `wall_clock` are
-/// equal.
+/// Returns the content of summary.json. Equal inputs give equal values, except for `real_time_factor` and `wall_clock`.
 nlohmann::ordered_json summary_json(const ResolvedSystem& system, const InputHash& hash, const RunReport& report,
                                     const SummaryValues& values);
 

@@ -28,8 +28,8 @@ void put_unless_empty(Json& object, const char* key, const std::string& text) {
   if (!text.empty()) object[key] = text;
 }
 
-/// Returns the member `text` of a config. If the config has none, returns that of the extended config, which follows in
-/// `source`. Returns an empty text for an SSP.
+/// Returns the member `text` of a config. If the config has none, returns that of the extended config, which follows it
+/// in `source`. Returns an empty text for an SSP.
 std::string text_for_people(const std::string& source) {
   std::istringstream stream(source);
   try {
@@ -106,7 +106,7 @@ Json pictures_json(const SystemDescription& description) {
   return pictures;
 }
 
-/// Returns the groups of the summary. Each group contains the variables of its members, indexed by name.
+/// Returns the groups of the summary. Each group maps members to variables.
 Json groups_json(const SystemDescription& description) {
   auto groups = Json::array();
   for (const auto& entry : description.summary) {

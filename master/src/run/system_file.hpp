@@ -13,16 +13,13 @@ namespace mebots::master {
 inline constexpr std::string_view kSystemFile = "system.json";
 inline constexpr std::string_view kSceneFile = "scene.json.gz";
 
-/// Returns the content of system.json, which describes the system for tools that show its results. It contains the
-/// instances and their models, the connections and their units, the recorded variables (type, unit, description,
-/// enumeration items), and the section `view`. Throws InputError if a name under `view` is not a variable.
-///
-/// system.json exists from t = 0, even if the run is in progress or failed. Therefore it is separate from summary.json,
-/// which is written at the end.
+/// Returns the content of system.json, which tools need to show results: instances, connections, recorded variables
+/// with type, unit and description, and the section `view`. Throws InputError if a name under `view` is not a variable.
+/// Unlike summary.json, system.json exists from the start of a run.
 nlohmann::ordered_json system_json(const ResolvedSystem& system);
 
-/// Writes system.json at t = 0. Also writes the scene named under `view` to scene.json.gz; it is compressed, because
-/// its textures are long.
+/// An observer that writes system.json at the start. Also writes the scene that `view` names to scene.json.gz. The
+/// scene is compressed, because it contains textures.
 class SystemFileWriter final : public Observer {
  public:
   /// Throws InputError if the scene is not a String. All arguments must outlive this object.

@@ -7,8 +7,8 @@
 
 namespace mebots::master {
 
-/// Maps the variables of a config's FMUs, as "instance.variable", to their units. Leaves out variables that have no
-/// unit. Throws InputError if the config or an FMU cannot be read.
+/// Returns the units of all variables of a config's FMUs by "instance.variable". Omits variables without a unit. Throws
+/// InputError if the config or an FMU cannot be read.
 std::map<std::string, std::string> variable_units(const std::filesystem::path& config);
 
 }  // namespace mebots::master

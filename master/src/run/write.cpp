@@ -78,7 +78,7 @@ ResolvedVariable find_variable(const Run& run, std::string_view name) {
 nlohmann::ordered_json write_variable(Run& run, std::string_view name, double value, const std::string& place) {
   const auto target = find_variable(run, name);
   check_settable(run, target, name);
-  // The value must obey the same rules as values of a config: type, limits, and items of enumerations.
+  // Checks type, range and enumeration items as for values in a config.
   const auto& model = *run.resolved().instances[target.instance].model;
   const auto typed = typed_value(model, *target.variable, as_written(*target.variable, value), place);
   const ValueReference reference[] = {target.variable->value_reference};

@@ -8,8 +8,7 @@
 
 namespace mebots::master {
 
-/// Stores the list of written variables in checkpoints and saved states, so that a run that continues from there lists
-/// them, too.
+/// Adds the list of written variables to checkpoints and saved states, so that a resumed run also lists them.
 class WriteSaver final : public Observer {
  public:
   explicit WriteSaver(RunReport& report) : report_(&report) {}

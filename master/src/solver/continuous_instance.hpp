@@ -11,27 +11,26 @@
 
 namespace mebots::master {
 
-/// States whether an evaluation of the model succeeded.
 enum class Evaluation {
   ok,
-  recoverable,  ///< failed at this time and these states; may succeed if the solver takes a smaller step
+  recoverable,  ///< failed; may succeed with a smaller solver step
 };
 
-/// Describes the result of one update of the discrete states.
+/// The result of fmi2NewDiscreteStates, fmi3UpdateDiscreteStates and similar calls.
 struct DiscreteUpdate {
   bool needs_another = false;
   bool terminate = false;
   std::optional<double> next_event_s = {};
 };
 
-/// Describes what an instance requires after a completed step of the solver.
+/// The requests of an instance after a completed solver step.
 struct CompletedStep {
   bool enter_event_mode = false;
   bool terminate = false;
 };
 
-/// An instance that provides derivatives to an external solver: a model exchange instance of any FMI version. After
-/// initialization, the instance is in event mode. All calls throw Error if the instance fails.
+/// A model exchange instance of any FMI version. After initialization, the instance is in event mode. All functions
+/// throw Error if the instance fails.
 class ContinuousInstance {
  public:
   virtual ~ContinuousInstance() = default;
@@ -39,7 +38,7 @@ class ContinuousInstance {
   virtual const std::string& name() const = 0;
   virtual std::size_t state_count() const = 0;
   virtual std::size_t indicator_count() const = 0;
-  /// Returns the name of a state. Messages contain this name.
+  /// Returns the name of a state for messages.
   virtual std::string state_name(std::size_t state) const = 0;
 
   virtual void set_time(double time_s) = 0;
@@ -64,8 +63,7 @@ class ContinuousInstance {
   virtual bool has_directional_derivatives() const { return false; }
   virtual std::span<const ValueReference> state_references() const { return {}; }
   virtual std::span<const ValueReference> derivative_references() const { return {}; }
-  /// Computes how `unknowns` change if `knowns` change by `seed`. Must be called only if has_directional_derivatives()
-  /// is true.
+  /// Computes the change of `unknowns` if `knowns` change by `seed`. Requires has_directional_derivatives().
   virtual void directional_derivatives(std::span<const ValueReference> /*unknowns*/,
                                        std::span<const ValueReference> /*knowns*/, std::span<const double> /*seed*/,
                                        std::span<double> /*change*/) {}

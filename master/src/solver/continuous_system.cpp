@@ -16,16 +16,15 @@
 namespace mebots::master {
 namespace {
 
-/// The maximum number of updates of the discrete states at one event.
+/// Maximum number of updates of the discrete states at one event.
 constexpr int kMostUpdates = 1000;
-/// The maximum number of transfers over discrete links between two updates.
+/// Maximum number of transfers over discrete links between two updates.
 constexpr int kMostTransfers = 1000;
-/// If this many consecutive events occur within this fraction of a communication step, they count as an infinite
-/// sequence.
+/// This many consecutive events within this fraction of a communication step count as an infinite sequence (Zeno
+/// behaviour).
 constexpr std::size_t kZenoEvents = 20;
 constexpr double kZenoShare = 1e-7;
-/// The ratio of the absolute tolerance to the relative tolerance, for a nominal value of 1, as the FMI standard
-/// suggests.
+/// Ratio of absolute to relative tolerance for a nominal value of 1, as the FMI standard suggests.
 constexpr double kAbsoluteShare = 0.01;
 
 bool same_bits(std::span<const double> a, std::span<const double> b) {
@@ -142,9 +141,8 @@ Evaluation ContinuousSystem::jacobian(double time_s, std::span<const double> sta
   return Evaluation::ok;
 }
 
-/// Compares the signs of the event indicators with those after the last event, and stores the members whose signs have
-/// changed. This check is necessary because FMI distinguishes z > 0 from z <= 0, and CVODE does not detect an indicator
-/// that starts at zero and then changes its sign.
+/// Detects sign changes of event indicators since the last event, and stores the members that caused them. Necessary
+/// because FMI distinguishes z > 0 from z <= 0, and CVODE misses an indicator that starts at zero.
 bool ContinuousSystem::has_crossed() {
   if (indicators_.empty()) return false;
   if (roots(time_s_, states_, indicators_) != Evaluation::ok) {
@@ -194,7 +192,7 @@ Advanced ContinuousSystem::advance(double end_s) {
   return {time_s_, terminated_by_.empty() ? std::nullopt : std::optional(terminated_by_)};
 }
 
-/// Handles changed inputs and due events at a communication point.
+/// Handles changed inputs and due events at the start of advance().
 void ContinuousSystem::begin_at_point() {
   causes_.clear();
   if (in_event_mode_) return handle_event(EventKind::input);
@@ -259,7 +257,7 @@ void ContinuousSystem::count_solver_work() {
   counted_ = now;
 }
 
-/// Sets the members to the end of the solver's step. Returns the kind of event that has occurred at this time.
+/// Sets the members to the end of the solver step. Returns the kind of event at this time.
 ContinuousSystem::EventKind ContinuousSystem::complete_step() {
   step_is_open_ = false;
   time_s_ = step_end_s_;
@@ -311,10 +309,9 @@ void ContinuousSystem::handle_event(EventKind kind) {
   iterate_event();
 }
 
-/// Handles a step event. Restarts the solver only if the event has changed data on which the solver depends. Some FMUs
-/// request an event after every step; if each event restarted the solver, it would always take its shortest steps.
-/// CVODE compares the event indicators with their values before the event. Therefore it must also restart if the event
-/// has changed the sign of an indicator.
+/// Handles a step event. Some FMUs request an event after every step, and restarts would keep the solver at its
+/// shortest steps. Therefore the solver restarts only if the event changed data on which the solver depends. CVODE
+/// compares event indicators with their values before the event, so a changed sign also requires a restart.
 void ContinuousSystem::handle_step_event() {
   const auto requested_by = causes_;
   const auto before = solver_view();
@@ -329,8 +326,7 @@ void ContinuousSystem::handle_step_event() {
   limit_events();
 }
 
-/// Returns those values at the current time on which the solver depends. Returns nullopt if a member cannot compute
-/// them.
+/// Returns the values on which the solver depends. Returns nullopt if a member cannot compute them.
 std::optional<ContinuousSystem::SolverView> ContinuousSystem::solver_view() {
   SolverView view{states_, tolerances_, std::vector<double>(states_.size()), next_event_s_, above_};
   if (derivatives(time_s_, states_, view.derivatives) != Evaluation::ok) return std::nullopt;
@@ -357,7 +353,7 @@ void ContinuousSystem::count_event(EventKind kind) {
   }
 }
 
-/// Throws Error if events follow each other without progress in time.
+/// Throws Error if events repeat without progress in time.
 void ContinuousSystem::limit_events() {
   recent_events_s_.push_back(time_s_);
   if (recent_events_s_.size() <= kZenoEvents) return;
@@ -375,7 +371,7 @@ std::string ContinuousSystem::causes() const {
   return fmt::format("'{}'", fmt::join(names, "', '"));
 }
 
-/// Updates the discrete states of all members until no member needs another update and no connection changes a value.
+/// Updates the discrete states until no member needs another update and no connection changes a value.
 void ContinuousSystem::iterate_event() {
   propagate_in_event();
   for (int update = 0; update < kMostUpdates; ++update) {
@@ -393,7 +389,7 @@ void ContinuousSystem::iterate_event() {
                   subject(), kMostUpdates, causes()));
 }
 
-/// Makes the clocks that are due at this instant tick, and propagates ticks and values until nothing changes.
+/// Activates the clocks that are due, and propagates ticks and values until nothing changes.
 void ContinuousSystem::tick_clocks() {
   if (parts_.clocks == nullptr) return;
   bool changed = parts_.clocks->begin_instant(time_s_);
@@ -428,7 +424,7 @@ bool ContinuousSystem::update_members() {
   return (parts_.clocks != nullptr && schedule_tick()) || again;
 }
 
-/// Makes the next tick of a clock a time event. Returns true if the tick is due at the current time.
+/// Makes the next clock tick a time event. Returns true if the tick is due now.
 bool ContinuousSystem::schedule_tick() {
   const auto tick = parts_.clocks->next_tick();
   const double tick_s = on_grid(tick.time_s);
@@ -441,11 +437,10 @@ bool ContinuousSystem::schedule_tick() {
   return true;
 }
 
-/// Returns the time of the communication point at this time, within the resolution of the master's clock. If there is
-/// none, returns the time unchanged. Without this function, a tick at 3 * 0.1 s would occur one step after the point
-/// 0.3 s, because of rounding.
+/// Rounds a time to a communication point within kSameTime_s, or returns the time unchanged. Without rounding, a tick
+/// at 3 * 0.1 s would occur one step after the point 0.3 s.
 double ContinuousSystem::on_grid(double time_s) const {
-  constexpr double kLatest_s = 9e9;  // limit of the master's clock
+  constexpr double kLatest_s = 9e9;  // limit of the master's time in nanoseconds
   if (!(time_s < kLatest_s)) return time_s;
   const double point_s = parts_.grid.time_s(std::llround(time_s * 1e9));
   return std::abs(point_s - time_s) <= kSameTime_s ? point_s : time_s;

@@ -20,7 +20,7 @@
 namespace mebots::master {
 namespace {
 
-/// A time that no run reaches. It replaces a stop time, because CVODE cannot remove one.
+/// A stop time that no run reaches. CVODE cannot remove a stop time.
 constexpr double kNever = 1e300;
 
 std::span<double> values_of(N_Vector vector) {
@@ -33,7 +33,7 @@ class Integrator::Cvode {
  public:
   Cvode(Equations& equations, SolverMethod method) : equations_(&equations), method_(method) {
     check(SUNContext_Create(nullptr, &context_), "SUNContext_Create");
-    // CVODE requires at least one state. Therefore a system without states gets a state that is always 0.
+    // CVODE requires a state. A system without states receives a state that is always 0.
     const auto count = static_cast<sunindextype>(std::max<std::size_t>(1, equations.state_count()));
     y_ = N_VNew_Serial(count, context_);
     tolerances_ = N_VNew_Serial(count, context_);
@@ -74,11 +74,11 @@ class Integrator::Cvode {
   }
 
   Reached advance() {
-    // The minimum step size, below which CVODE fails. A smaller step would not change the time, so that the integration
-    // would never end.
+    // CVODE fails instead of taking a smaller step. Smaller steps would not change the time, so the integration would
+    // not end.
     const double shortest_s = 4 * std::numeric_limits<double>::epsilon() * std::max(std::abs(time_s_), scale_s_);
     check(CVodeSetMinStep(memory_, shortest_s), "CVodeSetMinStep");
-    // In the mode CV_ONE_STEP, CVODE uses this time only to determine the size of the first step.
+    // In the mode CV_ONE_STEP, CVODE uses this time only for the size of the first step.
     const int flag = CVode(memory_, time_s_ + scale_s_, y_, &time_s_, CV_ONE_STEP);
     if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
     if (flag == CV_ROOT_RETURN) {
@@ -134,7 +134,7 @@ class Integrator::Cvode {
     check(CVodeSetNoInactiveRootWarn(memory_), "CVodeSetNoInactiveRootWarn");
   }
 
-  /// Runs a callback of CVODE and stores its exceptions, because no exception may pass through the C code of CVODE.
+  /// Runs a callback and stores its exceptions, which must not pass through CVODE's C code.
   template <typename Work>
   int answer(Work work) noexcept {
     try {
@@ -166,7 +166,7 @@ class Integrator::Cvode {
   static int jacobian(double time_s, N_Vector y, N_Vector /*derivatives*/, SUNMatrix matrix, void* self, N_Vector,
                       N_Vector, N_Vector) {
     auto& cvode = *static_cast<Cvode*>(self);
-    if (cvode.equations_->state_count() == 0) return 0;  // CVODE has set the matrix to zero
+    if (cvode.equations_->state_count() == 0) return 0;  // CVODE has already set the matrix to zero
     return cvode.answer([&] {
       return cvode.equations_->jacobian(time_s, cvode.states_of(y),
                                         {SUNDenseMatrix_Data(matrix), cvode.equations_->state_count()});

@@ -17,7 +17,7 @@
 namespace mebots::master {
 namespace {
 
-/// The maximum number of sweeps over an algebraic loop of connections.
+/// Maximum number of sweeps over a loop.
 constexpr int kMostSweeps = 200;
 
 /// True if two values differ by at most a few rounding errors.
@@ -28,7 +28,7 @@ bool is_close(double a, double b) {
 
 }  // namespace
 
-/// Sorts wires into stages (see Wiring).
+/// Sorts wires into stages.
 class Wiring::Builder {
  public:
   Builder(Wiring& wiring, const std::vector<Wire>& wires) : wiring_(wiring) {
@@ -56,7 +56,7 @@ class Wiring::Builder {
   }
 
  private:
-  /// Returns those inputs with wires that must be set before the output of a wire is read.
+  /// Returns the connected inputs that must be set before the output of a wire is read.
   std::set<MemberVariable> waited_for(const Wire& wire) const {
     std::set<MemberVariable> inputs;
     if (wire.dependencies) {
@@ -81,8 +81,8 @@ class Wiring::Builder {
     return outputs;
   }
 
-  /// Returns the stage that reads `outputs`, which must be in ascending order. The stage then sets those inputs whose
-  /// sources have all been read.
+  /// Returns the stage that reads `outputs`, which must be in ascending order. The stage then sets all inputs whose
+  /// sources have been read.
   Stage stage_of(const std::vector<MemberVariable>& outputs) {
     Stage stage;
     for (const auto& output : outputs) {
@@ -112,8 +112,8 @@ class Wiring::Builder {
     calls.back().references.push_back(variable.reference);
   }
 
-  /// Returns the path of a loop among the remaining outputs, such as "a.y -> b.u -> b.y -> a.u -> a.y". Follows wires
-  /// backwards to find it.
+  /// Returns a loop among the remaining outputs, such as "a.y -> b.u -> b.y -> a.u -> a.y". Searches backwards along
+  /// the wires.
   std::string path() const {
     std::vector<MemberVariable> walk;
     auto output = waits_for_.begin()->first;
@@ -135,9 +135,9 @@ class Wiring::Builder {
 
   Wiring& wiring_;
   std::map<MemberVariable, std::string> names_;
-  std::map<MemberVariable, std::vector<const Wire*>> sources_;  // wires that end at inputs which are not in a stage yet
-  std::map<MemberVariable, std::set<MemberVariable>> waits_for_;  // indexed by outputs that are not in a stage yet
-  std::map<MemberVariable, std::size_t> places_;                  // indices of outputs that are in stages
+  std::map<MemberVariable, std::vector<const Wire*>> sources_;    // wires to inputs that are in no stage yet
+  std::map<MemberVariable, std::set<MemberVariable>> waits_for_;  // indexed by outputs that are in no stage yet
+  std::map<MemberVariable, std::size_t> places_;                  // indices of outputs in stages
 };
 
 Wiring::Wiring(std::vector<ContinuousInstance*> members, const std::vector<Wire>& wires)
@@ -162,7 +162,7 @@ Evaluation Wiring::read(const Stage& stage) {
   return Evaluation::ok;
 }
 
-/// Computes the inputs that `stage` sets. Each input is the sum of factor * output + offset over its wires.
+/// Computes the inputs that `stage` sets: the sums of factor * output + offset over their wires.
 void Wiring::collect(const Stage& stage) {
   for (const auto& call : stage.writes) {
     for (auto input = call.first; input < call.first + call.references.size(); ++input) {

@@ -11,7 +11,7 @@
 
 namespace mebots::master {
 
-/// Identifies a Real variable of one member of a continuous system.
+/// Identifies a Real variable of a member of a continuous system.
 struct MemberVariable {
   std::size_t member = 0;
   ValueReference reference = 0;
@@ -19,8 +19,8 @@ struct MemberVariable {
   auto operator<=>(const MemberVariable&) const = default;
 };
 
-/// A connection from a Real output of one member to a continuous Real input of another member. The input is factor *
-/// value + offset. If several wires end at an input, it is the sum of these terms.
+/// A connection from a Real output to a continuous Real input of another member. The input is factor * output + offset.
+/// Several wires to one input add up.
 struct Wire {
   MemberVariable from;
   MemberVariable to;
@@ -28,45 +28,42 @@ struct Wire {
   double offset = 0;
   /// Value references of the inputs on which the output directly depends. If nullopt, it may depend on all inputs.
   std::optional<std::vector<ValueReference>> dependencies = {};
-  std::string from_name = {};  ///< name for messages, "instance.variable"
+  std::string from_name = {};  ///< "instance.variable", for messages
   std::string to_name = {};
 };
 
-/// Evaluates the connections between the members of a continuous system (wires). They are ordered so that every output
-/// is read after the inputs on which it depends were set. Outputs are read in stages: in a stage, one call reads all
-/// outputs of one member. Wires in a loop, and wires that depend on a loop, are evaluated together until no value
-/// changes.
+/// Evaluates the connections (wires) between the members of a continuous system. Every output is read after the inputs
+/// on which it depends are set. Outputs are read in stages; in a stage, one call per member reads outputs. Wires in
+/// loops, and wires that depend on loops, are evaluated repeatedly until no value changes.
 class Wiring {
  public:
   /// `members` must outlive the wiring.
   Wiring(std::vector<ContinuousInstance*> members, const std::vector<Wire>& wires);
 
-  /// Transfers the values of all wires. If a loop does not converge, throws Error (algebraic_loop) that contains the
-  /// path of the loop.
+  /// Transfers all values. Throws Error (algebraic_loop) with the path of the loop if a loop does not converge.
   Evaluation evaluate();
   bool has_loop() const { return !loop_.reads.empty(); }
   bool empty() const { return stages_.empty() && !has_loop(); }
 
-  /// Returns the values of the inputs. set_loop_start() requires values in the same order.
+  /// Returns the input values, in the order that set_loop_start() requires.
   std::span<const double> inputs() const { return inputs_; }
-  /// Sets the values at which the iteration of loops starts in each evaluation. As these values are fixed, results do
-  /// not depend on earlier evaluations.
+  /// Sets the start values for the iteration of loops. With fixed start values, results do not depend on earlier
+  /// evaluations.
   void set_loop_start(std::span<const double> inputs) { loop_start_.assign(inputs.begin(), inputs.end()); }
 
-  /// Computes how all derivatives change if one state of a member changes by 1. The derivatives of member `i` start at
-  /// the index first_states[i]. Must be called only if there is no loop and all members provide directional
-  /// derivatives.
+  /// Computes the change of all derivatives if one state of a member changes by 1. The derivatives of member `i` start
+  /// at first_states[i]. Requires that there is no loop and that all members provide directional derivatives.
   void propagate(std::size_t member, std::size_t state, std::span<const std::size_t> first_states,
                  std::span<double> derivatives);
 
  private:
-  /// The outputs of a member that one call reads. Their values are adjacent.
+  /// A call that reads outputs of a member. The values start at index `first`.
   struct Read {
     std::size_t member = 0;
     std::vector<ValueReference> references = {};
     std::size_t first = 0;
   };
-  /// The inputs of a member that one call sets. Their values are adjacent.
+  /// A call that sets inputs of a member. The values start at index `first`.
   struct Write {
     std::size_t member = 0;
     std::vector<ValueReference> references = {};
@@ -76,7 +73,7 @@ class Wiring {
     std::vector<Read> reads = {};
     std::vector<Write> writes = {};
   };
-  /// A term of the sum that determines an input: factor * output + offset.
+  /// A term factor * output + offset of an input.
   struct Term {
     std::size_t output;
     double factor;
@@ -84,7 +81,7 @@ class Wiring {
   };
   class Builder;
 
-  /// The changes of a member's inputs and states in propagate().
+  /// Changes of a member's inputs and states.
   struct Change {
     std::vector<ValueReference> knowns = {};
     std::vector<double> seed = {};

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests model exchange of FMI 3.0 with tests/fmus/springs.cpp, masses on springs. Their number is a structural
-// parameter.
+// Tests model exchange of FMI 3.0 with tests/fmus/springs.cpp. A structural parameter determines its number of masses.
 #include "test_system.hpp"
 
 #include <fmt/format.h>

@@ -48,7 +48,7 @@ void report(const char* what, int count, const Holdings& before, const Holdings&
              before.mappings, after.mappings, before.heap_bytes, after.heap_bytes);
 }
 
-/// Returns the FMU that is loaded repeatedly: the one that scripts/scale.sh sets, otherwise the cheapest one.
+/// Returns the FMU to load repeatedly: the FMU in MEBOTS_CYCLED_FMU, otherwise the cheapest FMU.
 std::filesystem::path cycled_fmu() {
   const char* asked = std::getenv("MEBOTS_CYCLED_FMU");  // NOLINT(concurrency-mt-unsafe): before any thread
   return asked == nullptr ? PASSTHROUGH_FMU : asked;
@@ -106,7 +106,7 @@ TEST(Scale, AWholeRunTakesTimeInProportionToItsInstancesAndConnections) {
   constexpr int kFew = 2500;
   constexpr int kTimes = 8;
   const double few = std::max({seconds_of(kFew), seconds_of(kFew), seconds_of(kFew)});
-  // The measured factor is 7. If every connection searched all instances, it would be 43.
+  // The measured ratio is 7. A linear search of all instances by each connection would give 43.
   EXPECT_LT(seconds_of(kTimes * kFew), 2.5 * kTimes * few);
 }
 
@@ -164,8 +164,7 @@ TEST(Scale, ClosedArchivesReleaseAllResources) {
   report("archives opened and closed", count, before, after);
   EXPECT_EQ(after.files, before.files);
   EXPECT_LE(after.mappings, before.mappings + 2) << "the heap may grow by itself";
-  constexpr std::size_t kLargest =
-      100;  // bytes per opening: the loader keeps a little for each library that it has ever loaded
+  constexpr std::size_t kLargest = 100;  // bytes per opening, which the loader keeps for each library
   EXPECT_LE(after.heap_bytes, before.heap_bytes + kLargest * static_cast<std::size_t>(count));
 }
 

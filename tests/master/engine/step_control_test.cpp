@@ -58,8 +58,8 @@ std::string refusal(const Settings& settings) {
 }
 
 TEST(StepControl, TheErrorFallsWithTheTolerance) {
-  // With held inputs, the deviation in a step grows with h, and its integral with h^2. A tolerance that is 100 times
-  // smaller makes the steps and the error 10 times smaller.
+  // With constant inputs, the integral of the deviation over a step is proportional to h^2. A tolerance 100 times
+  // smaller makes steps and error 10 times smaller.
   double before = 0;
   for (const double tolerance : {1e-2, 1e-4, 1e-6}) {
     TestRun run(masses({.control = fmt::format(R"({{"max_step": 0.1, "relative_tolerance": {},

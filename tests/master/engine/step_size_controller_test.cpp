@@ -77,7 +77,7 @@ TEST(StepSizeController, StaysWithinItsLimits) {
 }
 
 TEST(StepSizeController, GrowsFromTheShortestStep) {
-  // 1.5 times the shortest step is not a whole number of steps of the grid. The remainder must not be lost.
+  // 1.5 times the shortest step is not an integer number of intervals. The controller must not lose the remainder.
   StepSizeController controller(description());
   std::vector<std::int64_t> lengths;
   for (int i = 0; i < 5; ++i) {

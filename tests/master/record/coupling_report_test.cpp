@@ -56,10 +56,10 @@ TEST(BondEnergy, IsWhatBothHalvesTogetherGained) {
   constexpr double kEnergyAtStart = 5 + 5;  // in joules: 10/2 x^2 of a, and 10/2 (x - y)^2 of b
   for (const bool derivatives : {false, true}) {
     const double step_s = derivatives ? 0.001 : 0.01;
-    // Between points, outputs are parabolas through the last three points. The error per second is h^3 / 24 times the
-    // third derivative of one output, times the value of the other. Here, the third derivative is 10 N times w^3 with
-    // w^2 = 30 / s^2, and the value is 5 m/s. This gives at most 340 h^3 per second, and 1700 h^3 in 5 s. About half of
-    // it is expected, because the two are not in phase. Measured: 360 to 1300 h^3, of third order.
+    // Between points, the outputs are approximated by parabolas. The error per second is h^3 / 24 times the third
+    // derivative of one output, times the value of the other. The third derivative is at most 10 N times w^3 with w^2 =
+    // 30 / s^2, and the value is at most 5 m/s. This limits the error to 340 h^3 per second, or 1700 h^3 in 5 s. About
+    // half of it is expected, because the outputs are not in phase. Measured: 360 to 1300 h^3.
     const double unknown_j = 1000 * step_s * step_s * step_s;
     for (const char* algorithm : {"jacobi", "gauss-seidel"}) {
       const auto summary = summary_of(two_masses(step_s, algorithm, kBond, derivatives));

@@ -86,7 +86,7 @@ TEST(Simulation, AnInitialLoopThatDivergesIsReportedWithItsPath) {
   }
 }
 
-/// Returns a config of a ring of three instances with different parameters, in the order of `names`.
+/// Returns a config of three instances in a ring, in the order of `names`, with different parameters.
 std::string ring(const std::vector<std::string>& names) {
   const auto instance = [](const std::string& name) {
     const int number = name[0] - 'a' + 1;
@@ -174,8 +174,8 @@ std::string failure(const std::string& fault) {
 TEST(Faults, AnErrorNamesInstanceTimeFunctionAndTheFmusWords) {
   TestRun run(with_fault("error"));
   EXPECT_THAT(failure(run), AllOf(HasSubstr("instance 'a' at 0.4 s"), HasSubstr("fmi2DoStep returned fmi2Error"),
-                                  HasSubstr("real_in made it fail (0)")));       // #r0# became the variable's name
-  EXPECT_THAT(run.column("time"), testing::ElementsAre(0, 0.1, 0.2, 0.3, 0.4));  // all earlier rows are kept
+                                  HasSubstr("real_in made it fail (0)")));       // the FMU's text contained #r0#
+  EXPECT_THAT(run.column("time"), testing::ElementsAre(0, 0.1, 0.2, 0.3, 0.4));  // earlier rows remain
 }
 
 TEST(Faults, AFatalErrorIsNotFollowedByAnotherCall) {

@@ -105,7 +105,7 @@ TEST(ContinuousSystem, EvaluatesConnectionsInsideTheRightHandSide) {
 }
 
 TEST(ContinuousSystem, ReadsOutputsAfterTheInputsThatTheyDependOn) {
-  // Connects a chain of gains y = 3 u in the worst order, without declared dependencies.
+  // A chain of gains y = 3 u in the worst order, without declared dependencies.
   const Laws gain = {.values = 2, .outputs = [](double, Values& v) { v[1] = 3 * v[0]; }};
   PlainModel last("c", gain, {0, 0});
   PlainModel middle("b", gain, {0, 0});

@@ -93,7 +93,7 @@ class MySensor final : public Device {
     change(now, now + std::llround(entry_.state("measuring").delay_s * kPsPerS));
     status_ |= kBusy;
   }
-  /// Adds the charge of the present state up to now.
+  /// Adds the energy used in the present state until now.
   void change(Picoseconds now, Picoseconds done_at) {
     energy_j_ = energy_j(now);
     since_ = now;

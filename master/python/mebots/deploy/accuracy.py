@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compares a deployed network with the model in float, and compares both with labels. All intervals have the level 95 %. Those of shares
-are Wilson's intervals; those of errors are percentiles of resampled pictures (bootstrap)."""
+"""Compares a deployed network with the model in float, and both with labels. All intervals have the confidence level 95 %. Intervals of
+shares are Wilson's, intervals of errors are bootstrap percentiles over the pictures."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Outputs:
 
 @dataclasses.dataclass(frozen=True)
 class Comparison:
-    """Contains the pictures on which a network is judged."""
+    """The pictures on which a network is judged."""
 
     pictures: Pictures
     numbers: list[int]
@@ -40,8 +40,7 @@ class Comparison:
 
 
 def comparison(deployed: Deployed, options: Options) -> Comparison:
-    """Returns the pictures of --validate. Without this option, returns those of --data. If labels are given, returns only labelled
-    pictures."""
+    """Returns the pictures of --validate, or of --data without this option. If there are labels, returns only labelled pictures."""
     pictures = deployed.pictures
     if options.validate is not None:
         pictures = Pictures(pathlib.Path(options.validate), deployed.graph.inputs[0], options.crop, deployed.model.whole)
@@ -71,7 +70,7 @@ def _by_name(names: list[str], rows: list[list[np.ndarray]]) -> Values:
 
 
 def difference(of: Values, to: Values) -> dict[str, Any]:
-    """Returns the root mean square difference of each output, its interval, and the standard deviation of ``to``."""
+    """Returns for each output the root mean square difference with its interval, and the standard deviation of ``to``."""
     return {name: {**_root_mean_square(of[name] - values), "deviation": float(values.std())} for name, values in to.items()}
 
 
@@ -82,7 +81,8 @@ def _root_mean_square(errors: np.ndarray) -> dict[str, Any]:
 
 
 def _resampled(*rows: np.ndarray) -> tuple[float, ...]:
-    """Returns the interval of the mean of one row. For two rows, returns that of the difference of the roots of their means."""
+    """Returns the bootstrap interval of the mean of a row. For two rows, returns the interval of the difference of the roots of their
+    means."""
     random = np.random.default_rng(1)
     means = []
     for _ in range(_REPETITIONS):
@@ -103,8 +103,7 @@ def accuracy_of(outputs: Outputs, compared: Comparison) -> dict[str, Any]:
 
 
 def _against(name: str, outputs: Outputs, labels: np.ndarray) -> dict[str, Any]:
-    """Compares outputs with labels. For classes, counts the correct pictures. Labels that are all 0 or 1 are treated as classes with the
-    threshold 1/2."""
+    """Compares outputs with labels. For classes, counts correct pictures. If all labels are 0 or 1, compares with the threshold 1/2."""
     both = {"int8": outputs.integers} | ({} if outputs.floats is None else {"float": outputs.floats})
     if name == CLASS:
         right = {kind: next(iter(values.values())).argmax(axis=1) == labels for kind, values in both.items()}
@@ -124,15 +123,15 @@ def _against(name: str, outputs: Outputs, labels: np.ndarray) -> dict[str, Any]:
 
 
 def _loss(before: np.ndarray, after: np.ndarray) -> dict[str, Any]:
-    """Returns by how much a share has decreased. The interval combines those of the shares of pictures lost and gained, each with half
-    of the error probability. Therefore it may be too wide, but not too narrow."""
+    """Returns the decrease of a share. Its interval combines those of the shares of pictures lost and gained, each with half of the error
+    probability. It may be too wide, but not too narrow."""
     lost, gained = (int((a & ~b).sum()) for a, b in ((before, after), (after, before)))
     (least_lost, most_lost), (least_gained, most_gained) = (wilson(one, len(before), _ERROR / 2) for one in (lost, gained))
     return {"share": (lost - gained) / len(before), "interval": [least_lost - most_gained, most_lost - least_gained]}
 
 
 def shown(accuracy: dict[str, Any], indent: str = "") -> list[str]:
-    """Formats the accuracy as lines for the terminal."""
+    """Returns the accuracy as lines for the terminal."""
     lines = []
     if "without_equalisation" in accuracy:
         lines = [f"{indent}without equalisation:", *shown(accuracy["without_equalisation"], f"{indent}  ")]

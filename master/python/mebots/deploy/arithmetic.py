@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Computes scales of tensors, and the integers by which a sum is converted to a byte (fmu_soc/firmware/kernels/layer.h)."""
+"""Computes the scales of tensors, and the integers that convert a sum to a byte (fmu_soc/firmware/kernels/layer.h)."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ import math
 
 import numpy as np
 
-_LEAST_SHIFT, _MOST_SHIFT = 1, 22  # maximum shift of the upper word; the zero of the output must fit above it
+_LEAST_SHIFT, _MOST_SHIFT = 1, 22  # limits of the shift of the upper word; the output's zero must fit above it
 LARGEST_SUM = (1 << 31) - 1
 LEAST_NARROW = 1024  # smallest multiplier of 32-bit products: its rounding changes the largest byte by at most an eighth
 
 
 @dataclasses.dataclass(frozen=True)
 class Scale:
-    """The scale of the bytes of a tensor. A byte represents the real value (byte - zero) x step."""
+    """The scale of a tensor's bytes. A byte represents the real value (byte - zero) x step."""
 
     step: float
     zero: int
 
     @staticmethod
     def of_range(low: float, high: float) -> Scale:
-        """Returns a scale whose bytes represent the range from ``low`` to ``high``. One byte represents zero exactly."""
+        """Returns a scale for the range from ``low`` to ``high``. One byte represents zero exactly."""
         low, high = min(low, 0.0), max(high, 0.0)
         if high - low < 1e-12:
             high = low + 1.0
@@ -30,7 +30,7 @@ class Scale:
         return Scale(step, int(round(-low / step)))
 
     def byte(self, value: float) -> int:
-        """Returns the byte that is nearest to a real value. Values outside of the range become the nearest bound."""
+        """Returns the byte nearest to a real value. Clips values outside the range."""
         if math.isinf(value):
             return 255 if value > 0 else 0
         return int(np.clip(np.floor(value / self.step + 0.5) + self.zero, 0, 255))
@@ -57,7 +57,7 @@ class Requantisation:
     lower: np.ndarray | None = None
 
     def apply(self, sums: np.ndarray, low: int, high: int) -> np.ndarray:
-        """Converts sums to bytes. The last dimension of ``sums`` must be the channels."""
+        """Converts sums to bytes. The last dimension of ``sums`` must be the channel."""
         product = sums.astype(np.int64) * self.multiplier
         if self.lower is not None:
             product += self.lower
@@ -67,7 +67,7 @@ class Requantisation:
 
 
 def requantisation(factors: np.ndarray, zero: int, bounds: np.ndarray) -> Requantisation:
-    """Returns the integers that represent one real factor for each channel. ``bounds`` must be the largest magnitudes of the sums."""
+    """Returns the integers for one real factor per channel. ``bounds`` contains the largest magnitude of each channel's sums."""
     factors = np.asarray(factors, dtype=np.float64)
     bounds = np.asarray(bounds, dtype=np.float64)
     if (factors < 0.25).all() and (_narrow_multipliers(factors, zero, bounds)[0] < LEAST_NARROW).any():
@@ -86,7 +86,7 @@ def _wide(factors: np.ndarray, zero: int) -> Requantisation:
 
 
 def _narrow_multipliers(factors: np.ndarray, zero: int, bounds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Returns the largest multipliers for which all products fit into 32 bits, and their shifts."""
+    """Returns the largest multipliers whose products fit into 32 bits, with their shifts."""
     most = bounds * factors + zero + 1
     shifts = np.clip(np.floor(np.log2(LARGEST_SUM / np.maximum(most, 1e-9))) - 1, 1, _MOST_SHIFT).astype(np.int64)
     return np.floor(np.ldexp(factors, shifts) + 0.5).astype(np.int64), shifts
@@ -101,8 +101,8 @@ def _narrow(factors: np.ndarray, zero: int, bounds: np.ndarray) -> Requantisatio
 
 
 def exact_requantisation(multipliers: np.ndarray, addends: np.ndarray, shift: int, bounds: np.ndarray) -> Requantisation:
-    """Returns integers that compute (sum x multiplier + addend) >> shift with exactly these numbers. Raises OverflowError if a
-    multiplier needs more than 30 bits, or a product more than 63 bits."""
+    """Returns integers that compute exactly (sum x multiplier + addend) >> shift. Raises OverflowError if a multiplier needs more than 30
+    bits, or a product more than 63 bits."""
     m, a = (np.asarray(one, dtype=np.int64) for one in (multipliers, addends))
     if shift < 31 and (bounds * np.abs(m) + np.abs(a) <= LARGEST_SUM).all():
         return Requantisation(m, a, np.full_like(m, shift), "narrow")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Returns the texts of the files of a network's library: header, source, assembler and CMake."""
+"""Returns the texts of a network's library: header, source, assembler and CMake files."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _TAG = "// SPDX-License-Identifier: Apache-2.0\n"
 
 
 def kernels(plan: Plan) -> tuple[str, ...]:
-    """Returns the names of the kernels' sources that a network needs."""
+    """Returns the sources of the kernels that a network needs."""
     return _KERNELS if plan.stream is None else (*_KERNELS, "l3.c")
 
 
@@ -125,8 +125,8 @@ void network_load(uint32_t flash) {{
 
 
 def l1_bytes(plan: Plan) -> int:
-    """Returns the size of L1 in bytes, including bytes that kernels may read after the last buffer. This size suffices
-    for the rows of a camera's picture (app/deployed.c).
+    """Returns the size of L1 in bytes, including bytes that kernels may read after the last buffer. At least 16 KiB, which the rows of a
+    camera's picture need (app/deployed.c).
     """
     return max(plan.l1_bytes + 16, 16 << 10)
 
@@ -140,7 +140,7 @@ def _factors(network: Network) -> str:
 
 
 def _copy(network: Network) -> str:
-    """Returns the C functions that copy outputs to the result: outputs of bytes, and outputs of sums."""
+    """Returns the C functions that copy outputs of bytes and outputs of sums to the result."""
     text = {
         1: """static void copy(int32_t* to, const uint8_t* from, int count, int zero) {
   for (int i = 0; i < count; ++i) {

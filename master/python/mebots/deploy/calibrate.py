@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs a model in float on pictures, and collects the ranges of its tensors."""
+"""Runs a float model on pictures, and collects the ranges of its tensors."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _BINS = 2048
 
 
 class FloatModel:
-    """Runs a model in onnxruntime. All tensors in ``names`` are outputs."""
+    """Runs a model in onnxruntime. All tensors in ``names`` become outputs."""
 
     def __init__(self, model: Model, names: Iterable[str]) -> None:
         onnx = extra("onnx", "`mebots deploy`", "onnx", "deploy")
@@ -29,7 +29,7 @@ class FloatModel:
         proto.graph.output.extend(onnx.helper.make_empty_tensor_value_info(name) for name in self.names)
         options = runtime.SessionOptions()
         options.intra_op_num_threads = 1
-        options.log_severity_level = 4  # its errors are raised as exceptions, too
+        options.log_severity_level = 4  # onnxruntime also raises its errors as exceptions
         runtime.set_default_logger_severity(4)
         self._path = model.path
         options.graph_optimization_level = runtime.GraphOptimizationLevel.ORT_DISABLE_ALL
@@ -39,7 +39,7 @@ class FloatModel:
             raise InputError(f"{model.path}: onnxruntime cannot run it: {_one_line(error)}", "invalid_model") from error
 
     def run(self, values: np.ndarray) -> dict[str, np.ndarray]:
-        """Computes the tensors for ``values``, which must have the shape that ONNX defines, including the batch."""
+        """Computes the tensors. ``values`` must have the shape in ONNX, including the batch."""
         try:
             results = self._session.run(self.names, {self._input: values.astype(np.float32)})
         except Exception as error:  # onnxruntime raises its own classes
@@ -55,7 +55,7 @@ class Ranges:
     """Collects the minimum and maximum of tensors. With a percentile, also collects histograms of their magnitudes."""
 
     def __init__(self, percentile: float | None, divisors: Mapping[str, np.ndarray]) -> None:
-        """Creates empty ranges. The channels of the tensors in ``divisors`` are divided by these numbers."""
+        """``divisors`` maps tensors to the numbers by which their channels are divided."""
         self._percentile = percentile
         self._divisors = divisors
         self._least: dict[str, float] = {}

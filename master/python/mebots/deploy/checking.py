@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compares the layers of programs with the reference in NumPy, by hashes."""
+"""Compares the output of each layer with the NumPy reference, by hashes."""
 
 from __future__ import annotations
 
@@ -20,11 +20,9 @@ _LINE = re.compile(r"^layer (\d+) ([0-9a-f]+)$|^result (-?\d+)$")
 
 
 def check(library: pathlib.Path, scratch: pathlib.Path, deployed: Deployed, on_chip: bool, objects: pathlib.Path | None = None) -> chip.Program | None:
-    """Compares the C code with the reference: on this machine, and on the chip with one core and with all cores. Returns the chip's
-    program.
+    """Compares the C code with the reference, on this machine and on the chip with one core and all cores. Returns the chip's program.
 
-    ``library`` has the network's sources. ``objects`` is a folder for the object files of the kernels, which are used again for later
-    networks.
+    ``library`` contains the network's sources. ``objects`` is a folder for object files of kernels, which later networks reuse.
     """
     network, board = deployed.network, deployed.board
     build = chip.Build(library, scratch, board, kernels(deployed.plan), objects)
@@ -41,7 +39,7 @@ def check(library: pathlib.Path, scratch: pathlib.Path, deployed: Deployed, on_c
 
 
 def hash_of(values: np.ndarray) -> int:
-    """Returns the hash of bytes (FNV-1a, 32 bits)."""
+    """Returns the FNV-1a hash (32 bits) of an array's bytes."""
     result = 2166136261
     for one in np.ascontiguousarray(values).tobytes():
         result = ((result ^ one) * 16777619) & 0xFFFFFFFF
@@ -53,7 +51,7 @@ def results_of(network: Network, values: dict[Tensor, np.ndarray]) -> list[int]:
 
 
 def compare(network: Network, values: dict[Tensor, np.ndarray], printed: str, where: str) -> None:
-    """Raises Error that names the first layer whose hash differs."""
+    """Raises Error with the name of the first layer whose hash differs."""
     hashes: dict[int, int] = {}
     results = []
     for line in printed.splitlines():

@@ -32,7 +32,7 @@ _CHIP_OPTIONS = ("-march=rv32imc_zicsr", "-mabi=ilp32", "-mcmodel=medany", "-O2"
 
 
 def program(name: str) -> str:
-    """Returns the path of one of MEbots' programs."""
+    """Returns the path of a program of MEbots."""
     here = pathlib.Path(mebots.__file__).resolve().parent
     for place in (here / "bin", here.parents[1] / "bin", here.parents[3] / "bin"):
         if (place / name).is_file():
@@ -51,7 +51,7 @@ def compiler() -> str:
 
 
 def run_program(words: Sequence[str | os.PathLike[str]], what: str) -> str:
-    """Returns what a program prints. Raises Error if it fails."""
+    """Runs a program and returns its output. Raises Error if the program fails."""
     try:
         done = subprocess.run([os.fspath(one) for one in words], capture_output=True, text=True, timeout=_TIME_LIMIT_S, check=False)
     except subprocess.TimeoutExpired as error:
@@ -64,20 +64,20 @@ def run_program(words: Sequence[str | os.PathLike[str]], what: str) -> str:
 
 @dataclasses.dataclass(frozen=True)
 class Board:
-    """A board file, with the memories that a network may use."""
+    """A board and the memories that a network may use on it."""
 
     path: pathlib.Path
     name: str
     l1: int
     l2: int
     cores: int
-    is_gap8: bool  # with GAP8's own devices
-    flies: bool  # with a flight link
-    has_l3: bool  # HyperRAM and HyperFlash at GAP8's uDMA
+    is_gap8: bool  # has GAP8's own devices
+    flies: bool  # has a flight link
+    has_l3: bool  # has HyperRAM and HyperFlash at GAP8's uDMA
 
 
 def board(name: str) -> Board:
-    """Returns a board: one that MEbots contains, or one from a file."""
+    """Returns a board that MEbots contains, or reads one from a file."""
     path = pathlib.Path(name)
     if path.suffix != ".json":
         path = data_folder() / "configs/boards" / f"{name}.json"
@@ -103,10 +103,10 @@ def board(name: str) -> Board:
 
 
 class Build:
-    """The programs that check a network. They are built in a separate folder."""
+    """Builds the programs that check a network, in a separate folder."""
 
     def __init__(self, library: pathlib.Path, scratch: pathlib.Path, on: Board, kernels: Sequence[str], objects: pathlib.Path | None = None) -> None:
-        """``kernels``: the names of the kernels' sources that the network needs."""
+        """``kernels``: sources of the kernels that the network needs."""
         self._library = library
         self._scratch = scratch
         self._objects = objects or scratch
@@ -115,7 +115,7 @@ class Build:
         self._firmware = data_folder() / "fmu_soc/firmware"
 
     def _shared(self) -> list[pathlib.Path]:
-        """Returns the sources that are the same for all networks with weights in the same memory."""
+        """Returns the sources that all networks with weights in the same memory share."""
         return [self._firmware / "kernels" / one for one in self._kernels]
 
     def _own(self) -> list[pathlib.Path]:
@@ -131,24 +131,23 @@ class Build:
         return out
 
     def _compiled(self, words: list[str], source: pathlib.Path, kind: str) -> pathlib.Path:
-        """Compiles a source that is the same for all networks, unless this was already done."""
+        """Compiles a shared source unless its object file exists."""
         out = self._objects / f"{kind}_{source.name}.o"
         if not out.exists():
             standard = ["-std=c11"] if source.suffix == ".c" else []
-            new = self._objects / f"{out.name}.{os.getpid()}"  # other processes may compile it, too
+            new = self._objects / f"{out.name}.{os.getpid()}"  # another process may compile it at the same time
             run_program([*words, *standard, *self._folders(), "-c", source, "-o", new], f"compiling {source.name}")
             os.replace(new, out)
         return out
 
     def chip(self) -> pathlib.Path:
-        """Builds the program that checks and measures a deployed network."""
+        """Builds the program that checks and measures the network."""
         gcc = compiler()
         self._make_header()
         return self._link(gcc, self._own(), [*self._runtime(), *self._shared()], "check.elf")
 
     def pilot(self, name: str, sources: Sequence[str], order: Sequence[int]) -> pathlib.Path:
-        """Builds a flight's program. For each value that the program needs, ``order`` has the index of the network's
-        output."""
+        """Builds a flight's program. ``order`` contains the index of the network's output for each value that the program needs."""
         gcc = compiler()
         self._make_header()
         (self._scratch / "output_order.h").write_text(f"#define OUTPUT_ORDER {', '.join(map(str, order))}\n")
@@ -160,7 +159,7 @@ class Build:
         return [self._overlaid(f"runtime/{one}") for one in (*_RUNTIME, *more)]
 
     def _overlaid(self, name: str) -> pathlib.Path:
-        """Returns a source. On a board with GAP8's own devices, files of gap8/ replace files of the same names."""
+        """Returns a source file. On a board with GAP8's own devices, prefers the file in gap8/."""
         instead = self._firmware / "gap8" / name
         return instead if self._board.is_gap8 and instead.exists() else self._firmware / name
 
@@ -206,7 +205,7 @@ def _too_large(error: Error, on: Board) -> Error:
 @dataclasses.dataclass(frozen=True)
 class Request:
     cores: int
-    layers: int  # -1: check
+    layers: int  # -1: check of all layers
     bytes: Sequence[int]
     picture: np.ndarray
     clock_hz: int = CLOCK_HZ
@@ -214,7 +213,7 @@ class Request:
 
 @dataclasses.dataclass(frozen=True)
 class Program:
-    """The program that computes the layers of a network on the chip, with its picture and the bytes of each layer's output."""
+    """A program that computes the layers of a network on the chip. ``picture`` is its input, ``bytes`` the size of each layer's output."""
 
     elf: pathlib.Path
     bytes: Sequence[int]
@@ -223,16 +222,16 @@ class Program:
     flash: pathlib.Path | None = None  # content of the flash
 
     def check(self, cores: int) -> str:
-        """Returns what the program prints of all layers."""
+        """Returns the program's output after all layers."""
         return run_on_chip(self.elf, Request(cores, -1, self.bytes, self.picture), self.board, flash=self.flash)[0]
 
     def report(self, cores: int, layers: int, clock_hz: int = CLOCK_HZ, by_cause: bool = False) -> dict[str, Any]:
-        """Returns the chip's report of the first layers."""
+        """Returns the chip's report after the first layers."""
         return run_on_chip(self.elf, Request(cores, layers, self.bytes, self.picture, clock_hz), self.board, by_cause, self.flash)[1]
 
 
 def with_request(built: pathlib.Path, request: Request, out: pathlib.Path) -> pathlib.Path:
-    """Copies a program, and writes a request into the copy."""
+    """Copies a program and stores a request in the copy."""
     content = bytearray(built.read_bytes())
     at = content.find(_MARK)
     if at < 0 or content.find(_MARK, at + 1) >= 0:
@@ -251,7 +250,7 @@ def run_on_host(built: pathlib.Path, request: Request) -> str:
 
 
 def run_on_chip(built: pathlib.Path, request: Request, on: Board, by_cause: bool = False, flash: pathlib.Path | None = None) -> tuple[str, dict[str, Any]]:
-    """Returns what the program prints, and the chip's report. If ``by_cause`` is true, the report has the cycles of functions by cause,
+    """Returns the program's output and the chip's report. If ``by_cause`` is true, the report divides the cycles of functions by cause,
     which takes longer."""
     copy = with_request(built, request, built.with_name("request.elf"))
     report = built.with_name("report.json")

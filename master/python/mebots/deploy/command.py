@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Implements ``mebots deploy``. The program is replaced by a Python interpreter, which runs this module. Parses the command line."""
+"""The command line of ``mebots deploy``. The program mebots starts a Python interpreter with this module."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from mebots.guarded import guarded
 
 
 def main(words: list[str] | None = None) -> int:
-    """Runs the command. Returns the exit code."""
     parser = argparse.ArgumentParser("mebots deploy", allow_abbrev=False)
     parser.add_argument("model")
     parser.add_argument("--data", required=True)

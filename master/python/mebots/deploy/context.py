@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Contains data and helper functions for the functions that convert ONNX operators to nodes of a graph."""
+"""The data and helpers of functions that convert ONNX operators to nodes of a graph."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MOST_ELEMENTS = 8 << 20
 
 
 class Importer:
-    """Converts a model node by node; each operator has a function. ``node`` is the current node."""
+    """Converts a model node by node with one function per operator. ``node`` is the current node."""
 
     def __init__(self, model: Model, operators: Mapping[str, Callable[[Importer], None]]) -> None:
         self.model = model
@@ -48,7 +48,7 @@ class Importer:
         return self.attributes.get(name, default)
 
     def constant(self, place: int) -> np.ndarray | None:
-        """Returns the constant that is input number ``place``. Returns None if there is no such input."""
+        """Returns the constant at an input of the node, or None if the node lacks this input."""
         if place >= len(self.node.input) or self.node.input[place] == "":
             return None
         name = self.node.input[place]
@@ -57,7 +57,7 @@ class Importer:
         return self.model.constants[name]
 
     def needed(self, place: int) -> np.ndarray:
-        """Returns the constant that is input number ``place``. Rejects the node if there is no such input."""
+        """Returns the constant at an input of the node. Raises InputError if the node lacks this input."""
         value = self.constant(place)
         if value is None:
             raise self.refuse(f"it has no input {place}", "Export the model again")
@@ -79,7 +79,7 @@ class Importer:
             raise self.model.fail(
                 f"tensor {name} has no fixed shape ({given}). Export with fixed shapes, or fix them by onnxruntime.tools.make_dynamic_shape_fixed"
             )
-        if shape in ((), (1,)):  # a scalar, or a scalar with the batch size one
+        if shape in ((), (1,)):  # a scalar, possibly with a batch dimension
             return 1, 1
         if any(one < 1 for one in shape):
             raise self._empty(name, shape)
@@ -106,7 +106,7 @@ class Importer:
         return tensor
 
     def alias(self, tensor: Tensor) -> None:
-        """Makes the input's tensor the output of the node."""
+        """Makes the input tensor the output of the node, which changes nothing."""
         self._tensors[self.node.output[0]] = tensor
 
     def add(self, kind: str, inputs: list[Tensor], **fields: Any) -> Node:
@@ -116,7 +116,7 @@ class Importer:
         return node
 
     def insert(self, node: Node) -> None:
-        """Adds a node. Its output is a new tensor that the model does not contain."""
+        """Adds a node whose output is not a tensor of the model."""
         self._nodes.append(node)
 
     def _import(self, node: Any) -> None:
@@ -132,7 +132,7 @@ class Importer:
         try:
             self._operators[node.op_type](self)
         except (ArithmeticError, AttributeError, LookupError, MemoryError, TypeError, ValueError) as error:
-            # In an invalid model, attributes and constants may have any values.
+            # Attributes and constants of an invalid model may have any values.
             raise self.refuse(f"its attributes and inputs do not fit each other: {error}", "Export the model again") from error
 
     def _output(self, name: str) -> Tensor:

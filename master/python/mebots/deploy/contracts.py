@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Defines the contracts of the firmwares that fly with a network. A contract states which input and outputs the firmware needs
-(fmu_soc/firmware/app)."""
+"""Contracts between a network and the firmware that flies with it: the required input and outputs (fmu_soc/firmware/app)."""
 
 from __future__ import annotations
 
@@ -18,8 +17,7 @@ _COLOURS = {1: "grey", 3: "rgb"}
 
 @dataclasses.dataclass(frozen=True)
 class Contract:
-    """``firmware`` contains the names of the programs whose network can be replaced. ``rows`` and ``columns`` contain the minimum and
-    maximum size of the input."""
+    """``firmware`` names the programs whose network can be replaced. ``rows`` and ``columns`` are the limits of the input's size."""
 
     name: str
     firmware: tuple[str, ...]
@@ -32,15 +30,14 @@ class Contract:
 
 @dataclasses.dataclass(frozen=True)
 class Fit:
-    """States that a network matches a contract. ``order`` contains, for each output of the contract, the index of its value in the
-    result of the network."""
+    """A network that matches a contract. ``order`` contains the index in the network's result for each output of the contract."""
 
     contract: Contract
     order: tuple[int, ...]
 
 
 def contracts() -> list[Contract]:
-    """Returns the contracts that this installation contains."""
+    """Returns the contracts of this installation."""
     files = sorted((data_folder() / "fmu_soc/firmware/app").glob(f"*{_SUFFIX}"))
     return [_read(one.name.removesuffix(_SUFFIX), json.loads(one.read_text())) for one in files]
 
@@ -57,8 +54,8 @@ def _range(values: list[int]) -> tuple[int, int]:
 
 
 def fit(network: integers.Network, grey_step: float) -> Fit | str:
-    """Returns the contract that the network matches. If it matches none, returns the reason. ``grey_step`` is the change of the
-    network's input for one grey level."""
+    """Returns how the network matches a contract, or the reason why it matches none. ``grey_step`` is the change of the network's input per
+    grey level."""
     known = contracts()
     choice = next((fitting for one in known if (fitting := _order(network, one)) is not None), None)
     if choice is None:
@@ -69,7 +66,7 @@ def fit(network: integers.Network, grey_step: float) -> Fit | str:
 
 
 def _order(network: integers.Network, contract: Contract) -> Fit | None:
-    """Returns how the outputs match the contract. Returns None if the network has other outputs than the contract."""
+    """Returns how the outputs match the contract, or None if they do not."""
     names = [identifier(one.name) for one in network.outputs]
     if len(network.outputs) == 1 and network.outputs[0].size == len(contract.outputs):
         return Fit(contract, tuple(range(len(contract.outputs))))
@@ -79,7 +76,7 @@ def _order(network: integers.Network, contract: Contract) -> Fit | None:
 
 
 def _problem(network: integers.Network, contract: Contract, grey_step: float) -> str:
-    """Returns the reason why the input does not match. Returns an empty text if it does."""
+    """Returns the reason why the input does not match, or an empty text."""
     rows, columns, channels = network.input.stored()
     has = f"{columns} x {rows} pixels, {_COLOURS.get(channels, f'{channels} channels')}"
     if _COLOURS.get(channels) != contract.colour or not (contract.rows[0] <= rows <= contract.rows[1] and contract.columns[0] <= columns <= contract.columns[1]):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Defines the options of a deployment, and its result in memory."""
+"""The options of a deployment, and its result in memory."""
 
 from __future__ import annotations
 
@@ -23,10 +23,13 @@ Size = tuple[int, int]
 class Options:
     """Options of a deployment.
 
-    percentile: share of the values that the ranges contain; None: the least and greatest values equalise: cross-layer
-    equalisation vectors: number of test vectors in the folder pictures: number of pictures for the calibration
-    validate: folder of pictures for the accuracy; None: the pictures of the calibration labels: file with the labels of
-    these pictures sizes: further sizes of the input; None: three quarters and half of the rows and columns
+    percentile: share of values within the ranges; None: all values
+    equalise: cross-layer equalisation
+    vectors: number of test vectors in the folder
+    pictures: number of pictures for the calibration
+    validate: folder of pictures for the accuracy; None: the pictures of the calibration
+    labels: file with the labels of these pictures
+    sizes: further sizes of the input; None: three quarters and half of the rows and columns
     """
 
     board: str = "ai_deck"
@@ -45,7 +48,7 @@ class Options:
 
 @dataclasses.dataclass(frozen=True)
 class Deployed:
-    """Contains a network in three forms: in float, in integers, and as C code."""
+    """A network in float, in integers, and as C code."""
 
     model: Model
     graph: Graph

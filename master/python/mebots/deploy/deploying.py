@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Deploys a network: converts a model, calibrated with pictures, to a folder that contains a firmware library."""
+"""Deploys a network: converts a model with pictures for calibration to a folder with a firmware library."""
 
 from __future__ import annotations
 
@@ -26,10 +26,8 @@ from mebots.errors import InputError
 
 
 def deploy(model: str | os.PathLike[str], data: str | os.PathLike[str], out: str | os.PathLike[str], options: Options | None = None) -> dict[str, Any]:
-    """Writes the folder ``out``, which must not exist. Returns the content of its network.json.
-
-    Before the folder is created, the integers are checked in C on this machine, and on the chip with one core and with
-    all cores.
+    """Writes the folder ``out``, which must not exist. Returns the content of network.json. Before writing, checks the integer network in C
+    on this machine, and on the chip with one core and all cores.
     """
     options = options or Options()
     target = pathlib.Path(out)
@@ -63,7 +61,7 @@ def _fill(folder: pathlib.Path, deployed: Deployed, options: Options, judgement:
 
 
 def _build_pilot(folder: pathlib.Path, deployed: Deployed, options: Options) -> dict[str, Any]:
-    """Builds the program of the flight if the network matches a contract. Otherwise, returns the reason why it does not."""
+    """If the network matches a contract, builds the flight's program. Otherwise, returns the reason."""
     if not options.measure:
         return {"none": "it was deployed with --no-measure, which builds no program for the chip"}
     if deployed.float_model is None:
@@ -85,7 +83,7 @@ def _build_pilot(folder: pathlib.Path, deployed: Deployed, options: Options) -> 
 
 
 def _write_vectors(folder: pathlib.Path, deployed: Deployed, count: int) -> list[dict[str, Any]]:
-    """Writes the inputs and outputs of some pictures. Returns a list of these files for network.json."""
+    """Writes inputs and outputs of some pictures. Returns the list of files for network.json."""
     place = folder / "vectors"
     place.mkdir()
     listed = []

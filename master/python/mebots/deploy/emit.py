@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes a network as C: a table of layers, and the weights as one binary file."""
+"""Writes a network as C: a table of layers and a binary file of weights."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _KERNELS = {"max_pool": "layer_max_pool", "average_pool": "layer_average_pool", 
 
 
 def _kernel(layer: Layer) -> dict[str, str]:
-    """Returns the layer's kind, and the name of its kernel."""
+    """Returns the layer's kind and kernel."""
     if layer.kind in ("move", "softmax"):
         return {"kind": f"LAYER_{layer.kind.upper()}"}
     if layer.kind in _KERNELS:
@@ -39,7 +39,7 @@ def _kernel(layer: Layer) -> dict[str, str]:
 
 
 class Weights:
-    """The binary file of the weights. Each part of the file begins at a multiple of four bytes."""
+    """The binary file of weights. Each part starts at a multiple of four bytes."""
 
     def __init__(self) -> None:
         self._bytes = bytearray()
@@ -54,7 +54,7 @@ class Weights:
         return len(self._bytes)
 
     def content(self) -> bytes:
-        # A copy may read one word beyond the end.
+        # A copy may read one word after the end.
         return bytes(self._bytes) + bytes(8)
 
 
@@ -63,7 +63,7 @@ def _words(*values: Any) -> bytes:
 
 
 def _group(layer: Layer, part: Part, group: tuple[int, int, int], sliced: bool) -> bytes:
-    """Returns a block of four output channels: header, numbers of the requantisation, weights run by run."""
+    """Returns a block of four output channels: header, numbers of the requantisation, weights by runs."""
     first, count, source = group
     if sliced:
         source -= part.first
@@ -80,7 +80,7 @@ def _group(layer: Layer, part: Part, group: tuple[int, int, int], sliced: bool) 
         weights = _depthwise_weights(layer, first, count)
     else:
         weights = np.zeros((4, runs_y * runs_x, planning.align(run)), dtype=np.int8)
-        # Reorders weights to rows, columns, input channels: the order of a patch in memory.
+        # Reorders weights to the order of a patch in memory: rows, columns, input channels.
         weights[:count, :, :run] = layer.weight[first : first + count].transpose(0, 2, 3, 1).reshape(count, runs_y * runs_x, run)
         if planning.is_in_blocks(layer):
             weights = weights.reshape(4, -1, 4).transpose(1, 0, 2).copy()
@@ -89,8 +89,8 @@ def _group(layer: Layer, part: Part, group: tuple[int, int, int], sliced: bool) 
 
 
 def _depthwise_weights(layer: Layer, first: int, count: int) -> np.ndarray:
-    """Returns weights for four channels: four places of the kernel for each channel, then the next four places. In a kernel of
-    3 x 3, a column's three places and a zero take the place of four."""
+    """Returns the weights of four channels: four places of the kernel for each channel, then the next four places. In a 3 x 3 kernel, the
+    three places of a column and a zero are four places."""
     if planning.is_depthwise_3x3(layer):
         columns = np.zeros((4, 3, 4), dtype=np.int8)
         columns[:count, :, :3] = layer.weight[first : first + count].reshape(count, 3, 3).transpose(0, 2, 1)
@@ -118,7 +118,7 @@ def _data(layer: Layer, part: Part, sliced: bool = False) -> bytes:
 
 
 def _block_table(layer: Layer, steps: Steps | None, weights: Weights, sources: dict[Tensor, int]) -> tuple[int, int]:
-    """Adds data and blocks of a layer. Returns the table's offset, and the number of blocks."""
+    """Adds the data and blocks of a layer. Returns the offset of its table and the number of blocks."""
     rows = []
     if layer.kind == "move":
         for number in range(len(layer.moves)):
@@ -189,7 +189,7 @@ def _side_fields(layer: Layer) -> dict[str, int]:
 
 
 def _own_fields(layer: Layer) -> dict[str, Any]:
-    """Returns the fields of the table that only this kind of layer has."""
+    """Returns the table fields that only this kind of layer has."""
     if layer.kind == "convolution":
         return _run_fields(layer) | _gather_fields(layer)
     if layer.kind == "average_pool":
@@ -219,7 +219,7 @@ def _run_fields(layer: Layer) -> dict[str, int]:
     length = planning.align(run)
     channels = layer.inputs[0].channels
     pitch = planning.columns_in_l1(layer) * channels
-    # These are the distances from the end of a run to the start of the next run. At the end of a row, the step of the row is added.
+    # The distances from the end of a run to the start of the next run. At the end of a row, the row's step is added.
     if runs_y * runs_x == 1:
         return {"runs_y": 1, "runs_x": 1, "run_words": length // 4, "group_bytes": planning.group_bytes(layer)}
     step_x = layer.dilations[1] * channels - length if runs_x > 1 else 0
@@ -257,15 +257,14 @@ class Sources:
     weight_bytes: int
 
     def write(self, folder: pathlib.Path) -> None:
-        """Writes the files into a folder, which is created if necessary."""
+        """Writes the files into a folder. Creates the folder if necessary."""
         folder.mkdir(exist_ok=True)
         for name, content in self.files.items():
             (folder / name).write_bytes(content)
 
 
 def emit(network: Network, plan: Plan, in_l3: bool = False) -> Sources:
-    """Returns the files of the library by name. If ``in_l3`` is true, the weights are in HyperRAM, and their addresses are stored in the
-    plan."""
+    """Returns the files of the library by name. If ``in_l3`` is true, the weights are in HyperRAM, and the plan stores their addresses."""
     offsets = {**plan.offsets, network.input: _PICTURE}
     weights = Weights()
     rows, segments = [], []

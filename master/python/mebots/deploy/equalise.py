@@ -19,16 +19,15 @@ import numpy as np
 from mebots.deploy.graph import Graph, Node, Tensor
 
 _LINEAR_POOLS = ("max_pool", "mean_pool")
-_HOMOGENEOUS = ((-math.inf, math.inf), (0.0, math.inf))  # limits of an output: no limits, or those of Relu
+_HOMOGENEOUS = ((-math.inf, math.inf), (0.0, math.inf))  # limits of outputs without limits and of Relu
 _ROUNDS = 50
 _CONVERGED = 1e-3
-_NEGLIGIBLE = 1e-6  # as a fraction of the layer's largest weight
+_NEGLIGIBLE = 1e-6  # relative to the layer's largest weight
 
 
 @dataclasses.dataclass(frozen=True)
 class _Pair:
-    """Contains a layer and all layers that use its output. If several layers use the output, the range of a column is the largest range
-    in these layers."""
+    """A layer and all layers that read its output. If several layers read it, a column's range is the largest range in these layers."""
 
     first: Node
     between: list[Tensor]
@@ -36,8 +35,8 @@ class _Pair:
 
 
 def equalise(graph: Graph, fixed: set[str]) -> dict[str, np.ndarray]:
-    """Changes weights and biases in place. Returns the divisor of each channel of the tensors between equalised layers. The keys are
-    names of tensors. Tensors in ``fixed`` do not change."""
+    """Changes weights and biases in place. Returns the divisors of the channels of equalised tensors, by tensor name. Tensors in ``fixed``
+    stay unchanged."""
     pairs = [one for one in _pairs(graph) if not any(tensor.name in fixed for tensor in one.between)]
     divisors = {tensor.name: np.ones(tensor.channels) for one in pairs for tensor in one.between}
     for _ in range(_ROUNDS):
@@ -62,8 +61,8 @@ def _pairs(graph: Graph) -> Iterator[_Pair]:
 
 
 def _collect(graph: Graph, tensor: Tensor, pair: _Pair) -> bool:
-    """Adds to a pair a tensor, the layers that use it, and the tensors after a Relu or pool. Returns False if an output of the graph is
-    among the tensors, or if another node uses one of them."""
+    """Adds a tensor and the layers that read it to a pair, and continues after each Relu or pool. Returns False if a tensor is an output of
+    the graph, or if another node reads it."""
     pair.between.append(tensor)
     if any(one is tensor for one in graph.outputs):
         return False
@@ -81,8 +80,7 @@ def _is_homogeneous(node: Node) -> bool:
 
 
 def _columns(node: Node) -> np.ndarray | None:
-    """Returns a view of the weights, ordered by input channel: [channel, weights]. Returns None if groups of several channels share
-    weights."""
+    """Returns a view of the weights with the dimensions [input channel, weights]. Returns None for groups of several channels."""
     channels = node.inputs[0].channels
     if node.groups == 1:
         return np.moveaxis(node.weight, 1, 0)
@@ -96,7 +94,7 @@ def _equalise_pair(pair: _Pair) -> np.ndarray:
     channels = first.weight.shape[0]
     rows = np.abs(first.weight).reshape(channels, -1).max(axis=1)
     columns = np.max([np.abs(_columns(one)).reshape(channels, -1).max(axis=1) for one in pair.seconds], axis=0)
-    # If the weights of a channel are negligible, its output is only the bias. Such a small divisor would make the bias huge.
+    # The output of a channel with negligible weights is only its bias. A tiny divisor would make this bias huge.
     used = (rows > _NEGLIGIBLE * rows.max()) & (columns > _NEGLIGIBLE * columns.max())
     factors = np.where(used, np.sqrt(np.where(used, rows, 1.0) / np.where(used, columns, 1.0)), 1.0)
     first.weight = first.weight / factors.reshape(-1, 1, 1, 1)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Defines functions of single values. The chip evaluates them by a table."""
+"""Functions of single values, which the chip evaluates by a table."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ NAMES = ("LeakyRelu", "Sigmoid", "HardSigmoid", "HardSwish", "Tanh", "Elu", "Sof
 
 
 def of(op: str, attribute: Callable[[str, Any], Any]) -> tuple[Function, Limits]:
-    """Returns the function that an operator computes, and its minimum and maximum if they are known."""
+    """Returns the function of an operator, with its minimum and maximum if known."""
     if op == "LeakyRelu":
         return leaky(attribute("alpha", 0.01)), None
     if op == "Sigmoid":

@@ -25,12 +25,12 @@ Shape = tuple[int, ...]
 
 @dataclasses.dataclass(eq=False)
 class Tensor:
-    """Stores the values of one batch. ``shape`` is the shape in ONNX without the batch: (channels, rows, columns), (channels, columns)
-    or (channels,)."""
+    """The values of one batch. ``shape`` is the ONNX shape without the batch: (channels, rows, columns), (channels, columns) or
+    (channels,)."""
 
     name: str
     shape: Shape
-    element: int = 1  # number of bytes of a value on the chip
+    element: int = 1  # bytes per value on the chip
 
     @property
     def bytes(self) -> int:
@@ -57,7 +57,7 @@ class Tensor:
         return self.rows, self.columns, self.channels
 
     def view(self, memory: np.ndarray) -> np.ndarray:
-        """Returns a view of stored values that has the dimensions of ``shape``."""
+        """Returns a view of stored values with the dimensions of ``shape``."""
         return np.moveaxis(memory.reshape(self.stored()), 2, 0).reshape(self.shape)
 
 
@@ -65,12 +65,12 @@ class Tensor:
 class Node:
     kind: str
     name: str
-    op: str  # names of the ONNX operators that the node replaces, for reports
+    op: str  # replaced ONNX operators, for reports
     inputs: list[Tensor]
     output: Tensor
     weight: np.ndarray | None = None
     bias: np.ndarray | None = None
-    weight_steps: np.ndarray | None = None  # scale of weights that the model stores as bytes: one for all, or one for each output channel
+    weight_steps: np.ndarray | None = None  # scale of weights that the model stores as bytes, for all or per output channel
     kernel: tuple[int, int] = (1, 1)
     strides: tuple[int, int] = (1, 1)
     pads: tuple[int, int, int, int] = (0, 0, 0, 0)  # top, left, bottom, right
@@ -80,7 +80,7 @@ class Node:
     counts_pads: bool = True
     limits: tuple[float, float] = (-math.inf, math.inf)
     function: Callable[[np.ndarray], np.ndarray] | None = None
-    range: tuple[float, float] | None = None  # range of a function, if known
+    range: tuple[float, float] | None = None  # known range of a function
     moves: list[Any] = dataclasses.field(default_factory=list)
     fill: float | None = None
 

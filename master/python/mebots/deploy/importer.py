@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Converts the nodes of an ONNX model to a graph in float. Each operator has a function."""
+"""Converts the nodes of an ONNX model to a float graph, with one function per operator."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def import_graph(model: Model) -> Graph:
 
 
 def _two(values: Any, what: str, owner: Importer) -> tuple[int, int]:
-    """Returns the numbers for rows and columns. If a list contains only the number for columns, adds one for rows."""
+    """Returns the numbers for rows and columns. If the list has only a number for columns, uses 1 for rows."""
     values = [int(one) for one in values]
     if any(one < 0 for one in values):
         raise owner.refuse(f"{what} {values} has negative numbers", "Use a Slice instead")
@@ -108,8 +108,7 @@ def _matmul(owner: Importer) -> None:
 
 
 def affine(owner: Importer, source: Tensor, factor: np.ndarray, offset: np.ndarray) -> None:
-    """Multiplies each channel by a constant and adds another one. Implements this as a 1 x 1 convolution in which each channel is a
-    group."""
+    """Multiplies each channel by a constant and adds another constant. Adds a 1 x 1 convolution with one group per channel."""
     weight = np.asarray(factor, dtype=np.float64).reshape(-1, 1, 1, 1)
     owner.add("conv", [source], weight=weight, bias=np.asarray(offset, dtype=np.float64), groups=source.channels)
 
@@ -124,7 +123,7 @@ def _batch_norm(owner: Importer) -> None:
 
 
 def _per_channel(owner: Importer, value: np.ndarray, source: Tensor) -> np.ndarray:
-    """Returns a constant as one number for each channel."""
+    """Returns a constant as one number per channel."""
     value = np.asarray(value, dtype=np.float64)
     rank = len(source.shape) + 1
     wide = value.reshape((1,) * (rank - value.ndim) + value.shape) if value.ndim <= rank else value
@@ -208,8 +207,8 @@ def _limits(owner: Importer) -> None:
 
 
 def _real_limits(owner: Importer, low: float, high: float) -> tuple[float, float]:
-    """Converts the limits of a Clip between QuantizeLinear and DequantizeLinear to real numbers. There, they are integers (QCDQ of
-    Brevitas). The output of the Clip keeps the scale."""
+    """Converts the limits of a Clip between QuantizeLinear and DequantizeLinear, where they are integers (QCDQ of Brevitas), to real
+    numbers. The output keeps the scale."""
     source, output = owner.node.input[0], owner.node.output[0]
     if source not in owner.model.quantised:
         return low, high
@@ -239,7 +238,7 @@ def _softmax(owner: Importer) -> None:
 
 
 def _quantise_linear(owner: Importer) -> None:
-    """Converts QuantizeLinear, which defines the scale of its input. The following DequantizeLinear has no effect here."""
+    """Stores the scale of QuantizeLinear's input. The DequantizeLinear that follows then changes nothing."""
     source, step = owner.input(), owner.needed(1)
     zero = owner.constant(2)
     zero = np.zeros(1, dtype=np.uint8) if zero is None else zero

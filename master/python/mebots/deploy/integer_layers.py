@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Layers of a network that already has integer weights. Nothing is rounded, so the outputs have the same bits as in ONNX.
+"""Layers of a network with integer weights. Rounds nothing, so the outputs have the same bits as in ONNX.
 
-The bytes of a signed tensor are the network's numbers plus 128. The outputs of a layer without requantisation are sums.
+The bytes of a signed tensor are the network's numbers plus 128. Without requantisation, the outputs of a layer are sums.
 """
 
 from __future__ import annotations
@@ -55,15 +55,15 @@ class IntegerLayers:
         return tensor
 
     def _next(self, node: Node, kind: str) -> Node | None:
-        """If the node's output has one user and the user is of this kind, returns the user; otherwise None."""
+        """Returns the only user of the node's output if it is of this kind, otherwise None."""
         users = self._graph.users(node.output)
         if len(users) == 1 and users[0].kind == kind and self._graph.has_one_user(node.output):
             return users[0]
         return None
 
     def _requantised(self, node: Node) -> tuple[Tensor, str, Requantising | None]:
-        """Merges the node that requantises. Returns the output, the names of the merged operators, and the numbers of
-        the requantisation."""
+        """Merges the node that requantises the output. Returns the new output, the merged operators, and the numbers of the
+        requantisation."""
         user = self._next(node, "requantise")
         if user is None:
             return node.output, node.op, None
@@ -71,7 +71,7 @@ class IntegerLayers:
         return user.output, f"{node.op}+{user.op}", self._requantising[user.output.name]
 
     def _limits(self, node: Node, numbers: Requantising, out: Tensor) -> tuple[int, int, int]:
-        """Returns zero point, lowest and highest value of the output's bytes."""
+        """Returns the zero point and the limits of the output's bytes."""
         zero = SIGNED_ZERO if numbers.low < 0 else 0
         low, high = numbers.low + zero, numbers.high + zero
         if low < 0 or high > 255:
@@ -126,7 +126,7 @@ class IntegerLayers:
         return self.layer("convolution", node, op, output, requantise=scaling, low=low, high=high, pool=pool, **fields)
 
     def _pooled(self, output: Tensor, op: str) -> tuple[Tensor, str, int]:
-        """Merges a maximum pool without overlap."""
+        """Merges a maximum pool whose windows do not overlap."""
         users = self._graph.users(output)
         if len(users) != 1 or users[0].kind != "max_pool" or not self._graph.has_one_user(output):
             return output, op, 1
@@ -177,7 +177,7 @@ class IntegerLayers:
         return self.layer("move", node, node.op, node.output, moves=[(one, None) for one in node.moves], fill=fill)
 
     def _fill(self, node: Node, value: float, zero: int) -> int:
-        """Returns the byte of the places that the node fills."""
+        """Returns the byte with which the node fills places."""
         byte = int(value) + zero if math.isfinite(value) else -1
         if byte - zero != value or not 0 <= byte <= 255:
             raise self._refuse(node, f"it fills with {value:g}; whole numbers from {-zero} to {255 - zero} are possible", "Pad with one of these")
@@ -185,7 +185,7 @@ class IntegerLayers:
 
 
 def _outputs_of_sums(graph: Graph) -> None:
-    """Replaces outputs that only select sums of a dense layer by the output of the whole layer."""
+    """Replaces outputs that select sums of a dense layer by the layer's whole output."""
     outputs: list[Tensor] = []
     for one in graph.outputs:
         node = graph.producer(one)

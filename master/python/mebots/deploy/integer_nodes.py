@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads networks whose weights are already integers. Finds chains of nodes that requantise sums, and replaces each chain by one node.
-Such chains are written by NEMO (Mul, Add, Mul, Div, Floor, Clip), PLiNIO (Mul, Add, Div, Floor, Clip) and QuantLab (RequantShift)."""
+"""Reads networks with integer weights. Replaces each chain of nodes that requantises sums by one node. NEMO writes the chain Mul, Add, Mul,
+Div, Floor, Clip; PLiNIO writes Mul, Add, Div, Floor, Clip; QuantLab writes RequantShift."""
 
 from __future__ import annotations
 
@@ -13,14 +13,13 @@ from mebots.deploy.model_file import Model, label, onnx_package
 
 OP = "Requantise"
 _CHAIN = ("Mul", "Add", "Cast", "Div", "Floor", "Clip")
-_BITS = {"weight_bits", "bias_bits", "mult_bits", "add_bits", "out_bits"}  # attributes of PLiNIO, which the graph already determines
+_BITS = {"weight_bits", "bias_bits", "mult_bits", "add_bits", "out_bits"}  # attributes of PLiNIO that repeat what the graph states
 _SMALLEST_OF_NEMO = 1 << 16  # a divisor 2^n - 1 of at least this size is NEMO's form of 2^n; in DORY's examples, n is 18 to 24
 
 
 @dataclasses.dataclass
 class Requantising:
-    """Computes clip(floor((sum x multiplier + addend) / 2^shift), low, high). The numbers are the same for all channels, or different
-    for each channel."""
+    """Computes clip(floor((sum x multiplier + addend) / 2^shift), low, high), with one number for all channels or one per channel."""
 
     multiplier: np.ndarray
     addend: np.ndarray
@@ -34,7 +33,7 @@ class Requantising:
 
 
 def to_onnx(model: Any) -> None:
-    """Converts a quantiser's model to plain ONNX. Deletes attributes that state numbers of bits, and replaces the operator RequantShift."""
+    """Converts a quantiser's model to plain ONNX. Deletes attributes with numbers of bits, and replaces RequantShift."""
     for node in model.graph.node:
         kept = [one for one in node.attribute if node.domain not in ("", "ai.onnx") or one.name not in _BITS]
         if len(kept) != len(node.attribute):
@@ -87,7 +86,7 @@ def _opset(model: Any) -> int:
 
 
 def is_integer(model: Model) -> bool:
-    """True if the weights of all convolutions and dense layers are integers that fit into a byte."""
+    """True if all weights of convolutions and dense layers are integers that fit into a byte."""
     found = False
     for node in model.nodes:
         if node.op_type not in ("Conv", "Gemm", "MatMul") or len(node.input) < 2 or node.input[1] not in model.constants:
@@ -100,8 +99,7 @@ def is_integer(model: Model) -> bool:
 
 
 def collapse(model: Model) -> None:
-    """Replaces each chain that requantises by one node. Stores the numbers of the node in ``model.requantising``, whose keys are the
-    names of the nodes' outputs."""
+    """Replaces each chain that requantises by one node. Stores its numbers in ``model.requantising`` by the name of the node's output."""
     users: dict[str, list[Any]] = {}
     for node in model.nodes:
         for name in node.input:
@@ -124,7 +122,7 @@ def collapse(model: Model) -> None:
 
 
 def _chain(model: Model, first: Any, users: dict[str, list[Any]]) -> list[Any] | None:
-    """Returns the nodes from ``first`` to the Clip if they requantise a sum. Otherwise, returns None."""
+    """Returns the nodes from ``first`` to a Clip if they requantise a sum, otherwise None."""
     chain: list[Any] = []
     node = first
     while node.op_type in _CHAIN and (node.op_type in ("Cast", "Floor", "Clip") or any(name in model.constants for name in node.input)):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Judges a deployed network: determines its accuracy, and its accuracy and cost with smaller inputs."""
+"""Determines the accuracy of a deployed network, and accuracy and cost with smaller inputs."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from mebots.errors import InputError
 
 class Judgement:
     def __init__(self, model: str | os.PathLike[str], data: str | os.PathLike[str], deployed: Deployed, options: Options) -> None:
-        """Reads the data that the judgement needs. Raises InputError if labels, pictures or sizes do not match the network."""
+        """Reads labels, pictures and sizes. Raises InputError if they do not match the network."""
         self._model, self._data = model, data
         self._deployed = deployed
         self._options = options
@@ -29,8 +29,8 @@ class Judgement:
             raise InputError("--sizes needs the measurement on the chip. Leave --no-measure or --sizes out", "invalid_value")
 
     def result(self, objects: pathlib.Path) -> dict[str, Any]:
-        """Returns the members "accuracy" and "sizes" of network.json. ``objects`` may contain object files of the kernels. Adds a folder
-        for each size to it."""
+        """Returns the members "accuracy" and "sizes" of network.json. ``objects`` is a folder for object files of kernels; each size has a
+        subfolder."""
         whole = outputs_of(self._deployed, self._compared)
         accuracy = accuracy_of(whole, self._compared)
         if self._options.equalise:

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads the labels of pictures from a CSV file. The file has the column ``picture``, and a column for each output or the column
-``class``."""
+"""Reads the labels of pictures from a CSV file with the column ``picture``, and a column per output or the column ``class``."""
 
 from __future__ import annotations
 
@@ -20,7 +19,7 @@ _PICTURE = "picture"
 
 @dataclasses.dataclass(frozen=True)
 class Labels:
-    """``numbers`` contains the numbers of the labelled pictures. ``columns`` contains the labels of each column, in the same order."""
+    """Labels of pictures. ``numbers`` are the numbers of the labelled pictures; each of ``columns`` contains labels in the same order."""
 
     path: pathlib.Path
     numbers: list[int]
@@ -28,7 +27,7 @@ class Labels:
 
 
 def read_labels(path: pathlib.Path, pictures: Pictures, sizes: dict[str, int]) -> Labels:
-    """Reads labels. ``sizes`` must contain the number of values of each output."""
+    """Reads labels. ``sizes`` contains the number of values of each output."""
     try:
         with path.open(newline="", encoding="utf-8") as file:
             rows = list(csv.reader(file))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Defines a network in integers. It consists of layers as the chip computes them. Computes each layer in NumPy as a reference."""
+"""A network in integers, with the layers of the chip. Computes each layer in NumPy as a reference."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from mebots.deploy.moving import Move
 
 @dataclasses.dataclass(eq=False)
 class Layer:
-    """Describes a layer. ``kind`` is convolution, max_pool, average_pool, add, multiply, table, move or softmax."""
+    """A layer. ``kind`` is convolution, max_pool, average_pool, add, multiply, table, move or softmax."""
 
     kind: str
     name: str
@@ -44,7 +44,7 @@ class Layer:
 
     @property
     def macs(self) -> int:
-        """Returns the number of products of a weight and a value. Products with positions outside the input count, too."""
+        """Returns the number of multiplications, including those with positions outside the input."""
         if self.weight is None:
             return 0
         return int(self.weight.size // self.weight.shape[0]) * self.output.size * self.pool**2
@@ -73,7 +73,7 @@ def _padded(layer: Layer, values: np.ndarray) -> np.ndarray:
 
 
 def _windows(layer: Layer, values: np.ndarray) -> np.ndarray:
-    """Returns the window of each position. The dimensions are rows, columns, kernel rows, kernel columns and channels."""
+    """Returns the windows of all positions with the dimensions rows, columns, kernel rows, kernel columns and channels."""
     rows, columns = layer.extent()
     padded = _padded(layer, values)
     windows = np.lib.stride_tricks.sliding_window_view(padded, (rows, columns), axis=(0, 1))
@@ -89,7 +89,7 @@ def _convolution(layer: Layer, values: np.ndarray) -> np.ndarray:
     for group in range(layer.groups):
         part = windows[..., group * each : (group + 1) * each].reshape(*windows.shape[:2], -1)
         weight = layer.weight[group * out : (group + 1) * out].transpose(2, 3, 1, 0).reshape(-1, out)
-        sums.append(part.astype(np.float64) @ weight.astype(np.float64))  # exact, because all numbers are whole numbers below 2^53
+        sums.append(part.astype(np.float64) @ weight.astype(np.float64))  # exact, because all numbers are integers below 2^53
     total = np.concatenate(sums, axis=2).astype(np.int64) + layer.bias
     if layer.requantise is None:
         return total.astype(np.int32)
@@ -132,7 +132,7 @@ def _softmax(layer: Layer, values: np.ndarray) -> np.ndarray:
 
 
 def compute(layer: Layer, values: list[np.ndarray]) -> np.ndarray:
-    """Computes a layer from the stored bytes (rows, columns, channels) of its inputs. Returns the stored bytes of its output."""
+    """Computes a layer. Inputs and output are stored bytes (rows, columns, channels)."""
     if layer.kind == "convolution":
         return _convolution(layer, values[0])
     if layer.kind == "max_pool":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Converts a model, calibrated with pictures, to a deployed network in memory."""
+"""Converts a model with pictures for calibration to a deployed network in memory."""
 
 from __future__ import annotations
 
@@ -24,15 +24,14 @@ from mebots.deploy.quantise import Quantiser
 from mebots.deploy.simplify import join_flattened, simplify
 from mebots.errors import InputError
 
-CLUSTER_STACKS = 8 * 1024  # as in link.ld.in
-PROGRAM_BYTES = 16 << 10  # space for the code of the runtime and the kernels
+CLUSTER_STACKS = 8 * 1024  # same as in link.ld.in
+PROGRAM_BYTES = 16 << 10  # code of the runtime and the kernels
 L3_BYTES = 8 << 20  # size of HyperRAM
 
 
 def lower(model: str | os.PathLike[str], data: str | os.PathLike[str], options: Options, size: Size | None = None) -> Deployed:
-    """Reads, calibrates, quantises and plans. Writes nothing. Raises InputError.
-
-    If the network already has integers, they are not changed. ``size`` replaces the size of the input.
+    """Reads, calibrates, quantises and plans a network. Writes nothing. Does not change networks with integer weights. ``size`` replaces
+    the size of the input. Raises InputError if this fails.
     """
     read, graph = _read(model, size)
     source = graph.inputs[0]
@@ -64,8 +63,8 @@ def lower(model: str | os.PathLike[str], data: str | os.PathLike[str], options: 
 
 
 def _read(path: str | os.PathLike[str], size: Size | None) -> tuple[Model, Graph]:
-    """Reads a model with the input size ``size``. Raises SizeFixed if only this size can be the cause of an error, because the model was
-    successfully read with its own size before."""
+    """Reads a model with the input size ``size``. Raises SizeFixed if the model cannot have this size. Before, the caller must have read
+    the model with its own size."""
     try:
         model = Model(path, to_onnx, size)
         if is_integer(model):
@@ -80,7 +79,7 @@ def _read(path: str | os.PathLike[str], size: Size | None) -> tuple[Model, Graph
 
 
 def _in_memory(network: integers.Network, planned: Plan, board: chip.Board) -> Sources:
-    """Returns the sources of the network. Its weights are in L2. If they do not fit, they are in L3, provided that the board has it."""
+    """Returns the network's sources. Places the weights in L2, or in L3 if they do not fit and the board has L3."""
     sources = emit(network, planned)
     free = board.l2 - planned.memory_bytes - network.input.size - PROGRAM_BYTES
     if sources.weight_bytes <= free:

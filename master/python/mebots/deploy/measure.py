@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measures the time and energy of each layer on the chip. They are differences between runs of the first 0, 1, 2 ... layers."""
+"""Measures time and energy of each layer on the chip, as differences between runs of the first 0, 1, 2 ... layers."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ class Cost:
     parts_j: dict[str, float]
     instructions: int
     cycles: int  # active cycles of all cores
-    causes: dict[str, int]  # the same cycles, divided by cause; empty if causes were not counted
-    dma_s: float  # time in which the core that starts copies waited for the end of a copy
+    causes: dict[str, int]  # the same cycles by cause; empty if causes were not counted
+    dma_s: float  # time that the copying core waited for copies
 
 
 @dataclasses.dataclass(frozen=True)
 class Setting:
-    """States the conditions of a measurement: the number of cores and the clock of the cluster."""
+    """Number of cores and clock of the cluster in a measurement."""
 
     cores: int
     clock_hz: float
@@ -30,7 +30,7 @@ class Setting:
 
 @dataclasses.dataclass(frozen=True)
 class Measurement:
-    """Contains the costs of one inference. The start of the cluster is not included."""
+    """The costs of one inference, without the start of the cluster."""
 
     cores: int
     clock_hz: float
@@ -44,7 +44,7 @@ CLOCKS_HZ = (chip.CLOCK_HZ // 4, chip.CLOCK_HZ // 2)
 
 
 def _causes(report: dict) -> dict[str, int]:
-    """Returns the active cycles of the cluster's cores, divided by cause. Leaves out hart 0, which is the fabric controller."""
+    """Returns the active cycles of the cluster's cores by cause. Omits hart 0, the fabric controller."""
     causes: dict[str, int] = {}
     for hart in report.get("harts", [])[1:]:
         for name, cycles in hart["causes"].items():
@@ -72,7 +72,7 @@ def _difference(a: dict, b: dict, clock_hz: float) -> Cost:
 
 
 def measure(program: chip.Program) -> Measurement:
-    """Measures each layer with all cores at the highest clock. Measures the whole inference in all settings."""
+    """Measures each layer with all cores at the highest clock, and the whole inference in all settings."""
     cores = program.board.cores
     reports = [program.report(cores, count, by_cause=True) for count in range(len(program.bytes) + 1)]
     costs = [_difference(a, b, chip.CLOCK_HZ) for a, b in zip(reports, reports[1:], strict=False)]
@@ -81,15 +81,14 @@ def measure(program: chip.Program) -> Measurement:
 
 
 def measure_settings(program: chip.Program, usual: tuple[dict, Cost] | None = None) -> list[Setting]:
-    """Measures an inference for each clock and number of cores.
-
-    ``usual``: the report without layers and the cost, for all cores at the highest clock, if they were measured before.
+    """Measures an inference for each clock and number of cores. ``usual`` contains the report without layers and the cost with all cores at
+    the highest clock, if known.
     """
     most = program.board.cores
     settings = []
     for clock in (*CLOCKS_HZ, chip.CLOCK_HZ):
         known = usual if clock == chip.CLOCK_HZ else None
-        start = known[0] if known else program.report(most, 0, clock)  # if no layer is computed, the number of cores has no effect
+        start = known[0] if known else program.report(most, 0, clock)  # without layers, the number of cores has no effect
         for cores in [*(2**i for i in range(most.bit_length()) if 2**i < most), most]:
             cost = known[1] if known and cores == most else _difference(start, program.report(cores, len(program.bytes), clock), clock)
             settings.append(Setting(cores, clock, cost))

@@ -22,26 +22,24 @@ _NEVER_CONSTANT = {"RandomNormal", "RandomNormalLike", "RandomUniform", "RandomU
 
 
 def onnx_package() -> Any:
-    """Imports and returns the package onnx, which is needed only for a deployment."""
+    """Imports the package onnx, which only a deployment needs."""
     extra("onnx.reference", "`mebots deploy`", "onnx", "deploy")
     return extra("onnx", "`mebots deploy`", "onnx", "deploy")
 
 
 class InputTooSmall(InputError):
-    """Raised if the network's input has too few rows or columns for a node."""
+    """Raised if the input has too few rows or columns for a node."""
 
 
 class SizeFixed(InputError):
-    """Raised if shapes in the model permit only its own size of the input."""
+    """Raised if the model permits no other input size than its own."""
 
 
 class Model:
-    """Contains an ONNX model. ``constants`` are the initialisers and all tensors that are computed from them. ``nodes`` are all other
-    nodes, in their order."""
+    """An ONNX model. ``constants`` are the initialisers and all tensors computed from them. ``nodes`` are all other nodes in order."""
 
     def __init__(self, path: str | os.PathLike[str], rewrite: Callable[[Any], None] | None = None, size: tuple[int, int] | None = None) -> None:
-        """Reads a model. Calls ``rewrite`` with the model before the model is checked. ``size`` contains the rows and columns that
-        replace those of the input."""
+        """Reads and checks a model. First calls ``rewrite`` with the model. ``size`` replaces the rows and columns of the input."""
         self.path = pathlib.Path(path)
         self.proto = _load(self.path)
         if rewrite is not None:
@@ -52,10 +50,10 @@ class Model:
         self.requantising: dict[str, Any] = {}
         self.weight_steps: dict[str, np.ndarray] = {}  # scales of weights that the model stores as bytes
         self.scales: dict[str, Any] = {}  # scales of tensors that the model quantises
-        self.quantised: dict[str, tuple[Any, int]] = {}  # outputs of QuantizeLinear: scale and zero point in the model
+        self.quantised: dict[str, tuple[Any, int]] = {}  # scale and zero point of each output of QuantizeLinear
         self.opset = _opset(self.proto, self.path)
         _fix_batch(self.proto, self.path)
-        self.whole: Tensor | None = None  # the input before its size was replaced by ``size``
+        self.whole: Tensor | None = None  # the input with its own size if ``size`` replaced it
         if size is not None:
             self.whole = _resize(self.proto, *size)
         self.proto = _with_shapes(self.proto, self.path)
@@ -88,7 +86,7 @@ class Model:
         return value
 
     def _without_constants(self) -> list[Any]:
-        """Evaluates all nodes whose inputs are constants. Returns the other nodes."""
+        """Evaluates all nodes with constant inputs. Returns the other nodes."""
         rest = []
         for node in self.proto.graph.node:
             if node.op_type == "Shape" and self._fold_shape(node):
@@ -104,8 +102,8 @@ class Model:
         return rest
 
     def _dequantise(self, node: Any) -> None:
-        """Computes the real values of a constant that the model stores as integers. If they are int8 with zero point 0, also stores
-        their scales. The evaluator of onnx does not support old versions of this operator."""
+        """Computes the real values of a constant that the model stores as integers. If they are int8 with zero point 0, also stores their
+        scales. onnx cannot evaluate old versions of this operator."""
         whole = self.constants[node.input[0]]
         step = np.asarray(self.constants[node.input[1]], dtype=np.float64)
         zero = self.constants[node.input[2]].astype(np.float64) if len(node.input) > 2 and node.input[2] else np.zeros_like(step)
@@ -139,14 +137,14 @@ class Model:
         model = onnx.helper.make_model(graph, opset_imports=[onnx.helper.make_opsetid("", self.opset)])
         try:
             values = onnx.reference.ReferenceEvaluator(model).run(None, {name: self.constants[name] for name in names})
-        except Exception as error:  # the evaluator passes on all exceptions of its operators
+        except Exception as error:  # the evaluator passes on all exceptions of operators
             raise self.fail(f"constant node {_label(node)} ({node.op_type}) cannot be computed: {error}") from error
         for name, value in zip([n for n in node.output if n], values, strict=True):
             self.constants[name] = self._finite(name, np.asarray(value))
 
 
 def _label(node: Any) -> str:
-    """Returns the name of the node. If it has none, returns the name of its output."""
+    """Returns the name of the node, or of its output if the node has none."""
     return node.name or node.output[0]
 
 
@@ -186,7 +184,7 @@ def _opset(model: Any, path: pathlib.Path) -> int:
 
 
 def _fix_batch(model: Any, path: pathlib.Path) -> None:
-    """Sets an undefined batch size of the inputs to 1. Rejects all other undefined dimensions."""
+    """Sets an undefined batch size of inputs to 1. Rejects other undefined dimensions."""
     constants = {one.name for one in model.graph.initializer}
     for one in model.graph.input:
         if one.name in constants:
@@ -207,7 +205,7 @@ def _fix_batch(model: Any, path: pathlib.Path) -> None:
 
 
 def _resize(model: Any, rows: int, columns: int) -> Tensor:
-    """Changes the size of the input, and deletes all shapes that depend on it. Returns the previous input."""
+    """Changes the size of the input and deletes all shapes that depend on it. Returns the previous input."""
     constants = {one.name for one in model.graph.initializer}
     source = next(one for one in model.graph.input if one.name not in constants)
     dimensions = source.type.tensor_type.shape.dim
@@ -226,7 +224,7 @@ def _with_shapes(model: Any, path: pathlib.Path) -> Any:
     try:
         onnx.checker.check_model(model)
         return onnx.shape_inference.infer_shapes(model, strict_mode=True, data_prop=True)
-    except Exception as error:  # ValidationError, InferenceError and other classes of the C++ library
+    except Exception as error:  # several exception classes of the C++ library
         raise InputError(f"{path}: the model is not a valid ONNX model: {_one_line(error)}", "invalid_model") from error
 
 

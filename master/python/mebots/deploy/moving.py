@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Converts operators that only move values. A move consists of two views of equal shape, one of the input and one of the output. The
-kernel on the chip uses the strides of these views."""
+"""Converts operators that only move values. A move copies from a view of the input to a view of the output with the same shape. The chip's
+kernel uses the strides of these views."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MOST_DIMENSIONS = 6
 
 @dataclasses.dataclass(frozen=True)
 class Move:
-    """Describes a copy of values from input number ``source``: byte offsets, counts, and steps in the input and the output."""
+    """Copies values of an input: byte offsets, counts, and steps in input and output. ``source`` is the number of the input."""
 
     source: int
     start: int
@@ -29,7 +29,7 @@ class Move:
     out_steps: tuple[int, ...]
 
     def places(self) -> list[int]:
-        """Returns the indices of the copied values in the input, in the order of copying."""
+        """Returns the indices of the copied values in the input, in the order of the copies."""
         where = np.zeros(self.counts, dtype=np.int64)
         for axis, (count, step) in enumerate(zip(self.counts, self.steps, strict=True)):
             where += np.arange(count).reshape((-1,) + (1,) * (len(self.counts) - axis - 1)) * step
@@ -51,7 +51,7 @@ def _address(array: np.ndarray) -> int:
 
 
 def move(number: int, source: np.ndarray, source_view: np.ndarray, out: np.ndarray, out_view: np.ndarray) -> Move:
-    """Describes the copy of a view of bytes to another view of equal shape."""
+    """Returns the copy of a view of bytes to another view of the same shape."""
     kept = [i for i in range(source_view.ndim) if source_view.shape[i] > 1]
     counts, steps, out_steps = [], [], []
     for i in kept:
@@ -73,7 +73,7 @@ def move(number: int, source: np.ndarray, source_view: np.ndarray, out: np.ndarr
 
 
 def _join(counts: list[int], steps: list[int], out_steps: list[int]) -> None:
-    """Merges neighbouring dimensions that are contiguous in both views."""
+    """Merges adjacent dimensions that are contiguous in both views."""
     i = 0
     while i + 1 < len(counts):
         if steps[i] == counts[i + 1] * steps[i + 1] and out_steps[i] == counts[i + 1] * out_steps[i + 1]:
@@ -107,7 +107,7 @@ def _reshape(owner: Importer) -> None:
         raise owner.refuse(f"its output has shape {list(shape)}", "At most four dimensions are possible")
     ones = [t for t in (source, target) if len(t.shape) == 1 or t.rows * t.columns == 1 or t.channels == 1]
     if len(ones) == 2 or source.shape == target.shape:
-        # The operator does not change the order of values in memory.
+        # The operator keeps the order of values in memory.
         node = owner.add("move", [source])
         node.moves = []
         return
@@ -123,7 +123,7 @@ def _reshape(owner: Importer) -> None:
 
 
 def _common(a: tuple[int, ...], b: tuple[int, ...]) -> tuple[int, ...] | None:
-    """Returns dimensions from which both shapes result if neighbours are merged. Returns None if there are none."""
+    """Returns dimensions that become either shape if neighbours are merged. Returns None if such dimensions do not exist."""
     edges = sorted({math.prod(shape[i:]) for shape in (a, b) for i in range(len(shape) + 1)}, reverse=True)
     if any(big % small for big, small in zip(edges, edges[1:], strict=False)):
         return None
@@ -149,7 +149,7 @@ def _slices(owner: Importer, rank: int) -> list[slice]:
         steps = [1] * len(starts) if given_steps is None else [int(one) for one in given_steps]
     result = [slice(None)] * rank
     for start, end, axis, step in zip(starts, ends, axes, steps, strict=True):
-        # If a backward slice includes the first element, its end is below -length.
+        # A backward slice up to the first element has an end below -length.
         stop = None if step < 0 and int(end) < -(1 << 30) else int(end)
         result[int(axis) % rank] = slice(int(start), stop, int(step))
     return result
@@ -182,7 +182,7 @@ def _gather(owner: Importer) -> None:
 
 
 def _scalar(owner: Importer, source: Tensor, channel: int) -> None:
-    """Selects one channel of a vector. ONNX removes the dimension, but here a vector of length one remains."""
+    """Selects one channel of a vector. The result has length one; ONNX removes the dimension."""
     _add(owner, source, lambda view: view[:, channel : channel + 1], lambda view: view)
 
 
@@ -243,7 +243,7 @@ def _resize(owner: Importer) -> None:
 
 
 def _check_resize(owner: Importer, source: Tensor, factors: list[int]) -> None:
-    """Rejects options other than those that repeat each value ``factor`` times."""
+    """Rejects options that do not repeat each value ``factor`` times."""
     if owner.node.op_type == "Upsample":
         return
     where = owner.attribute("coordinate_transformation_mode", b"half_pixel").decode()

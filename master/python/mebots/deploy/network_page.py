@@ -15,8 +15,8 @@ from mebots.page import write_page
 
 
 def check_place(file: str | os.PathLike[str], out: str | os.PathLike[str]) -> None:
-    """Raises InputError if the page cannot be written. Also raises it if the page would be in the network's folder, because all files
-    there are part of a mission's hash."""
+    """Raises InputError if the page cannot be written, or if it would be in the network's folder, whose files are all part of a mission's
+    hash."""
     page = pathlib.Path(file).absolute()
     if page.is_dir():
         raise InputError(f"--page {file}: this is a folder; name a file", "invalid_value")

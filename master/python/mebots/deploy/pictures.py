@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads pictures and vectors for the calibration, and converts them to inputs of the network."""
+"""Reads pictures and vectors and converts them to inputs of a network."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ MOST_PICTURES = 100_000
 
 @dataclasses.dataclass(frozen=True)
 class Crop:
-    """The part of a larger picture that is the input of the network."""
+    """The part of a picture that is the input of the network."""
 
     left: int
     top: int
 
 
 class Pictures:
-    """Contains the inputs from a folder of pictures, or from a .npy file of vectors with shape (number, *shape). ``one`` and ``bytes``
-    return inputs as bytes in the order rows, columns, channels."""
+    """The inputs in a folder of pictures, or in a .npy file of vectors with the shape (number, *shape). ``one`` and ``bytes`` return bytes
+    in the order rows, columns, channels."""
 
     def __init__(self, path: pathlib.Path, tensor: Tensor, crop: Crop | None, whole: Tensor | None = None) -> None:
-        """Finds the inputs. If ``whole`` is given, they have its size and are reduced to the size of ``tensor``."""
+        """Finds the inputs. If ``whole`` is given, inputs have its size and are reduced to the size of ``tensor``."""
         self.path = path
         self._tensor = tensor
         self._whole = whole or tensor
@@ -52,7 +52,7 @@ class Pictures:
         return len(self.files) if self.vectors is None else len(self.vectors)
 
     def scale(self, step: float, offset: float) -> Scale:
-        """Returns the scale of the input: real = byte x step + offset. For vectors, computes it from their range."""
+        """Returns the scale of the input: real = byte x step + offset. Computes the scale of vectors from their range."""
         if self.vectors is not None:
             return Scale.of_range(float(self.vectors.min()), float(self.vectors.max()))
         zero = -offset / step
@@ -69,7 +69,7 @@ class Pictures:
             yield self.one(number, scale)
 
     def chosen(self, most: int) -> list[int]:
-        """Returns the numbers of at most ``most`` inputs, which are equally spaced."""
+        """Returns the numbers of at most ``most`` equally spaced inputs."""
         return [int(one) for one in np.linspace(0, len(self) - 1, min(most, len(self))).round()]
 
     def places(self) -> dict[str, int]:
@@ -82,7 +82,7 @@ class Pictures:
         return "files as in the folder of pictures" if self.vectors is None else f"vectors by numbers from 0 to {len(self) - 1}"
 
     def one(self, number: int, scale: Scale) -> np.ndarray:
-        """Returns input ``number`` in the stored order: rows, columns, channels."""
+        """Returns input ``number`` in the order rows, columns, channels."""
         if self.vectors is None:
             values = self._read(self.files[number])
         else:
@@ -102,7 +102,7 @@ class Pictures:
         try:
             with image.open(path) as picture:
                 values = np.asarray(picture.convert("L" if channels == 1 else "RGB"), dtype=np.uint8)
-        except Exception as error:  # Pillow raises errors of many classes for damaged files
+        except Exception as error:  # Pillow raises many classes of errors for damaged files
             raise InputError(f"{path}: is not a readable picture: {error}", "invalid_data") from error
         values = values.reshape(*values.shape[:2], channels)
         if values.shape[:2] == (rows, columns):
@@ -115,7 +115,7 @@ class Pictures:
         raise InputError(f"{path}: has {has} pixels, the network's input {self._tensor.name} {columns} x {rows}. Resize it; {way}", "invalid_data")
 
     def real(self, stored: np.ndarray, scale: Scale) -> np.ndarray:
-        """Converts stored bytes of an input to real numbers in the shape that ONNX defines."""
+        """Converts stored bytes of an input to real numbers in the ONNX shape."""
         return self._tensor.view(scale.real(stored).astype(np.float32))[np.newaxis]
 
 

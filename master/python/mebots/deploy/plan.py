@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Plans the memory: assigns bytes of L2 to each tensor for its lifetime, and divides each layer into steps that fit into L1."""
+"""Plans the memory: places each tensor in L2 for its lifetime, and divides each layer into steps that fit into L1."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from mebots.errors import InputError
 
 ALIGNMENT = 4
 GROUP = 4  # output channels that a kernel computes together
-GROUP_HEADER = 60  # layer_group_t
+GROUP_HEADER = 60  # size of layer_group_t
 CORES = 8
 SLACK = 16  # bytes that kernels may read after a buffer
 ROWS_KINDS = ("convolution", "max_pool", "average_pool")
@@ -21,7 +21,7 @@ FLAT_KINDS = ("add", "multiply", "table")
 
 @dataclasses.dataclass(frozen=True)
 class Memory:
-    """The bytes that a network may use in a board's memories."""
+    """The bytes of a board's memories that a network may use."""
 
     l1: int
     l2: int
@@ -30,8 +30,7 @@ class Memory:
 
 @dataclasses.dataclass
 class Part:
-    """A part of an output's channels. The channels are in groups of four; each group is (first channel in the output,
-    count, first input channel)."""
+    """A part of an output's channels, in groups of four. Each group is (first output channel, count, first input channel)."""
 
     first: int
     channels: int
@@ -40,7 +39,7 @@ class Part:
 
 @dataclasses.dataclass
 class Steps:
-    """The division of a layer into steps. Each buffer in L1 exists twice, so each has two offsets."""
+    """The division of a layer into steps. Each L1 buffer exists twice and has two offsets."""
 
     tile_rows: int
     tiles: int
@@ -58,7 +57,7 @@ class Steps:
 
 @dataclasses.dataclass
 class Plan:
-    offsets: dict[Tensor, int]  # in the network's memory; the input has none
+    offsets: dict[Tensor, int]  # in the network's memory, except the input
     memory_bytes: int
     lifetimes: dict[Tensor, tuple[int, int]]
     steps: list[Steps | None]
@@ -68,13 +67,13 @@ class Plan:
 
 @dataclasses.dataclass(frozen=True)
 class Stream:
-    """Weights in L3. While a layer is computed, the weights of the next layer are fetched into the other of two buffers in L2."""
+    """Weights in L3. While a layer is computed, the next layer's weights are fetched into the other of two L2 buffers."""
 
-    segments: list[tuple[int, int]]  # first byte and number of bytes of each layer
+    segments: list[tuple[int, int]]  # first byte and size of each layer
 
     @property
     def buffers(self) -> tuple[int, int]:
-        """Returns the sizes of the two buffers: for layers with even numbers, and for layers with odd numbers [bytes]."""
+        """Returns the sizes of the buffers for layers with even and odd numbers [bytes]."""
         even, odd = (max((size for _, size in self.segments[start::2]), default=0) for start in (0, 1))
         return align(even + SLACK), align(odd + SLACK)
 
@@ -84,7 +83,7 @@ def align(value: int) -> int:
 
 
 def plan(network: Network, memory: Memory, l1_reserved: int) -> Plan:
-    """Plans the memory. Raises InputError with the name of a layer that does not fit."""
+    """Plans the memory. Raises InputError if a layer does not fit."""
     lifetimes = _lifetimes(network)
     offsets, size = _place(lifetimes)
     steps = [_steps(layer, memory.l1 - l1_reserved, memory.board) for layer in network.layers]
@@ -104,7 +103,7 @@ def _shift(steps: Steps, by: int) -> None:
 
 
 def _lifetimes(network: Network) -> dict[Tensor, tuple[int, int]]:
-    """Returns the lifetime of each tensor: from the layer that computes it to the last layer that reads it."""
+    """Returns for each tensor the layer that computes it and the last layer that reads it."""
     last = len(network.layers)
     result: dict[Tensor, tuple[int, int]] = {}
     for number, layer in enumerate(network.layers):
@@ -118,7 +117,7 @@ def _lifetimes(network: Network) -> dict[Tensor, tuple[int, int]]:
 
 
 def _place(lifetimes: dict[Tensor, tuple[int, int]]) -> tuple[dict[Tensor, int], int]:
-    """Assigns to each tensor the lowest address that is free during the tensor's lifetime. The largest tensor is first."""
+    """Places each tensor at the lowest address that is free during its lifetime. Starts with the largest tensor."""
     offsets: dict[Tensor, int] = {}
     size = 0
     for tensor in sorted(lifetimes, key=lambda one: (-one.bytes, lifetimes[one])):
@@ -143,22 +142,22 @@ def is_depthwise(layer: Layer) -> bool:
 
 
 def is_depthwise_3x3(layer: Layer) -> bool:
-    """True if a depthwise layer has a kernel for 3 x 3 places. Each core copies columns of the input to its buffer."""
+    """True if a special kernel for depthwise 3 x 3 computes the layer. Each core copies input columns to its buffer."""
     columns = layer.inputs[0].columns + layer.pads[1] + layer.pads[3]
     return is_depthwise(layer) and layer.kernel == (3, 3) and layer.dilations[1] == 1 and columns <= _MOST_TURNED_COLUMNS
 
 
-_MOST_TURNED_COLUMNS = 200  # buffers of 3 KiB for each core
+_MOST_TURNED_COLUMNS = 200  # buffers of 3 KiB per core
 
 
 def has_outer_rows(layer: Layer) -> bool:
-    """True if the input in L1 has rows outside the input. Otherwise, the kernel provides their values."""
+    """True if the input in L1 includes rows outside the input. Otherwise, the kernel provides their values."""
     return not is_depthwise_3x3(layer)
 
 
 def has_outer_columns(layer: Layer) -> bool:
-    """True if the input in L1 has columns outside the input. Otherwise, the kernel provides their values. A row without
-    such columns needs no separate copy."""
+    """True if the input in L1 includes columns outside the input. Otherwise, the kernel provides their values, and rows need no separate
+    copies."""
     if is_depthwise_3x3(layer):
         return False
     most = max(layer.pads[1], layer.pads[3]) * layer.inputs[0].channels
@@ -175,21 +174,21 @@ def fours(layer: Layer) -> int:
 
 
 def pools_sums(layer: Layer) -> bool:
-    """True if the maximum of 2 x 2 sums is requantised, which needs positive multipliers."""
+    """True if the layer requantises the maximum of 2 x 2 sums, which requires positive multipliers."""
     return is_in_blocks(layer) and layer.pool == 2 and layer.requantise is not None and bool((layer.requantise.multiplier > 0).all())
 
 
 def gathered_stride(layer: Layer) -> int:
-    """Returns the bytes of each core's buffer of patches."""
-    if is_depthwise_3x3(layer):  # a constant word, and a word of each channel and column
+    """Returns the size of each core's buffer for patches in bytes."""
+    if is_depthwise_3x3(layer):  # a constant word, and a word per channel and column
         return 4 + 4 * GROUP * (layer.inputs[0].columns + layer.pads[1] + layer.pads[3])
     size = gathered_bytes(layer)
     return (4 if gathers(layer) else 1) * size + 8 if size else 0
 
 
 def gathers(layer: Layer) -> bool:
-    """True if patches are copied before they are used. Patches are copied if their runs of contiguous bytes are short
-    and many channels share the copy, or if a row of the patch has several runs.
+    """True if patches are copied before use. This is faster if their contiguous runs are short and many channels share the copy, or if a
+    patch row has several runs.
     """
     if not is_in_blocks(layer):
         return False
@@ -198,7 +197,7 @@ def gathers(layer: Layer) -> bool:
     if runs == 1:
         return False
     in_place = runs * (_CYCLES_PER_WORD * words + _CYCLES_PER_RUN)
-    copied = 4 * runs * (7 if run <= 8 else 3 * words + 12)  # of four patches
+    copied = 4 * runs * (7 if run <= 8 else 3 * words + 12)  # for four patches
     gathered = _CYCLES_PER_WORD * math.ceil(patch_bytes(layer) / 4) + _CYCLES_PER_RUN
     return columns > 1 or gathered + copied / math.ceil(layer.weight.shape[0] / GROUP) < in_place
 
@@ -208,7 +207,7 @@ _CYCLES_PER_RUN = 9
 
 
 def is_in_blocks(layer: Layer) -> bool:
-    """True if a kernel for four places and four channels at a time computes the layer."""
+    """True if a kernel computes four places and four channels at a time."""
     return layer.kind == "convolution" and layer.groups == 1
 
 
@@ -227,12 +226,13 @@ def patch_bytes(layer: Layer) -> int:
 
 
 def run_geometry(layer: Layer) -> tuple[int, int, int]:
-    """Returns the number of runs of contiguous bytes of a patch, per row and per column, and the bytes of each run."""
+    """Returns the number of contiguous runs of a patch by rows and columns, and the bytes of each run."""
     return (1, 1, patch_bytes(layer)) if gathers(layer) else _patch_runs(layer)
 
 
 def gathered_bytes(layer: Layer) -> int:
-    """Returns the bytes of a copied patch, whose last run is copied by eight bytes, or of the offsets of a depthwise kernel's places."""
+    """Returns the size in bytes of a copied patch, whose last run is copied in eight-byte units. For depthwise kernels, returns the size of
+    the places' offsets."""
     if is_depthwise(layer):
         return 16 * fours(layer)
     if not gathers(layer):
@@ -242,7 +242,7 @@ def gathered_bytes(layer: Layer) -> int:
 
 
 def gather_geometry(layer: Layer) -> tuple[int, int, int]:
-    """Returns the geometry, as run_geometry() does, of the patch before it is copied."""
+    """Returns the geometry of a patch before it is copied, as run_geometry() does."""
     return _patch_runs(layer)
 
 
@@ -269,7 +269,7 @@ def _all_groups(layer: Layer) -> list[tuple[int, int, int]]:
 
 
 def _parts(layer: Layer, count: int) -> list[Part]:
-    """Cuts the output's channels into ``count`` parts of nearly equal size."""
+    """Divides the output channels into ``count`` parts of nearly equal size."""
     if layer.kind == "convolution":
         groups = _all_groups(layer)
         size = math.ceil(len(groups) / count)
@@ -280,7 +280,7 @@ def _parts(layer: Layer, count: int) -> list[Part]:
 
 
 def _counts(layer: Layer) -> list[int]:
-    if is_depthwise(layer):  # parts of equal size, so that all have the same pitch
+    if is_depthwise(layer):  # equal parts, so that all have the same pitch
         groups = len(_all_groups(layer))
         return [one for one in range(1, groups + 1) if groups % one == 0 and (one == 1 or layer.groups % GROUP == 0)]
     if layer.kind == "convolution":
@@ -292,7 +292,7 @@ def _counts(layer: Layer) -> list[int]:
 
 
 def data_bytes(layer: Layer, part: Part) -> int:
-    """Returns the bytes of weights or tables that a step needs."""
+    """Returns the size in bytes of weights or tables for a step."""
     if layer.kind == "convolution":
         return len(part.groups) * group_bytes(layer)
     if layer.kind == "average_pool":
@@ -305,7 +305,7 @@ def flat_rows(layer: Layer) -> int:
 
 
 def _steps(layer: Layer, available: int, board: str) -> Steps | None:
-    """Returns the division that is estimated to take the fewest cycles."""
+    """Returns the division with the lowest estimate of cycles."""
     if layer.kind not in ROWS_KINDS and layer.kind not in FLAT_KINDS:
         return None
     best: tuple[float, Steps] | None = None
@@ -329,8 +329,7 @@ def _steps(layer: Layer, available: int, board: str) -> Steps | None:
 
 
 def _row_choices(layer: Layer, parts: list[Part], available: int) -> list[int]:
-    """Returns possible numbers of rows of a tile: the maximum that fits, and smaller numbers that give a few more
-    tiles."""
+    """Returns possible numbers of rows of a tile: the largest that fits, and smaller numbers with a few more tiles."""
     out_rows = flat_rows(layer) if layer.kind in FLAT_KINDS else layer.output.rows
     low, high = 0, out_rows
     while low < high:
@@ -343,7 +342,7 @@ def _row_choices(layer: Layer, parts: list[Part], available: int) -> list[int]:
         return [out_rows] if _layout(layer, parts, out_rows).l1_bytes <= available else []
     tiles = math.ceil(out_rows / low)
     rows = {math.ceil(out_rows / (tiles + more)) for more in range(8) if tiles + more <= out_rows}
-    if _layout(layer, parts, out_rows).l1_bytes <= available:  # one tile has no second buffer
+    if _layout(layer, parts, out_rows).l1_bytes <= available:  # one tile needs no second buffer
         rows.add(out_rows)
     return sorted(rows)
 
@@ -385,7 +384,7 @@ def _layout(layer: Layer, parts: list[Part], rows: int) -> Steps:
 
 
 def _by_tile(layer: Layer, parts: list[Part], tiles: int, sliced: bool) -> bool:
-    """True if fetching the weights again for each tile moves fewer bytes than fetching the input again for each part."""
+    """True if fetching the weights for each tile moves fewer bytes than fetching the input for each part."""
     if sliced or len(parts) == 1 or tiles == 1:
         return False
     weights = sum(data_bytes(layer, one) for one in parts)
@@ -394,7 +393,7 @@ def _by_tile(layer: Layer, parts: list[Part], tiles: int, sliced: bool) -> bool:
 
 @dataclasses.dataclass(frozen=True)
 class Traffic:
-    """Bytes that the DMA moves for a layer."""
+    """The bytes that the DMA moves for a layer."""
 
     fetched: int
     weights: int
@@ -416,11 +415,11 @@ def traffic(layer: Layer, steps: Steps) -> Traffic:
 
 
 def estimate(layer: Layer, steps: Steps) -> float:
-    """Returns the cycles of a layer: the maximum of the cores' and the DMA's cycles, plus the cycles in which only one of them works."""
+    """Returns the cycles of a layer: the maximum of cores and DMA, plus the cycles in which only one of them works."""
     count = steps.tiles * len(steps.parts)
     moved = traffic(layer, steps)
     in_rows = min(layer.inputs[0].rows, (steps.tile_rows * layer.pool - 1) * layer.strides[0] + layer.extent()[0])
-    started = _CYCLES_PER_COPY * (2 + (in_rows if columns_in_l1(layer) > layer.inputs[0].columns else 1))  # by one of the cores
+    started = _CYCLES_PER_COPY * (2 + (in_rows if columns_in_l1(layer) > layer.inputs[0].columns else 1))  # one of the cores starts copies
     first = (moved.fetched / (count if steps.by_tile or steps.tiles > 1 else 1) + moved.weights / len(steps.parts)) / _BYTES_PER_CYCLE
     work = sum(_step_cycles(layer, steps, one) for one in steps.parts) * steps.tiles
     last = moved.stored / count / _BYTES_PER_CYCLE
@@ -433,8 +432,7 @@ _CYCLES_PER_STEP = 250
 
 
 def _step_cycles(layer: Layer, steps: Steps, part: Part) -> float:
-    """Returns the cycles that the cores take for a part of a tile, including the time in which some cores wait for
-    others."""
+    """Returns the cores' cycles for a part of a tile, including waits for other cores."""
     if layer.kind in FLAT_KINDS:
         return steps.tile_rows * 12 / CORES
     rows, columns = steps.tile_rows * layer.pool, layer.output.columns * layer.pool

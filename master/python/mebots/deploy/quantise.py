@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Converts a graph in float to a network in integers, by the ranges of its tensors.
+"""Converts a float graph to an integer network, using the ranges of its tensors.
 
-Activations are bytes with one scale for each tensor. Weights are signed bytes with one scale for each output channel.
+Activations are bytes with one scale per tensor. Weights are signed bytes with one scale per output channel.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ POWER_BITS = 16
 
 class Quantiser:
     def __init__(self, graph: Graph, input_scale: Scale, range_of: Callable[[str], tuple[float, float]], given: Mapping[str, Scale]) -> None:
-        """Prepares the conversion. ``given`` maps names of tensors to the scales that the model itself states."""
+        """``given`` maps tensor names to scales that the model states."""
         self._given = given
         self._graph = graph
         self._range_of = range_of
         self._scales: dict[Tensor, Scale] = {graph.inputs[0]: input_scale}
-        self._same: dict[Tensor, Tensor] = {}  # tensors that are part of the memory of another tensor
+        self._same: dict[Tensor, Tensor] = {}  # tensors within the memory of another tensor
         self._channel_scales: dict[Tensor, dict[int, Scale]] = {}
         self._layers: list[Layer] = []
 
@@ -118,8 +118,8 @@ class Quantiser:
         )
 
     def _scales_by_channel(self, node: Node) -> list[Scale] | None:
-        """Returns a scale for each channel if every user of a dense layer's output selects some of its channels. The scale of a channel
-        is that of the output of its user. Otherwise, returns None."""
+        """Returns one scale per channel of a dense layer's output if every user selects some of its channels: the scale of that user's
+        output. Otherwise, returns None."""
         users = self._graph.users(node.output)
         is_output = any(one is node.output for one in self._graph.outputs)
         if len(node.output.shape) > 1 or node.is_limited() or is_output or not users or node.output.name in self._given:
@@ -204,7 +204,7 @@ class Quantiser:
 
 
 def _weight_steps(node: Node, source: Scale) -> np.ndarray:
-    """Returns the step of the weights of each output channel: that in the model, or 1/127 of the largest magnitude."""
+    """Returns the weight step of each output channel: the model's step, or 1/127 of the largest magnitude."""
     channels = node.weight.shape[0]
     if node.weight_steps is not None and node.weight_steps.size in (1, channels):
         return np.broadcast_to(node.weight_steps.ravel(), (channels,))
@@ -213,8 +213,8 @@ def _weight_steps(node: Node, source: Scale) -> np.ndarray:
 
 
 def _least_step(node: Node, source: Scale) -> np.ndarray:
-    """Returns 127 times the smallest step of the weights for each channel. With this step, the bias fits into 30 bits, even if the weights
-    are small and the bias is large."""
+    """Returns for each channel 127 times the smallest weight step at which the bias fits into 30 bits. Small weights with a large bias need
+    this limit."""
     return np.maximum(np.abs(node.bias) * 127 / (source.step * (1 << 30)), 1e-12)
 
 

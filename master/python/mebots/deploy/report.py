@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Description of a deployed network: network.json and the table on the terminal."""
+"""Describes a deployed network in network.json and as a table on the terminal."""
 
 from __future__ import annotations
 
@@ -68,8 +68,7 @@ def _cost(cost: Cost, macs: int, clock_hz: float, cores: int, bound: float) -> d
         "macs_per_cycle": macs / cycles if cycles else 0.0,
         "bound": round(bound),
         "roofline": bound / cycles if cycles else 0.0,
-        # The sums over all cores: instructions, cycles in which they waited for memory, cycles asleep at barriers and
-        # for the DMA.
+        # Sums over all cores: instructions, cycles of waiting for memory, and cycles asleep at barriers and for the DMA.
         "instructions": cost.instructions,
         "stalled": cost.cycles - cost.instructions,
         "asleep": max(cores * cycles - cost.cycles, 0),
@@ -100,7 +99,7 @@ def result_of(deployed: Deployed, measurement: Measurement) -> dict[str, Any]:
 
 
 def shown(content: dict[str, Any]) -> str:
-    """Returns the table of layers."""
+    """Returns the table of layers as text."""
     rows = [["layer", "operators", "output", "MACs", "weights", "cycles", "MAC/cycle", "roofline", "energy"]]
     measured = content.get("measured")
     for number, layer in enumerate(content["layers"]):
@@ -137,7 +136,7 @@ def shown(content: dict[str, Any]) -> str:
 
 
 def _shown_sizes(sizes: dict[str, Any]) -> list[str]:
-    """Returns lines for smaller inputs, each with all cores at the highest clock."""
+    """Returns lines about smaller inputs, with all cores at the highest clock."""
     rows, reason = sizes["rows"], sizes.get("none")
     lines = []
     for row in rows:

@@ -27,11 +27,10 @@ _CONVERSION = {"narrow": 3.75, "wide": 7.75, "exact": 11.75}
 
 
 def loads_per_dot(channels: int, places: int, words: int) -> float:
-    """Returns the fewest loads for each dot product of a loop.
+    """Returns the minimum number of loads per dot product of a loop.
 
-    The loop computes ``a`` channels at ``b`` places. Registers may keep a x b sums. Then a x b dot products need a + b loads.
-    Registers may also keep the patches of b places (one load for b dot products), or the weights of a channels (one load for a
-    dot products).
+    The loop computes ``a`` channels at ``b`` places. If registers keep a x b sums, a x b dot products need a + b loads. Registers may also
+    keep the patches of b places (one load per b dot products), or the weights of a channels (one load per a dot products).
     """
     most_a, most_b = min(channels, REGISTERS), min(places, REGISTERS)
     blocks = [(a, b) for a in range(1, most_a + 1) for b in range(1, most_b + 1) if a * b + a + b <= REGISTERS]
@@ -46,13 +45,13 @@ def peak(cores: int) -> float:
 
 
 def compute_cycles(layer: Layer) -> float:
-    """Returns a lower bound of the cycles that one core takes for a layer with products."""
+    """Returns a lower bound of one core's cycles for a layer with products."""
     assert layer.weight is not None
     values = layer.output.size * layer.pool**2
     places = values // layer.output.channels
     words = math.ceil(math.prod(layer.weight.shape[1:]) / DOT)
     if is_depthwise(layer):
-        loads = layer.inputs[0].size / 4  # of words; each word is needed at least once
+        loads = layer.inputs[0].size / 4  # each word is loaded at least once
     else:
         loads = values * words * loads_per_dot(layer.weight.shape[0] // layer.groups, places, words)
     if layer.requantise is None:
@@ -70,10 +69,8 @@ def bound(layer: Layer, steps: Steps | None, cores: int) -> float:
 
 
 def total_bound(bounds: Iterable[float], stream: Stream | None, cluster_per_soc: float) -> float:
-    """Returns a lower bound of the cycles of all layers. ``bounds`` are those of the layers. While a layer is computed, the weights
-    of the next layer come from the HyperRAM.
-
-    ``cluster_per_soc``: cycles of the cluster for each cycle of the SoC.
+    """Returns a lower bound of the cycles of all layers from the bounds of each layer. While a layer is computed, the next layer's weights
+    come from the HyperRAM. ``cluster_per_soc``: cluster cycles per SoC cycle.
     """
     bounds = list(bounds)
     if stream is None:

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Merges nodes, so that the chip computes fewer layers. Merges normalisations into weights, and pads, functions and pools into
-convolutions."""
+"""Merges nodes, so that the chip computes fewer layers: normalisations into weights; pads, functions and pools into convolutions."""
 
 from __future__ import annotations
 
@@ -15,7 +14,7 @@ _LIMITED_KINDS = ("conv", "add", "multiply", "mean_pool")
 
 
 def simplify(graph: Graph) -> None:
-    """Simplifies the graph in place. The values of its outputs do not change."""
+    """Simplifies the graph in place without changing the values of its outputs."""
     _drop_unused(graph)
     changed = True
     while changed:
@@ -25,7 +24,7 @@ def simplify(graph: Graph) -> None:
 
 
 def join_flattened(graph: Graph) -> None:
-    """Merges only pads, flattened inputs, and whole numbers that are added to sums. These merges do not change any numbers."""
+    """Merges only nodes that do not change numbers: pads, flattened inputs, and integers added to sums."""
     _drop_unused(graph)
     while _join_pads(graph) or _join_flatten(graph) or _join_addends(graph):
         pass
@@ -40,7 +39,7 @@ def _drop_unused(graph: Graph) -> None:
 
 
 def _is_affine(node: Node) -> bool:
-    """True if the node multiplies each channel by a constant and adds another one."""
+    """True if the node multiplies each channel by a constant and adds another constant."""
     return (
         node.kind == "conv"
         and node.weight is not None
@@ -53,7 +52,7 @@ def _is_affine(node: Node) -> bool:
 
 
 def _pairs(graph: Graph) -> list[tuple[Node, Node]]:
-    """Returns pairs of consecutive nodes in which the second node is the only user of the first node's output."""
+    """Returns consecutive nodes in which the second is the only user of the first's output."""
     found = []
     for node in graph.nodes:
         before = graph.producer(node.inputs[0])
@@ -83,8 +82,8 @@ def _join_scales(graph: Graph) -> bool:
 
 
 def _join_addends(graph: Graph) -> bool:
-    """Merges whole numbers that are added to the sums of a convolution or dense layer into its bias. PLiNIO ends its networks with such
-    an addition."""
+    """Merges integers that are added to the sums of a convolution or dense layer into its bias. PLiNIO ends networks with such an
+    addition."""
     for first, second in _pairs(graph):
         if first.kind != "conv" or not _is_affine(second) or second.weight is None or second.bias is None or first.bias is None:
             continue
@@ -110,7 +109,7 @@ def _join_pads(graph: Graph) -> bool:
 
 
 def _pads_of(node: Node) -> tuple[int, int, int, int] | None:
-    """Returns the pads of rows and columns. Returns None if channels are padded."""
+    """Returns the pads of rows and columns, or None if channels are padded."""
     source, out = node.inputs[0], node.output
     if source.channels != out.channels or len(source.shape) != 3:
         return None
@@ -120,7 +119,7 @@ def _pads_of(node: Node) -> tuple[int, int, int, int] | None:
 
 
 def _join_flatten(graph: Graph) -> bool:
-    """Merges a flattened tensor into the dense layer that follows. The result is a convolution whose kernel has the size of the tensor."""
+    """Merges a flattened tensor into the dense layer that follows. The result is a convolution with a kernel of the tensor's size."""
     for node in graph.nodes:
         before = graph.producer(node.inputs[0])
         if before is None or before.kind != "move" or before.fill is not None or len(before.inputs) != 1:
@@ -138,14 +137,13 @@ def _join_flatten(graph: Graph) -> bool:
 
 
 def _swap_limits(graph: Graph) -> bool:
-    """Moves a limit from the place after a maximum to the place before it, where it can be merged into a convolution. The result does
-    not change."""
+    """Moves limits from after a maximum to before it, where a convolution can include them. The result stays the same."""
     for first, second in _pairs(graph):
         source = first.inputs[0]
         before = graph.producer(source)
         if first.kind != "max_pool" or not _is_limit(second) or before is None or before.kind not in _LIMITED_KINDS or not graph.has_one_user(source):
             continue
-        between = Tensor(source.name, source.shape)  # has the range of the source within the limits
+        between = Tensor(source.name, source.shape)  # range of the source within the limits
         limit = dataclasses.replace(second, inputs=first.inputs, output=between)
         pool = dataclasses.replace(first, inputs=[between], output=second.output)
         graph.nodes[graph.nodes.index(first)] = limit
@@ -177,7 +175,7 @@ def _clip(limits: tuple[float, float]):
 
 
 def _join_pools(graph: Graph) -> None:
-    """Merges a maximum pool whose windows do not overlap into the preceding convolution."""
+    """Merges a maximum pool without overlapping windows into the convolution before it."""
     for first, second in _pairs(graph):
         fits = (
             first.kind == "conv"

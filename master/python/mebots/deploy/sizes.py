@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Selects the sizes of the input with which a model is deployed in addition."""
+"""Chooses further input sizes with which a model is deployed."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from mebots.deploy.graph import Tensor
 from mebots.deploy.model_file import SizeFixed
 from mebots.errors import InputError
 
-_USUAL = (0.75, 0.5)  # fractions of the rows and columns, if the user names no sizes
+_USUAL = (0.75, 0.5)  # fractions of rows and columns by default
 
 
 def parse_sizes(text: str | None) -> tuple[Size, ...] | None:
-    """Parses the sizes in --sizes and returns them as (rows, columns). Returns None for the default sizes."""
+    """Parses --sizes to (rows, columns). Returns None for the default sizes."""
     if text is None:
         return None
     if text == "none":
@@ -30,7 +30,7 @@ def parse_sizes(text: str | None) -> tuple[Size, ...] | None:
 
 
 def chosen(whole: Tensor, sizes: tuple[Size, ...] | None) -> tuple[Size, ...]:
-    """Returns the sizes with which the model is deployed, except its own size."""
+    """Returns the further sizes, without the model's own size."""
     if len(whole.shape) != 3 or whole.rows * whole.columns == 1:
         if sizes:
             raise InputError(f"--sizes: the input {whole.name} has no rows and columns. Leave the option out", "invalid_value")
@@ -44,9 +44,9 @@ def chosen(whole: Tensor, sizes: tuple[Size, ...] | None) -> tuple[Size, ...]:
 
 
 def reason(error: InputError, size: Size, model: pathlib.Path) -> str:
-    """Returns the reason why the model cannot have this size of the input."""
+    """Returns the reason why the model cannot have this input size."""
     text = str(error).removeprefix(f"{model}: ").rstrip(".")
     why = f"with an input of {size[1]} x {size[0]}, {text}"
-    if not isinstance(error, SizeFixed):  # the text states another cause
+    if not isinstance(error, SizeFixed):  # the error has another cause
         return why
     return f"{why}. The size can change if the network ends in convolutions or in a global pool, without a dense layer over rows and columns"

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Converts transposed convolutions. Inserts zeros between the values of the input according to the strides, and convolves the result
-with the reversed kernel."""
+"""Converts transposed convolutions: inserts zeros between the input's values according to the strides, and convolves with the reversed
+kernel."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def conv_transpose(owner: Importer) -> None:
         raise owner.refuse(f"its pads {given} exceed its kernel", "Use Slice after a ConvTranspose with fewer pads")
     each = weight.shape[0] // groups
     out = weight.shape[1]
-    # Transposes the weights of each group from (in, out / groups) to (out, in / groups), and reverses the kernel.
+    # Transposes each group's weights from (in, out / groups) to (out, in / groups), and reverses the kernel.
     turned = weight.reshape(groups, each, out, *weight.shape[2:]).transpose(0, 2, 1, 3, 4)[..., ::-1, ::-1]
     bias = owner.constant(2)
     owner.add(
@@ -51,7 +51,7 @@ def conv_transpose(owner: Importer) -> None:
 
 
 def _spread(owner: Importer, source: Tensor, strides: tuple[int, int]) -> Tensor:
-    """Adds a node that inserts zeros between the values of a tensor."""
+    """Adds a node that inserts zeros between a tensor's values."""
     if strides == (1, 1):
         return source
     rows, columns = ((size - 1) * step + 1 for size, step in zip((source.rows, source.columns), strides, strict=True))

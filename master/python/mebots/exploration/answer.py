@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Formulates the answer of a study that compares designs. It names the best design, other designs that may be as good, and how many more
-missions would separate them."""
+"""Formulates the answer of a study that compares designs: the best design, designs that may be as good, and the number of missions that
+would separate them."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ _MOST_MISSIONS = 1_000_000
 
 @dataclasses.dataclass(frozen=True)
 class Row:
-    """Describes a design in the ranked table. ``rank`` is None if the design violates a constraint or has no value. Designs that have
-    equal values also have equal ranks."""
+    """A design in the ranked table. ``rank`` is None if the design violates a constraint or has no value. Designs with equal values have
+    equal ranks."""
 
     rank: int | None
     design: int
@@ -49,7 +49,7 @@ class Answer:
         return "\n".join(self.lines())
 
     def lines(self, width: int | None = None) -> list[str]:
-        """Returns the lines of the text. The table is at most ``width`` wide, unless two objectives do not fit into this width."""
+        """Returns the lines of the text. The table is at most ``width`` wide, unless two objectives need more."""
         hidden = len(self.rows) - _MOST_ROWS
         more = [f"... and {hidden} more in designs.csv"] if hidden > 0 else []
         table = table_lines(self.titles, self.rows[:_MOST_ROWS], width)
@@ -57,7 +57,7 @@ class Answer:
 
 
 def table_lines(titles: Sequence[str], rows: Sequence[Row], width: int | None = None) -> list[str]:
-    """Returns an aligned table with a header. Objectives that would make the table wider than ``width`` are listed below it."""
+    """Returns an aligned table with a header. Lists objectives that exceed ``width`` below the table."""
     for shown in range(len(titles), 1, -1):
         lines = _aligned(titles[:shown], [dataclasses.replace(row, cells=row.cells[:shown]) for row in rows])
         if width is None or max(map(len, lines)) <= width:
@@ -73,7 +73,7 @@ def _aligned(titles: Sequence[str], rows: Sequence[Row]) -> list[str]:
         rank = "-" if row.rank is None else str(row.rank)
         cells.append([rank, f"#{row.design}", row.name, str(row.missions), *row.cells, row.note])
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    texts = (1, 2, len(widths) - 1)  # columns that are left-aligned
+    texts = (1, 2, len(widths) - 1)  # left-aligned columns
     return [
         "  ".join(cell.ljust(width) if at in texts else cell.rjust(width) for at, (cell, width) in enumerate(zip(line, widths, strict=True))).rstrip()
         for line in cells
@@ -81,8 +81,7 @@ def _aligned(titles: Sequence[str], rows: Sequence[Row]) -> list[str]:
 
 
 class Judge:
-    """Ranks designs by the first objective that is minimised or maximised. If no objective is minimised or maximised, ranks them by the
-    first share."""
+    """Ranks designs by the first objective with a sense, or by the first share if no objective has a sense."""
 
     def __init__(self, evidence: Evidence, units: Units, names: Sequence[str], status: Sequence[str]) -> None:
         self._evidence = evidence
@@ -97,7 +96,7 @@ class Judge:
         self._share = next((one for one in shares if one is not self._main), None)
 
     def standings(self) -> Answer:
-        """Ranks designs by all results so far, even results that the study has not evaluated yet. The order may be due to chance."""
+        """Ranks designs by all results so far, including results that the study has not yet evaluated. The order may be due to chance."""
         return Answer([], self._titles(), self._rows(self._evidence.so_far, lambda design: self._ended(design)), [])
 
     def answer(self, places: Sequence[str]) -> Answer:
@@ -114,7 +113,7 @@ class Judge:
     def _titles(self) -> list[str]:
         return [one.label if one.percentile is None else f"{one.label} ({one.statistic})" for one in self._study.objectives]
 
-    # The following functions rank designs.
+    # Ranking of designs.
 
     def _rows(self, estimate: Callable[[int, Objective], Estimate], note: Callable[[int], str]) -> list[Row]:
         designs = range(len(self._evidence.counts))
@@ -133,8 +132,9 @@ class Judge:
         return rows
 
     def _key(self, design: int, found: Sequence[Estimate], at: int | None) -> tuple[float, ...]:
-        """Returns the sorting key of a design. Designs whose means satisfy the constraints come first, sorted by the share of missions that
-        count for the main objective, then by the main objective, then by all other objectives. Designs without a value come last."""
+        """Returns the sorting key of a design. Designs with means that satisfy the constraints come first. They are sorted by the share of
+        missions that count for the main objective, then by the main objective, then by the other objectives. Designs without a value come
+        last."""
         if at is None or self._main is None or found[at].mean is None:
             return (2,)
         order = self._order(self._main, found)
@@ -145,15 +145,14 @@ class Judge:
         return 0, -(share_found or 0.0), *order
 
     def _order(self, first: Objective, found: Sequence[Estimate]) -> list[float]:
-        """Returns sorting keys of a design, which are smaller for better designs: its value of the objective ``first``, then its values of
-        all other objectives with a sense. Their signs are according to the senses."""
+        """Returns sorting keys of a design, smaller for better designs: its value of the objective ``first``, then its values of all other
+        objectives with a sense."""
         wanted = [first, *(one for one in self._senses if one is not first)]
         means = [(self._sign(one), found[self._evidence.index[one.label]].mean) for one in wanted]
         return [math.inf if mean is None else -sign * mean for sign, mean in means]
 
     def _condition(self, objective: Objective) -> Objective | None:
-        """Returns the share of successes that an objective needs. A value that is defined only for successes has no meaning without this
-        share."""
+        """Returns the share of successes that an objective needs. Values that exist only for successes mean nothing without this share."""
         if objective.where is None or any(one.label == objective.where for one in self._study.constraints):
             return None
         return self._study.objective(objective.where)
@@ -168,11 +167,11 @@ class Judge:
             return False
         return found.mean > constraint.bound if constraint.above else found.mean < constraint.bound
 
-    # The following functions formulate the headline.
+    # Headline.
 
     def _group(self, objective: Objective) -> list[int]:
-        """Returns the designs that are compared. These are the designs whose means satisfy the constraints and which have the highest
-        share of missions that count for the objective."""
+        """Returns the designs to compare: those with means that satisfy the constraints and with the highest share of missions that count
+        for the objective."""
         shown = self._evidence.shown
         designs = [
             design
@@ -187,7 +186,7 @@ class Judge:
         return [design for design in designs if shares[design] == max(shares.values())]
 
     def _best(self, objective: Objective) -> tuple[int, list[int]] | None:
-        """Returns the design that has the best value, and the designs that may be as good. Returns None if no design has a value."""
+        """Returns the best design and the designs that may be as good, or None if no design has a value."""
         group = self._group(objective)
         if not group:
             return None
@@ -233,13 +232,13 @@ class Judge:
         return f" among {counted(len(group), 'design')} with {' and '.join(parts)}" if parts else ""
 
     def _share_of(self, designs: Sequence[int], objective: Objective) -> str:
-        """Returns a sentence that states the lower bound of the designs' share of successes. Returns "" if the bound is below 1 %."""
+        """Returns a sentence with the lower bound of the designs' share of successes, or "" if the bound is below 1 %."""
         if self._share is None or objective.is_share:
             return ""
         low = min(self._evidence.shown(design, self._share).interval[0] for design in designs)
         return f" {'Its' if len(designs) == 1 else 'Their'} {self._share.label} is above {percent(math.floor(100 * low) / 100)}." if low >= 0.01 else ""
 
-    # The following functions write notes on designs.
+    # Notes on designs.
 
     def _ended(self, design: int) -> str:
         status = self._status[design]
@@ -257,7 +256,7 @@ class Judge:
             return "not separated from the best"
         return self._ended(design) or ("worse" if self._evidence.surely_better(best, design, self._main.label) else "")
 
-    # The following functions write lines about the Pareto front, and about the number of missions that would separate designs.
+    # Pareto front, and missions that would separate designs.
 
     def _front_lines(self, places: Sequence[str]) -> list[str]:
         if len(self._senses) < 2:
@@ -284,7 +283,7 @@ class Judge:
         return lines
 
     def _separation(self, objective: Objective, found: tuple[int, list[int]] | None) -> list[str]:
-        """Returns lines that state how many missions would separate the best design of an objective from designs that may be as good."""
+        """Returns lines with the number of missions that would separate the best design from designs that may be as good."""
         if found is None or not found[1] or objective.percentile is not None:
             return []
         best, near = found
@@ -307,7 +306,7 @@ class Judge:
         if not open_ones:
             return []
         side = f"{constraint.label} {'above' if constraint.above else 'below'} {constraint.bound:g}"
-        # Designs that have the same successes need the same number of missions.
+        # Designs with the same successes need the same number of missions.
         distinct = {(self._evidence.shown(one, objective).mean, self._evidence.counts[one]): one for one in open_ones}
         counts = [missions_to_decide(self._evidence, one, constraint) for one in distinct.values()] if objective.is_share else []
         known = [count for count in counts if count is not None]
@@ -316,13 +315,13 @@ class Judge:
 
 
 def _rest(items: Sequence[object]) -> str:
-    """Returns the end of a text that lists only the first items."""
+    """Returns the end of a list that names only its first items."""
     return f"; and {len(items) - _MOST_NAMED} more" if len(items) > _MOST_NAMED else ""
 
 
 def missions_to_separate(evidence: Evidence, best: int, other: int, objective: Objective) -> int | None:
-    """Returns how many more missions of both designs would prove which of them is better, provided that their differences stay the same.
-    Returns None if the best design is not better so far, or only by too little."""
+    """Returns the number of further missions of both designs that would prove which is better, if their differences stay the same. Returns
+    None if the best design is not better so far, or by too little."""
     differences = evidence.differences(best, other, objective)
     count = len(differences)
     if objective.is_share:
@@ -344,8 +343,8 @@ def missions_to_separate(evidence: Evidence, best: int, other: int, objective: O
 
 
 def missions_to_decide(evidence: Evidence, design: int, constraint: Constraint) -> int | None:
-    """Returns how many more missions would decide whether a share satisfies a bound, provided that the share stays the same. Returns
-    None if too many would be needed."""
+    """Returns the number of further missions that would decide whether a share satisfies a bound, if the share stays the same. Returns None
+    if this number is too large."""
     found = evidence.shown(design, evidence.study.objective(constraint.label))
     if found.successes is None or found.count == 0:
         return None
@@ -360,8 +359,8 @@ def missions_to_decide(evidence: Evidence, design: int, constraint: Constraint) 
 
 
 def _more_missions(count: int, is_sure: Callable[[float], bool]) -> int | None:
-    """Returns how many missions must be added to ``count`` until ``is_sure(factor)`` is true, rounded up to two digits. ``factor`` is
-    the new number divided by ``count``. Returns None if more than ``_MOST_MISSIONS`` are needed."""
+    """Returns the number of missions to add to ``count`` until ``is_sure(factor)`` is true, rounded up to two digits. ``factor`` is the new
+    number relative to ``count``. Returns None above ``_MOST_MISSIONS``."""
     factor = 1.0
     while not is_sure(factor):
         factor *= 1.1

@@ -31,7 +31,7 @@ _EFFECT = 1.0
 
 
 def wilson(successes: int, count: int, error: float) -> Interval:
-    """Returns Wilson's score interval of a share at the level 1 - error. The count must have been chosen beforehand."""
+    """Returns Wilson's score interval of a share at the level 1 - error, for a count that was chosen beforehand."""
     if count == 0:
         return 0.0, 1.0
     z = statistics.NormalDist().inv_cdf(1 - error / 2)
@@ -43,8 +43,8 @@ def wilson(successes: int, count: int, error: float) -> Interval:
 
 
 def exact_share(successes: int, count: int, error: float) -> Interval:
-    """Returns Clopper and Pearson's interval of a share. The count must have been chosen beforehand. For any true share, each end of the
-    interval is wrong with a probability of at most half of ``error``."""
+    """Returns Clopper and Pearson's interval of a share, for a count that was chosen beforehand. For any true share, each end is wrong with
+    a probability of at most half of ``error``."""
     middle = successes / count if count else 0.0
     low = high = None
     if successes > 0:
@@ -55,15 +55,14 @@ def exact_share(successes: int, count: int, error: float) -> Interval:
 
 
 def share_evidence(successes: int, count: int, share: float) -> float:
-    """Returns the logarithm of the evidence against a share. The evidence is the likelihood ratio of the mixture."""
+    """Returns the logarithm of the evidence against a share: the likelihood ratio of the mixture."""
     failures = count - successes
     mixture = math.lgamma(1 + successes) + math.lgamma(1 + failures) - math.lgamma(2 + count)
     return mixture - _times_log(successes, share) - _times_log(failures, 1 - share)
 
 
 def share_sequence(successes: int, count: int, error: float) -> Interval:
-    """Returns an interval for a share. With a probability of at least 1 - error, the intervals for all counts contain
-    the share."""
+    """Returns an interval for a share. With a probability of at least 1 - error, the intervals for all counts contain the share."""
     if count == 0:
         return 0.0, 1.0
     bound = -math.log(error)
@@ -80,8 +79,7 @@ def _times_log(count: int, p: float) -> float:
 
 
 def _edge(outside: Callable[[float], bool], far: float, near: float) -> float:
-    """Searches between ``far``, which is outside, and ``near``, which is inside. Returns the point that is still outside and nearest to
-    ``near``."""
+    """Returns the point nearest to ``near``, which is inside, that is still outside. Searches from ``far``, which is outside."""
     for _ in range(60):
         middle = (far + near) / 2
         if outside(middle):
@@ -93,14 +91,14 @@ def _edge(outside: Callable[[float], bool], far: float, near: float) -> float:
 
 @dataclasses.dataclass
 class Moments:
-    """Contains the count, the mean and the sum of squared deviations. Updates them value by value (Welford)."""
+    """Count, mean and sum of squared deviations, updated value by value (Welford)."""
 
     count: int = 0
     mean: float = 0.0
     squares: float = 0.0
 
     def add(self, values: Iterable[float]) -> Moments:
-        """Adds values in their order. Returns this object."""
+        """Adds values in order. Returns this object."""
         count, mean, squares = self.count, self.mean, self.squares
         for value in values:
             count += 1
@@ -112,12 +110,12 @@ class Moments:
 
     @property
     def deviation(self) -> float:
-        """Returns the standard deviation of the values. Returns 0 for fewer than two values."""
+        """Returns the standard deviation. Returns 0 for fewer than two values."""
         return math.sqrt(self.squares / (self.count - 1)) if self.count > 1 else 0.0
 
 
 def student(moments: Moments, error: float) -> Interval:
-    """Returns Student's interval of a mean at the level 1 - error. The count must have been chosen beforehand."""
+    """Returns Student's interval of a mean at the level 1 - error, for a count that was chosen beforehand."""
     if moments.count < 2:
         return -math.inf, math.inf
     half = t_quantile(1 - error / 2, moments.count - 1) * moments.deviation / math.sqrt(moments.count)
@@ -131,7 +129,7 @@ def mean_sequence(moments: Moments, error: float) -> Interval:
     if n < 2:
         return -math.inf, math.inf
     spread = 1 + n * _EFFECT
-    # The ratio is 1/error at (1 + x) = k (1 + x/spread).
+    # The ratio is 1/error where (1 + x) = k (1 + x/spread).
     log_k = (math.log(spread) - 2 * math.log(error)) / n
     if log_k >= math.log(spread):
         return -math.inf, math.inf
@@ -142,13 +140,13 @@ def mean_sequence(moments: Moments, error: float) -> Interval:
 
 
 def percentile_of(ordered: Sequence[float], percentile: float) -> float:
-    """Returns the percentile by the nearest rank: the smallest value that this share of the values does not exceed."""
+    """Returns the percentile by the nearest rank: the smallest value that at least this share of the values does not exceed."""
     return ordered[max(math.ceil(percentile / 100 * len(ordered)), 1) - 1]
 
 
 def percentile_interval(ordered: Sequence[float], percentile: float, error: float) -> Interval:
-    """Returns an interval of a percentile at the level 1 - error. The count must have been chosen beforehand. Each end is wrong with a
-    probability of at most half of ``error``, according to the binomial distribution."""
+    """Returns the interval of a percentile at the level 1 - error, for a count that was chosen beforehand. By the binomial distribution,
+    each end is wrong with a probability of at most half of ``error``."""
     count, share = len(ordered), percentile / 100
     below, chance = 0, _binomial(0, count, share)
     while chance <= error / 2 and below < count:
@@ -170,7 +168,7 @@ def percentile_sequence(ordered: Sequence[float], percentile: float, error: floa
 
 
 def _between_ranks(ordered: Sequence[float], fewest: int, most: int) -> Interval:
-    """Returns the interval of the percentile if between ``fewest`` and ``most`` of the values are at or below it."""
+    """Returns the interval of the percentile if between ``fewest`` and ``most`` values are at or below it."""
     low = ordered[fewest - 1] if fewest > 0 else -math.inf
     return low, ordered[most] if most < len(ordered) else math.inf
 
@@ -198,7 +196,7 @@ def _t_distribution(t: float, freedom: int) -> float:
 
 
 def _incomplete_beta(a: float, b: float, x: float) -> float:
-    """Returns the regularised incomplete beta function. Computes it by its continued fraction (Lentz)."""
+    """Returns the regularised incomplete beta function by its continued fraction (Lentz)."""
     if x <= 0 or x >= 1:
         return float(x >= 1)
     if x > (a + 1) / (a + b + 2):

@@ -58,7 +58,7 @@ REPLAYS = "replays"
 
 
 def is_done(folder: pathlib.Path) -> bool:
-    """True if the file that is written last exists."""
+    """True if the folder contains the file that a study writes last."""
     return (folder / "report.html").exists()
 
 GROUP_STATISTICS = ("least", "mean", "most", "count", "of")
@@ -69,7 +69,7 @@ _MOST_VALUES_TRIED = 64
 
 
 class Campaign:
-    """Runs a study's missions on an executor. The executor's workers need only the package mebots."""
+    """Runs a study's missions on an executor, whose workers need only the package mebots."""
 
     def __init__(self, study: Study, executor: concurrent.futures.Executor, in_flight: int) -> None:
         self.study = study
@@ -99,11 +99,11 @@ class Campaign:
         return designs * self.study.replicates
 
     def all_flights(self) -> Flights:
-        """Returns all missions of a study that makes no decisions between rounds."""
+        """Returns all missions of a study without decisions between rounds."""
         return Flights(range(len(self.space.designs)), 0, self.study.replicates)
 
     def example(self) -> Values:
-        """Returns the values of one mission as an example."""
+        """Returns the values of an example mission."""
         return next(self._trials())[1]
 
     def _check_names(self) -> None:
@@ -128,11 +128,11 @@ class Campaign:
                         "unknown_name",
                     )
 
-    # Steps before the first mission.
+    # Before the first mission.
 
     def check(self, journal: Journal | None = None) -> None:
-        """Initialises missions to t = 0. Every value of every factor, and both extremes of each draw, occur in at least
-        one of them. Raises InputError with all errors."""
+        """Initialises missions to the start time, so that every factor value and both extremes of each draw occur. Raises InputError with
+        all errors."""
         tried: dict[str, tuple[str, Values]] = {}
         found: dict[str, Record] = {}
         problems: dict[str, str] = {}
@@ -143,7 +143,7 @@ class Campaign:
         for what, values in self._trials():
             try:
                 order = self._trial(values)
-            except InputError as error:  # an error of the config with these values
+            except InputError as error:  # the config is invalid with these values
                 problems.setdefault(str(error), self._blamed("", str(error), values))
                 continue
             if order["mission"] in tried or (journal is not None and order["mission"] in journal):
@@ -157,7 +157,7 @@ class Campaign:
             take()
         for mission, (what, values) in tried.items():
             error, about = found[mission]["error"], found[mission].get("about", "")
-            if setting := _SETTING.match(error):  # the message must not refer to set(), because the value is in the study
+            if setting := _SETTING.match(error):  # removes "set()" from the text, because the value is in the study
                 about, error = setting[1], error[setting.end():]
             if error:
                 problems.setdefault(error, self._blamed(about, error, values) or what)
@@ -166,7 +166,7 @@ class Campaign:
             raise InputError("\n".join(told), "invalid_value")
 
     def _blamed(self, about: str, error: str, values: Values) -> str:
-        """Returns the factor, draw or objective that names the variable of an error; "" if there is none."""
+        """Returns the factor, draw or objective that names an error's variable, or ""."""
         for name, value in values.items():
             settings = self.space.missions.settings(name, value)
             if about in settings or any(key.startswith("/") and f" {key}: " in error for key in settings):
@@ -209,7 +209,7 @@ class Campaign:
     # Flying.
 
     def run(self, folder: pathlib.Path, reuse: Iterable[pathlib.Path], on_progress: Callable[[Progress], None]) -> Sweep:
-        """Runs the missions that the folder's journal lacks, and writes the tables. Raises InputError and Error."""
+        """Runs the missions that the folder's journal lacks, and writes the tables. Raises InputError or Error if this fails."""
         thresholds = gc.get_threshold()
         gc.set_threshold(_OBJECTS_OF_A_COLLECTION, *thresholds[1:])
         try:
@@ -217,7 +217,7 @@ class Campaign:
         except (ConnectionError, TimeoutError):  # raised by an executor
             raise
         except OSError as error:
-            if error.errno is None:  # not from the system: dask's closed connections are OSErrors too
+            if error.errno is None:  # not from the system: Dask's closed connections are also OSErrors
                 raise
             raise Error(f"{error.filename or folder}: {error.strerror}", "file_unwritable") from error
         finally:
@@ -237,7 +237,7 @@ class Campaign:
         self.notices = [notice for one in (journal, *others) for notice in one.notices]
         try:
             self.check(journal)
-            for name in (*TABLES, live_page.NAME):  # the study is done when the tables exist
+            for name in (*TABLES, live_page.NAME):  # deleted first, because their existence means that the study is done
                 (folder / name).unlink(missing_ok=True)
             self.study.write(folder)
             if self.study.splitting is not None:
@@ -271,7 +271,7 @@ class Campaign:
             try:
                 journal.sync()
                 self._write_tables(folder, journal, results, rounds)
-            except (OSError, Error) as other:  # the same disk error may have ended the missions
+            except (OSError, Error) as other:  # the disk error that ended the missions may have occurred again
                 raise Unfinished(f"{error}\n{missing} missions are missing, and no table could be written: {other}") from None
             raise Unfinished(f"{error}\n{missing} missions are missing: see {folder / 'designs.csv'}") from None
         journal.sync()
@@ -303,8 +303,7 @@ class Campaign:
         others: list[Journal],
         on_progress: Callable[[Progress], None],
     ) -> None:
-        """Adds the missions of a round to the journal and the results, up to the mission with which the number of
-        failures is too large."""
+        """Adds the missions of a round to journal and results, up to the mission that exceeds the permitted number of failures."""
         flights = results.flights
         left = rounds.most_left() - len(flights)
         likely_left = rounds.likely_left() - len(flights)
@@ -327,7 +326,7 @@ class Campaign:
         self.failed = results.settle(self.study.most_failures)
 
     def _note_others(self, results: Results, reply: Reply, places: np.ndarray, repeated: dict[bytes, list[int]]) -> None:
-        """Records missions that occur again in the round, and early results of missions that were not requested yet."""
+        """Records missions that occur more than once in the round, and early results of later rounds."""
         if not repeated and -1 not in reply.indices:
             return
         records: list[Record] = []
@@ -343,8 +342,8 @@ class Campaign:
     def _unknown(
         self, flights: Flights, journal: Journal, others: list[Journal], results: Results | None, repeated: dict[bytes, list[int]]
     ) -> Iterator[tuple[Sequence[int], Orders]]:
-        """Yields the missions that are in no journal and not in progress, with their numbers in the round. Records
-        missions that are in a journal as results. Records the numbers of missions in progress in ``repeated``."""
+        """Yields the missions that are in no journal and not in progress, with their numbers in the round. Takes results from journals, and
+        records the numbers of missions in progress in ``repeated``."""
         for first, orders in self.space.orders(flights, _CHUNK):
             digests = orders.digests
             may_be_known = journal.may_have(digests)
@@ -370,7 +369,7 @@ class Campaign:
                 yield [first + at for at in fresh] if results is not None else [-1] * len(fresh), orders.only(fresh)
 
     def _fill(self, queue: Iterator[tuple[Sequence[int], Orders]], ahead: Iterator[tuple[Sequence[int], Orders]], most: int) -> None:
-        """Passes orders to the executor until all workers have enough. The orders of the round come first."""
+        """Passes orders to the executor until all workers have enough, first those of the round."""
         while not self._dispatcher.is_full:
             found = next(queue, None)
             if found is not None:
@@ -401,9 +400,7 @@ class Campaign:
         return journal
 
     def _take(self, journal: Journal) -> list[tuple[Reply, np.ndarray]]:
-        """Waits for results, appends them to the journal and counts them. Returns the results with their places in the
-        journal.
-        """
+        """Waits for results, appends them to the journal and counts them. Returns them with their places in the journal."""
         found = []
         for reply in self._dispatcher.take():
             found.append((reply, journal.append_lines(reply.digests, reply.lines, reply.lengths)))
@@ -420,7 +417,7 @@ class Campaign:
         return "; ".join(filter(None, (ended, self._ahead)))
 
     def _who_is_ahead(self, evidence: Evidence) -> str:
-        """Returns the designs that no other design dominates by the values measured so far. Noise may be the reason for this order."""
+        """Returns the designs that no other design dominates so far, as text. Noise may be the reason for this order."""
         if not evidence.has_front or len(self.space.designs) > _MOST_COMPARED:
             return ""
         ahead = evidence.leaders([design for design in range(len(self.space.designs)) if evidence.feasible(design) is not False])
@@ -429,7 +426,7 @@ class Campaign:
         return f"ahead so far: designs {shown}{more}" if ahead else ""
 
     def _is_known(self, order: Order, journal: Journal, others: list[Journal]) -> bool:
-        """True if a journal has the mission. Counts the mission as reused unless this call ran it."""
+        """True if a journal contains the mission. Counts the mission as reused unless this call ran it."""
         found = self._known(order, journal, others)
         if found is not None:
             self._count_taken(*found)
@@ -443,7 +440,7 @@ class Campaign:
             self._outcomes[record["outcome"]] += 1
 
     def _known(self, order: Order, journal: Journal, others: list[Journal]) -> tuple[Record, int] | None:
-        """Returns the record of a mission and its place in the journal."""
+        """Returns the record of a mission and its place in the journal, or None."""
         place = journal.place_of(order["mission"])
         if place is not None:
             record = journal.at(place)
@@ -494,8 +491,7 @@ class Campaign:
             )
 
     def _mission_lines(self, journal: Journal, results: Results) -> Iterator[str]:
-        """Yields the lines of missions.csv, many at a time, from the data in ``results``, because reading the journal
-        again would take longer."""
+        """Yields the lines of missions.csv in blocks. Uses ``results``, because reading the journal again would take longer."""
         space, evidence = self.space, results.evidence
         yield csv_text(tables.mission_head(space.factors, self.study)) + "\n"
         drawn: dict[int, list[str]] = {}
@@ -515,17 +511,14 @@ class Campaign:
                     rows.messages[at] = tables.MISSING_MESSAGE
                 for at, place in rows.failed_places.items():
                     rows.messages[at] = csv_text([journal.at(place)["error"]])
-                cells = zip(draws, rows.outcomes, *rows.measures, rows.times, rows.messages, rows.missions)  # noqa:
-                                                                                                             # B905 -
-                                                                                                             # draws may
-                                                                                                             # be longer
+                cells = zip(draws, rows.outcomes, *rows.measures, rows.times, rows.messages, rows.missions)  # noqa: B905 - draws may be longer
                 head = f"{design},%d,{factors.replace('%', '%%')}%s%s{',%s' * (len(rows.measures) + 3)}\n"
                 yield "".join([head % (begin + at, *row) for at, row in enumerate(cells)])
 
 
 def _labels(flat_summary: dict[str, Any]) -> list[str]:
-    """Returns the summary's labels. If a label has conditions, its parts "variable" and "when" are not labels. A list is a
-    group: its label has statistics and members."""
+    """Returns the labels of a summary. In a label with conditions, "variable" and "when" are not labels. A list is a group: its label has
+    statistics and members."""
     result = []
     for label, value in flat_summary.items():
         before, _, last = label.rpartition(".")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Computes random draws. Each draw is a function of seed, name and index only. Therefore more replicates or another variable do not
-change existing draws, and every design has the same draws on any machine. Logarithms are computed in decimal arithmetic, which rounds
-only once, because the last bits of the C library's log() and exp() differ between processors."""
+"""Computes random draws. A draw depends only on seed, name and index, so more replicates or another variable do not change it, and all
+designs have the same draws. Uses decimal logarithms with a single rounding, because the last bits of the C library's log() and exp() depend
+on the processor."""
 
 from __future__ import annotations
 
@@ -14,9 +14,8 @@ from mebots import _mebots
 
 _NORMAL = statistics.NormalDist()
 _DIGITS = decimal.Context(prec=40)
-# The numerator and denominator of Wichura's Algorithm AS 241 (Applied Statistics 37, 1988). They are used in the tails of the normal
-# distribution, up to 5 standard deviations and beyond. The highest power is the first. Between the tails, Python's own algorithm is used,
-# because it needs no logarithm there.
+# Numerator and denominator of Wichura's Algorithm AS 241 (Applied Statistics 37, 1988), highest power first, for the tails of the normal
+# distribution up to and beyond 5 standard deviations. Between the tails, Python's algorithm needs no logarithm.
 _TAIL = (
     (7.74545014278341407640e-4, 2.27238449892691845833e-2, 2.41780725177450611770e-1, 1.27045825245236838258,
      3.64784832476320460504, 5.76949722146069140550, 4.63033784615654529590, 1.42343711074968357734),
@@ -57,13 +56,12 @@ def normal(u: float) -> float:
 
 
 def unit(seed: int, name: str, index: int) -> float:
-    """Returns a random number that is uniformly distributed on the open interval (0, 1), computed from 53 bits of a SHA-256."""
+    """Returns a random number in the open interval (0, 1), computed from 53 bits of a SHA-256."""
     return _mebots.unit_draw(seed, name, index)
 
 
 def value(spread: dict[str, Any] | list[Any], u: float) -> Any:
-    """Returns the quantile ``u`` of a distribution or span, which is written as in the study file. A list means that one of its values
-    is chosen."""
+    """Returns the quantile ``u`` of a distribution of the study file. For a list, returns one of its values."""
     if isinstance(spread, list):
         return _choice(spread, u)
     ((kind, arguments),) = spread.items()
@@ -71,7 +69,7 @@ def value(spread: dict[str, Any] | list[Any], u: float) -> Any:
 
 
 def extremes(spread: dict[str, Any] | list[Any]) -> list[Any]:
-    """Returns values of a distribution that represent all of its values. The check of a study uses them."""
+    """Returns values that represent a distribution in the check of a study."""
     if isinstance(spread, list):
         return list(spread)
     ((kind, arguments),) = spread.items()

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes tables for programs: tables.h5, and, if pyarrow is installed, missions.parquet and designs.parquet. They have the same content
-as the CSV files, which are authoritative."""
+"""Writes the tables for programs: tables.h5, and missions.parquet and designs.parquet if pyarrow is installed. The CSV files have the same
+content and are authoritative."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ MOST_ROWS = 250_000
 
 
 def write(folder: pathlib.Path) -> None:
-    """Writes the tables into the folder that contains the CSV files."""
+    """Writes the tables into the folder of the CSV files."""
     tables = {name: read(folder / f"{name}.csv") for name in _TABLES if _is_small(folder / f"{name}.csv")}
     if tables:
         _write_hdf5(folder / "tables.h5", tables)
@@ -33,12 +33,11 @@ def write(folder: pathlib.Path) -> None:
 
 
 def _is_small(file: pathlib.Path) -> bool:
-    """True if the table has at most ``MOST_ROWS`` rows."""
     return file.exists() and count_lines(file) <= MOST_ROWS + 1
 
 
 def read(file: pathlib.Path) -> dict[str, list[Any]]:
-    """Returns the columns of a table, indexed by title. A column contains whole numbers, numbers (NaN for missing values), or texts."""
+    """Returns the columns of a table by title. A column contains integers, numbers (NaN for missing values), or texts."""
     titles, *rows = _mebots.read_csv(file)
     columns = list(zip(*rows, strict=True)) or [() for _ in titles]
     return {title: _typed(column) for title, column in zip(titles, columns, strict=True)}

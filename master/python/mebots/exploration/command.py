@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Implements ``mebots sweep``. The program is replaced by a Python interpreter, which runs this module. Parses the command line."""
+"""The command line of ``mebots sweep``. The program mebots starts a Python interpreter with this module."""
 
 from __future__ import annotations
 
@@ -87,20 +87,19 @@ def _campaign(study: Study, executor: concurrent.futures.Executor | None, jobs: 
     jobs = jobs or len(os.sched_getaffinity(0))
     flying.ready()
     with interrupts.held():
-        threads = concurrent.futures.ThreadPoolExecutor(jobs)  # each thread has its own mission process: see flying
+        threads = concurrent.futures.ThreadPoolExecutor(jobs)  # each thread has its own mission process
         try:
             with interrupts.allowed():
-                # These are enough missions for every worker, and so few that a decision wastes only few of them.
+                # Enough missions for every worker, but few that a decision could waste.
                 yield Campaign(study, threads, 2 * jobs)
         finally:
-            with interrupts.held():  # needed again, because an interrupt may have ended ``allowed`` early
+            with interrupts.held():  # again, because an interrupt may have ended ``allowed`` early
                 ended = flying.end_all()
                 threads.shutdown(wait=True, cancel_futures=True)
                 flying.close_ended(ended)
 
 
 def main(words: list[str] | None = None) -> int:
-    """Runs the command. Returns the exit code."""
     options = _options(words)
     signal.signal(signal.SIGTERM, interrupts.interrupt)
     signal.signal(signal.SIGHUP, interrupts.interrupt)
@@ -177,7 +176,7 @@ def _sweep(study: Study, options: argparse.Namespace) -> int:
 
 
 def _probabilities(result: Sweep) -> list[str]:
-    """Formats the answer of a study that estimates the probability of a rare event."""
+    """Returns the answer of a study of a rare event as lines."""
     lines = []
     for row in result.designs():
         found, low, high = (row[name] for name in ("probability", "probability: low", "probability: high"))
@@ -198,7 +197,7 @@ _EVERY_S, _TABLE_SHARE = 0.5, 20.0
 
 
 class _ProgressLine:
-    """Shows the progress of a study. On a terminal, redraws a line and the current ranking. Elsewhere, prints occasional lines."""
+    """Shows the progress of a study. On a terminal, redraws a line and the current ranking. Otherwise, prints lines from time to time."""
 
     def __init__(self) -> None:
         self._terminal = sys.stderr.isatty()
@@ -217,7 +216,7 @@ class _ProgressLine:
         self._next_s = time.monotonic() + max(_EVERY_S, _TABLE_SHARE * (time.monotonic() - begun_s))
 
     def _draw(self, lines: list[str]) -> None:
-        """Replaces the lines that were drawn before. Truncates lines that would wrap, because these could not be replaced."""
+        """Replaces the lines drawn before. Truncates long lines, because wrapped lines cannot be replaced."""
         size = shutil.get_terminal_size()
         shown = [line[: size.columns - 1] for line in lines[: max(1, size.lines - 1)]]
         back = f"\r\033[{self._drawn - 1}A" if self._drawn > 1 else "\r"
@@ -230,7 +229,7 @@ class _ProgressLine:
 
 
 def _live_table(now: Progress) -> list[str]:
-    """Returns lines that show the best designs so far with their intervals, and how many designs have ended for each reason."""
+    """Returns lines with the best designs so far and their intervals, and the number of designs by reason of their end."""
     if now.standings is None:
         return []
     so_far = now.standings()
@@ -265,7 +264,7 @@ def _status(folder: pathlib.Path) -> int:
 
 
 def _dry_run(study: Study, options: argparse.Namespace) -> int:
-    """Checks the study, and runs one mission to estimate the time of all missions."""
+    """Returns lines with the best designs so far and their intervals, and with the number of ended designs for each reason."""
     with _campaign(study, None, options.jobs) as campaign:
         campaign.check()
         jobs = options.jobs or len(os.sched_getaffinity(0))

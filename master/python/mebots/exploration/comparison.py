@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Computes statistics of designs and of comparisons between designs, from the missions so far.
+"""Computes statistics of designs and comparisons from the missions so far.
 
-All designs use the same draws, so two designs are compared replicate by replicate, and common effects of chance cancel
-out. For shares, only replicates count in which one design succeeded and the other did not. If both designs are equal,
-each of them has this success with probability one half.
+All designs use the same draws, so designs are compared replicate by replicate, and common effects of chance cancel out. For shares, only
+replicates with one success count. If two designs are equal, each has this success with probability one half.
 """
 
 from __future__ import annotations
@@ -35,8 +34,8 @@ from mebots.exploration.study import Constraint, Objective, Study
 
 @dataclasses.dataclass
 class Estimate:
-    """Contains the estimate of one objective for one design: the number of counted missions, the mean, the interval, and for a share the
-    number of successes. For a percentile, ``mean`` is the percentile."""
+    """The estimate of an objective for a design: counted missions, mean, interval, and successes of a share. For a percentile, ``mean`` is
+    the percentile."""
 
     count: int
     mean: float | None
@@ -46,7 +45,7 @@ class Estimate:
 
 @dataclasses.dataclass(frozen=True)
 class Methods:
-    """Contains the methods that compute intervals, one for each estimated quantity."""
+    """The functions that compute intervals, by estimated quantity."""
 
     share: Callable[[int, int, float], Interval]
     mean: Callable[[Moments, float], Interval]
@@ -63,8 +62,8 @@ which Wilson's interval is too narrow."""
 
 
 class Evidence:
-    """Stores the measured values of all missions, by design and replicate. NaN marks a value that a mission does not have. A mission
-    without a result has no measures. Each measure takes 8 bytes."""
+    """Stores the measures of all missions by design and replicate, 8 bytes each. NaN marks a missing measure. A mission without a result
+    has no measures."""
 
     def __init__(self, study: Study, designs: int) -> None:
         self.study = study
@@ -77,13 +76,13 @@ class Evidence:
         self._estimates: dict[tuple[int, str, float, bool], tuple[int, Estimate]] = {}
 
     def add_designs(self, designs: int) -> None:
-        """Extends the tables so that they have this total number of designs."""
+        """Extends the tables to this number of designs."""
         while len(self.counts) < designs:
             self.counts.append(0)
             self._measures.append(array.array("d"))
 
     def put(self, design: int, replicate: int, measures: Measures) -> None:
-        """Stores the measures of a mission. They are counted only after ``count_to`` is called."""
+        """Stores the measures of a mission. The measures count only after ``count_to`` includes this replicate."""
         width, own = len(self.index), self._measures[design]
         values = [math.nan if one is None else one for one in measures]
         if len(own) == replicate * width:
@@ -94,7 +93,7 @@ class Evidence:
         own[replicate * width : (replicate + 1) * width] = array.array("d", values)
 
     def put_rows(self, design: int, replicate: int, rows: np.ndarray) -> None:
-        """Stores the measures of consecutive replicates, one row for each. NaN marks a missing measure."""
+        """Stores the measures of consecutive replicates, one row each. NaN marks a missing measure."""
         width, own = len(self.index), self._measures[design]
         begin, end = replicate * width, (replicate + len(rows)) * width
         if len(own) < begin:
@@ -108,7 +107,7 @@ class Evidence:
         own[begin:end] = values
 
     def count_to(self, design: int, replicates: int) -> None:
-        """Makes the results of the first ``replicates`` replicates of a design count."""
+        """Counts the first ``replicates`` results of a design."""
         self.counts[design] = replicates
 
     def miss(self, design: int, replicate: int) -> None:
@@ -120,11 +119,10 @@ class Evidence:
         return self._missing[design]
 
     def missions_of(self, design: int) -> int:
-        """Returns how many counted missions of a design have results."""
+        """Returns the number of counted missions with results."""
         return self.counts[design] - self._missing[design]
 
     def row(self, design: int, replicate: int) -> list[float | None]:
-        """Returns the measures of a mission."""
         width = len(self.index)
         return [_known(one) for one in self._measures[design][replicate * width : (replicate + 1) * width]]
 
@@ -134,14 +132,14 @@ class Evidence:
         return [self._measures[design][begin * width + at : end * width : width] for at in range(width)]
 
     def column(self, design: int, at: int) -> array.array[float]:
-        """Returns one measure of all missions of a design. NaN marks a missing measure."""
+        """Returns one measure of all counted missions of a design. NaN marks a missing measure."""
         width = len(self.index)
         return self._measures[design][at : self.counts[design] * width : width]
 
     @property
     def design_error(self) -> float:
-        """Returns the permitted error of one statement about one design. All statements about single designs together
-        use half of ``error``; comparisons of two designs use the other half.
+        """Returns the permitted error of one statement about one design. Statements about single designs use half of ``error``, comparisons
+        of designs the other half.
         """
         statements = len(self.study.constraints) + (self.study.stop is not None) + len(self._senses)
         return self.study.error / 2 / (max(len(self.counts), 1) * max(statements, 1))
@@ -157,44 +155,42 @@ class Evidence:
         return found
 
     def so_far(self, design: int, objective: Objective) -> Estimate:
-        """Returns the estimate from all results so far, including results that are not counted yet."""
+        """Returns the estimate from all results so far, including uncounted ones."""
         values = self._measures[design][self.index[objective.label] :: len(self.index)]
         return _estimated(objective, values, self.study.error, SEQUENCES if self.study.looks else SHOWN)
 
     def course(self, design: int, objective: Objective, counts: Sequence[int]) -> list[Estimate]:
-        """Returns the estimates that ``shown`` would have returned after each of these numbers of missions."""
+        """Returns the estimates of ``shown`` after each of these numbers of missions."""
         values = self.column(design, self.index[objective.label])
         methods = SEQUENCES if self.study.looks else SHOWN
         return [_estimated(objective, values[:count], self.study.error, methods) for count in counts]
 
     def shown(self, design: int, objective: Objective) -> Estimate:
-        """Returns the estimate that the study's tables show. Its interval contains the true value of this objective for this design with
-        the probability 1 - ``error``."""
+        """Returns the estimate for tables. Its interval contains the true value with the probability 1 - ``error``."""
         return self.estimate(design, objective, self.study.error, SEQUENCES if self.study.looks else SHOWN)
 
     def known_of(self, design: int, objective: Objective) -> Interval:
-        """Returns the interval that decisions use. Without draws, all missions of a design are equal, so that its value is exact."""
+        """Returns the interval for decisions. Without draws, all missions of a design are equal, so the value is exact."""
         found = self.estimate(design, objective, self.design_error, SEQUENCES if self.study.looks else DECIDED)
         return (found.mean, found.mean) if not self.study.draws and found.mean is not None else found.interval
 
     def side(self, design: int, constraint: Constraint) -> bool | None:
-        """Returns True or False if a design certainly satisfies or violates a constraint. Returns None as long as this is not certain."""
+        """Returns True if a design certainly satisfies a constraint, False if it certainly violates it, and None otherwise."""
         low, high = self.known_of(design, self.study.objective(constraint.label))
         if constraint.above:
             return True if low > constraint.bound else False if high <= constraint.bound else None
         return True if high < constraint.bound else False if low >= constraint.bound else None
 
     def feasible(self, design: int) -> bool | None:
-        """Returns True or False if a design certainly satisfies all constraints or certainly violates one. Returns None as long as this
-        is not certain."""
+        """Returns True if a design certainly satisfies all constraints, False if it certainly violates one, and None otherwise."""
         sides = [self.side(design, constraint) for constraint in self.study.constraints]
         if False in sides:
             return False
         return None if None in sides else True
 
     def advantage(self, better: int, worse: int, objective: Objective) -> float:
-        """Returns the amount by which ``better`` is certainly better than ``worse``, in the objective's sense and unit. If negative, it
-        is the amount by which ``better`` may be worse. If only the order of two shares is certain, returns the smallest number above 0."""
+        """Returns the amount by which ``better`` is certainly better, in the unit and sense of the objective. A negative result is the
+        amount by which ``better`` may be worse. If only the order of two shares is certain, returns the smallest positive number."""
         separate = self._advantage_of_intervals(better, worse, objective)
         if separate > 0:
             return separate
@@ -207,7 +203,7 @@ class Evidence:
         return -math.inf if math.isnan(gap) else gap
 
     def _advantage_of_pairs(self, better: int, worse: int, objective: Objective) -> float:
-        if objective.percentile is not None:  # a percentile of differences is not the difference of percentiles
+        if objective.percentile is not None:  # the percentile of differences is not the difference of percentiles
             return -math.inf
         differences = self.differences(better, worse, objective)
         if objective.is_share:
@@ -217,16 +213,15 @@ class Evidence:
         return self.mean_bound(Moments().add(differences))
 
     def share_bound(self, wins: int, decided: int) -> float:
-        """Returns the lower bound of the share of replicates in which the first design of a pair wins."""
+        """Returns the lower bound of the share of replicates in which the first design wins."""
         return (SEQUENCES if self.study.looks else DECIDED).share(wins, decided, self.pair_error)[0]
 
     def mean_bound(self, differences: Moments) -> float:
-        """Returns the lower bound of the mean of differences, for the comparison of a pair."""
+        """Returns the lower bound of the mean of differences between two designs."""
         return (SEQUENCES if self.study.looks else DECIDED).mean(differences, self.pair_error)[0]
 
     def differences(self, better: int, worse: int, objective: Objective) -> list[float]:
-        """Returns the amounts by which ``better`` was better, for each replicate that both designs have. A positive amount is better in
-        the objective's sense."""
+        """Returns for each common replicate the amount by which ``better`` was better, in the sense of the objective."""
         sense, at = objective.sense or 1, self.index[objective.label]
         return [
             sense * (a - b)
@@ -236,14 +231,14 @@ class Evidence:
 
     @property
     def pair_error(self) -> float:
-        """Returns the permitted error of one comparison. Together, all comparisons are wrong with a probability of at most half of
+        """Returns the permitted error of one comparison. All comparisons together are wrong with a probability of at most half of
         ``error``."""
         designs = max(len(self.counts), 2)
         return self.study.error / 2 / (designs * (designs - 1) / 2 * max(len(self._senses), 1))
 
     def dominates(self, design: int, other: int) -> bool:
-        """True if the design is certainly better than ``other`` in one objective, and certainly not worse by more than the tolerance in
-        any other objective."""
+        """True if the design is certainly better than ``other`` in one objective, and certainly not worse by more than the tolerance in any
+        other objective."""
         if not self._senses:
             return False
         some_better = False
@@ -255,15 +250,14 @@ class Evidence:
         return some_better
 
     def not_dominated_by(self, design: int, other: int) -> bool:
-        """True if the design is certainly better than ``other`` in one objective. In this case, ``other`` cannot dominate it."""
+        """True if the design is certainly better than ``other`` in one objective, so that ``other`` cannot dominate it."""
         return any(self.advantage(design, other, objective) > 0 for objective in self._senses)
 
     def surely_better(self, design: int, other: int, label: str) -> bool:
         return self.advantage(design, other, self.study.objective(label)) > 0
 
     def leaders(self, designs: Sequence[int]) -> list[int]:
-        """Returns those designs that no other design dominates by the means so far. Each remaining design is dominated by one of the
-        returned designs."""
+        """Returns the designs that no other design dominates by the means so far. Each other design is dominated by one of them."""
         points = [(design, self._point(design)) for design in designs]
         complete = [(design, point) for design, point in points if None not in point]
         if not complete:
@@ -271,8 +265,8 @@ class Evidence:
         return [complete[at][0] for at in pareto.front(np.array([point for _, point in complete], float))]
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Returns three arrays for all designs, in the sense of each objective. They contain the lower ends and the upper ends of the
-        intervals that decisions use, and the means (NaN for a design without a mean)."""
+        """Returns the lower ends and upper ends of the intervals for decisions, and the means (NaN if missing), of all designs in the sense
+        of each objective."""
         shape = (len(self.counts), len(self._senses))
         low, high, mean = np.empty(shape), np.empty(shape), np.full(shape, np.nan)
         for design in range(len(self.counts)):
@@ -290,7 +284,7 @@ class Evidence:
 
     @property
     def complete(self) -> np.ndarray:
-        """Returns, for each design, whether all of its missions have all measures that are needed to determine the front."""
+        """Returns for each design whether all of its missions have the measures for the front."""
         places = [self.index[objective.label] for objective in self._senses]
         return np.array([not any(np.isnan(self.column(design, at)).any() for at in places) for design in range(len(self.counts))], bool)
 

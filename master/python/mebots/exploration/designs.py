@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Returns the designs that a study compares. A table contains a function for each kind of design."""
+"""The designs that a study compares. A table contains a function for each kind of design."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MOST = 10_000_000
 
 
 def designs_of(study: Study) -> list[Values]:
-    """Returns all designs in the order of the study. Raises InputError if there are none or too many."""
+    """Returns all designs in order. Raises InputError if there are none or too many."""
     kind = study.design["kind"]
     found = KINDS[kind](study)
     conditions = study.design.get("conditions", [])
@@ -31,7 +31,7 @@ def designs_of(study: Study) -> list[Values]:
 
 
 def levels(spread: Any) -> list[Any]:
-    """Returns the values of a factor of a grid: those in its list, or the names of its options."""
+    """Returns the values of a grid's factor: those of its list, or the names of its options."""
     return list(spread["options"]) if isinstance(spread, dict) else list(spread)
 
 
@@ -56,7 +56,7 @@ def _list(study: Study) -> list[Values]:
 
 
 def _cell(text: str) -> Any:
-    """Returns the number or Boolean that the text represents. If it represents none, returns the text."""
+    """Returns the number or Boolean in a text, or the text itself."""
     try:
         value = json.loads(text)
     except ValueError:
@@ -69,7 +69,7 @@ def _random(study: Study) -> list[Values]:
 
 
 def _latin_hypercube(study: Study) -> list[Values]:
-    """Divides the range of each factor into as many equally likely strata as there are designs. Uses one value from each stratum."""
+    """Divides each factor's range into as many equally likely strata as designs. Each stratum has one value."""
     orders: dict[str, list[int]] = {}
 
     def unit(name: str, i: int, count: int, seed: int) -> float:
@@ -81,7 +81,7 @@ def _latin_hypercube(study: Study) -> list[Values]:
 
 
 def _sobol(study: Study) -> list[Values]:
-    """Returns designs from Sobol's sequence, scrambled by the seed (SciPy)."""
+    """Returns designs from Sobol's sequence (SciPy), scrambled by the seed."""
     qmc = extra("scipy.stats.qmc", "a design 'sobol'", "scipy")
     factors = study.design["factors"]
     count = study.design["points"]
@@ -92,7 +92,7 @@ def _sobol(study: Study) -> list[Values]:
 
 
 def _sensitivity(study: Study) -> list[Values]:
-    """Returns designs for a method of SALib. Its samples are points of the unit cube, which are converted to quantiles of the factors."""
+    """Returns designs for a method of SALib. Converts its samples in the unit cube to quantiles of the factors."""
     factors = study.design["factors"]
     return [
         {name: chance.value(spread, float(u)) for (name, spread), u in zip(factors.items(), point, strict=True)}
@@ -118,7 +118,7 @@ KINDS: dict[str, Callable[[Study], list[Values]]] = {
     "sobol": _sobol,
     "random": _random,
     "sensitivity": _sensitivity,
-    "search": lambda study: [],  # designs of a search are created round by round: see search
+    "search": lambda study: [],  # a search creates designs round by round
 }
 
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Passes batches of orders to an executor and collects the results. Sends files that a worker lacks. Counts attempts of missions that
-ended without a result because of a full disk, too little memory, a killed process or a lost worker."""
+"""Passes batches of orders to an executor and collects results. Sends files that a worker lacks. Repeats missions without a result after a
+full disk, too little memory, a killed process or a lost worker."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ Future = concurrent.futures.Future[dict[str, Any]]
 
 
 class Unfinished(Error):
-    """Raised if a mission has no result after several attempts, for a reason outside of the mission. The study then stops."""
+    """Raised if a mission has no result after several attempts for a reason outside the mission. The study then stops."""
 
     def __init__(self, text: str, code: str = "unfinished") -> None:
         super().__init__(text, code)
@@ -38,7 +38,7 @@ class Unfinished(Error):
 
 @dataclasses.dataclass
 class _Group:
-    """Contains orders, and the number of each mission in the round that requested it; -1 if no round requested it."""
+    """Orders, and the number of each mission in its round; -1 without a round."""
 
     orders: Orders
     indices: Sequence[int]
@@ -60,7 +60,7 @@ class _Task:
 
 
 class Dispatcher:
-    """Passes batches to the executor. At most ``most`` batches are in progress. May be used by only one thread at a time."""
+    """Passes batches to the executor, at most ``most`` at a time. Not thread-safe."""
 
     def __init__(self, executor: concurrent.futures.Executor, most: int) -> None:
         self._executor = executor
@@ -83,9 +83,8 @@ class Dispatcher:
         return self._missions.isdisjoint(digests)
 
     def give(self, orders: Orders, indices: Sequence[int] | None = None, left: int = _MOST_IN_BATCH) -> None:
-        """Adds orders to the next batches, except those of missions in progress. ``indices`` contains the numbers of the missions in the
-        round. ``left`` is the maximum number of orders that will follow. Near the end of a round, batches are small, so that every
-        worker receives one."""
+        """Queues orders, except those of missions in progress. ``indices`` are the numbers of the missions in the round. ``left`` is the
+        maximum number of later orders. Near the end of a round, batches become small, so that all workers receive one."""
         if indices is None:
             indices = [-1] * len(orders)
         if not self.has_none_of(orders.digests):
@@ -98,11 +97,11 @@ class Dispatcher:
         self._send(whole=True)
 
     def flush(self) -> None:
-        """Sends the orders that are waiting for a full batch."""
+        """Sends orders that wait for a full batch."""
         self._send(whole=False)
 
     def _send(self, *, whole: bool) -> None:
-        """Sends batches as long as there is capacity. If ``whole`` is true, sends only full batches."""
+        """Sends batches while there is capacity. If ``whole`` is true, sends only full batches."""
         waiting = sum(len(group.orders) for group in self._waiting)
         while waiting and len(self._out) < self._most:
             size = max(1, min(self._size, (waiting + self._left) // self._most))
@@ -121,14 +120,13 @@ class Dispatcher:
             self._submit(_Task(groups))
 
     def take(self) -> list[Reply]:
-        """Waits for the executor. Returns the results of missions that have ended; there may be none. Raises Unfinished in the call
-        after the one that returned the last results. Raises Error if the executor failed."""
+        """Waits for the executor. Returns results of finished missions, possibly none. If a mission failed permanently, returns the last
+        results first and raises Unfinished in the next call. Raises Error if the executor failed."""
         if self._unfinished is not None:
             raise self._unfinished
         if not self._out:
             self.flush()
-        # concurrent.futures.wait() is not used, because an interrupt may leave the lock of a future locked. Its worker would then wait
-        # without end.
+        # Does not use concurrent.futures.wait(): an interrupt could leave a future locked, and its worker would wait without end.
         done = [self._done.get()]
         while not self._done.empty():
             done.append(self._done.get())
@@ -141,7 +139,7 @@ class Dispatcher:
     def _reply(self, task: _Task, future: Future) -> Reply | None:
         problem = _problem_of(future)
         if isinstance(problem, (AssertionError, TypeError, AttributeError, ImportError)):
-            raise problem  # a bug in the program, so that another attempt would end in the same way
+            raise problem  # a bug, which another attempt would repeat
         if problem is not None:
             for order, index in task:
                 self._repeat(order, index, f"the executor lost the mission: {str(problem) or type(problem).__name__}")
@@ -178,7 +176,7 @@ class Dispatcher:
         return reply if reply.digests else None
 
     def _repeat(self, order: Order, index: int, why: str) -> None:
-        """Repeats a mission that had no result in a separate batch. If the mission ends its worker again, no other mission is lost."""
+        """Repeats a mission in a separate batch, so that no other mission is lost if its worker ends again."""
         mission = order["mission"]
         self._attempts[mission] += 1
         if self._attempts[mission] < ATTEMPTS:
@@ -210,7 +208,7 @@ class Dispatcher:
 def _problem_of(future: Future) -> BaseException | None:
     try:
         return future.exception()
-    except concurrent.futures.CancelledError as error:  # raised by Dask after its scheduler has ended
+    except concurrent.futures.CancelledError as error:  # Dask raises this error after the end of its scheduler
         return error
 
 

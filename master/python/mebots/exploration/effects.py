@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Computes effects of a study's factors. These are the mean values of the designs at each level of a factor and at each pair of levels,
-and the shares of the designs' variance that factors and pairs explain."""
+"""Computes effects of factors: the mean of the designs at each level of a factor or pair of factors, and the shares of variance that
+factors and pairs explain."""
 
 from __future__ import annotations
 
@@ -28,8 +28,7 @@ chance."""
 
 @dataclasses.dataclass(frozen=True)
 class Factor:
-    """Contains the readable ``levels`` of a factor, and the level of each design. Values are multiplied by ``scale`` to convert them to
-    the displayed unit."""
+    """A factor with readable ``levels``, and the level of each design. ``scale`` converts values to the displayed unit."""
 
     name: str
     label: str
@@ -51,8 +50,8 @@ def factors_of(names: Sequence[str], designs: Sequence[Values], units: Units) ->
 
 
 def short_names(names: Sequence[str]) -> list[str]:
-    """Returns the last part of each name, and those preceding parts that make it unique. If the last part is a general word such as
-    "name", always adds the preceding part."""
+    """Returns the last part of each name, and preceding parts that make it unique. A general last part such as "name" always has the
+    preceding part."""
 
     def ending(name: str, parts: int) -> str:
         return name.removeprefix("/") if name.startswith("/") else ".".join(name.split(".")[-parts:])
@@ -82,7 +81,7 @@ def _factor(name: str, label: str, values: list[Any], unit: str) -> Factor:
 
 
 def _parts(values: np.ndarray, scale: float, unit: str) -> tuple[list[str], np.ndarray]:
-    """Divides values into parts that contain equal numbers of values. Returns the names of the parts, and the part of each value."""
+    """Divides values into parts with equal numbers of values. Returns the names of the parts, and the part of each value."""
     edges = np.unique(np.quantile(values, np.linspace(0, 1, _PARTS + 1)))
     names = [" ".join(filter(None, (f"{number(low * scale, 3)} to {number(high * scale, 3)}", unit))) for low, high in itertools.pairwise(edges)]
     return names, np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(names) - 1)
@@ -93,8 +92,7 @@ def _is_number(value: Any) -> bool:
 
 
 def level_means(factor: Factor, values: np.ndarray) -> list[float | None]:
-    """Returns the mean of the designs at each level. Returns None for a level if no design has a value. Each design has the same weight,
-    independently of its number of missions."""
+    """Returns the mean of the designs at each level, or None for a level without values. All designs have the same weight."""
     return _means(factor.level, len(factor.levels), values)
 
 
@@ -112,8 +110,7 @@ def _means(cells: np.ndarray, count: int, values: np.ndarray) -> list[float | No
 
 
 def pairs_of(factors: Sequence[Factor]) -> list[tuple[int, int]]:
-    """Returns the pairs of those factors that have more than one level, as pairs of indices. Stops before the pairs have more
-    than ``_MOST_CELLS`` combinations of levels."""
+    """Returns the pairs of factors with more than one level, as indices. Stops at ``_MOST_CELLS`` combinations of levels."""
     varied = [at for at, factor in enumerate(factors) if len(factor.levels) > 1]
     result, cells = [], 0
     for first, second in itertools.combinations(varied, 2):
@@ -126,17 +123,17 @@ def pairs_of(factors: Sequence[Factor]) -> list[tuple[int, int]]:
 
 @dataclasses.dataclass(frozen=True)
 class Importances:
-    """Contains shares of the variance of the designs' values. The share of a factor is what it explains in addition to all other
-    factors. The share of a pair is what it explains in addition to all factors. If two factors change together, their common effect is
-    part of no share."""
+    """Shares of the variance of the designs' values. The share of a factor is the variance that it explains in addition to all other
+    factors. The share of a pair is the variance that it explains in addition to all factors. The common effect of factors that change
+    together is in no share."""
 
     factors: list[float]
     pairs: list[float]
 
 
 def importances(study: Study, factors: Sequence[Factor], pairs: Sequence[tuple[int, int]], values: np.ndarray) -> Importances | None:
-    """Returns the importances. Returns None if all designs have the same value. If designs are a sample of their space, subtracts the
-    share that chance explains. It is estimated from the variance that all factors together do not explain."""
+    """Returns the importances, or None if all designs have the same value. If designs are a sample of their space, subtracts the share due
+    to chance, estimated from the variance that all factors together do not explain."""
     known = ~np.isnan(values)
     own = values[known] - values[known].mean() if known.any() else values[known]
     total = float(own @ own)
@@ -165,7 +162,7 @@ def importances(study: Study, factors: Sequence[Factor], pairs: Sequence[tuple[i
 
 
 def _indicators(cells: np.ndarray) -> np.ndarray:
-    """Returns an indicator column for each cell. The mean of the column is subtracted from it."""
+    """Returns an indicator column per cell, with zero mean."""
     columns = (cells[:, None] == np.unique(cells)[None, :]).astype(float)
     return columns - columns.mean(axis=0)
 

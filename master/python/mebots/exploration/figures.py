@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Formats numbers for readers, with units and SI prefixes. The interval of a number determines how many digits are shown."""
+"""Formats numbers for readers, with units and SI prefixes. The interval of a number determines its digits."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _SCALED_DOWN = ("s", "m")
 
 
 def scale_of(unit: str, values: Iterable[float]) -> tuple[float, str]:
-    """Returns a factor and a unit by which the largest value becomes a number from 1 to 1000, if the unit permits prefixes."""
+    """Returns the factor and the unit with which the largest value is from 1 to 1000, if the unit permits prefixes."""
     known = [abs(value) for value in values if math.isfinite(value) and value != 0]
     if unit == "1":
         return 1.0, ""
@@ -49,7 +49,7 @@ def quantity(value: Any, unit: str = "") -> str:
 
 
 def percent(share: float) -> str:
-    """Formats a share as a percentage. Adds digits near 0 and 100 %, so that shares up to 0.9999 are not shown as 100 %."""
+    """Formats a share as a percentage. Adds digits near 0 and 100 %, so that 0.9999 does not appear as 100 %."""
     text = f"{100 * share:.0f}"
     if (text == "100" and share < 1) or (text == "0" and share > 0):
         text = f"{100 * share:.2g}" if share < 0.5 else f"{100 * share:.4g}"
@@ -57,7 +57,7 @@ def percent(share: float) -> str:
 
 
 def estimate_text(found: Estimate, objective: Objective, unit: str) -> str:
-    """Formats the value of a design and its interval, such as 263 J (262 to 264), or 40 of 40 (91 to 100 %)."""
+    """Formats a design's value and interval, such as 263 J (262 to 264), or 40 of 40 (91 to 100 %)."""
     if found.mean is None:
         return "-"
     low, high = found.interval
@@ -67,7 +67,7 @@ def estimate_text(found: Estimate, objective: Objective, unit: str) -> str:
     if not (math.isfinite(low) and math.isfinite(high)):
         return " ".join(filter(None, (number(found.mean * factor), shown)))
     width = (high - low) * factor
-    # Rounding moves an end of the interval by at most a quarter of the interval's width.
+    # Rounding may move an end by at most a quarter of the interval's width.
     decimals = max(0, math.ceil(-math.log10(width / 2))) if width > 0 else _decimals_of(found.mean * factor)
     size = max(abs(low), abs(high)) * factor
     decimals = min(decimals, max(0, _MOST_DIGITS - 1 - math.floor(math.log10(size)))) if size > 0 else decimals
@@ -83,13 +83,12 @@ def _decimals_of(value: float) -> int:
 
 
 class Units:
-    """Contains the units of a study's factors and objectives. The study may define them; otherwise they are the units of the FMUs'
-    variables."""
+    """The units of a study's factors and objectives: those that the study states, otherwise those of the FMUs' variables."""
 
     def __init__(self, study: Study, summary: Mapping[str, Any]) -> None:
         try:
             self._of_variables: dict[str, str] = _mebots.variable_units(study.mission)
-        except Error:  # the check of the study reports errors in the mission
+        except Error:  # the check of the study reports errors of the mission
             self._of_variables = {}
         self._summary = summary
 
@@ -97,7 +96,7 @@ class Units:
         return "s" if name == "/stop_time" else self._of_variables.get(name, "")
 
     def of(self, objective: Objective) -> str:
-        """Returns the unit of an objective, or "" if it has none. The study defines the unit of an expression."""
+        """Returns the unit of an objective, or "". The study states the units of expressions."""
         if objective.unit or objective.is_share or objective.source == "expression":
             return objective.unit
         if objective.source == "summary":
@@ -105,7 +104,7 @@ class Units:
         return "s" if objective.reduction == "first_true" else self._of_variables.get(objective.what, "")
 
     def _variable_of(self, label: str) -> str:
-        """Returns the variable that belongs to a label in the summary."""
+        """Returns the variable of a label in the summary."""
         found: Any = self._summary
         for part in label.split("."):
             if isinstance(found, list):  # a group, whose members have the same unit
@@ -115,8 +114,7 @@ class Units:
 
 
 def design_names(factors: Sequence[str], designs: Sequence[Values], units: Units) -> list[str]:
-    """Returns a name for each design, such as "lipol_350, 0.37 m/s". It contains the values of those factors in which the designs
-    differ."""
+    """Returns a name for each design, such as "lipol_350, 0.37 m/s", from the factors that differ between designs."""
     varied = [name for name in factors if len({repr(design[name]) for design in designs}) > 1]
     shown = [units.of_factor(name) for name in varied]
     plain = [bool(unit) and unit != "1" and shown.count(unit) == 1 for unit in shown]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes files so that each file is either complete or absent, even if the disk fails."""
+"""Writes files that are either complete or absent, even after errors of the disk."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ _SPECIAL = re.compile('[,"\r\n]')
 
 
 def write_all(descriptor: int, block: bytes) -> None:
-    """Writes all bytes, by several calls if necessary. Raises OSError if this fails."""
+    """Writes all bytes, with several calls if necessary. Raises OSError if writing fails."""
     rest = memoryview(block)
     while rest:
         rest = rest[os.write(descriptor, rest) :]
 
 
 def close(descriptor: int) -> None:
-    """Closes a descriptor. Raises OSError if this fails. A signal is no failure, because Linux closes the descriptor nevertheless."""
+    """Closes a descriptor. Raises OSError if this fails. After an interrupt by a signal, Linux has also closed the descriptor."""
     with contextlib.suppress(InterruptedError):
         os.close(descriptor)
 
@@ -36,11 +36,10 @@ def count_lines(file: pathlib.Path) -> int:
 
 
 def write_whole(file: pathlib.Path, blocks: Iterable[bytes]) -> None:
-    """Writes a file under another name, writes it to the disk, and renames it. If this fails, raises OSError and leaves the old file
-    unchanged."""
+    """Writes a temporary file, synchronises it with the disk, and renames it. If this fails, raises OSError and keeps the old file."""
 
     def write(beside: pathlib.Path) -> None:
-        # O_EXCL ensures that a symbolic link of this name is not followed.
+        # O_EXCL prevents following a symbolic link.
         descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666)
         try:
             for block in blocks:
@@ -54,7 +53,7 @@ def write_whole(file: pathlib.Path, blocks: Iterable[bytes]) -> None:
 
 
 def replace_with(file: pathlib.Path, write: Callable[[pathlib.Path], None]) -> None:
-    """Calls ``write`` with another name in the same folder. Then writes the created file to the disk, and renames it."""
+    """Calls ``write`` with a temporary name in the same folder. Then synchronises the file with the disk and renames it."""
     beside = file.with_name(file.name + ".part")
     beside.unlink(missing_ok=True)
     try:
@@ -74,7 +73,7 @@ def write_csv(file: pathlib.Path, rows: Iterable[Sequence[str]]) -> None:
 
 
 def write_lines(file: pathlib.Path, lines: Iterable[str]) -> None:
-    """Writes texts into a file in UTF-8. Only some of the texts are in memory at the same time."""
+    """Writes texts to a file in UTF-8, block by block."""
     write_whole(file, _blocks(lines))
 
 
@@ -93,7 +92,7 @@ def _blocks(texts: Iterable[str]) -> Iterator[bytes]:
 
 
 def csv_text(cells: Iterable[str]) -> str:
-    """Joins cells by commas. Adds quotes if necessary."""
+    """Joins cells by commas, with quotes if necessary."""
     return ",".join([f'"{cell.replace(_QUOTE, _QUOTE * 2)}"' if _SPECIAL.search(cell) else cell for cell in cells])
 
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Controls mission processes. Executors of any kind call ``fly_all``, which executes orders in a process that belongs to the calling
-thread. If an FMU crashes, only one mission is lost, but not the executor's worker."""
+"""Controls mission processes. Executors call ``fly_all``, which executes orders in a process of the calling thread. A crash of an FMU ends
+only this process, not the executor's worker."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ _TICKS = os.sysconf("SC_CLK_TCK")
 
 
 class Lost(Exception):
-    """Raised if the process ended during a mission. The message states how it ended, but does not contain its number. ``is_outcome`` is
-    False if the cause was outside of the mission."""
+    """Raised if the process ended during a mission. The text describes the end. ``is_outcome`` is False if the cause was outside the
+    mission."""
 
     def __init__(self, text: str, *, is_outcome: bool = True) -> None:
         super().__init__(text)
@@ -44,7 +44,7 @@ class Lost(Exception):
 
 
 class MissionProcess:
-    """Runs missions in a separate process. May be used by only one thread at a time."""
+    """Runs missions in a separate process. Not thread-safe."""
 
     def __init__(self) -> None:
         life, self._life = os.pipe()
@@ -53,8 +53,7 @@ class MissionProcess:
         environment = dict(os.environ)
         package = str(pathlib.Path(__file__).resolve().parents[2])
         environment["PYTHONPATH"] = os.pathsep.join([package, *filter(None, [environment.get("PYTHONPATH")])])
-        environment["TMPDIR"] = folder = _folder()  # the process is killed at the end; its unpacked FMUs are deleted
-                                                    # The folder of the worker is deleted together with the worker.
+        environment["TMPDIR"] = folder = _folder()  # deleted after the process is killed, with its unpacked FMUs
         self._process = subprocess.Popen(
             [sys.executable, "-m", "mebots.exploration.worker", str(life), str(out), folder],
             stdin=subprocess.PIPE,
@@ -75,8 +74,7 @@ class MissionProcess:
             raise
 
     def fly(self, order: Order) -> dict[str, Any]:
-        """Runs a mission and returns its record. Raises Lost if the process ends without a result; afterwards, this object cannot be
-        used."""
+        """Runs a mission and returns its record. Raises Lost if the process ends without a result; afterwards, this object is unusable."""
         assert self._process.stdin is not None
         self._last_words.truncate(0)
         try:
@@ -93,7 +91,7 @@ class MissionProcess:
         return record
 
     def end(self) -> None:
-        """Ends the process. May be called from any thread. If a thread is waiting for a record, Lost is raised in it."""
+        """Ends the process. Thread-safe. A thread that waits for a record raises Lost."""
         with contextlib.suppress(OSError):
             os.killpg(self._process.pid, signal.SIGKILL)
 
@@ -112,17 +110,17 @@ class MissionProcess:
                 self._process.stdin.close()
 
     def _line(self, limit_s: float | None) -> dict[str, Any]:
-        # The processor times are read only after the first wait. Most missions end before that, and their records contain the time.
+        # Reads processor times only after the first wait. Most missions are then finished, and their records contain the time.
         begun_s = last_s = None
         moved_at = time.monotonic()
-        # Only this limit uses the wall clock, because a call that waits without end uses no processor time.
+        # Only this limit uses the wall clock, because a call that never returns may use no processor time.
         patience_s = _STALLED_AFTER_S if limit_s is None else max(_STALLED_AFTER_LEAST_S, limit_s)
         while b"\n" not in self._rest:
             if select.select([self._records], [], [], _LOOK_EVERY_S)[0]:
                 block = os.read(self._records, 1 << 16)
                 if not block:
                     raise self._lost()
-                self._rest = (self._rest + block).lstrip(b"\n")  # an empty line means that the process waits for another process
+                self._rest = (self._rest + block).lstrip(b"\n")  # an empty line reports that the process waits for another process
                 moved_at = time.monotonic()
                 continue
             now_s = self._processor_time_s()
@@ -138,8 +136,8 @@ class MissionProcess:
         return json.loads(line)
 
     def _processor_time_s(self) -> float:
-        """Returns the processor time of the process and of its descendants. Descendants are included, because a fork of the
-        process runs the mission and starts the processes of isolated instances."""
+        """Returns the processor time of the process and its descendants. Forks run the missions and start processes of isolated
+        instances."""
         return _ticks_of_all(self._process.pid) / _TICKS
 
     def _lost(self) -> Lost:
@@ -174,7 +172,7 @@ def _over(limit_s: float) -> tuple[str, str]:
 
 
 def _ticks_of_all(process: int) -> int:
-    """Returns the processor time of a process and of all its descendants, including those that have ended."""
+    """Returns the processor time of a process and all its descendants, including ended ones."""
     total = _ticks_of(process)
     with contextlib.suppress(OSError):
         for task in os.listdir(f"/proc/{process}/task"):
@@ -184,14 +182,14 @@ def _ticks_of_all(process: int) -> int:
 
 
 def _ticks_of(process: int) -> int:
-    """Returns the user and system time of a process, including the times of its ended children. Returns 0 if the process has ended."""
+    """Returns user and system time of a process and its ended children. Returns 0 if the process has ended."""
     with contextlib.suppress(OSError, IndexError), open(f"/proc/{process}/stat", encoding="utf-8") as stat:
         return sum(int(word) for word in stat.read().rpartition(")")[2].split()[11:15])
     return 0
 
 
 def failed(order: Order, error: str, code: str) -> dict[str, Any]:
-    """Returns a record for a mission whose process has written none."""
+    """Returns a record for a mission whose process wrote none."""
     return {"mission": order["mission"], "flown_by": order["build"], "outcome": "failed", "error": error, "code": code}
 
 
@@ -211,14 +209,14 @@ def _remove_empty_folders() -> None:
     with contextlib.suppress(OSError), os.scandir(tempfile.gettempdir()) as entries:
         for entry in entries:
             if entry.name.startswith(_PREFIX):
-                with contextlib.suppress(OSError):  # in use, or owned by another user
+                with contextlib.suppress(OSError):  # in use, or of another user
                     if time.time() - entry.stat(follow_symlinks=False).st_mtime > _LEFT_BEHIND_S:
                         os.rmdir(entry.path)
 
 
 def _folder() -> str:
-    """Returns the folder that contains the temporary files of this process's mission processes, and the states that they share. Mission
-    processes may be killed; therefore this process deletes their files."""
+    """Returns the folder for temporary files and shared states of mission processes. This process deletes it, because mission processes may
+    be killed."""
     global _place
     with _lock:
         if _place is None:
@@ -228,10 +226,9 @@ def _folder() -> str:
 
 
 def fly_all(batch: Batch) -> dict[str, Any]:
-    """Executes a batch in the mission process of the calling thread. Executors call this function. Returns the results of the missions
-    (``replies.py``), the ``unfinished`` missions with the reason, and ``duration_s``. If files are missing on this machine, returns
-    ``{"lacks": [their hashes]}``; the batch may contain these files under ``contents``. If this is another build of MEbots, whose
-    results could differ, returns its ``build``."""
+    """Executes a batch in the mission process of the calling thread. Returns the results (``replies.py``), the ``unfinished`` missions with
+    reasons, and ``duration_s``. If files are missing here, returns ``{"lacks": [hashes]}``; a batch may contain them under ``contents``. If
+    this is another build of MEbots, returns its ``build``, because its results could differ."""
     if batch["shared"]["build"] != build():
         return {"build": build()}
     lacking = _find_files(batch)
@@ -245,8 +242,8 @@ def fly_all(batch: Batch) -> dict[str, Any]:
 
 
 def fly(order: Order) -> dict[str, Any]:
-    """Executes an order whose files are on this machine. Returns the record of the mission. If a cause outside of the mission ended it,
-    returns ``{"mission", "unfinished": why}``."""
+    """Executes an order whose files are on this machine. Returns the record, or ``{"mission", "unfinished": why}`` if a cause outside the
+    mission ended it."""
     for attempt in range(1, ATTEMPTS + 1):
         if _closing.is_set():
             raise RuntimeError("the study is over")
@@ -261,7 +258,7 @@ def fly(order: Order) -> dict[str, Any]:
                 return {"mission": order["mission"], "unfinished": f"the mission's process was lost: {error}"}
             if attempt == ATTEMPTS:
                 return failed(order, f"the mission's process was lost: {error}", "fmu_lost")
-        except OSError as error:  # the process could not be started
+        except OSError as error:  # the process could not start
             return {"mission": order["mission"], "unfinished": outcomes.text_of(error)}
     raise AssertionError("unreachable")
 
@@ -273,7 +270,7 @@ def _my_process() -> MissionProcess:
             is_late = _closing.is_set()
             if not is_late:
                 _all.add(process)
-        if is_late:  # the study has ended meanwhile, and end_all did not include this process
+        if is_late:  # end_all did not include this process
             process.close()
             raise RuntimeError("the study is over")
         _mine.process = process
@@ -282,7 +279,7 @@ def _my_process() -> MissionProcess:
 
 def _drop_my_process() -> None:
     process, _mine.process = getattr(_mine, "process", None), None
-    if process is None:  # the process was lost while it started
+    if process is None:  # the process could not start
         return
     with _lock:
         _all.discard(process)
@@ -290,13 +287,13 @@ def _drop_my_process() -> None:
 
 
 def ready() -> None:
-    """Permits mission processes again after ``end_all``, so that the next study can run in this process."""
+    """Permits mission processes again after ``end_all``."""
     _closing.clear()
 
 
 def end_all() -> list[MissionProcess]:
-    """Ends all mission processes of this process and returns them. When no thread waits for them any longer, the caller must pass the
-    result to ``close_ended``."""
+    """Ends all mission processes of this process and returns them. The caller must pass them to ``close_ended`` after all threads have
+    stopped waiting for them."""
     _closing.set()
     with _lock:
         processes = list(_all)
@@ -307,7 +304,7 @@ def end_all() -> list[MissionProcess]:
 
 
 def close_ended(processes: list[MissionProcess]) -> None:
-    """Waits until ended mission processes have exited, and deletes their files."""
+    """Waits for the exit of ended mission processes and deletes their files."""
     global _place
     for process in processes:
         process.close()
@@ -318,23 +315,23 @@ def close_ended(processes: list[MissionProcess]) -> None:
 
 
 def close_all() -> None:
-    """Ends all mission processes of this process and deletes their files. No other thread may be using one."""
+    """Ends all mission processes of this process and deletes their files. No other thread may use them."""
     close_ended(end_all())
 
 
-# The following functions find files by their hashes.
+# Files by hash.
 
 _known: dict[tuple[str, Any], str] = {}
 
 
 def cache_folder() -> pathlib.Path:
-    """Returns the folder in which this machine stores files that came with orders."""
+    """Returns the folder for files that arrived with orders."""
     base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
     return pathlib.Path(base) / "mebots" / "inputs"
 
 
 def _find_files(batch: Batch) -> list[str]:
-    """Sets the paths that the files of a batch have on this machine. Returns the hashes of missing files."""
+    """Sets the paths of a batch's files on this machine. Returns the hashes of missing files."""
     contents = batch.pop("contents", {})
     lacking = []
     for digest, place in batch["files"].items():
@@ -351,7 +348,7 @@ def _find_files(batch: Batch) -> list[str]:
 
 
 def _is(path: str, digest: str) -> bool:
-    """True if the file or folder has this hash. Caches the result as long as times and sizes do not change."""
+    """True if the file or folder has this hash. Caches the result while times and sizes stay the same."""
     try:
         key = path, stamp_of(path)
     except OSError:

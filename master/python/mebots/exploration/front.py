@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Determines the Pareto front, and how certain each statement about it is.
+"""Determines the Pareto front and its certainty.
 
-Two designs are compared first by the intervals of their means, for all designs at once. If the intervals of two designs
-overlap, the designs are compared pair by pair.
+Compares designs first by the intervals of their means. If two intervals overlap, compares the two designs replicate by replicate.
 """
 
 from __future__ import annotations
@@ -15,10 +14,9 @@ ON, OFF, UNDECIDED, EXCLUDED, NONE = "on", "off", "undecided", "excluded", ""
 
 
 def places(evidence: Evidence) -> list[str]:
-    """Returns a word for each design. ``excluded``: the design certainly violates a constraint. ``off``: another design that satisfies
-    all constraints certainly dominates it. ``on``: the design certainly satisfies all constraints, and is certainly better than each
-    other design in at least one objective. ``undecided``: all other designs. Differences within the uncertainty are not ranked.
-    If the study has no front, all words are empty."""
+    """Returns a word per design. ``excluded``: certainly violates a constraint. ``off``: certainly dominated by another design that
+    satisfies all constraints. ``on``: certainly satisfies all constraints, and is certainly better than each other design in some
+    objective. ``undecided``: all others, because differences within the uncertainty do not count. Without a front, all words are empty."""
     designs = range(len(evidence.counts))
     if not evidence.has_front:
         return [NONE] * len(designs)
@@ -38,7 +36,7 @@ def places(evidence: Evidence) -> list[str]:
 
 
 class Dominance:
-    """Determines what is certain about each design, by comparisons with the leaders among ``feasible`` and with all ``rivals``."""
+    """Compares designs with the leaders among ``feasible`` and with all ``rivals``."""
 
     def __init__(self, evidence: Evidence, feasible: list[int], rivals: list[int]) -> None:
         self._evidence = evidence
@@ -46,14 +44,14 @@ class Dominance:
         self._low, self._high, self._mean = low, high, mean
         self._leaders = np.array(evidence.leaders(feasible), int)
         self._rivals = np.array(rivals, int)
-        # The arrays have one row for each objective, because NumPy is fast along rows.
+        # One row for each objective, because NumPy is fast along rows.
         self._leaders_low, self._leaders_mean = low[self._leaders].T.copy(), mean[self._leaders].T.copy()
         self._rivals_high = high[self._rivals].T.copy()
-        # If two designs have the same missions, the mean of the differences is the difference of the means.
+        # If two designs have the same missions, the mean of differences is the difference of means.
         self._counts = np.array(evidence.counts)
         self._counts[~evidence.complete] = -1
         self._leaders_counts = self._counts[self._leaders]
-        # The last bits of sums depend on the order of summation.
+        # Tolerates the rounding of sums, which depends on their order.
         self._slack = 1e-9 * np.nanmax(np.abs(mean), axis=0, initial=0.0)
 
     def is_dominated(self, design: int) -> bool:
@@ -64,7 +62,7 @@ class Dominance:
             lead = self._leaders_low[at] - self._high[design, at]
             never_worse &= (lead > 0) | (lead > -tolerance)
             some_better |= lead > 0
-            # The lower bound of a mean difference is smaller than the difference.
+            # The lower bound of a mean difference is below the difference.
             may_lead &= self._leaders_mean[at] > self._mean[design, at] - tolerance - self._slack[at]
         others = leaders != design
         if (never_worse & some_better & others).any():
@@ -76,7 +74,7 @@ class Dominance:
         return any(self._evidence.dominates(leader, design) for leader in largest_first.tolist())
 
     def is_best_somewhere(self, design: int) -> bool:
-        """True if the design is certainly better than each rival in some objective. In this case, no rival dominates it."""
+        """True if the design is certainly better than each rival in some objective, so that no rival dominates it."""
         open_ones = self._rivals != design
         for at in range(len(self._rivals_high)):
             open_ones &= self._low[design, at] <= self._rivals_high[at]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Computes the hashes of files and folders that missions name. A folder is included only if it contains a deployed network."""
+"""Computes hashes of files and folders that missions name. Only folders of deployed networks count."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ Content = bytes | dict[str, bytes]
 
 
 def is_input(name: str, path: str | os.PathLike[str]) -> bool:
-    """True if a value names a file, or the folder of a deployed network. ``name`` is the parameter, or the key of a config as a JSON
-    pointer, or a pattern. Other folders do not count, because the value may be a name inside the FMU that is also, by chance, the name of a folder."""
+    """True if a value names a file or the folder of a deployed network. ``name`` is the parameter, a JSON pointer of the config, or a
+    pattern. Other values may equal the name of a folder by chance."""
     if not os.fspath(path):
         return False
     may_be_network = re.split(r"[./]", name)[-1] == "network" or "*" in name or "?" in name
@@ -45,7 +45,7 @@ def content_of(path: str | os.PathLike[str]) -> Content:
 
 
 def write_content(path: pathlib.Path, content: Content) -> None:
-    """Writes a file or a folder, which appears only when it is complete. Other processes may write the same content at the same time."""
+    """Writes a file or folder, which appears only when it is complete. Other processes may write the same content."""
     path.parent.mkdir(parents=True, exist_ok=True)
     beside = path.with_name(f"{path.name}.{os.getpid()}.{threading.get_ident()}")
     if isinstance(content, bytes):
@@ -57,7 +57,7 @@ def write_content(path: pathlib.Path, content: Content) -> None:
         (beside / name).write_bytes(part)
     try:
         beside.rename(path)
-    except OSError:  # exists already: damaged, or just written by another process
+    except OSError:  # damaged, or just written by another process
         old = beside.with_name(f"{beside.name}.old")
         with contextlib.suppress(OSError):
             path.rename(old)
@@ -67,7 +67,7 @@ def write_content(path: pathlib.Path, content: Content) -> None:
 
 
 def stamp_of(path: str | os.PathLike[str]) -> tuple[tuple[str, int, int], ...]:
-    """Returns names, times and sizes of files. They stay equal as long as nothing is written. Raises OSError."""
+    """Returns names, times and sizes of files, which change if a file is written. Raises OSError."""
     names = _files(path) if os.path.isdir(path) else [""]
     stats = [(name, os.stat(os.path.join(path, name) if name else path)) for name in names]
     return tuple((name, one.st_mtime_ns, one.st_size) for name, one in stats)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Delivers Ctrl-C only between two steps of a study, never during a step.
+"""Delivers Ctrl-C only between two steps of a study.
 
-Python raises KeyboardInterrupt between any two of its instructions. An exception in ``Thread.start`` leaves a thread of
-which its pool has no record. An exception inside a lock's ``with`` leaves the lock taken."""
+Python raises KeyboardInterrupt between any two instructions. An exception in ``Thread.start`` leaves a thread that its pool does not know.
+An exception inside a lock's ``with`` leaves the lock locked."""
 
 from __future__ import annotations
 
@@ -17,8 +17,7 @@ _pending = False
 
 @contextlib.contextmanager
 def held() -> Iterator[None]:
-    """Delays interrupts until the end of the block. Has no effect outside of the main thread, because Python interrupts only the main
-    thread."""
+    """Delays interrupts until the end of the block. No effect outside the main thread, because Python interrupts only the main thread."""
     global _holds
     if not _can_come():
         yield
@@ -29,13 +28,13 @@ def held() -> Iterator[None]:
         with _handled():
             yield
     finally:
-        _holds = before  # needed because an interrupt may have ended ``allowed`` early
+        _holds = before  # an interrupt may have ended ``allowed`` early
         _raise_pending_interrupt()
 
 
 @contextlib.contextmanager
 def allowed() -> Iterator[None]:
-    """Permits interrupts again until the end of this block, which must be inside a block of ``held``. They are then raised immediately."""
+    """Permits interrupts in this block, which must be inside a block of ``held``. Pending interrupts are raised immediately."""
     global _holds
     if not _can_come():
         yield
@@ -53,7 +52,7 @@ def _can_come() -> bool:
 
 
 def interrupt(number: int, frame: object) -> None:
-    """Handles the signal: raises KeyboardInterrupt, or stores it while interrupts are held."""
+    """Signal handler. Raises KeyboardInterrupt, or stores the interrupt while interrupts are held."""
     global _pending
     if _holds:
         _pending = True
@@ -63,7 +62,7 @@ def interrupt(number: int, frame: object) -> None:
 
 @contextlib.contextmanager
 def _handled() -> Iterator[None]:
-    """Replaces Python's own handler of Ctrl-C, which raises at any place. Does not replace a handler that another program has installed."""
+    """Replaces Python's handler of Ctrl-C, which raises anywhere. Keeps a handler of another program."""
     if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
         yield
         return

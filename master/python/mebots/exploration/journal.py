@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Stores the results of missions on disk, one line of JSON for each. A mission counts as done when its line is in the cache of the
-operating system, which survives the end of any process. The file is written to the disk several times a second, and before tables are
-written.
+"""Stores results of missions on disk, one line of JSON each. A mission is done when its line is in the operating system's cache, which
+survives the end of any process. The file is synchronised with the disk several times a second, and before tables are written.
 
-The last member of a line is the CRC-32 of the preceding bytes. A line with a wrong checksum is reported and not used.
+The last member of a line is the CRC-32 of the preceding bytes. A line with a wrong checksum is reported and ignored.
 """
 
 from __future__ import annotations
@@ -39,7 +38,7 @@ _MOST_NAMED = 10
 
 Record = dict[str, Any]
 
-# These constants define the layout of a line in this version, by byte positions.
+# Byte positions in a line of this version.
 _MISSION = b'{"mission":"'
 _BUILD = b'","flown_by":"'
 _DIGEST = 64
@@ -50,13 +49,13 @@ _SUM_BYTES = len(b',"crc32":"01234567"}\n')
 
 
 def line_of(record: Record) -> bytes:
-    """Returns the line of a record, including its checksum."""
+    """Returns the line of a record with its checksum."""
     body = _encoded(record).encode()[:-1]
     return b'%b,"crc32":"%08x"}\n' % (body, zlib.crc32(body))
 
 
 def record_of(line: bytes) -> Record:
-    """Returns the record that a line contains. Raises ValueError if the checksum is wrong."""
+    """Parses a line. Raises ValueError if the checksum is wrong."""
     body = line[:-_SUM_BYTES]
     if line[-11:-3] != b"%08x" % zlib.crc32(body):
         raise ValueError("the checksum of a record is wrong")
@@ -65,14 +64,14 @@ def record_of(line: bytes) -> Record:
 
 
 def key_of(mission: str) -> int:
-    """Returns the part of a mission's hash by which the journal finds the mission's line."""
+    """Returns the part of a mission's hash that is the journal's search key."""
     return int(mission[:16], 16)
 
 
 class Places:
-    """Stores the place of each mission's line in 16 bytes. The places are in lists that are sorted by key; the latest list is the last.
-    A list is merged with the previous one, unless the previous one is more than twice as long. If several missions have the same key,
-    all of their places are returned, the latest first."""
+    """Stores the places of lines, 16 bytes per mission, in lists sorted by key; the latest list is the last. Merges a list with the
+    previous list, unless the previous list is more than twice as long. If missions share a key, returns all their places, the latest
+    first."""
 
     def __init__(self) -> None:
         self._runs: list[tuple[np.ndarray, np.ndarray]] = []
@@ -96,7 +95,7 @@ class Places:
                 at -= 1
 
     def may_have(self, wanted: np.ndarray) -> np.ndarray:
-        """Returns, for each key, whether there is a line with this key."""
+        """Returns for each key whether a line has this key."""
         found = np.zeros(len(wanted), bool)
         for keys, _ in self._runs:
             at = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
@@ -115,9 +114,8 @@ def keys_of(digests: Sequence[bytes]) -> np.ndarray:
 
 
 class Journal:
-    """Contains the records of a folder, indexed by the hash of their mission. Keeps only their places in memory, not their content. Only
-    one process at a time may write. If a killed process has left an incomplete last line, removes it. ``notices`` contains texts for the
-    user."""
+    """The records of a folder by the hash of their mission. Keeps only their places in memory. Only one process at a time may write.
+    Removes an incomplete last line of a killed process. ``notices`` contains texts for the user."""
 
     def __init__(self, folder: pathlib.Path, *, writable: bool = True) -> None:
         self.file = folder / NAME
@@ -151,7 +149,7 @@ class Journal:
         return self.find(mission) is not None
 
     def find(self, mission: str) -> Record | None:
-        """Returns the last record of a mission. Returns None if the journal has no record of the mission."""
+        """Returns the last record of a mission, or None."""
         place = self.place_of(mission)
         return None if place is None else self.at(place)
 
@@ -164,19 +162,17 @@ class Journal:
         return None
 
     def may_have(self, digests: Sequence[bytes]) -> np.ndarray:
-        """Returns an array that is False for each mission of which the journal has no record. For many missions, this is much faster
-        than ``find``."""
+        """Returns an array that is False for missions without a record. For many missions, this is much faster than ``find``."""
         return self._places.may_have(keys_of(digests))
 
     def at(self, place: int) -> Record:
-        """Returns the record whose line starts at a place."""
+        """Returns the record whose line starts at ``place``."""
         record: Record = json.loads(self._line(place))
         record.pop("crc32", None)
         return record
 
     def of_other_builds(self, build: str) -> int:
-        """Returns the number of records of other builds that the journal contained when it was opened. Old records do not state their
-        build."""
+        """Returns the number of records of other builds when the journal was opened. Old records lack their build."""
         return self._builds.total() - self._builds[build]
 
     def append(self, records: Iterable[Record]) -> list[int]:
@@ -187,8 +183,8 @@ class Journal:
         return self.append_lines(digests, b"".join(lines), np.array([len(line) for line in lines], np.int64)).tolist()
 
     def append_lines(self, digests: Sequence[bytes], lines: bytes, lengths: np.ndarray) -> np.ndarray:
-        """Appends the lines of missions and returns their places. Afterwards, the lines survive even if this process is killed. Raises
-        Error if they cannot be written; the journal is then unchanged."""
+        """Appends lines of missions and returns their places. The lines then survive even if this process is killed. If writing fails,
+        raises Error and leaves the journal unchanged."""
         try:
             os.lseek(self._descriptor, self._end, os.SEEK_SET)
             files.write_all(self._descriptor, lines)
@@ -213,8 +209,8 @@ class Journal:
         self._synced_s = time.monotonic()
 
     def close(self) -> None:
-        """Closes the file. Raises Error if this fails, because some file systems report a full disk only at this point. A second call
-        has no effect."""
+        """Closes the file. Raises Error if this fails, because some file systems report a full disk only here. A second call has no
+        effect."""
         descriptor, self._descriptor = self._descriptor, -1
         try:
             if descriptor >= 0:
@@ -240,7 +236,7 @@ class Journal:
             )
 
     def _line(self, place: int) -> bytes:
-        """Reads a line through a window of the file. The window saves time, because tables read lines roughly in the order of the file."""
+        """Reads a line through a window of the file, because tables read lines roughly in the order of the file."""
         begin, window = self._window
         if begin <= place < begin + len(window):
             end = window.find(b"\n", place - begin)
@@ -260,7 +256,7 @@ class Journal:
                 raise Error(f"{self.file}: the file became shorter while it was in use", "file_unreadable")
             size *= 2
 
-    # The following function opens the journal.
+    # Opening.
 
     def _read(self) -> int:
         """Finds the places of all records. Returns the end of the last complete line."""
@@ -294,8 +290,7 @@ class Journal:
 
 
 class _Scan:
-    """Reads the keys, places and builds of a journal's lines, and checks the lines. Reads lines of this version with NumPy, and all
-    others one by one."""
+    """Reads and checks keys, places and builds of lines. Reads lines of this version with NumPy, and all others one by one."""
 
     def __init__(self) -> None:
         self.builds: collections.Counter[str] = collections.Counter()
@@ -306,7 +301,7 @@ class _Scan:
         """True after the first line with a checksum. Earlier versions wrote no checksums; this version always does."""
 
     def lines(self, text: bytes, place: int) -> tuple[np.ndarray, np.ndarray]:
-        """Returns the keys and places of the valid lines in a text. ``place`` is the position of the text in the file."""
+        """Returns keys and places of the valid lines in a text. ``place`` is the position of the text in the file."""
         data = np.frombuffer(text, np.uint8)
         ends = np.flatnonzero(data == ord("\n")) + 1
         begins = np.concatenate([[0], ends[:-1]])
@@ -329,8 +324,7 @@ class _Scan:
 
     @staticmethod
     def _usual(data: np.ndarray, begins: np.ndarray, ends: np.ndarray) -> np.ndarray:
-        """Returns the indices of the lines that have the format of this version, in which all fixed characters are at the expected
-        positions."""
+        """Returns the indices of lines in the format of this version: all fixed characters are at their positions."""
         usual = np.flatnonzero(ends - begins > _BUILD_AT + _DIGEST + _SUM_BYTES)
         marks = ((begins, 0, _MISSION), (begins, len(_MISSION) + _DIGEST, _BUILD), (ends, -_SUM_BYTES, b',"crc32":"'), (ends, -3, b'"}\n'))
         for start, offset, mark in marks:
@@ -338,7 +332,7 @@ class _Scan:
         return usual
 
     def _count_builds(self, data: np.ndarray, begins: np.ndarray) -> None:
-        while len(begins):  # one iteration for each build
+        while len(begins):  # one iteration per build
             first = data[begins[0] + _BUILD_AT :][:_DIGEST]
             same = _have(data, begins + _BUILD_AT, first)
             self.builds[first.tobytes().decode("latin-1")] += int(same.sum())
@@ -363,7 +357,7 @@ class _Scan:
 
 
 def _have(data: np.ndarray, begins: np.ndarray, mark: np.ndarray) -> np.ndarray:
-    """Returns, for each position, whether these bytes are there."""
+    """Returns for each position whether these bytes are there."""
     same = np.ones(len(begins), bool)
     for offset, byte in enumerate(mark.tolist()):
         same &= data[begins + offset] == byte
@@ -371,7 +365,7 @@ def _have(data: np.ndarray, begins: np.ndarray, mark: np.ndarray) -> np.ndarray:
 
 
 def _hex(data: np.ndarray, begins: np.ndarray, digits: int) -> np.ndarray:
-    """Returns the numbers that are written in hexadecimal digits at these positions."""
+    """Returns the hexadecimal numbers at these positions."""
     result = np.zeros(len(begins), np.uint64)
     for offset in range(digits):
         result = (result << np.uint64(4)) | _DIGITS[data[begins + offset]]
@@ -379,7 +373,7 @@ def _hex(data: np.ndarray, begins: np.ndarray, digits: int) -> np.ndarray:
 
 
 def _identity(line: bytes) -> tuple[str, str]:
-    """Returns the mission of a line, and the build that ran the mission. Raises an error if the line is not a record."""
+    """Returns the mission of a line and the build that ran it. Raises an error if the line is not a record."""
     record = json.loads(line)
     texts = (record["mission"], record["outcome"], record["error"])
     parts = (record.get("values", {}), record.get("finals", {}), record.get("series", {}))

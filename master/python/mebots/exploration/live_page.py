@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes live.html, the report of a running study. The page reloads itself, and redirects to report.html when the study is done."""
+"""Writes live.html, the report of a running study. The page reloads itself, and redirects to report.html at the end."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _SHARE = 20.0
 
 
 class LivePage:
-    """Writes the page, but at most once in five seconds."""
+    """Writes the page at most once in five seconds."""
 
     def __init__(self, folder: pathlib.Path, space: Space, evidence: Evidence, units: Units) -> None:
         self._file = folder / NAME
@@ -56,7 +56,7 @@ class LivePage:
         self._next_s = time.monotonic() + max(_EVERY_S, _SHARE * (time.monotonic() - begun_s))
 
     def end(self, *, is_done: bool) -> None:
-        """Ends the page. If the study is done, makes the page redirect browsers to the report. Otherwise, removes the page."""
+        """If the study is done, makes the page redirect to the report. Otherwise, removes the page."""
         if is_done and self._file.exists():
             write_whole(self._file, [_TO_THE_REPORT])
         else:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Creates missions as orders. An order contains everything that a worker needs, and the hash of all inputs of the mission.
+"""Creates orders of missions. An order contains everything that a worker needs, and the hash of all inputs.
 
-An order refers to files (FMUs, firmware, networks, cells) by their hashes, so that it is valid on every machine. The paths of these files
-on this machine are stored separately.
+Orders name files (FMUs, firmware, networks, cells) by their hashes, so they are valid on every machine. Paths on this machine are stored
+separately.
 """
 
 from __future__ import annotations
@@ -35,14 +35,13 @@ Course = tuple["Turn", ...]
 
 @dataclasses.dataclass(frozen=True)
 class Turn:
-    """Describes values of inputs and tunable parameters that are written at a ``place``. The place is the first communication point at
-    or after a time (``{"at": s}``), or the first one at which a variable reaches a level (``{"score": [name, sign], "level": value}``)."""
+    """Values of inputs and tunable parameters to write at a ``place``. This is the first communication point at or after a time
+    (``{"at": s}``), or the first at which a variable reaches a level (``{"score": [name, sign], "level": value}``)."""
 
     place: Values
     writes: Values
 
-_NOT_OF_A_MISSION = ("text", "record", "pictures", "view", "log", "threads", "uncertainty")  # these change what is
-                                                                                             # shown, not the results
+_NOT_OF_A_MISSION = ("text", "record", "pictures", "view", "log", "threads", "uncertainty")  # without effect on results
 _OF_RESULTS = ("record", "pictures", "view", "log")
 
 _PATH = re.compile(r"(?<![\w.~/])/(?:[^\s/:;,'\"]+/)+([^\s/:;,'\"]*)")
@@ -58,19 +57,18 @@ def digest_of(value: Any) -> str:
 
 @functools.cache
 def build() -> str:
-    """Returns a hash of the program that runs missions. Version numbers are not sufficient, because they do not change during
-    development."""
+    """Returns a hash of the program that runs missions. During development, builds differ without a new version number."""
     return digest_of_file(_mebots.__file__)
 
 
 def without_paths(text: str) -> str:
-    """Returns a message in which paths are replaced by file names."""
+    """Replaces paths in a message by file names."""
     return _PATH.sub(r"\1", text)
 
 
 @dataclasses.dataclass
 class _Variant:
-    """Contains the config of the mission, in which factors that are keys of the config have their values."""
+    """The config of a mission after factors have set its keys."""
 
     config: str
     digest: str
@@ -82,7 +80,7 @@ class _Variant:
 
 
 class Missions:
-    """Creates orders from designs and draws. Computes the hash of each file only once."""
+    """Creates orders from designs and draws. Computes each file's hash only once."""
 
     def __init__(self, study: Study) -> None:
         self._study = study
@@ -106,8 +104,8 @@ class Missions:
         """Folder of the results, with 256 folders for the first two digits of the mission's hash."""
 
     def order(self, values: Values) -> Order:
-        """Returns the order of the mission that has these values of factors and draws. Raises InputError if a JSON pointer refers to no
-        value, or if a fork is after the end."""
+        """Returns the order of the mission with these values of factors and draws. Raises InputError if a JSON pointer finds no value, or
+        if a fork is after the end."""
         fork = self._study.fork
         if fork is None:
             return self._order(values, ())
@@ -123,8 +121,8 @@ class Missions:
         return self._order(before, (Turn({"at": fork.at_s}, later),))
 
     def order_until(self, place: Values, values: Values, course: Course) -> Order:
-        """Returns the order of the mission that follows this course up to a place. Other missions with the same course start from its
-        state at this place."""
+        """Returns the order of a mission that follows this course up to a place and saves its state there, from which other missions with
+        the same course start."""
         order = self._order(values, course)
         order["until"] = place
         order["keeps"] = self._past(order["mission"], place)
@@ -132,7 +130,7 @@ class Missions:
         return order
 
     def _past(self, mission: str, place: Values) -> str:
-        """Returns the hash of the state at a place. The recorded variables are part of the hash."""
+        """Returns the hash of the state at a place, including the recorded variables."""
         return digest_of([mission, place, self._series])
 
     def _order(self, values: Values, course: Course) -> Order:
@@ -142,7 +140,7 @@ class Missions:
         for name, value in settings.items():
             if isinstance(value, str):
                 settings[name] = self._portable(name, value, files)
-        # The result equals digest_of() of a dict that has these four members.
+        # Equals digest_of() of a dict with these four members.
         text = f'{self._hash_begin}{variant.digest}","settings":{self._canonical(settings)}{self._hash_end}'
         digest = hashlib.sha256(text.encode()).hexdigest()
         turns = []
@@ -166,7 +164,7 @@ class Missions:
         return order
 
     def orders(self, fixed: Values, drawn: Sequence[Values]) -> Orders:
-        """Returns the orders of the missions that have these values of factors. Each mission has its own draws."""
+        """Returns the orders of missions with the same factors and different draws."""
         if not drawn or not self._are_columns(fixed, drawn[0]):
             return Orders.of([self.order(fixed | draws) for draws in drawn])
         common = self._order(fixed | drawn[0], ())
@@ -181,13 +179,13 @@ class Missions:
         return Orders(digests, common, columns)
 
     def _are_columns(self, fixed: Values, draws: Values) -> bool:
-        """True if missions that differ only in their draws have the same config, files and course."""
+        """True if missions with different draws have the same config, files and course."""
         numbers = all(isinstance(value, (int, float)) for value in draws.values())
         return bool(draws) and numbers and not _has_pattern((*fixed, *draws)) and self._study.fork is None and self.folder is None and self._is_plain((*fixed, *draws))
 
     def _pieces(self, common: Order, columns: dict[str, list[Any]]) -> tuple[list[bytes], list[list[bytes]]]:
-        """Returns the members of ``settings`` as texts that are hashed. They contain ``%b`` in place of each value that differs between
-        missions. Also returns the texts of these values."""
+        """Returns the texts of ``settings`` for the hash, with ``%b`` in place of values that differ between missions, and the texts of
+        these values."""
         pieces, texts = [], []
         for name in sorted(common["settings"]):
             title = f"{canonical(name)}:".replace("%", "%%").encode()
@@ -199,21 +197,21 @@ class Missions:
         return pieces, texts
 
     def _texts(self, name: str, values: list[Any]) -> list[bytes]:
-        """Returns the ``canonical`` texts of values. Caches the texts of the last draws, because all designs use the same draws."""
+        """Returns the ``canonical`` texts of values. Caches those of the last draws, which all designs share."""
         known = self._drawn.get(name)
         if known is None or known[0] != values:
             known = self._drawn[name] = values, [_canonical_of(value).encode() for value in values]
         return known[1]
 
     def shell_line(self, values: Values, out: str) -> str:
-        """Returns the command that repeats the mission with all results and pictures. Returns "" if this requires another config."""
+        """Returns the command that repeats a mission with all results and pictures, or "" if it requires another config."""
         settings = self.settings_words(values)
         if settings is None:
             return ""
         return " ".join(filter(None, (shlex.join(["mebots", "run", str(self._study.mission), "--out", out]), settings)))
 
     def settings_words(self, values: Values) -> str | None:
-        """Returns the options of `mebots run` that set these values. Returns None if this requires another config."""
+        """Returns the options of `mebots run` that set these values, or None if they require another config."""
         pointers, settings = self._divide(values)
         stop_time = pointers.pop("/stop_time", None)
         if pointers or self._study.fork is not None:
@@ -224,8 +222,8 @@ class Missions:
         return shlex.join(words)
 
     def replay(self, values: Values, folder: pathlib.Path, name: str, text: str, scenario: list[Values]) -> str:
-        """Writes the course of the mission as a scenario into the folder. Returns the command that repeats the mission with this
-        scenario. Returns "" if this requires another config."""
+        """Writes the course of a mission as a scenario. Returns the command that repeats the mission with it, or "" if it requires another
+        config."""
         command = self.shell_line(values, str(folder / name))
         if command:
             folder.mkdir(exist_ok=True)
@@ -235,7 +233,7 @@ class Missions:
         return command
 
     def settings(self, name: str, value: Any) -> Values:
-        """Returns the settings that a factor or draw with this value results in: the value itself, or the settings of the option."""
+        """Returns the settings of a factor or draw with this value: the value itself, or the settings of its option."""
         options = self._options.get(name)
         return {name: value} if options is None else options[value]
 
@@ -257,7 +255,7 @@ class Missions:
         return self._plain[names]
 
     def _located(self, name: str, value: str) -> str:
-        """Returns an absolute path if the text names an input in a folder of the study. Otherwise, returns the text unchanged."""
+        """Returns an absolute path if the text names an input in a folder of the study. Otherwise, returns the text."""
         if (name, value) not in self._found:
             paths = (str(folder / value) for folder in self._study.folders)
             relative = value and not os.path.isabs(value)
@@ -275,10 +273,10 @@ class Missions:
         return FILE_MARK + digest
 
     def _canonical(self, settings: Values) -> str:
-        """Returns ``canonical(settings)``. Is faster if the values are numbers."""
+        """Returns ``canonical(settings)``, faster for numbers."""
         names = tuple(settings)
         if names not in self._names:
-            ordered = names if _has_pattern(names) else sorted(names)  # with patterns, the order of settings has an effect
+            ordered = names if _has_pattern(names) else sorted(names)  # with patterns, the order of settings matters
             self._names[names] = [(name, f"{canonical(name)}:") for name in ordered]
         return "{" + ",".join([title + _canonical_of(settings[name]) for name, title in self._names[names]]) + "}"
 
@@ -311,7 +309,7 @@ class Missions:
 
 
 def _has_pattern(names: Iterable[str]) -> bool:
-    """True if a name of a setting can match several variables."""
+    """True if the name of a setting can match several variables."""
     return any("*" in name or "?" in name for name in names)
 
 
@@ -322,14 +320,14 @@ def _canonical_of(value: Any) -> str:
 
 
 def _signals(config: dict[str, Any]) -> list[dict[str, Any]]:
-    """Returns those parts of a config that name a signal file."""
+    """Returns the parts of a config that name a signal file."""
     inputs = config.get("inputs", [])
     entries = [inputs] if isinstance(inputs, dict) else inputs
     return entries + [entry for entry in config.get("scenario", []) if "file" in entry]
 
 
 def _put(config: dict[str, Any], pointer: str, value: Any) -> None:
-    """Sets the value to which a JSON pointer (RFC 6901) refers. Only the last member of the pointer may be new."""
+    """Sets the value at a JSON pointer (RFC 6901). Only the last member may be new."""
     steps = [step.replace("~1", "/").replace("~0", "~") for step in pointer.split("/")[1:]]
     place: Any = config
     for number, step in enumerate(steps):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Converts the record of a mission to the numbers that the study requests."""
+"""Converts records of missions to the numbers that a study requests."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ Measures = tuple[float | None, ...]
 
 
 class Measurer:
-    """Computes the numbers of missions. ``labels`` are the labels in the missions' summaries. Raises InputError if an objective refers
-    to something that does not exist."""
+    """Computes the measures of missions. ``labels`` are those of the missions' summaries. Raises InputError if an objective does not
+    exist."""
 
     def __init__(self, study: Study, labels: Iterable[str]) -> None:
         self._objectives = study.objectives
@@ -31,8 +31,7 @@ class Measurer:
         self._formulas: dict[str, Callable[[Mapping[str, Any]], float]] = {}
         self._sound = 0  # number of missions without an error
         self._valued: set[str] = set()  # objectives that have had a value
-        self._mistakes: dict[str, tuple[int, str]] = {}  # the arithmetic error of an expression, in the first mission
-                                                         # outcome of the mission that had it
+        self._mistakes: dict[str, tuple[int, str]] = {}  # first arithmetic error of each expression: number of the mission, text
         labels = list(labels)
         known: set[str] = set(labels)
         for one in self._objectives:
@@ -44,7 +43,7 @@ class Measurer:
             known.add(one.label)
 
     def __call__(self, record: Record, number: int = 0) -> Measures:
-        """Returns the measures of a mission. ``number`` is the index of the mission in the order of the study."""
+        """Returns the measures of a mission. ``number`` is its index in the study."""
         values: dict[str, Any] = record.get("values", {})
         if self._formulas:  # expressions may use other objectives
             values = dict(values)
@@ -66,7 +65,7 @@ class Measurer:
         return tuple(measured[one.label] for one in self._objectives)
 
     def columns(self, reply: Reply) -> np.ndarray:
-        """Returns the measures of missions, one row for each. NaN marks a missing value."""
+        """Returns the measures of missions, one row each. NaN marks a missing value."""
         if self._formulas:
             rows = [self(record, index) for record, index in zip(reply.records(), reply.indices, strict=True)]
             return np.array([[math.nan if one is None else one for one in row] for row in rows], float).reshape(len(rows), -1)
@@ -93,8 +92,8 @@ class Measurer:
         return reply.numbers.get(keys[one.source], none)
 
     def without_value(self) -> list[str]:
-        """Returns a message for each expression that has had no value in any mission because of an arithmetic error. Skips expressions
-        of values that a mission may lack, and expressions that ``where`` restricts."""
+        """Returns a message for each expression that failed in every mission with an arithmetic error. Skips expressions with ``where``,
+        and expressions of values that a mission may lack."""
         return [
             f"{self._place}: the objective '{label}' has no value in any of {self._sound} missions: '{what}': {why}"
             for label, what, why in (
@@ -113,7 +112,7 @@ class Measurer:
         if one.source == "expression":
             try:
                 result = self._formulas[one.label](values)
-            except TypeError:  # a value is missing in this mission
+            except TypeError:  # this mission lacks a value
                 return None
             except (ArithmeticError, ValueError) as error:
                 self._note(one.label, number, str(error))
@@ -129,20 +128,20 @@ class Measurer:
 
 
 def _share_of(one: Objective, reply: Reply) -> np.ndarray:
-    """Returns 1 for each mission that has one of the outcomes or end reasons, and 0 for all others."""
+    """Returns 1 for missions with one of the outcomes or end reasons, and 0 for others."""
     if one.source == "outcome":
         return np.array([name in one.what for name in reply.outcome_names], float)[reply.outcomes]
     return np.array([_ending(record, one) in one.what for record in reply.records()], float)
 
 
 def _ending(record: Record, one: Objective) -> str:
-    """Returns the outcome or the end reason of a mission. A crashed mission has no end reason."""
+    """Returns the outcome or end reason of a mission. A crashed mission has no end reason."""
     return record["outcome"] if one.source == "outcome" else record.get("end_reason", "failed")
 
 
 def has_all(record: Record, order: Mapping[str, Any]) -> bool:
-    """Returns True if a stored mission need not run again. Its record must contain all final and series values that ``order``
-    requests, and its results folder, if ``order`` names one, must contain summary.json. A failed mission needs no values."""
+    """True if a stored mission need not run again: its record contains all values that ``order`` requests, and its results folder, if
+    requested, contains summary.json. A failed mission needs no values."""
     if record["error"]:
         return True
     if "out" in order and not os.path.exists(os.path.join(order["out"], "summary.json")):
@@ -173,8 +172,8 @@ _FUNCTIONS: dict[str, Callable[..., float]] = {"abs": abs, "min": min, "max": ma
 
 
 def formula(text: str, known: Iterable[str], place: str) -> Callable[[Mapping[str, Any]], float]:
-    """Returns a function that evaluates an expression. The expression may contain +, -, *, /, abs, min, max, sqrt, numbers and names,
-    which may contain dots. The argument of the function maps names to values. Raises InputError if the expression is invalid."""
+    """Returns a function that evaluates an expression with values by name. Expressions contain +, -, *, /, abs, min, max, sqrt, numbers,
+    and names with dots. Raises InputError if the expression is invalid."""
     known = set(known)
 
     def compiled(node: ast.AST) -> Callable[[Mapping[str, Any]], float]:
@@ -202,7 +201,7 @@ def formula(text: str, known: Iterable[str], place: str) -> Callable[[Mapping[st
         raise too_long
     try:
         tree = ast.parse(text, mode="eval").body
-    except (SyntaxError, ValueError, MemoryError):  # also raised if parentheses are nested too deeply
+    except (SyntaxError, ValueError, MemoryError):  # also raised for too deep nesting
         raise InputError(f"{place}: '{text}' is not an expression", "syntax_error") from None
     if _depth(tree) > _MOST_LEVELS:
         raise too_long
@@ -210,7 +209,7 @@ def formula(text: str, known: Iterable[str], place: str) -> Callable[[Mapping[st
 
 
 def _depth(tree: ast.AST) -> int:
-    """Returns the depth of a tree, computed without recursion."""
+    """Returns the depth of a tree without recursion."""
     depth, level = 0, [tree]
     while level:
         depth, level = depth + 1, [child for node in level for child in ast.iter_child_nodes(node)]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Stores the orders of many missions. They are passed to an executor as columns, so that a mission needs no separate object."""
+"""Stores the orders of many missions as columns, so that a mission needs no separate object."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ _ELSEWHERE = (*_SHARED, "config", "files", "mission")
 
 @dataclasses.dataclass
 class Orders:
-    """Contains the orders of some missions. If the missions differ only in numbers, ``common`` is an order without its hash, and
-    ``columns`` contains the settings that differ. Otherwise, ``own`` contains one order for each mission."""
+    """Orders of missions. If they differ only in numbers, ``common`` is an order without its hash, and ``columns`` contains the different
+    settings. Otherwise, ``own`` contains one order per mission."""
 
     digests: list[bytes]
     common: Order = dataclasses.field(default_factory=dict)
@@ -57,14 +57,14 @@ class Orders:
         return Orders(self.digests[begin:end], self.common, columns, None if self.own is None else self.own[begin:end])
 
     def only(self, numbers: Sequence[int]) -> Orders:
-        """Returns the orders of the missions that have these indices."""
+        """Returns the orders with these indices."""
         columns = {name: [column[one] for one in numbers] for name, column in self.columns.items()}
         own = None if self.own is None else [self.own[one] for one in numbers]
         return Orders([self.digests[one] for one in numbers], self.common, columns, own)
 
 
 def packed(groups: Sequence[Orders]) -> Batch:
-    """Packs orders of one study into a batch."""
+    """Packs orders of a study into a batch."""
     whole = [order for orders in groups for order in ([orders.common] if orders.own is None else orders.own)]
     return {
         "configs": {order["digest"]: order["config"] for order in whole},
@@ -84,7 +84,7 @@ def _rest(order: Order) -> Order:
 
 
 def unpacked(batch: Batch) -> Iterator[Order]:
-    """Yields the orders in a batch. Each order contains the files of all orders."""
+    """Yields the orders in a batch. Each contains the files of all orders."""
     for group in batch["groups"]:
         orders = Orders(pieces_of(group["digests"]), group.get("common", {}), group.get("columns", {}), group.get("own"))
         for number, digest in enumerate(orders.digests):
@@ -93,5 +93,5 @@ def unpacked(batch: Batch) -> Iterator[Order]:
 
 
 def pieces_of(digests: bytes) -> list[bytes]:
-    """Splits the concatenated digests of missions."""
+    """Splits concatenated digests."""
     return [digests[at : at + DIGEST_BYTES] for at in range(0, len(digests), DIGEST_BYTES)]

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Distinguishes the outcome of a mission from a fault that the mission did not cause. An outcome is the same wherever the mission runs:
-an error or a crash of an FMU, or a limit of the study. A full disk, too little memory or a killed process is no outcome."""
+"""Distinguishes outcomes of missions from faults of the machine. An outcome is the same on every machine: an error or crash of an FMU, or a
+limit of the study. A full disk, too little memory or a killed process is not an outcome."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ _TEXTS = (*(os.strerror(number) for number in _ERRORS), "bad_alloc", "Resource t
 
 
 def is_outside_signal(number: int) -> bool:
-    """True for signals by which other programs end a process."""
+    """True for signals with which other programs end a process."""
     return number in _SIGNALS
 
 
 def describes_system_error(text: str) -> bool:
-    """True if the text contains a message of the operating system about a full disk, too little memory or a similar fault."""
+    """True if the text contains an operating system's message about a full disk, too little memory or a similar fault."""
     return any(words in text for words in _TEXTS)
 
 
 def is_outside(error: BaseException) -> bool:
-    """True if an exception in a mission process is no outcome of its mission."""
+    """True if an exception in a mission process is not an outcome of the mission."""
     if isinstance(error, (OSError, MemoryError)):
         return True
     return isinstance(error, Error) and (error.code in _CODES or describes_system_error(str(error)))

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-try:  # in the extra mebots[sweep]: n log n in two and three dimensions (Fonseca, Lopez-Ibanez and others)
+try:  # from the extra mebots[sweep]: O(n log n) in two and three dimensions (Fonseca, Lopez-Ibanez and others)
     import moocore
 except ImportError:
     moocore = None
@@ -14,8 +14,8 @@ _BLOCK = 256
 
 
 def front(points: np.ndarray) -> list[int]:
-    """Returns the indices of the rows that no other row dominates. A row dominates another one if it is greater or equal in all columns,
-    and greater in at least one. Equal rows do not dominate each other. Rows may contain infinities, but no NaN."""
+    """Returns the indices of rows that no other row dominates. A row dominates another if it is greater or equal in all columns, and
+    greater in one. Rows may contain infinities, but no NaN."""
     points = points + 0.0  # converts -0.0 to 0.0
     if points.shape[1] == 1:
         return np.flatnonzero(points[:, 0] == points[:, 0].max()).tolist()
@@ -25,8 +25,7 @@ def front(points: np.ndarray) -> list[int]:
 
 
 def _front_by_blocks(points: np.ndarray) -> list[int]:
-    """Compares each block of points with the front so far. The points are in the order of their sums; therefore no point dominates an
-    earlier one."""
+    """Compares blocks of points with the front so far. No point dominates an earlier one, because points are sorted by their sums."""
     distinct, origin = np.unique(points, axis=0, return_inverse=True)
     order = np.lexsort(distinct.T)[::-1]
     order = order[np.argsort(-distinct[order].sum(axis=1), kind="stable")]
@@ -43,7 +42,7 @@ def _front_by_blocks(points: np.ndarray) -> list[int]:
 
 
 def _dominated(points: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """Returns, for each point, whether another point is at least as great in all columns. All points must differ."""
+    """Returns for each point whether another point is at least as great in all columns. All points must differ."""
     result = np.zeros(len(points), bool)
     for at, point in enumerate(points):
         better = (others >= point).all(axis=1)

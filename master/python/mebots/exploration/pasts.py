@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Stores states from which other missions start, indexed by hash. The latest states are in memory. All others are on disk, where all
-mission processes of the same parent can read them. If a state was deleted, one process computes it again, and other processes that need
-this state wait.
+"""Stores states from which other missions start, by hash. The latest states are in memory. The others are on disk, for all mission
+processes of the same parent. If a state was deleted, one process computes it again, and all other processes that need this state wait.
 """
 
 from __future__ import annotations
@@ -44,7 +43,7 @@ class Pasts:
     def keep(self, name: str, state: bytes) -> None:
         self._remember(name, state)
         beside = self._folder / f"{name}.{os.getpid()}"
-        with contextlib.suppress(OSError):  # a full disk costs time, but no mission is lost
+        with contextlib.suppress(OSError):  # without this file, the state is computed again
             try:
                 beside.write_bytes(state)
                 beside.replace(self._folder / name)
@@ -58,12 +57,12 @@ class Pasts:
 
     @contextlib.contextmanager
     def flown_by_me(self, name: str, waiting: Callable[[], None]) -> Iterator[None]:
-        """Lets one process at a time compute a state. Other processes wait, call ``waiting`` repeatedly, and find the state when the
-        first process has saved it. If the first process is killed, the next one computes the state."""
+        """Lets only one process compute a state. Other processes wait, call ``waiting`` repeatedly, and then find the saved state. If the
+        process is killed, the next one computes the state."""
         file = self._folder / f"{name}.flying"
         try:
             lock = os.open(file, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
-        except OSError:  # computing the state twice is better than failing
+        except OSError:  # then several processes may compute the state
             yield
             return
         try:
@@ -75,7 +74,7 @@ class Pasts:
                 time.sleep(_ASK_EVERY_S)
             yield
         finally:
-            file.unlink(missing_ok=True)  # later processes find the state and do not wait
+            file.unlink(missing_ok=True)  # later processes find the state
             os.close(lock)
 
     def _remember(self, name: str, state: bytes) -> None:
@@ -87,7 +86,7 @@ class Pasts:
     def _make_room(self) -> None:
         kept = []
         for file in os.scandir(self._folder):
-            with contextlib.suppress(FileNotFoundError):  # another process is deleting the file, too
+            with contextlib.suppress(FileNotFoundError):  # another process also deletes the file
                 stat = file.stat()
                 kept.append((stat.st_mtime_ns, stat.st_size, file.path))
         total = sum(size for _, size, _ in kept)
@@ -104,6 +103,6 @@ def _locked(descriptor: int) -> bool:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         return False
-    except OSError:  # the file system does not support locks
+    except OSError:  # the file system has no locks
         pass
     return True

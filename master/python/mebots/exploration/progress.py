@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Describes the progress of a study for the terminal, the live page and callers of ``mebots.sweep``."""
+"""The progress of a study, for the terminal, the live page and callers of ``mebots.sweep``."""
 
 from __future__ import annotations
 
@@ -11,10 +11,9 @@ from mebots.exploration.answer import Answer
 
 @dataclasses.dataclass(frozen=True)
 class Progress:
-    """Contains the progress of a study. ``most_left`` is the number of remaining missions if no decision saves any. ``likely_left``
-    assumes that decisions continue to save as many missions as before. ``answer`` is the result so far: how missions ended, and, after a
-    round, which designs lead. ``of_other_builds`` is the number of records in journals that are not used because another build ran the
-    missions."""
+    """The progress of a study. ``most_left`` missions are left if no decision saves any; ``likely_left`` assumes that decisions continue to
+    save as many as before. ``answer`` is the result so far: how missions ended, and the leading designs after each round.
+    ``of_other_builds`` counts unused records of other builds."""
 
     flown: int
     taken: int
@@ -29,7 +28,7 @@ class Progress:
     """Ranks the designs by the missions so far; None for a rare event."""
 
     def line(self) -> str:
-        """Returns a line that states the numbers of missions done and left, the remaining time, and how missions ended."""
+        """Returns a line with missions done and left, remaining time, and outcomes."""
         unused = f" ({self.of_other_builds} of other builds not used)" if self.of_other_builds else ""
         text = (
             f"{self.flown} flown, {self.taken} from a journal{unused}, {self.failed} failed, {self._left()} "
@@ -38,7 +37,7 @@ class Progress:
         return f"{text}; {self.answer}" if self.answer else text
 
     def _left(self) -> str:
-        """Returns a text that states how many missions and how much time are left. Racing and stop conditions may end designs earlier."""
+        """Returns the remaining missions and time as text. Racing and stop conditions may end designs earlier."""
         rate = max(self.rate_per_s, 1e-9)
         most = f"at most {self.most_left} left, {duration_text(self.most_left / rate)}"
         likely = round(self.likely_left)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes report.html of a study of a rare event. web/src/report/rare.ts draws its numbers."""
+"""Writes report.html of a study of a rare event. web/src/report/rare.ts draws the page."""
 
 from __future__ import annotations
 
@@ -17,9 +17,8 @@ from mebots.exploration.study import Study
 
 @dataclasses.dataclass(frozen=True)
 class Design:
-    """Describes a design by the ``values`` of its factors. ``answer`` contains the probability, its interval and its relative error;
-    None if there is no answer. ``reached`` contains, for each estimate, how many missions reached each of its ``levels``. ``command``
-    repeats a mission that reached the last level."""
+    """A design with its factors' ``values``. ``answer`` is the probability, its interval and relative error, or None. ``reached`` contains
+    for each estimate how many missions reached each of its ``levels``. ``command`` repeats a mission that reached the last level."""
 
     values: list[Any]
     missions: int
@@ -61,12 +60,12 @@ def _content(design: Design, name: str, missions: int) -> dict[str, Any]:
 
 
 def _shares(reached: Sequence[int], missions: int) -> list[float]:
-    """Returns the probability of reaching each level, according to one estimate."""
+    """Returns the probability of reaching each level by one estimate."""
     return list(itertools.accumulate((count / missions for count in reached), lambda share, one: share * one))
 
 
 def counting(design: Design) -> float | None:
-    """Returns how many complete missions plain counting would need for the same relative error: (1 - p)/(p e^2)."""
+    """Returns the number of complete missions that plain counting would need for the same relative error: (1 - p)/(p e^2)."""
     probability, _, _, relative = design.answer
     if not probability or not relative:
         return None

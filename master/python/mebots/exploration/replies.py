@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Contains a worker's result for a batch: lines for the journal, and values for the tables as columns, so that the process of the study
-need not read the lines again."""
+"""A worker's result for a batch: lines for the journal and columns of values, so that the study's process need not parse the lines."""
 
 from __future__ import annotations
 
@@ -20,7 +19,7 @@ PARTS = ("values", "finals", "series")
 
 
 def number_of(value: Any) -> float:
-    """Returns a value of a record as a float if it is a finite number or a Boolean. Otherwise returns NaN."""
+    """Returns a finite number or a Boolean as a float, and NaN for other values."""
     if isinstance(value, (int, float)):
         try:
             found = float(value)
@@ -32,7 +31,7 @@ def number_of(value: Any) -> float:
 
 @dataclasses.dataclass
 class Reply:
-    """Contains the results of finished missions, in the order of the batch."""
+    """Results of finished missions in the order of the batch."""
 
     digests: list[bytes]
     lines: bytes
@@ -78,7 +77,7 @@ def reply_of(records: Sequence[Record]) -> dict[str, Any]:
 
 
 def reply_from(parts: dict[str, Any]) -> Reply:
-    """Creates the reply from the parts that a worker has sent. Raises ValueError if its lines were damaged during the transfer."""
+    """Creates a reply from the parts that a worker sent. Raises ValueError if its lines are damaged."""
     if zlib.crc32(parts["lines"]) != parts["lines_crc32"]:
         raise ValueError("the checksum of a worker's answer is wrong")
     chosen = {key: parts[key] for key in ("lines", "lengths", "outcome_names", "outcomes", "failed", "times_s", "numbers")}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes report.html of a study that compares designs. All of its numbers are in one JSON, which the page of web/src/report draws."""
+"""Writes report.html of a study that compares designs. Its numbers are one JSON, which web/src/report draws."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ _POINTS_OF_CURVES = 14
 
 @dataclasses.dataclass(frozen=True)
 class Content:
-    """Contains the results of a study. ``places`` (on the Pareto front), ``status`` and ``failed`` (numbers of failed missions) have one
-    entry for each design. ``outcomes`` contains all names, and for each design the numbers of its missions' outcomes; None while the
-    study runs. ``refresh_s`` is the time after which the page reloads while the study runs."""
+    """The results of a study. ``places`` (on the Pareto front), ``status`` and ``failed`` (numbers of failed missions) have one entry per
+    design. ``outcomes`` contains all names, and for each design the outcomes of its missions; None while the study runs. ``refresh_s`` is
+    the time between reloads of a running study's page."""
 
     study: Study
     factors: Sequence[str]
@@ -145,7 +145,7 @@ def _effects(content: Content, factors: Sequence[Factor], values: Sequence[np.nd
 
 
 def _indices(content: Content) -> dict[str, Any] | None:
-    """Returns the sensitivity indices, if the study requests them."""
+    """Returns the sensitivity indices if the study requests them."""
     if content.study.design["kind"] != "sensitivity" or content.refresh_s is not None:
         return None
     titles, *rows = sensitivity.rows(content.study, content.evidence)
@@ -153,7 +153,7 @@ def _indices(content: Content) -> dict[str, Any] | None:
 
 
 def _courses(content: Content) -> list[dict[str, Any]]:
-    """Returns how the estimates of the best designs have changed with the number of missions."""
+    """Returns the estimates of the best designs after increasing numbers of missions."""
     result = []
     for row in content.answer.rows[:_MOST_CURVES]:
         count = content.evidence.counts[row.design]
@@ -171,12 +171,12 @@ def _courses(content: Content) -> list[dict[str, Any]]:
 
 
 def _points_up_to(count: int) -> list[int]:
-    """Returns numbers of missions from 2 to ``count``. Consecutive numbers have equal ratios."""
+    """Returns numbers of missions from 2 to ``count`` in a geometric series."""
     return sorted({round(one) for one in np.geomspace(2, count, _POINTS_OF_CURVES)}) if count >= 2 else []
 
 
 def _best(content: Content) -> list[int]:
-    """Returns those designs of a search that are better than all earlier designs, according to the final ranking."""
+    """Returns the designs of a search that are better than all earlier ones in the final ranking."""
     if content.study.design["kind"] != "search":
         return []
     ranks = {row.design: row.rank for row in content.answer.rows if row.rank is not None}

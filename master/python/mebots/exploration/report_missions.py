@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Prepares the missions of a study for its report: their values, the quantiles of each design, and the commands that repeat them."""
+"""Prepares missions for a study's report: values, quantiles of each design, and commands that repeat missions."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _DIGITS = 6
 
 
 def quantiles_of(evidence: Evidence, designs: Sequence[int]) -> list[list[list[float] | None]]:
-    """Returns ``QUANTILES`` of the missions of each design, for each objective. Returns None for a design without a value."""
+    """Returns ``QUANTILES`` of each design's missions by objective, or None for a design without values."""
     return [[_quantiles(np.array(evidence.column(design, at))) for design in designs] for at in range(len(evidence.index))]
 
 
@@ -35,8 +35,8 @@ def _quantiles(values: np.ndarray) -> list[float] | None:
 
 
 def missions_of(evidence: Evidence, designs: Sequence[int], outcomes: tuple[list[str], list[np.ndarray]] | None) -> dict[str, Any]:
-    """Returns every n-th mission of each design: the numbers of these missions in ``counts``, their outcomes, and their values of each
-    objective. All missions count for the numbers of outcomes."""
+    """Returns every n-th mission of each design: their numbers in ``counts``, their outcomes, and their values by objective. The numbers of
+    outcomes include all missions."""
     every = max(1, math.ceil(sum(evidence.counts[design] for design in designs) / MOST_MISSIONS))
     counts = [len(range(0, evidence.counts[design], every)) for design in designs]
     values = [
@@ -64,14 +64,14 @@ def _rounded(value: float) -> float:
 
 @dataclasses.dataclass(frozen=True)
 class Replay:
-    """Creates commands that repeat missions. The commands write results into folders below ``folder``, which is in the report's folder."""
+    """Creates commands that repeat missions. They write results below ``folder``."""
 
     space: Space
     folder: pathlib.Path
 
     def texts(self, designs: Sequence[int], replicates: int) -> dict[str, Any] | None:
-        """Returns the parts of the commands that repeat missions: their common beginning, the settings of each design (None if it
-        requires another config), and the settings of each replicate's draws. Returns None if no command can repeat a mission."""
+        """Returns the parts of the commands that repeat missions: the common beginning, the settings of each design (None if it requires
+        another config), and those of each replicate's draws. Returns None if no command can repeat a mission."""
         missions = self.space.missions
         own = [missions.settings_words(self.space.designs[design]) for design in designs]
         draws = [missions.settings_words(self.space.draw(one)) for one in range(min(replicates, MOST_COMMANDS))]

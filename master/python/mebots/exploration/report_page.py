@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes report.html of a study: inserts its numbers into the page that web/src/report draws."""
+"""Writes report.html of a study: inserts its numbers into the page of web/src/report."""
 
 from __future__ import annotations
 
@@ -12,6 +12,6 @@ from mebots.page import write_page
 
 
 def write(file: pathlib.Path, study: Study, data: dict[str, Any], provenance: dict[str, str], answer: str) -> None:
-    """Writes the page. ``provenance`` describes what was run. ``answer`` is the result of the study as text."""
+    """Writes the page. ``provenance`` describes the inputs. ``answer`` is the result as text."""
     title = json.loads(study.text).get("text") or study.mission.stem
     write_page(file, title, data | {"error": study.error}, provenance, answer)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Stores the state of each mission of a study: whether it has a result, and its row of missions.csv. Needs 42 bytes for each mission, in
-addition to its measures (``comparison.Evidence``)."""
+"""Stores whether each mission of a study has a result, and its row of missions.csv, in 42 bytes per mission. ``comparison.Evidence`` stores
+measures."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _MISSING = 0
 
 @dataclasses.dataclass
 class Rows:
-    """Contains the cells of consecutive missions of a design, with one list for each column."""
+    """The cells of consecutive missions of a design, one list per column."""
 
     missions: list[str | None]
     """Hashes; None for a mission without a result."""
@@ -40,7 +40,7 @@ class Rows:
 
 
 class Results:
-    """Contains the missions of all rounds so far. Stores, for each mission of the current round, whether it has a result."""
+    """The missions of all rounds so far, and the state of each mission in the current round."""
 
     def __init__(self, evidence: Evidence, measurer: Measurer, replicates: int) -> None:
         self.evidence = evidence
@@ -49,7 +49,7 @@ class Results:
         """Failed missions of earlier rounds."""
         self._measurer = measurer
         self._replicates = replicates
-        # These bytes contain, for each mission of a design, 32 bytes of its hash, the number of its outcome, and its simulated time.
+        # Per mission: 32 bytes of its hash, the number of its outcome, and its simulated time.
         self._hashes: collections.defaultdict[int, bytearray] = collections.defaultdict(bytearray)
         self._outcomes: collections.defaultdict[int, array.array[int]] = collections.defaultdict(lambda: array.array("H"))
         self._times_s: collections.defaultdict[int, array.array[float]] = collections.defaultdict(lambda: array.array("d"))
@@ -59,7 +59,7 @@ class Results:
         self.begin(Flights([], 0, 0))
 
     def begin(self, flights: Flights) -> None:
-        """Starts a round. All missions of the previous round must be in the evidence."""
+        """Starts a round. The evidence must contain all missions of the previous round."""
         self.flights = flights
         self._states = bytearray(len(flights))
         self.open = len(flights)
@@ -115,7 +115,7 @@ class Results:
         times[replicate:end] = array.array("d", times_s.tobytes())
 
     def _extend(self, design: int, replicates: int) -> None:
-        """Extends the tables so that they have space for this number of missions of a design."""
+        """Extends the tables to this number of missions of a design."""
         lacking = replicates - len(self._outcomes[design])
         if lacking > 0:
             self._hashes[design].extend(bytes(DIGEST_BYTES * lacking))
@@ -127,7 +127,7 @@ class Results:
         self._store_rows(design, replicate, bytes.fromhex(record["mission"]), numbers, times_s)
 
     def rows(self, design: int, begin: int, end: int) -> Rows:
-        """Returns the cells of a design's replicates from ``begin`` to ``end``."""
+        """Returns the cells of the replicates from ``begin`` to ``end``."""
         self._extend(design, end)
         digests = self._hashes[design][DIGEST_BYTES * begin : DIGEST_BYTES * end].hex()
         numbers = self._outcomes[design][begin:end]
@@ -141,14 +141,14 @@ class Results:
         return Rows(missions, [names[number] for number in numbers], measures, times, [""] * (end - begin), failed)
 
     def outcomes(self) -> tuple[list[str], list[np.ndarray]]:
-        """Returns the names of all outcomes, and for each design the numbers of its missions' outcomes."""
+        """Returns the names of all outcomes, and the outcome numbers of each design's missions."""
         for design, count in enumerate(self.evidence.counts):
             self._extend(design, count)
         return self._names, [np.array(self._outcomes[design]) for design in range(len(self.evidence.counts))]
 
     def settle(self, most_failures: int | None) -> int:
-        """Counts further missions of the round: up to the first mission without a result, or up to the mission that exceeds the
-        permitted number of failures. Returns the number of failures before this end."""
+        """Counts further missions of the round, up to the first without a result, or up to the mission that exceeds the permitted number of
+        failures. Returns the number of failures so far."""
         end = self._states.find(_OPEN, self._settled)
         end = len(self._states) if end < 0 else end
         if most_failures is None:
@@ -162,13 +162,13 @@ class Results:
         return self.failed_so_far
 
     def end(self) -> bool:
-        """Counts the settled missions. Returns True if the round was ended early."""
+        """Counts the settled missions. Returns True if the round ended early."""
         self._count(self._settled)
         self.failed = self.failed_so_far
         return self._settled < len(self._states)
 
     def end_unfinished(self) -> int:
-        """Counts the missions of this round that have a result. Records all others as missing, and returns their number."""
+        """Counts the missions of this round with a result. Records all others as missing, and returns their number."""
         missing = 0
         for index, state in enumerate(self._states):
             if state == _OPEN:

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Chooses the next missions. Decisions are made between rounds, and depend only on missions of earlier rounds. Therefore they are the
-same for any number of workers and after any interruption."""
+"""Chooses the next missions. Decisions are made between rounds and depend only on earlier rounds, so they are the same for any number of
+workers and after interruptions."""
 
 from __future__ import annotations
 
@@ -17,8 +17,7 @@ FLYING = "flying"
 
 
 class Flights(Sequence[Flight]):
-    """A sequence of missions: the same replicates of several designs, in the order of the study. It does not store the missions as a
-    list."""
+    """The same replicates of several designs, in the order of the study. Does not store them as a list."""
 
     def __init__(self, designs: Sequence[int], begin: int, end: int) -> None:
         self.designs = designs
@@ -28,7 +27,7 @@ class Flights(Sequence[Flight]):
     def __len__(self) -> int:
         return len(self.designs) * (self.end - self.begin)
 
-    def __getitem__(self, index):  # slices are not supported
+    def __getitem__(self, index):  # no slices
         at, replicate = divmod(index, self.end - self.begin)
         return self.designs[at], self.begin + replicate
 
@@ -37,10 +36,10 @@ class Flights(Sequence[Flight]):
 
 
 class Rounds:
-    """Runs as many replicates of every design as it needs.
+    """Runs as many replicates of each design as necessary.
 
-    Every round adds the same replicates to each active design. After a round, a design is done if the condition of ``stop`` is met or
-    racing drops the design.
+    Every round adds the same replicates to each active design. After a round, a design ends if the condition of ``stop`` is met, or if
+    racing drops it.
     """
 
     def __init__(self, study: Study, evidence: Evidence) -> None:
@@ -55,20 +54,19 @@ class Rounds:
         return [design for design, status in enumerate(self.status) if status == FLYING]
 
     def next(self) -> Flights:
-        """Returns the missions of the next round, in the order of the study. Returns an empty list if the study is done."""
+        """Returns the missions of the next round. Empty if the study is done."""
         return self._missions(self._flown)
 
     def ahead(self) -> Flights:
-        """Returns the missions of the round after the current one, for workers that would otherwise wait. Assumes that all designs
-        continue."""
+        """Returns the missions of the round after the current one, if all designs continue. Idle workers run them early."""
         return self._missions(self._flown + self._size)
 
     def most_left(self) -> int:
-        """Returns how many missions are left if no design is done before its last replicate."""
+        """Returns the number of missions left if no design ends early."""
         return len(self.flying()) * (self._study.replicates - self._flown)
 
     def likely_left(self) -> float:
-        """Returns how many missions are left if every future round ends the same share of the designs as the rounds so far."""
+        """Returns the number of missions left if each round ends the same share of designs as before."""
         if self._decided == 0:
             return self.most_left()
         going_on = (len(self.flying()) / len(self.status)) ** (1 / self._decided)
@@ -79,7 +77,7 @@ class Rounds:
         return left
 
     def decide(self) -> None:
-        """Ends the round. All of its missions must have been added to the evidence."""
+        """Ends the round. The evidence must contain all of its missions."""
         self._flown = min(self._flown + self._size, self._study.replicates)
         self._decided += 1
         last = self._flown == self._study.replicates

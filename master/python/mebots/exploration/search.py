@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Chooses designs by a sampler of Optuna, round by round, instead of a grid. The sampler receives the results in the order of the study.
-Therefore its proposals are the same for any number of workers and after an interruption."""
+"""Chooses designs round by round with a sampler of Optuna. The sampler receives results in the order of the study, so its proposals are the
+same for any number of workers and after interruptions."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from mebots.extras import extra
 
 
 class Search:
-    """Requests designs from the sampler and appends them to ``designs``. Has the same interface as Rounds."""
+    """Requests designs from the sampler and appends them to ``designs``. Has the interface of Rounds."""
 
     def __init__(self, study: Study, evidence: Evidence, designs: list[Values]) -> None:
         self._study = study
@@ -37,7 +37,7 @@ class Search:
         return [design for design, status in enumerate(self.status) if status == FLYING]
 
     def next(self) -> Flights:
-        """Returns all replicates of the designs in the next round."""
+        """Returns all replicates of the next round's designs."""
         if self._round == self._study.design["rounds"]:
             return Flights([], 0, 0)
         first = len(self._designs)
@@ -51,7 +51,7 @@ class Search:
         return Flights(range(first, len(self._designs)), 0, self._study.replicates)
 
     def ahead(self) -> Flights:
-        """Returns an empty list, because the next designs depend on the results of this round."""
+        """Returns an empty list, because the next designs depend on this round's results."""
         return Flights([], 0, 0)
 
     def most_left(self) -> int:
@@ -77,7 +77,7 @@ class Search:
             self.status[design] = reason
 
     def _broken(self, design: int) -> list[float]:
-        """Returns by how much each constraint is violated. The value is at most 0 if the constraint is satisfied."""
+        """Returns the violation of each constraint. A value of at most 0 satisfies the constraint."""
         found = []
         for one in self._study.constraints:
             mean = self._evidence.shown(design, self._study.objective(one.label)).mean

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Contains the missions of a study: its designs, its draws, and the order of each mission."""
+"""The missions of a study: designs, draws, and orders."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ MOST_DRAWS_KEPT = 100_000
 
 
 class Space:
-    """Contains the designs and draws of a study. In a search, every round extends ``designs``."""
+    """The designs and draws of a study. In a search, every round extends ``designs``."""
 
     def __init__(self, study: Study) -> None:
         self.study = study
@@ -28,12 +28,12 @@ class Space:
         self._draws: dict[int, Values] = {}
 
     def values(self, flight: Flight) -> Values:
-        """Returns the values that a mission has for factors and draws."""
+        """Returns a mission's values of factors and draws."""
         design, replicate = flight
         return self.designs[design] | self.draw(replicate)
 
     def draw(self, replicate: int) -> Values:
-        """Returns the values of the draws in a replicate. They are the same for all designs."""
+        """Returns a replicate's draws, which all designs share."""
         drawn = self._draws.get(replicate)
         if drawn is None:
             drawn = {
@@ -48,14 +48,14 @@ class Space:
         return self.missions.order(self.values(flight))
 
     def orders(self, flights: Flights, most: int) -> Iterator[tuple[int, Orders]]:
-        """Yields orders and the number of their first mission. Each object contains at most ``most`` missions of one design."""
+        """Yields orders and the number of their first mission. Each object contains up to ``most`` missions of one design."""
         for at, design in enumerate(flights.designs):
             for begin in range(flights.begin, flights.end, most):
                 drawn = [self.draw(replicate) for replicate in range(begin, min(begin + most, flights.end))]
                 yield at * (flights.end - flights.begin) + begin - flights.begin, self.missions.orders(self.designs[design], drawn)
 
     def provenance(self, example: Values) -> dict[str, str]:
-        """Describes the versions and inputs of the study for readers. ``example`` must contain the values of any mission."""
+        """Describes versions and inputs of the study for readers. ``example`` contains the values of any mission."""
         draws = json.dumps(self.study.draws) if self.study.draws else "none"
         files: dict[str, Any] = self.missions.order(example)["files"]
         return {

@@ -33,8 +33,8 @@ Bring = Callable[[list[Order], int], Journal]
 
 @dataclasses.dataclass(frozen=True)
 class Way:
-    """Describes the origin of a mission: the number of its random draw, the earlier missions from whose states it started, and the times
-    of these states [s]."""
+    """The origin of a mission: the number of its draw, and the earlier missions from whose states it started, with the times of these
+    states [s]."""
 
     draw: int
     course: Course = ()
@@ -43,8 +43,8 @@ class Way:
 
 @dataclasses.dataclass
 class Estimate:
-    """Contains an estimate of a design's probability: the missions that reached the last level so far, and the number of missions that
-    reached each level."""
+    """An estimate of a design's probability: the missions that reached the last level so far, and the number of missions that reached each
+    level."""
 
     design: int
     run: int
@@ -67,8 +67,8 @@ class Estimate:
 
 
 def fly(space: Space, folder: pathlib.Path, bring: Bring, units: Units) -> tuple[int, int]:
-    """Runs missions level by level, and writes levels.csv, designs.csv and report.html. Returns the number of
-    missions, and how many of them failed."""
+    """Runs missions level by level, and writes levels.csv, designs.csv and report.html. Returns the numbers of missions and of failed
+    missions."""
     study = space.study
     pilots = [Estimate(design, study.replicates, ()) for design in range(len(space.designs))]
     answered = True
@@ -90,14 +90,14 @@ def fly(space: Space, folder: pathlib.Path, bring: Bring, units: Units) -> tuple
 
 
 def most_missions(study: Study) -> int:
-    """Returns the maximum number of missions that one design can need."""
+    """Returns the maximum number of missions of one design."""
     if study.rare.levels:
         return study.replicates * len(study.rare.levels) * study.rare.missions
     return (study.replicates + 1) * MOST_LEVELS * study.rare.missions
 
 
 def trial_course(study: Study) -> Course:
-    """Returns the course of the mission that checks the study at t = 0."""
+    """Returns the course of the mission that checks the study at its start."""
     return (Turn(_place(study.rare, study.rare.goal), _writes(study, 1, 0)),)
 
 
@@ -135,7 +135,7 @@ def _flown_to(
 
 
 def _most_later(space: Space, estimates: Sequence[Estimate], number: int) -> int:
-    """Returns how many missions can at most follow after the missions to a level, according to the maximum number of levels."""
+    """Returns the maximum number of missions that can follow the missions to this level."""
     study, designs = space.study, len(space.designs)
     if estimates[0].run == study.replicates:  # pilot missions, which precede all estimates
         return ((MOST_LEVELS - number - 1) + study.replicates * MOST_LEVELS) * designs * study.rare.missions
@@ -147,7 +147,7 @@ def _place(splitting: Splitting, level: float) -> Values:
 
 
 def _ways(study: Study, estimate: Estimate, number: int) -> Iterator[Way]:
-    """Yields the missions to the next level. They start at t = 0, or from all missions that reached the previous level."""
+    """Yields the missions to the next level. They start at t = 0, or from states of missions that reached the previous level."""
     count, first = study.rare.missions, estimate.run * study.rare.missions
     if number == 0:
         yield from (Way(first + index) for index in range(count))
@@ -168,7 +168,7 @@ def _ways(study: Study, estimate: Estimate, number: int) -> Iterator[Way]:
 
 
 def _writes(study: Study, number: int, index: int) -> Values:
-    """Returns the draws that are drawn again at a level."""
+    """Returns the new draws at a level."""
     return {
         name: chance.value(study.draws[name], chance.unit(study.draws_seed, f"{name}/level {number}", index))
         for name in study.rare.reseed
@@ -180,7 +180,7 @@ def _order(space: Space, estimate: Estimate, way: Way, level: float) -> Order:
     return space.missions.order_until(_place(space.study.rare, level), values, way.course)
 
 
-# The following functions find levels that the study does not state.
+# Levels that the study does not state.
 
 SHARE = 0.2
 """The share of missions that should reach the next level. With fixed effort, the work for a given error has
@@ -190,10 +190,9 @@ MOST_LEVELS = 20
 
 
 def _find_levels(space: Space, pilots: list[Estimate], bring: Bring) -> bool:
-    """Runs pilot missions of each design to their end or to the goal. The next level is the level that the best fifth of them reached
-    (adaptive multilevel splitting: Cérou, Guyader 2007). These missions are the entrances of the level. The pilots determine only the
-    levels. Estimates use their own draws; therefore levels that suit the pilots by chance cause no bias. Returns False if too many
-    missions failed."""
+    """Runs pilot missions of each design to their end or to the goal. The next level is the score that the best fifth reached (adaptive
+    multilevel splitting: Cérou, Guyader 2007); these missions are its entrances. Estimates use their own draws, so the choice of levels
+    causes no bias. Returns False if too many missions failed."""
     goal = space.study.rare.goal
     flying = pilots
     while flying:
@@ -216,14 +215,13 @@ def _set_level(splitting: Splitting, pilot: Estimate, flown: list[tuple[Way, Rec
     pilot.ways = [way for way, _ in entrances]
     pilot.reached.append(len(entrances))
     if level != splitting.goal:
-        # When these missions ran, the level was unknown; therefore no state was saved at it. Each mission runs to the level once more.
+        # These missions saved no state at the level, which was unknown when they ran. Each runs to the level again.
         pilot.simulated_s += [record["simulated_time"] for _, record in entrances]
 
 
 def next_level(bests: Sequence[float], floor: float | None, goal: float, found: int) -> float:
-    """Chooses the next level after missions from the level ``floor`` (None: from the start). Returns the score that the best fifth of
-    these missions reached. Returns the goal if this score reaches it, if no mission went beyond ``floor``, or if ``found`` levels are
-    enough."""
+    """Chooses the next level after missions from the level ``floor`` (None: from the start): the score that the best fifth of them reached.
+    Returns the goal if this score reaches it, if no mission got beyond ``floor``, or if ``found`` levels are enough."""
     if not bests or found + 1 >= MOST_LEVELS:
         return goal
     beyond = min(bests) if floor is None else floor
@@ -234,7 +232,7 @@ def next_level(bests: Sequence[float], floor: float | None, goal: float, found: 
     return min(level, goal)
 
 
-# The following functions write results.
+# Results.
 
 
 def _write(space: Space, folder: pathlib.Path, estimates: list[Estimate], units: Units, *, answered: bool) -> None:
@@ -271,7 +269,7 @@ def _write(space: Space, folder: pathlib.Path, estimates: list[Estimate], units:
 
 
 def _answer(study: Study, estimates: list[Estimate]) -> list[float | None]:
-    """Returns the mean, the ends of its interval, and its relative standard error."""
+    """Returns the mean, its interval and its relative standard error."""
     moments = Moments().add(one.probability(study) for one in estimates)
     low, high = student(moments, study.error)
     relative = moments.deviation / math.sqrt(moments.count) / moments.mean if moments.mean > 0 and moments.count > 1 else None
@@ -279,8 +277,7 @@ def _answer(study: Study, estimates: list[Estimate]) -> list[float | None]:
 
 
 def _write_replay(space: Space, folder: pathlib.Path, design: int, estimates: list[Estimate]) -> str:
-    """Writes a scenario by which a single run repeats the first mission that reached the last level. Returns the command, or "" if no
-    mission reached it."""
+    """Writes a scenario that repeats the first mission that reached the last level. Returns the command, or "" if no mission reached it."""
     way = next((way for one in estimates if len(one.reached) == len(one.levels) for way in one.ways), None)
     if way is None:
         return ""

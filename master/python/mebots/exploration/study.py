@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads study files. C++ code reads and checks them (master/src/io/study); this module adds defaults."""
+"""Reads study files. C++ code (master/src/io/study) checks them; this module adds defaults."""
 
 from __future__ import annotations
 
@@ -42,18 +42,18 @@ class Objective:
 
     @property
     def is_share(self) -> bool:
-        """True if the objective has only the values 0 and 1, so that its mean is a share of missions."""
+        """True if the objective is 0 or 1 for each mission, so that its mean is a share."""
         return self.source in ("outcome", "end_reason")
 
     @property
     def statistic(self) -> str:
-        """Returns the name of the statistic that determines the value of a design."""
+        """Returns the name of the statistic of a design's missions."""
         return "mean" if self.percentile is None else f"percentile {self.percentile:g}"
 
 
 @dataclasses.dataclass(frozen=True)
 class Constraint:
-    """States that a design is feasible only if its share or mean of ``label`` is on this side of ``bound``."""
+    """A design is feasible if its share or mean of ``label`` is on this side of ``bound``."""
 
     label: str
     above: bool
@@ -62,7 +62,7 @@ class Constraint:
 
 @dataclasses.dataclass(frozen=True)
 class Stop:
-    """States when a design needs no more missions: when the objective ``label`` is known with this precision."""
+    """A design needs no more missions if its objective ``label`` has this precision."""
 
     label: str
     width: float | None = None
@@ -72,8 +72,7 @@ class Stop:
 
 @dataclasses.dataclass(frozen=True)
 class Fork:
-    """Contains factors and draws that apply from a certain time. The part before this time is run only once for all missions that have
-    it in common."""
+    """Factors and draws that apply from a certain time. Missions that are equal before this time share that part."""
 
     at_s: float
     variables: tuple[str, ...]
@@ -81,9 +80,9 @@ class Fork:
 
 @dataclasses.dataclass(frozen=True)
 class Splitting:
-    """Describes how the probability is estimated that ``score`` reaches ``goal``, upwards (``sign`` +1) or downwards (-1). ``levels``
-    end with the goal; if empty, they are determined automatically. ``missions`` is the number of missions from each level to the next in
-    one estimate. The draws in ``reseed`` are drawn again at each level."""
+    """Settings for estimating the probability that ``score`` reaches ``goal``, upwards (``sign`` +1) or downwards (-1). ``levels`` end with
+    the goal; if empty, pilot missions determine them. ``missions`` is the number of missions per level in one estimate. The draws in
+    ``reseed`` are drawn again at each level."""
 
     score: str
     levels: tuple[float, ...]
@@ -95,8 +94,8 @@ class Splitting:
 
 @dataclasses.dataclass(frozen=True)
 class Study:
-    """Contains a study that was checked. ``place`` names it in messages. Files of its factors and draws are searched in ``folders``.
-    ``text`` is its JSON, in which paths are absolute."""
+    """A valid study. ``place`` names it in messages. ``folders`` are searched for files of factors and draws. ``text`` is its JSON with
+    absolute paths."""
 
     place: str
     folders: tuple[pathlib.Path, ...]
@@ -119,18 +118,18 @@ class Study:
     results: bool
 
     def write(self, folder: pathlib.Path) -> None:
-        """Writes the study into the folder, for `--status` and for later calls."""
+        """Writes the study for `--status` and for later calls."""
         write_whole(folder / NAME, [(self.text + "\n").encode()])
 
     def is_another_in(self, folder: pathlib.Path) -> bool:
-        """True if the folder contains the results of another study."""
+        """True if the folder contains results of another study."""
         try:
             return (folder / NAME).read_text(encoding="utf-8") != self.text + "\n"
         except (OSError, ValueError):
             return False
 
     def on(self, mission: pathlib.Path) -> Study:
-        """Returns a copy of the study that has another mission."""
+        """Returns a copy of the study with another mission."""
         path = mission.absolute()
         content = {**json.loads(self.text), "mission": str(path)}
         return dataclasses.replace(self, mission=path, text=_written(content), draws=_draws_of(content))
@@ -146,13 +145,12 @@ class Study:
 
     @property
     def looks(self) -> bool:
-        """True if the number of missions depends on their results. In this case, only confidence sequences have their stated confidence
-        level."""
+        """True if the number of missions depends on their results. Then only confidence sequences have their stated level."""
         return self.racing or self.stop is not None
 
 
 def read_study(source: str | os.PathLike[str] | dict[str, Any]) -> Study:
-    """Reads a study from a file, or from a dict whose paths are relative to the working folder. Raises InputError with all mistakes."""
+    """Reads a study from a file or a dict. Paths in a dict are relative to the working folder. Raises InputError with all errors."""
     if isinstance(source, dict):
         return _from_dict(source)
     try:
@@ -164,7 +162,7 @@ def read_study(source: str | os.PathLike[str] | dict[str, Any]) -> Study:
 
 
 def _refuse_config(source: str | os.PathLike[str]) -> None:
-    """Raises InputError with one sentence if the file is the config of a run. Otherwise, each key of the config would cause an error."""
+    """Raises InputError with one sentence if the file is the config of a run, instead of one error per key."""
     try:
         content = json.loads(pathlib.Path(source).read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -209,7 +207,7 @@ def _study(place: str, folder: pathlib.Path, content: dict[str, Any]) -> Study:
 
 
 def _draws_of(content: dict[str, Any]) -> dict[str, dict[str, Any]]:
-    """Returns the variables that are drawn. If the study has "uncertainty", adds the mission's calibration parameters."""
+    """Returns the drawn variables. If the study has "uncertainty", adds the mission's calibration parameters."""
     drawn = dict(content.get("draws", {}).get("variables", {}))
     if "uncertainty" in content:
         given = {*drawn, *content["design"].get("factors", {})}
@@ -228,8 +226,7 @@ def _written(content: dict[str, Any]) -> str:
 
 
 def _with_absolute_files(content: dict[str, Any], folder: pathlib.Path) -> dict[str, Any]:
-    """Returns the content of the study, in which paths of the files of factors and draws are absolute. Therefore it can be read in any
-    folder."""
+    """Makes paths of factors' and draws' files absolute, so that the study can be read in any folder."""
 
     def absolute(value: Any, name: str = "") -> Any:
         if isinstance(value, dict):

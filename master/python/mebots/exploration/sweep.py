@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Contains the result of ``mebots.sweep``: tables as data frames, the answer in words (which design is best), and the HTML report."""
+"""The result of ``mebots.sweep``: tables as data frames, the answer as text, and the HTML report."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from mebots.exploration.answer import Answer
 
 @dataclasses.dataclass(frozen=True)
 class Sweep:
-    """Contains the result of a study: the numbers of counted and of failed missions, and the folder that contains the tables."""
+    """The result of a study: numbers of counted and failed missions, and the folder of the tables."""
 
     folder: pathlib.Path
     missions: int

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Returns the rows of missions.csv and designs.csv. Equal studies result in equal bytes, for any number of workers."""
+"""Rows of missions.csv and designs.csv. Equal studies give equal bytes for any number of workers."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from mebots.exploration.study import Objective, Study, Values
 
 
 def cell(value: Any) -> str:
-    """Returns a value as a cell. A number has the shortest form that represents the same bits. A missing value is an empty cell."""
+    """Returns a value as a CSV cell. Numbers have the fewest digits that preserve their bits. A missing value is an empty cell."""
     if value is None:
         return ""
     if isinstance(value, bool):
@@ -37,12 +37,12 @@ MISSING_MESSAGE = "no result: the same command runs the mission again"
 
 
 def values_text(values: Values) -> str:
-    """Returns the cells of factors or draws in a row of missions.csv. A comma follows each of them."""
+    """Returns the cells of factors or draws, each with a comma after it."""
     return "".join([csv_text([cell(value)]) + "," for value in values.values()])
 
 
 def number_text(value: float) -> str:
-    """Returns a number as a cell. NaN is an empty cell."""
+    """Returns a number as a cell; NaN is an empty cell."""
     return "" if value != value else cell(value)
 
 
@@ -51,7 +51,7 @@ def number_texts(values: array.array[float]) -> list[str]:
     plain = [repr(value) for value in values]
     known: dict[float, str] = {}
     for at, text in enumerate(plain):
-        if text[-1] in "0fn" and (text[-2:] == ".0" or text[-1] != "0"):  # the text is a whole number, inf or nan
+        if text[-1] in "0fn" and (text[-2:] == ".0" or text[-1] != "0"):  # an integer, inf or nan
             value = values[at]
             found = known.get(value)
             if found is None:

@@ -38,7 +38,7 @@ from mebots.exploration.missions import FILE_MARK, without_paths
 from mebots.exploration.orders import Order
 from mebots.exploration.pasts import Pasts
 
-_MOST_OPEN = 4  # configs whose FMUs stay loaded
+_MOST_OPEN = 4  # maximum number of configs whose FMUs stay loaded
 _NO_WHOLE_STATE = (
     "the saved state of an FMU is incomplete, so no other mission can start from it: {}. Run the study without "
     "'fork' and 'splitting'"
@@ -53,7 +53,7 @@ class Worker:
     """Keeps missions open, by their config."""
 
     def __init__(self, folder: str, pasts: Pasts, waiting: Callable[[], None] = lambda: None) -> None:
-        """``waiting`` is called repeatedly while another process computes the state that a mission needs."""
+        """``waiting`` is called repeatedly while another process computes a required state."""
         self._folder = folder
         self._pasts = pasts
         self._waiting = waiting
@@ -64,7 +64,7 @@ class Worker:
         self._was_clean = True
 
     def prepare(self, order: Order) -> None:
-        """Opens the order's mission and loads its FMUs. Creates no instance."""
+        """Opens the order's mission and loads its FMUs without instances."""
         config = _config_of(order)
         if ("out" in order and not order.get("check")) or config in self._open:
             return
@@ -72,8 +72,7 @@ class Worker:
             self._mission(config, bool(order["series"]), None).load()
 
     def is_clean(self) -> bool:
-        """True if the next mission would start in this process as in a new process. Frees the instances of the last
-        mission."""
+        """True if the next mission would start as in a new process. Frees the instances of the last mission."""
         self.free_instances()
         return self._was_clean
 
@@ -83,8 +82,7 @@ class Worker:
         self._own_files.clear()
 
     def answer(self, order: Order) -> dict[str, Any]:
-        """Returns the record of a mission. For an order to ``check``, returns only the error, and the variable in
-        ``about``."""
+        """Returns the record of a mission. For an order with ``check``, returns only the error, and its variable in ``about``."""
         self.free_instances()
         self._about = ""
         record: dict[str, Any] = {"mission": order.get("mission", ""), "flown_by": order.get("build", ""), "outcome": "failed", "error": "", "code": ""}
@@ -113,13 +111,12 @@ class Worker:
         return record
 
     def _forget(self, order: Order) -> None:
-        """Drops a mission whose state is unknown after a system error. The next attempt opens it again."""
+        """Drops a mission after a system error, which may have left it in any state. The next attempt opens it again."""
         self.free_instances()
         self._open.pop(_config_of(order), None)
 
     def free_instances(self) -> list[tuple[str, bool]]:
-        """Frees the instances of the last mission. Returns the FMUs that are not clean, and whether they ran in this
-        process."""
+        """Frees the instances of the last mission. Returns the FMUs that are not clean, and whether they ran in this process."""
         flown, self._flown = self._flown, None
         leftovers = [] if flown is None else flown.free_instances()
         self._was_clean = self._was_clean and not any(in_process for _, in_process in leftovers)
@@ -147,7 +144,7 @@ class Worker:
         self._own_files.add(file)
         with open(descriptor, "w", encoding="utf-8") as stream:
             stream.write(config)
-        if out is not None:  # a mission writes into one folder
+        if out is not None:  # a mission has only one results folder
             return Mission(file, in_memory=in_memory, out=out, statistics=True)
         if len(self._open) >= _MOST_OPEN:
             _, (_, unused) = self._open.popitem(last=False)
@@ -158,7 +155,7 @@ class Worker:
         return mission
 
     def _check(self, mission: Mission, order: Order) -> None:
-        """Checks everything that the order requests at t = 0."""
+        """Checks everything that the order requests at the start."""
         mission.start()
         scores = [turn["place"]["score"][0] for turn in order["course"] if "score" in turn["place"]]
         for name in (*order["finals"], *scores):
@@ -169,14 +166,14 @@ class Worker:
             _write(mission, turn["writes"])
         if order["course"]:
             mission.save_state()
-            with contextlib.suppress(Error):  # an error of the step is reported by the mission itself
+            with contextlib.suppress(Error):  # the mission itself reports errors of the step
                 mission.step()
             if mission.state == "running" and not mission.ended:
-                mission.save_state()  # raises if an FMU keeps data outside of its instance
+                mission.save_state()  # raises InputError if an FMU keeps data outside its instances
 
     def _follow(self, mission: Mission, order: Order) -> None:
-        """Continues from the last saved state in the order's course. Then applies the following points of the
-        course, up to the last point that the mission reaches."""
+        """Continues from the last saved state of the order's course. Then applies the following places of the course that the mission
+        reaches."""
         course = order["course"]
         if not course:
             return
@@ -188,8 +185,8 @@ class Worker:
             self._go_on(mission, course, begin, state)
 
     def _last_state(self, course: list[dict[str, Any]]) -> tuple[int, bytes | None]:
-        """Returns the number of the last turn of the course whose state is saved, and the state; 0 and None if there is
-        none. A turn is a place at which inputs change (missions.Turn)."""
+        """Returns the number of the last turn with a saved state, and the state; 0 and None without one. A turn is a place at which inputs
+        change (missions.Turn)."""
         for number in range(len(course) - 1, -1, -1):
             state = self._pasts.find(course[number]["past"])
             if state is not None:
@@ -235,7 +232,7 @@ class Worker:
             record["values"] = flat({key: summary[key] for key in (*labels, *FACTS) if key in summary})
         if "out" in order:
             mission.close()
-            shutil.rmtree(order["out"], ignore_errors=True)  # of a deleted journal
+            shutil.rmtree(order["out"], ignore_errors=True)  # results of a deleted journal
             os.replace(_unfinished(order["out"]), order["out"])
             record["memory_mb"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1000
         record["finals"] = {name: mission.value(name) for name in order["finals"]}
@@ -272,8 +269,7 @@ def _go_to(mission: Mission, place: dict[str, Any]) -> bool:
 
 
 def _best_on_the_way(mission: Mission, score: str, sign: int, level: float) -> float:
-    """Runs until the score reaches the level, or to the end. Returns the greatest score if `sign` is positive, else the
-    least."""
+    """Runs until the score reaches the level, or to the end. Returns the greatest score if `sign` is positive, otherwise the least."""
     best = mission.value(score)
     while sign * best < sign * level and mission.step():
         best = sign * max(sign * best, sign * mission.value(score))
@@ -281,7 +277,7 @@ def _best_on_the_way(mission: Mission, score: str, sign: int, level: float) -> f
 
 
 def flat(values: dict[str, Any], before: str = "") -> dict[str, Any]:
-    """Flattens nested labels, joined by dots."""
+    """Flattens nested labels and joins them by dots."""
     result: dict[str, Any] = {}
     for key, value in values.items():
         result |= flat(value, f"{before}{key}.") if isinstance(value, dict) else {before + key: value}
@@ -304,30 +300,27 @@ def _reduced(mission: Mission, name: str, how: str) -> float | None:
 
 
 def _without_paths(text: str, order: Order) -> str:
-    """Returns a message that is equal on every machine: paths are replaced by file names."""
+    """Replaces paths by file names, so that a message is the same on every machine."""
     for path, name in order["files"].values():
         text = text.replace(path, name)
     return without_paths(text)
 
 
 class _Pipes:
-    """The channels for orders and records, shared by all processes of a worker. ``life`` closes when no record is
-    needed any longer."""
+    """The channels for orders and records, which all processes of a worker share. ``life`` closes when no more records are needed."""
 
     def __init__(self, life: int, out: int, folder: str) -> None:
         self.life = life
         self.folder = folder
         self.records = os.fdopen(out, "w", encoding="utf-8")
-        # Orders arrive on standard input. It is replaced by an empty file, so that an FMU cannot read orders from it.
+        # Replaces standard input, on which orders arrive, by an empty file, so that FMUs cannot read orders.
         self._orders = os.dup(0)
         nothing = os.open(os.devnull, os.O_RDONLY)
         os.dup2(nothing, 0)
         os.close(nothing)
 
     def orders(self) -> Iterator[Order]:
-        """Yields orders. The next order is sent after the record was written, so that no process reads an order too
-        early.
-        """
+        """Yields orders. The parent sends an order after the previous record, so that no process reads an order too early."""
         text = b""
         while block := os.read(self._orders, 1 << 16):
             text += block
@@ -346,9 +339,9 @@ class _Pipes:
 
 
 def _end_with(life: int, parent: int, folder: str) -> None:
-    """Ends this process when its parent ends. If no record is needed any more, also deletes all temporary files."""
+    """Ends this process when its parent ends. If no more records are needed, also deletes all temporary files."""
     if life in select.select([life, parent], [], [])[0]:
-        for _ in range(_TRIES_TO_REMOVE):  # a mission may still be writing its state
+        for _ in range(_TRIES_TO_REMOVE):  # a mission may still write its state
             shutil.rmtree(folder, ignore_errors=True)
             if not os.path.exists(folder):
                 break
@@ -359,16 +352,16 @@ def _end_with(life: int, parent: int, folder: str) -> None:
 def _answer(worker: Worker, order: Order) -> dict[str, Any]:
     try:
         return worker.answer(order)
-    except Exception:  # not the mission's error: the parent reports it
+    except Exception:  # a bug of MEbots, which the parent reports
         return {"mission": order["mission"], "bug": traceback.format_exc()}
 
 
 def _fly_while_clean(worker: Worker, order: Order, pipes: _Pipes) -> None:
-    """Executes this order and the following ones until a mission leaves something in the process."""
+    """Executes orders until a mission leaves data in the process."""
     process = os.getpid()
     for each in itertools.chain([order], pipes.orders()):
         record = _answer(worker, each)
-        if os.getpid() != process:  # an FMU forked, and its child returned here
+        if os.getpid() != process:  # this is the child of a fork by an FMU
             os._exit(1)
         with contextlib.suppress(BrokenPipeError):  # the reader has ended
             pipes.write(record)
@@ -377,7 +370,7 @@ def _fly_while_clean(worker: Worker, order: Order, pipes: _Pipes) -> None:
 
 
 def _fly_in_fork(worker: Worker, order: Order, pipes: _Pipes) -> int:
-    """Returns the exit status of the process that executed the order and possibly others; 0 if it ended normally."""
+    """Executes the order, and possibly more, in a fork. Returns its exit status; 0 after a normal end."""
     folder = tempfile.mkdtemp(prefix="flights-", dir=pipes.folder)
     well, told = os.pipe()
     parent, ours = os.pipe()
@@ -396,7 +389,7 @@ def _fly_in_fork(worker: Worker, order: Order, pipes: _Pipes) -> int:
     try:
         _, status = os.waitpid(child, 0)
         os.set_blocking(well, False)
-        with contextlib.suppress(BlockingIOError):  # an FMU's process may hold the other end
+        with contextlib.suppress(BlockingIOError):  # a process of an FMU may hold the other end
             if os.read(well, 1):
                 return 0
         return status or _ENDED_BY_FMU
@@ -407,8 +400,7 @@ def _fly_in_fork(worker: Worker, order: Order, pipes: _Pipes) -> int:
 
 
 def _end_as(status: int) -> NoReturn:
-    """Ends this process in the same way as its fork has ended, so that the process that reads the records sees this
-    end."""
+    """Ends this process like its fork, so that the reader of records sees this end."""
     if os.WIFSIGNALED(status):
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         signal.signal(os.WTERMSIG(status), signal.SIG_DFL)
@@ -421,14 +413,14 @@ def main() -> None:
     pasts = os.path.join(pipes.folder, "pasts")
     os.makedirs(pasts, exist_ok=True)
     worker = Worker(tempfile.mkdtemp(prefix="worker-", dir=pipes.folder), Pasts(pasts), pipes.wait)
-    pipes.write({})  # ready: the time from here on is the mission's
+    pipes.write({})  # reports that the process is ready; only now does the mission's time start
     for order in pipes.orders():
         worker.prepare(order)
-        gc.freeze()  # pages that are never written stay shared with the fork
+        gc.freeze()  # keeps unwritten pages shared with the fork
         status = _fly_in_fork(worker, order, pipes)
         if status != 0 and not pipes.is_over():
             _end_as(status)
-    while not pipes.is_over():  # the parent has ended or ends this process now
+    while not pipes.is_over():  # waits for the parent, which has ended or ends this process
         select.select([pipes.life], [], [])
     shutil.rmtree(pipes.folder, ignore_errors=True)
     os._exit(1)

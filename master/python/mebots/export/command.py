@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Implements ``mebots report --mcap`` and ``--video``. The program writes the page and is then replaced by this module.
+"""The command line of ``mebots report --mcap`` and ``--video``. The program mebots writes the page, and then starts a Python interpreter
+with this module.
 """
 
 from __future__ import annotations

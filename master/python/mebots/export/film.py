@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Makes a film of a run's page: Chromium draws the page frame by frame, and ffmpeg encodes the film.
 
-Chromium is controlled through a pipe (--remote-debugging-pipe). Thus no further program is needed, and no other program
-can connect to Chromium.
+The connection to Chromium is a pipe (--remote-debugging-pipe). No further program is necessary, and no other program can connect to
+Chromium.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ from mebots.errors import Error, InputError
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 WIDTH, HEIGHT = 1280, 720
-PATIENCE_S = 120  # maximum time until the page is drawn
-ABOVE = 10  # file descriptors from this number on are used, because Chromium requires 3 and 4
+PATIENCE_S = 120  # maximum time for drawing the page
+ABOVE = 10  # lowest file descriptor in use, because Chromium requires 3 and 4
 
-# Waits for two animation frames, after which the page shows the new time.
+# Waits for two animation frames; the page then shows the new time.
 SHOW = """new Promise((done) => {
   globalThis.mebots.clock.set(%r);
   requestAnimationFrame(() => requestAnimationFrame(() => done()));
 })"""
-# Returns the run's end when everything is drawn, null before that, or the page's error message.
+# Returns the end time of the run after everything is drawn, null before, or the page's error message.
 READY = """(() => {
   const state = document.documentElement?.dataset.state ?? "loading";
   return state === "loading" ? null : state === "ready" ? globalThis.mebots.clock.end : document.body.innerText;
@@ -40,7 +40,7 @@ READY = """(() => {
 
 
 def write_film(page: pathlib.Path, out: pathlib.Path, frames_per_second: int, speed: float) -> int:
-    """Writes a film of the whole run from its page. Returns its number of frames. Raises InputError, Error.
+    """Writes a film of the whole run. Returns the number of frames. Raises InputError or Error if this fails.
 
     :param speed: simulated seconds per second of the film.
     """
@@ -58,7 +58,7 @@ def write_film(page: pathlib.Path, out: pathlib.Path, frames_per_second: int, sp
                 film.stdin.write(tab.screenshot())
                 frames += 1
         except BrokenPipeError:
-            pass  # the reason is reported below
+            pass  # reported below
         said = film.communicate()[1].decode(errors="replace").strip()
         if film.returncode != 0:
             raise Error(f"{out}: ffmpeg could not write it: {said or film.returncode}", "system_failure")
@@ -76,7 +76,7 @@ def _program(what: str, named: str | None, names: tuple[str, ...], place: str) -
 
 
 class _Tab:
-    """Controls a page in Chromium by the DevTools protocol. Its messages are JSON texts that end with a zero byte."""
+    """Controls a page in Chromium by the DevTools protocol. Messages are JSON texts that end with a zero byte."""
 
     def __init__(self, to: Any, answers: Any) -> None:
         self._to, self._answers = to, answers
@@ -88,7 +88,7 @@ class _Tab:
         self._call("Emulation.setDeviceMetricsOverride", width=WIDTH, height=HEIGHT, deviceScaleFactor=1, mobile=False)
 
     def open(self, page: pathlib.Path) -> float:
-        """Opens the page, and waits until it is completely drawn. Returns the end time of the run [s]."""
+        """Opens the page and waits until it is drawn. Returns the end time of the run [s]."""
         self._call("Page.navigate", url=page.resolve().as_uri() + "#t=0")
         deadline = time.monotonic() + PATIENCE_S
         while (end := self.evaluate(READY)) is None:
@@ -118,7 +118,7 @@ class _Tab:
         while True:
             answer = self._next()
             if answer.get("id") != self._number:
-                continue  # an event, which is not the reply
+                continue  # an event, not the reply
             if "error" in answer:
                 raise Error(f"Chromium rejects {method}: {answer['error'].get('message')}", "system_failure")
             return answer["result"]
@@ -139,7 +139,7 @@ def _chromium(program: str) -> Iterator[_Tab]:
                "--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
     if os.geteuid() == 0:
         options.append("--no-sandbox")  # Chromium's sandbox does not run as root
-    ours, theirs = os.pipe(), os.pipe()  # these pipes occupy the low numbers until Chromium has its own pipes
+    ours, theirs = os.pipe(), os.pipe()  # occupies the low numbers until Chromium has its own pipes
     reads, writes = fcntl.fcntl(ours[0], fcntl.F_DUPFD, ABOVE), fcntl.fcntl(theirs[1], fcntl.F_DUPFD, ABOVE)
 
     def give() -> None:

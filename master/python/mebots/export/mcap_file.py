@@ -69,12 +69,12 @@ def timestamp(time_ns):
 
 
 def path_of(variable):
-    """Returns the path to a variable inside the message of its instance."""
+    """Returns the path of a variable in its instance's message."""
     return [re.sub(r"\[([^\]]*)\]", r"_\1", step).replace(",", "_") for step in variable.split(".")]
 
 
 def put(message, path, value):
-    """Sets a value. If a name is the beginning of another (`power`, `power.l2`), its own value is stored in `value`."""
+    """Sets a value. If a name starts another name (`power`, `power.l2`), its own value is in `value`."""
     for step in path[:-1]:
         inner = message.setdefault(step, {})
         if not isinstance(inner, dict):
@@ -88,7 +88,7 @@ def put(message, path, value):
 
 
 def quaternion(roll, pitch, yaw):
-    """Rotates by yaw about z, then pitch about the new y, then roll about the new x."""
+    """Returns the rotation by yaw about z, then pitch about the new y, then roll about the new x."""
     cr, sr = math.cos(roll / 2), math.sin(roll / 2)
     cp, sp = math.cos(pitch / 2), math.sin(pitch / 2)
     cy, sy = math.cos(yaw / 2), math.sin(yaw / 2)
@@ -97,7 +97,7 @@ def quaternion(roll, pitch, yaw):
 
 
 class Export:
-    """An MCAP file that is being written. Messages of a channel must be in the order of time."""
+    """An open MCAP file. The messages of a channel must be in the order of time."""
 
     def __init__(self, file):
         self.writer = Writer(file)
@@ -186,7 +186,7 @@ def entity(frame, name, locked, triangles):
 
 
 def displacements(mover, instance, results):
-    """Yields time, offset and rotation of an object on a path, or of a robot whose pose was recorded."""
+    """Yields time, offset and rotation of an object on a path, or of a robot with a recorded pose."""
     times = results.times.tolist()
     if "points" in mover:
         yield from ((time, *displacement(mover, time)) for time in times)
@@ -198,7 +198,7 @@ def displacements(mover, instance, results):
 
 
 def displacement(mover, time_s):
-    """Returns offset and rotation of a body with its own path, as described in docs/seeing.md."""
+    """Returns offset and rotation of a body on its own path (docs/seeing.md)."""
     points = mover["points"]
     end = points[-1]["time"]
     now = time_s % end if mover["repeat"] else min(time_s, end)
@@ -225,7 +225,7 @@ def export_log(export, file):
     for line in file.read_text(errors="replace").splitlines():
         timed = re.match(r"\[\s*([\d.]+) s\] ([^:]+): (?:(warning|error): )?(.*)", line)
         if not timed:
-            continue  # a notice of the run has no time
+            continue  # notices of the run have no time
         time_s, name, severity, text = timed.groups()
         time_ns = nanoseconds(time_s)
         export.add_known("/log", "foxglove.Log", time_ns, {
@@ -233,7 +233,7 @@ def export_log(export, file):
 
 
 def write_mcap(folder: pathlib.Path, out: pathlib.Path) -> None:
-    """Writes the results in a folder as an MCAP file. Raises InputError."""
+    """Writes a results folder as an MCAP file. Raises InputError if this fails."""
     results = read(folder)
     try:
         system = json.loads((folder / "system.json").read_text())
@@ -252,6 +252,6 @@ def write_mcap(folder: pathlib.Path, out: pathlib.Path) -> None:
 
 
 def read_scene(folder: pathlib.Path):
-    """Returns the scene of a run, or None if it has none."""
+    """Returns the scene of a run, or None."""
     file = folder / "scene.json.gz"
     return json.loads(gzip.decompress(file.read_bytes())) if file.exists() else None

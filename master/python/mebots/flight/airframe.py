@@ -19,7 +19,7 @@ _SHIPPED = {"rotor": ("fmu_motors", "rotors"), "cell": ("fmu_battery", "cells"),
 
 @dataclasses.dataclass(frozen=True)
 class Airframe:
-    """Contains the configuration of a drone in a flight. ``rotor``, ``cell`` and ``drone`` are names of shipped files, or paths."""
+    """The configuration of a drone. ``rotor``, ``cell`` and ``drone`` are names of shipped files, or paths."""
 
     file: pathlib.Path
     content: dict[str, Any]
@@ -35,7 +35,7 @@ class Airframe:
         return self.content[kind]
 
     def path(self, kind: str) -> str:
-        """Returns the value of the FMU's parameter for a part: the name of a shipped file, or an absolute path."""
+        """Returns the parameter of the FMU for a part: the name of a shipped file, or an absolute path."""
         name = self.part(kind)
         return str(pathlib.Path(name).resolve()) if name.endswith(".json") else name
 
@@ -52,7 +52,7 @@ class Airframe:
 
     @property
     def mass_kg(self) -> float:
-        """Returns the mass of the drone, including its cell and decks."""
+        """Returns the mass of the drone with its cell and decks."""
         if self.weighed_kg is not None:
             return self.weighed_kg
         decks = sum(self.content["decks"][deck]["value"] for deck in self.decks)
@@ -88,7 +88,7 @@ def _read_part(kind: str, file: pathlib.Path) -> dict[str, Any]:
 
 
 def read_airframe(file: str | os.PathLike[str], decks: Sequence[str] | None = None, mass_kg: float | None = None) -> Airframe:
-    """Reads an airframe file. Raises InputError with all mistakes of the file.
+    """Reads an airframe file. Raises InputError with all errors of the file.
 
     :param decks: decks of the drone, in place of the file's ``fitted_decks``.
     :param mass_kg: mass of the whole drone, in place of the sum of its parts.
@@ -116,7 +116,7 @@ def read_airframe(file: str | os.PathLike[str], decks: Sequence[str] | None = No
 
 
 def shipped(kind: str, name: str) -> dict[str, Any]:
-    """Returns the content of a data file inside an FMU. If it does not exist, raises InputError with the available names."""
+    """Returns a data file inside an FMU. If it does not exist, raises InputError with the available names."""
     fmu, folder = _SHIPPED[kind]
     with zipfile.ZipFile(_mebots.find_fmu(fmu)) as archive:
         prefix = f"resources/{folder}/"

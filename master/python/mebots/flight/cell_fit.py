@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fits a cell to the voltages of flights. Determines its series resistance, its polarisation and its capacity.
+"""Fits a cell to the voltages of flights: its series resistance, its polarisation and its capacity.
 
-The battery FMU is run alone with the power of each log, and the sum of squares of its voltage errors is minimised. If
-the log has a current, the power is measured. Otherwise the power is that of the rotor model at the measured voltage,
-and the resistances absorb the error of that model. Two further unknowns of each flight are fitted with the cell: the
-state of charge at the start and, if the log begins in flight, the time that the drone flew before.
+Runs the battery FMU alone with the power of each log, and minimises the sum of squared voltage errors. The power is measured if the log has
+a current. Otherwise, it is that of the rotor model at the measured voltage, and the fitted resistances absorb the error of this model. Each
+flight has two more unknowns: the state of charge at the start and, if the log begins in flight, the flight time before.
 
-The unknown properties are three factors on the values of the base cell: on R0; on R1 and R2 (C1 and C2 get the inverse,
-which keeps the time constants); and on the capacity. A factor that the flights do not determine keeps the base's value.
+The fitted properties are three factors on values of the base cell: on R0; on R1 and R2 (C1 and C2 get the inverse, which keeps the time
+constants); and on the capacity. If the flights do not determine a factor, the cell keeps the base's value.
 """
 
 from __future__ import annotations
@@ -45,7 +44,7 @@ _CHARGES = (0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.97)
 
 @dataclasses.dataclass
 class Flight:
-    """Contains the power that a cell delivered in a flight, and its voltage."""
+    """The power that a cell delivered in a flight, and its voltage."""
 
     name: str
     power_w: Array
@@ -61,8 +60,8 @@ class Flight:
 
 @dataclasses.dataclass(frozen=True)
 class CellFit:
-    """Contains the result of a fit. ``factors`` maps names to (value, low, high) relative to the base cell. ``kept`` contains the
-    factors that the flights do not determine."""
+    """The result of a fit. ``factors`` maps names to (value, low, high) relative to the base cell. ``kept`` are the factors that the
+    flights do not determine."""
 
     factors: dict[str, tuple[float, float, float]]
     kept: dict[str, str]
@@ -73,7 +72,7 @@ class CellFit:
 
 
 def flight_of(log: FlightLog, traces: Traces) -> Flight | None:
-    """Returns the power and voltage of the cell in a replayed log. Returns None if the log has no voltage."""
+    """Returns power and voltage of the cell in a replayed log, or None if the log has no voltage."""
     if not log.has(["battery.voltage"]):
         return None
     times = np.arange(traces.times[0], traces.times[-1], STEP_S)
@@ -85,7 +84,7 @@ def flight_of(log: FlightLog, traces: Traces) -> Flight | None:
         energy = traces[f"{own}.energy"] + np.cumsum(np.r_[0.0, traces[f"{own}.avionics.power"][1:] * np.diff(traces.times)])
         power_w = np.maximum(np.gradient(np.interp(times, traces.times, energy), STEP_S), 0)
     settled = int(SETTLE_S / STEP_S)
-    if len(power_w) > 2 * settled:  # the model's rotors accelerate during this time
+    if len(power_w) > 2 * settled:  # the model's rotors accelerate in this time
         power_w[:settled] = power_w[settled : 2 * settled].mean()
     first = [float(log[name].values[:20].mean()) for name in COMMANDS if name in log]
     aloft = bool(first) and max(first) > DRIVEN
@@ -93,7 +92,7 @@ def flight_of(log: FlightLog, traces: Traces) -> Flight | None:
 
 
 def _blocks(log: FlightLog, traces: Traces, steps: int) -> Array:
-    """Returns the means of the measured voltage in consecutive blocks from the start."""
+    """Returns the mean measured voltage of consecutive blocks from the start."""
     voltage = log["battery.voltage"]
     count = int(steps * STEP_S / BLOCK_S)
     place = np.floor((voltage.times - traces.times[0]) / BLOCK_S).astype(int)
@@ -104,12 +103,12 @@ def _blocks(log: FlightLog, traces: Traces, steps: int) -> Array:
 
 
 def capacity_c(cell: dict[str, Any]) -> float:
-    """Returns the charge that a cell file states, reduced by its ageing factor."""
+    """Returns the charge in a cell file, reduced by its ageing factor."""
     return cell["capacity"]["value"] * cell.get("capacity_factor", {"value": 1.0})["value"]
 
 
 def scaled_cell(base: dict[str, Any], factors: dict[str, float]) -> dict[str, Any]:
-    """Returns a copy of the base cell to which these factors are applied."""
+    """Returns a copy of the base cell with these factors."""
     cell = copy.deepcopy(base)
     _scale(cell["series_resistance"], factors.get("series_resistance", 1.0))
     for pair in ("pair1", "pair2"):
@@ -129,7 +128,7 @@ def _scale(curve: dict[str, Any], factor: float) -> None:
 
 
 class _Problem:
-    """Computes the residuals of all flights. They depend on the free factors and on the unknowns of each flight."""
+    """Computes the residuals of all flights from the free factors and the unknowns of each flight."""
 
     def __init__(self, base: dict[str, Any], flights: Sequence[Flight], free: Sequence[str], folder: pathlib.Path) -> None:
         self.base, self.flights, self.free, self.folder = base, flights, list(free), folder
@@ -139,7 +138,7 @@ class _Problem:
             self._write_power(number, flight)
 
     def start(self, resistances: float) -> Array:
-        """Returns start values: the given factor for the resistances, and for each flight the best charge in a list."""
+        """Returns start values: the given factor for the resistances, and for each flight the best charge from a list."""
         values = np.zeros(int(self.starts[-1]) + self.flights[-1].unknowns)
         for i, name in enumerate(self.free):
             values[i] = 0.0 if name == "capacity" else np.log(resistances)
@@ -168,7 +167,7 @@ class _Problem:
         return np.concatenate([self._residuals(i, values) for i in range(len(self.flights))])
 
     def jacobian(self, values: Array) -> Array:
-        """Computes the Jacobian matrix by finite differences. An unknown of a flight affects only that flight."""
+        """Computes the Jacobian matrix by finite differences. An unknown of a flight affects only this flight."""
         result = []
         for number, flight in enumerate(self.flights):
             own = [*range(len(self.free)), *range(self.starts[number], self.starts[number] + flight.unknowns)]
@@ -176,7 +175,7 @@ class _Problem:
             slopes = np.zeros((len(before), len(values)))
             for place in own:
                 is_time = flight.began_aloft and place == self.starts[number] + 1
-                step = 1.0 if is_time else 1e-3  # a time is a whole number of steps
+                step = 1.0 if is_time else 1e-3  # a time is an integer number of steps
                 moved = values.copy()
                 moved[place] += step if moved[place] + step <= self._highest(number, place) else -step
                 slopes[:, place] = (self._residuals(number, moved) - before) / (moved[place] - values[place])
@@ -193,7 +192,7 @@ class _Problem:
         factors = {name: float(np.exp(values[i])) for i, name in enumerate(self.free)}
         cell = self.folder / "cell.json"
         content = scaled_cell(self.base, factors)
-        content["cut_off_voltage"]["value"] = 0.0  # otherwise, the protection could open and hide the voltage error
+        content["cut_off_voltage"]["value"] = 0.0  # the protection must not open and hide the voltage error
         content.pop("release_voltage", None)
         cell.write_text(json.dumps(content), encoding="utf-8")
         charge = float(values[self.starts[number]])
@@ -202,13 +201,13 @@ class _Problem:
         return voltage_v[self.blocks[number]] - flight.voltage_v[self.blocks[number]]
 
     def _voltage(self, number: int, cell: pathlib.Path, charge: float, before_s: float) -> Array:
-        """Returns the voltage of the model in blocks. ``charge`` is the state of charge at the start of the log, after ``before_s`` of
-        the same flight."""
+        """Returns the model's voltage in blocks. ``charge`` is the state of charge at the start of the log, after ``before_s`` of
+        flight."""
         flight = self.flights[number]
         per_block = round(BLOCK_S / STEP_S)
         earlier = round(before_s / STEP_S)
         content = json.loads(cell.read_text(encoding="utf-8"))
-        # This is the charge that was drawn before, at about the mean voltage of the log.
+        # The charge drawn before, at about the mean voltage of the log.
         drawn = before_s * float(flight.power_w[:per_block].mean()) / float(np.nanmean(flight.voltage_v)) / capacity_c(content)
         mission = self.folder / f"flight{number}.json"
         config = {
@@ -232,14 +231,14 @@ class _Problem:
         return voltage_v[: count * per_block].reshape(count, per_block).mean(axis=1)
 
     def _write_power(self, number: int, flight: Flight) -> None:
-        """Writes the power of a flight to a file. Extends it to a long time before the start, by the mean power of the first seconds."""
+        """Writes the power of a flight to a file. Extends it into the past with the mean power of the first seconds."""
         times = np.r_[-2 * _LONGEST_S, np.arange(len(flight.power_w)) * STEP_S]
         rows = np.column_stack([times, np.r_[flight.power_w[: round(SETTLE_S / STEP_S)].mean(), flight.power_w]])
         np.savetxt(self.folder / f"power{number}.csv", rows, fmt="%.9g", delimiter=",", header="time,power", comments="")
 
 
 def fit_cell(base: dict[str, Any], flights: Sequence[Flight], folder: pathlib.Path, wanted: Sequence[str] = FACTORS) -> CellFit:
-    """Fits the cell to the flights. ``folder`` is for temporary files, and may be deleted afterwards."""
+    """Fits the cell to the flights. ``folder`` is for temporary files."""
     free = list(wanted)
     kept = {name: "not requested" for name in FACTORS if name not in free}
     before = _solve(base, flights, [], folder)
@@ -256,7 +255,7 @@ def fit_cell(base: dict[str, Any], flights: Sequence[Flight], folder: pathlib.Pa
 
 
 def _solve(base: dict[str, Any], flights: Sequence[Flight], free: Sequence[str], folder: pathlib.Path) -> Fit:
-    """Searches the best fit from several start values. Returns the best result."""
+    """Returns the best fit from several start values."""
     problem = _Problem(base, flights, free, folder)
     low, high = problem.bounds()
     starts = [problem.start(resistances) for resistances in (_STARTS if free else _STARTS[:1])]

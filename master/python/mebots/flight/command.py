@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Implements ``mebots replay``, ``mebots identify`` and ``mebots new-cell``. The program is replaced by a Python interpreter, which runs
-this module. Parses the command line."""
+"""The command lines of ``mebots replay``, ``mebots identify`` and ``mebots new-cell``. The program mebots starts a Python interpreter with
+this module."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def _decks(text: str | None) -> list[str] | None:
 
 
 def main(words: list[str] | None = None) -> int:
-    """Runs the command that the first word names. Returns the exit code."""
+    """Runs the command in the first word. Returns the exit code."""
     command, *rest = sys.argv[1:] if words is None else words
     return _COMMANDS[command](rest)
 

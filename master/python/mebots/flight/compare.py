@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Computes the errors of the model, which are computed minus measured values."""
+"""Computes errors of the model: computed minus measured values."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ PERCENTILES = (5, 50, 95)
 
 @dataclasses.dataclass(frozen=True)
 class ErrorRow:
-    """Contains statistics of the errors of one quantity. ``model`` describes the inputs of the model. ``excluded`` is the number of
-    samples in the compared time that were left out: by the rules of ``quality``, near gaps, or in windows that contain a gap."""
+    """Statistics of a quantity's errors. ``model`` describes the inputs of the model. ``excluded`` counts samples that the comparison
+    omits: excluded by ``quality``, near gaps, or in windows with a gap."""
 
     quantity: str
     unit: str
@@ -43,7 +43,7 @@ COMMANDS_ONLY, MEASURED_VOLTAGE, MEASURED_SPEEDS = "commands", "commands, measur
 
 
 def row(quantity: str, unit: str, model: str, computed: Array, measured: Array, excluded: int) -> ErrorRow | None:
-    """Returns the errors of a quantity. Returns None if there is nothing to compare."""
+    """Returns the errors of a quantity, or None if there is nothing to compare."""
     if not len(measured):
         return None
     error = computed - measured
@@ -53,7 +53,7 @@ def row(quantity: str, unit: str, model: str, computed: Array, measured: Array, 
 
 
 def errors(raw: FlightLog, log: FlightLog, traces: Traces, motion: Motion | None) -> list[ErrorRow]:
-    """Returns the errors of all measured quantities. ``raw`` is the log before samples were excluded."""
+    """Returns the errors of all measured quantities. ``raw`` is the log with all samples."""
     rows: list[ErrorRow | None] = [_signal(raw, log, traces, "battery.voltage", "battery.bus.voltage", COMMANDS_ONLY)]
     rows.append(_signal(raw, log, traces, "battery.current", "battery.cell.current", COMMANDS_ONLY))
     for instance, given in (("motors", COMMANDS_ONLY), ("motors_at_measured", MEASURED_VOLTAGE)):
@@ -64,8 +64,8 @@ def errors(raw: FlightLog, log: FlightLog, traces: Traces, motion: Motion | None
 
 
 def thrusts(traces: Traces, log: FlightLog) -> Iterator[tuple[str, Array, Mask]]:
-    """Yields the thrust of all rotors at the times of the traces, and the times at which it is known. Uses three methods: the thrust by
-    the commands, at the measured voltage, and by the measured speeds."""
+    """Yields the thrust of all rotors at the times of the traces, and the times at which it is known, by three methods: by the commands, at
+    the measured voltage, and by the measured speeds."""
     everywhere = np.ones(len(traces.times), bool)
     yield COMMANDS_ONLY, traces.thrust_n(), everywhere
     if traces.has_measured_voltage:
@@ -76,7 +76,7 @@ def thrusts(traces: Traces, log: FlightLog) -> Iterator[tuple[str, Array, Mask]]
 
 
 def _at_measured_speed(traces: Traces, speed: Signal, rotor: int) -> Array:
-    """Returns the thrust of a rotor. It is the square of its measured speed, multiplied by the model's factor at that time."""
+    """Returns the thrust of a rotor: the square of its measured speed times the model's factor at that time."""
     own = f"{'motors_at_measured' if traces.has_measured_voltage else 'motors'}.rotor[{rotor}]"
     turning = np.maximum(traces[f"{own}.speed"], 1.0)
     return traces[f"{own}.thrust"] * (np.interp(traces.times, speed.times, speed.values) / turning) ** 2
@@ -96,7 +96,7 @@ def _signal(raw: FlightLog, log: FlightLog, traces: Traces, name: str, variable:
 
 
 def _compared(traces: Traces) -> tuple[float, float]:
-    """Returns the times of the first and the last good point. If no point is good, returns an empty interval."""
+    """Returns the times of the first and last good points. Returns an empty interval without a good point."""
     times = traces.times[traces.good]
     return (float(times[0]), float(times[-1])) if len(times) else (np.inf, -np.inf)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fits parameters by least squares. Their intervals are valid even if residuals are correlated."""
+"""Fits parameters by least squares, with intervals that are valid for correlated residuals."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ CONFIDENCE = 0.95
 
 @dataclasses.dataclass(frozen=True)
 class Fit:
-    """Contains fitted parameters and the covariance of their errors. ``degrees`` is the number of clusters of residuals minus one."""
+    """Fitted parameters and the covariance of their errors. ``degrees`` is the number of clusters of residuals minus one."""
 
     values: Array
     covariance: Array
@@ -32,7 +32,7 @@ class Fit:
         return float(np.sqrt(self.covariance[place, place]))
 
     def interval(self, place: int) -> tuple[float, float]:
-        """Returns the interval that contains a parameter with the probability ``CONFIDENCE``."""
+        """Returns the ``CONFIDENCE`` interval of a parameter."""
         half = self.deviation(place) * quantile(self.degrees)
         return float(self.values[place]) - half, float(self.values[place]) + half
 
@@ -51,8 +51,8 @@ def solve(
     high: Array,
     clusters: np.ndarray,
 ) -> Fit:
-    """Minimises the sum of squares within bounds. ``clusters`` contains the number of the cluster of each residual. Residuals in the
-    same cluster may be correlated, such as errors of one flight. The covariance is White's sandwich estimator over clusters."""
+    """Minimises the sum of squares within bounds. ``clusters`` contains the cluster number of each residual; residuals of a cluster, such
+    as errors of one flight, may be correlated. The covariance is White's sandwich estimator over clusters."""
     optimize = extra("scipy.optimize", "`mebots identify`", "scipy", "flight")
     found = optimize.least_squares(residuals, start, jac=jacobian, bounds=(low, high), x_scale="jac", xtol=1e-5, ftol=1e-6)
     slopes, errors = found.jac, found.fun
@@ -66,7 +66,7 @@ def solve(
 
 
 def clusters_of(logs: np.ndarray, blocks: np.ndarray) -> np.ndarray:
-    """Assigns residuals to clusters: one cluster for each log if there are four logs or more, otherwise one for each block of a log."""
+    """Assigns residuals to clusters: one cluster per log for four logs or more, otherwise one per block of a log."""
     if len(np.unique(logs)) >= 4:
         return logs
     return np.unique(np.column_stack([logs, blocks]), axis=0, return_inverse=True)[1].reshape(-1)

@@ -40,8 +40,7 @@ _BLOCK_WINDOWS = 5
 
 @dataclasses.dataclass(frozen=True)
 class Estimate:
-    """Contains a fitted value with its 95 % interval, and the value of the base. If there is no base, the value is an assumption and the
-    bounds are assumed."""
+    """A fitted value with its 95 % interval, and the base's value. Without a base, value and bounds are assumptions."""
 
     name: str
     unit: str
@@ -54,7 +53,7 @@ class Estimate:
 
 @dataclasses.dataclass(frozen=True)
 class Identified:
-    """Contains the result of a fit. ``residuals`` contains sentences. ``files`` contains the written files; the airframe is the first."""
+    """The result of a fit. ``residuals`` are sentences. ``files`` are the written files, with the airframe first."""
 
     estimates: list[Estimate]
     residuals: list[str]
@@ -104,7 +103,7 @@ def identify(
     flown = [_fly(log, mapping, base, hover, window) for log in logs]
     source = ", ".join(f"{pathlib.Path(log).name} (SHA-256 {_hash(log)})" for log in logs)
     result = Identified([], [], [], [])
-    contents: dict[pathlib.Path, dict[str, Any]] = {}  # written after all fits are done
+    contents: dict[pathlib.Path, dict[str, Any]] = {}  # written after all fits
     new = copy.deepcopy(base.content)
     new.pop("$schema", None)
     new["name"] = f"{base.name}, fitted"
@@ -114,7 +113,7 @@ def identify(
         _fit_mass(base, flown, source, new, result)
     if "cell" in fit:
         _fit_cell(base, flown, source, new, target, contents, result)
-    for part in ("drone", "rotor", "cell"):  # paths are relative to the new file
+    for part in ("drone", "rotor", "cell"):  # makes paths relative to the new file
         if os.path.isabs(new[part]):
             new[part] = os.path.relpath(new[part], target.parent.resolve())
     for file, content in (contents | {target: new}).items():
@@ -140,7 +139,7 @@ def _check(logs: Sequence[str | os.PathLike[str]], fit: Sequence[str]) -> None:
 def _fly(log: str | os.PathLike[str], mapping: str | os.PathLike[str] | None, base: Airframe, hover: bool, window_s: float) -> _Flown:
     clean, _ = quality.clean(read_log(log, mapping), cells=1)
     traces = fly(clean, base, None, 0.002, None)
-    # When the model's cell is empty, the comparison ends. The thrust at the measured voltage is not affected.
+    # The comparison with the model's cell ends when that cell is empty. The thrust at the measured voltage does not depend on the cell.
     good = traces.good if not traces.has_measured_voltage else traces.logged
     return _Flown(clean, traces, motion_of(clean, base, traces.times, good, window_s, hover))
 
@@ -154,8 +153,7 @@ def _hash(file: str | os.PathLike[str]) -> str:
 
 @dataclasses.dataclass(frozen=True)
 class _Balance:
-    """Contains vertical forces in windows of all flights: the forces of the base's rotors, and the forces that the motion requires if
-    the drone has the base's mass."""
+    """Vertical forces in windows of all flights: those of the base's rotors, and those that the motion requires for the base's mass."""
 
     model_n: np.ndarray
     needed_n: np.ndarray
@@ -187,7 +185,7 @@ def _balance(flown: Sequence[_Flown]) -> _Balance:
 
 
 def _ratio(x: np.ndarray, y: np.ndarray, clusters: np.ndarray) -> Fit:
-    """Returns the factor of y to x that least squares determine."""
+    """Returns the factor k in y = k x by least squares."""
     return solve(
         lambda values: values[0] * x - y, lambda values: x[:, None], np.array([1.0]), np.array([0.2]), np.array([5.0]), clusters
     )
@@ -206,7 +204,7 @@ def _describe(balance: _Balance, fit: Fit, result: Identified) -> None:
 
 
 def _widened(low: float, high: float, value: float, quantity: dict[str, Any]) -> tuple[float, float]:
-    """Widens the interval by the relative uncertainty of a known quantity that is the same in all flights."""
+    """Widens the interval by the relative uncertainty of a known quantity that all flights share."""
     if "interval" not in quantity:
         return low, high
     below = (quantity["value"] - quantity["interval"][0]) / quantity["value"]
@@ -215,7 +213,7 @@ def _widened(low: float, high: float, value: float, quantity: dict[str, Any]) ->
 
 
 def _mass_of(base: Airframe) -> dict[str, Any]:
-    """Returns the mass of the whole drone. Its interval is that of the weighing, or that in the airframe's file."""
+    """Returns the mass of the whole drone. The interval is that of the weighing, or that in the airframe file."""
     if base.weighed_kg is not None:
         below = above = SCALE_KG
     else:
@@ -240,7 +238,7 @@ def _fit_thrust(
     old = rotor["thrust_coefficient"]["value"]
     factor = float(fit.values[0])
     low, high = _widened(*fit.interval(0), factor, _mass_of(base))
-    # A rotor with more thrust at the same speed also has more drag torque, in proportion.
+    # At the same speed, the drag torque increases in proportion to the thrust.
     rotor["thrust_coefficient"] = {
         "value": factor * old,
         "unit": "N.s2/rad2",
@@ -267,7 +265,7 @@ def _fit_thrust(
 
 def _fit_mass(base: Airframe, flown: Sequence[_Flown], source: str, new: dict[str, Any], result: Identified) -> None:
     balance = _balance(flown)
-    # In the equation F - c v = m (g + a), `needed` - c v is the right-hand side if the mass is that of the base airframe.
+    # In F - c v = m (g + a), `needed` - c v is the right-hand side for the base's mass.
     fit = _ratio(balance.needed_n - balance.drag_n, balance.model_n - balance.drag_n, balance.clusters)
     factor = float(fit.values[0])
     low, high = _widened(*fit.interval(0), factor, base.data("rotor")["thrust_coefficient"])
@@ -314,7 +312,7 @@ def _fit_cell(
 
 
 def fitted_cell(base: dict[str, Any], found: CellFit, source: str) -> dict[str, Any]:
-    """Returns the content of a cell file that contains the fitted factors."""
+    """Returns a cell file with the fitted factors."""
     cell = scaled_cell(base, {name: value for name, (value, _, _) in found.factors.items()})
     cell.pop("$schema", None)
     cell["name"] = f"{base['name']}, fitted"
@@ -329,7 +327,7 @@ def fitted_cell(base: dict[str, Any], found: CellFit, source: str) -> dict[str, 
             cell["resistance_factor"] |= {"interval": [factor * low / value, factor * high / value], "fitted_on": source}
             cell["resistance_factor"]["source"] += "; interval: 95 % of the series resistance, by mebots identify"
         if name == "capacity":
-            charge = base["capacity"]["value"]  # capacity_factor does not change, and also multiplies the interval
+            charge = base["capacity"]["value"]  # capacity_factor stays the same and also multiplies the interval
             cell.get("capacity_factor", {}).pop("interval", None)
             cell["capacity"] |= {"interval": [low * charge, high * charge], "fitted_on": source, "source": "mebots identify, least squares of voltages; interval: 95 %"}
     return cell
@@ -358,7 +356,7 @@ def write_json(file: pathlib.Path, content: dict[str, Any]) -> None:
 
 
 def shown(result: Identified) -> str:
-    """Formats the result for a terminal."""
+    """Returns the result as text for a terminal."""
     lines = []
     for one in result.estimates:
         remark = f" ({one.remark})" if one.remark else ""

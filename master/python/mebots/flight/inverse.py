@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Computes commands for a log that contains none, so that the model's rotors produce the thrust that the motion requires. As the
-commands were computed from the thrust, a replay gives no information about thrust. It shows how the cell behaves under the power that
-the rotor model needs for this motion.
+"""Computes commands for a log without commands, so that the model's rotors produce the thrust of the measured motion. A replay of these
+commands tests the cell under the power of the rotor model. It does not test the thrust, from which the commands were computed.
 """
 
 from __future__ import annotations
@@ -33,10 +32,10 @@ _TABLE_V = 3.8
 
 
 def with_commands(log: FlightLog, airframe: Airframe) -> FlightLog:
-    """Returns the log with commands that produce its motion. The log must contain a height or a vertical speed, and a voltage."""
+    """Returns the log with commands that produce its motion. The log must have a voltage, and a height or a vertical speed."""
     notes: list[str] = []
     speed = vertical_speed(log, notes)
-    assert speed is not None  # the log contains a height
+    assert speed is not None  # the log has a height
     height, voltage = log[POSITION[2]], log["battery.voltage"]
     times = np.arange(max(speed.times[0], voltage.times[0]), min(speed.times[-1], voltage.times[-1]), INTERVAL_S)
     climb = [np.interp(times + shift, speed.times, speed.values) for shift in (-_SLOPE_S / 2, _SLOPE_S / 2)]
@@ -51,15 +50,15 @@ def with_commands(log: FlightLog, airframe: Airframe) -> FlightLog:
 
 
 def _smooth(duty: Array) -> Array:
-    """Returns the mean over ``RAMP_S`` around each sample. Removes steps, because a height shows when a drone leaves the ground, but not
-    how its motors start."""
+    """Returns the mean over ``RAMP_S`` around each sample. Removes steps: a height shows when a drone leaves the ground, but not how its
+    motors start."""
     width = round(RAMP_S / INTERVAL_S)
     padded = np.pad(duty, (width // 2, width - 1 - width // 2), mode="edge")
     return np.convolve(padded, np.full(width, 1 / width), mode="valid")
 
 
 def _thrusts(airframe: Airframe) -> Array:
-    """Returns the steady thrust of a rotor for each of ``_LEVELS``. Computes it by the motors FMU at ``_TABLE_V``."""
+    """Returns the steady thrust of a rotor at ``_TABLE_V`` for each of ``_LEVELS``, from the motors FMU."""
     with tempfile.TemporaryDirectory(prefix="mebots-replay-") as name:
         folder = pathlib.Path(name)
         starts = np.arange(len(_LEVELS)) * _HOLD_S

@@ -41,7 +41,7 @@ UNITS: dict[str, str] = dict(_mebots.log_signals())
 
 @dataclasses.dataclass(frozen=True)
 class Signal:
-    """Contains a column of a log. ``times`` contains the time of each value in seconds since the start of the log."""
+    """A column of a log. ``times`` are in seconds since the start of the log."""
 
     name: str
     unit: str
@@ -54,18 +54,18 @@ class Signal:
         return len(self.values)
 
     def keep(self, good: npt.NDArray[np.bool_]) -> Signal:
-        """Returns a signal that contains only the samples for which ``good`` is true."""
+        """Returns a signal with the samples for which ``good`` is true."""
         return dataclasses.replace(self, times=self.times[good], values=self.values[good])
 
     @property
     def interval_s(self) -> float:
-        """Returns the median time between two samples. Returns 0 for fewer than two samples."""
+        """Returns the median time between samples. Returns 0 for fewer than two samples."""
         return float(np.median(np.diff(self.times))) if len(self) > 1 else 0.0
 
 
 @dataclasses.dataclass(frozen=True)
 class FlightLog:
-    """Contains the content of a log file. ``notes`` states which parts the reader left out."""
+    """The content of a log file. ``notes`` describes the parts that the reader omitted."""
 
     file: pathlib.Path
     kind: str
@@ -107,9 +107,9 @@ class FlightLog:
 
 
 def log_of(file: pathlib.Path, kind: str, signals: Iterable[Signal], notes: Iterable[str] = ()) -> FlightLog:
-    """Creates a log whose times start at 0. Raises InputError if there are no samples."""
+    """Creates a log with times from 0. Raises InputError without samples."""
     filled = [one for one in signals if len(one)]
-    # Messages without a known signal are left out, because they may have another clock.
+    # Omits messages without a known signal, which may have another clock.
     clocks = [one for one in filled if one.name in UNITS] or filled
     finite = [float(one.times[np.isfinite(one.times)].min()) for one in clocks if np.isfinite(one.times).any()]
     if not finite:

@@ -30,7 +30,7 @@ _SLOPE_S = 0.1
 
 @dataclasses.dataclass(frozen=True)
 class Motion:
-    """Contains the measured vertical motion at ``times``. ``start`` and ``end`` contain the indices of each window."""
+    """The measured vertical motion at ``times``. ``start`` and ``end`` are the indices of the windows."""
 
     times: Array
     upright: Array
@@ -74,8 +74,8 @@ class Motion:
 
 
 def motion_of(log: FlightLog, airframe: Airframe, times: Array, good: Mask, window_s: float, hover: bool) -> Motion | None:
-    """Returns the motion at ``times``. Its windows have the length ``window_s``, and contain only times at which all signals were
-    logged. Returns None if the log has neither a height nor a vertical speed, and ``hover`` is False."""
+    """Returns the motion at ``times``. Windows have the length ``window_s`` and contain only times with all signals. Returns None if the
+    log has neither a height nor a vertical speed, and ``hover`` is False."""
     notes: list[str] = []
     speed = vertical_speed(log, notes)
     if speed is None and hover:
@@ -98,9 +98,8 @@ def motion_of(log: FlightLog, airframe: Airframe, times: Array, good: Mask, wind
 
 
 def _on_ground(log: FlightLog, times: Array) -> Mask:
-    """True at times at which the drone may be on the ground, and for ``GROUND_MARGIN_S`` before and after. The drone may be on the
-    ground if the rotors turn too slowly to fly. If the height is known, it must also be less than ``GROUND_HEIGHT_M`` above the lowest
-    one in the log."""
+    """True when the drone may be on the ground, and ``GROUND_MARGIN_S`` before and after. The drone may be on the ground if the rotors are
+    too slow to fly and, if known, the height is less than ``GROUND_HEIGHT_M`` above the lowest."""
     command = np.mean([mean_over(log[name], times) for name in COMMANDS], axis=0)
     driven = command[command > DRIVEN]
     ground = command < LEAST_COMMAND * (np.median(driven) if len(driven) else 1.0)
@@ -128,7 +127,7 @@ def vertical_speed(log: FlightLog, notes: list[str]) -> Signal | None:
 
 
 def _windows(times: Array, good: Mask, window_s: float) -> tuple[np.ndarray, np.ndarray, int]:
-    """Returns consecutive windows from the first good time to the last. Leaves out windows that contain a bad time."""
+    """Returns consecutive windows from the first to the last good time. Omits windows with a bad time."""
     places = np.flatnonzero(good)
     if len(places) < 2:
         return np.zeros(0, int), np.zeros(0, int), 0

@@ -19,7 +19,7 @@ DUTY = "1/65535"
 
 @dataclasses.dataclass(frozen=True)
 class Meaning:
-    """Describes a column: the signal that it contains, the unit of the column, and an additional factor."""
+    """The meaning of a column: its signal, its unit, and an additional factor."""
 
     signal: str
     unit: str
@@ -52,14 +52,13 @@ CRAZYFLIE: dict[str, Meaning] = (
 
 
 def signal_of(column: str, meaning: Meaning, times: Array, values: Array) -> Signal:
-    """Returns the known signal that a column contains, converted to the signal's unit."""
+    """Returns the known signal of a column in the signal's unit."""
     unit = UNITS[meaning.signal]
     return Signal(meaning.signal, unit, times, values * (_mebots.log_unit_factor(meaning.unit, unit) * meaning.scale), column)
 
 
 def named(columns: Iterable[tuple[str, Array, Array]], meanings: Mapping[str, Meaning]) -> list[Signal]:
-    """Returns signals for columns (name, times, values). Columns in ``meanings`` become known signals. All other columns keep their own
-    names."""
+    """Returns signals for columns (name, times, values). Columns in ``meanings`` become known signals; others keep their names."""
     found: dict[str, Signal] = {}
     order = {column: place for place, column in enumerate(meanings)}
     for column, times, values in sorted(columns, key=lambda one: order.get(one[0], len(order))):

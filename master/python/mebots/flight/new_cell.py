@@ -33,7 +33,7 @@ from mebots.flight.reading import read_log
 TEMPLATE = "bitcraze_250"
 LEAST_LOSS_V, LOSS_V, MOST_LOSS_V = 0.375, 0.46875, 0.5625
 OVERSTATED = 2.0
-RULE_C_RATES = (10, 40)  # range of C rates similar to those of the cells from which the voltage loss was taken
+RULE_C_RATES = (10, 40)  # C rates similar to those of the cells from which LOSS_V results
 SHORT_OF_CAPACITY = 0.1
 _ASSUMED = "assumed by mebots new-cell"
 
@@ -83,7 +83,7 @@ def new_cell(
 
 
 def _digits(value: float) -> float:
-    """Returns half a unit of the last digit of a printed number."""
+    """Returns half a unit of the last printed digit."""
     text = f"{value:.12f}".rstrip("0")
     places = len(text.partition(".")[2])
     return 0.5 * 10.0**-places
@@ -134,7 +134,7 @@ def _series_resistance(cell: dict[str, Any], capacity_mah: float, c_rate: float,
 
 
 def _fit_discharge(cell: dict[str, Any], raw: FlightLog, result: Identified) -> dict[str, Any]:
-    """Returns the cell after fitting its resistance, polarisation and capacity to a discharge from full charge."""
+    """Fits the cell's resistance, polarisation and capacity to a discharge from full charge."""
     log, findings = quality.clean(raw, cells=1)
     log.require(("battery.voltage", "battery.current"), "a discharge")
     voltage, current = log["battery.voltage"], log["battery.current"]

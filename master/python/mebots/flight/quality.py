@@ -1,16 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Finds bad samples of a log by rules, excludes them, and counts them.
 
-Every rule checks one signal. The rules are applied in this order. All rules exclude the samples that they find, except ``at_limit`` and
-``gap``, which only count them.
+Each rule checks one signal; the rules apply in this order. All rules except ``at_limit`` and ``gap`` exclude the samples that they find.
 
     not_finite    NaN or infinite, or an empty cell
-    time_back     its time is not later than that of the sample before it
+    time_back     not later than the sample before
     gap           the next sample is more than ``GAP_S`` and five sample times later
-    impossible    outside of the range that the quantity can have
-    straight      on one straight line for ``STRAIGHT_S``: a gap was filled by interpolation
+    impossible    outside the possible range of the quantity
+    straight      on a straight line for ``STRAIGHT_S``: interpolation filled a gap
     stuck         the same value for longer than ``STUCK_S`` while the motors are driven
-    wrong_speed   a rotor's speed is less than ``LEAST_SHARE`` of the median rotor's, though it is driven like the others
+    wrong_speed   a rotor is slower than ``LEAST_SHARE`` of the median rotor, though it is driven like the others
     not_a_turn    a quaternion whose length is not 1
     at_limit      a command at its upper limit: kept
 """
@@ -57,8 +56,8 @@ HIGHEST_CELL_V = 4.4
 
 @dataclasses.dataclass(frozen=True)
 class Finding:
-    """The number of samples of a signal that a rule found. ``first_s`` is the time of the first such sample, ``total``
-    the number of the signal's samples in the file.
+    """The number of samples that a rule found in a signal. ``first_s`` is the time of the first, ``total`` the number of the signal's
+    samples in the file.
     """
 
     signal: str
@@ -91,13 +90,13 @@ class _Cleaner:
             self.findings.append(Finding(name, rule, int(found.sum()), len(self.log[name]), first_s, excluded))
 
     def known(self) -> Iterator[str]:
-        """Yields the names of known signals that have samples."""
+        """Yields the names of known signals with samples."""
         return (name for name, signal in list(self.signals.items()) if _limits(name) is not None and len(signal))
 
 
 def clean(log: FlightLog, cells: int | None = None) -> tuple[FlightLog, list[Finding]]:
-    """Returns the log without its bad samples, and what the rules found. ``cells`` is the number of LiPo cells in series, if known.
-    Raises InputError if the clock jumps back permanently, or if most samples of a signal are impossible."""
+    """Returns the log without bad samples, and the findings. ``cells`` is the number of LiPo cells in series, if known. Raises InputError
+    if the clock jumps back permanently, or if most samples of a signal are impossible."""
     work = _Cleaner(log)
     for name in work.known():
         _check_times(work, name)
@@ -122,12 +121,12 @@ def clean(log: FlightLog, cells: int | None = None) -> tuple[FlightLog, list[Fin
 
 
 def gap_limit_s(signal: Signal) -> float:
-    """Returns the maximum time between two samples that does not count as a gap."""
+    """Returns the maximum time between two samples without a gap."""
     return max(GAP_S, 5 * signal.interval_s)
 
 
 def covered(signal: Signal, times: Array) -> Mask:
-    """True for times between two samples that have no gap between them."""
+    """True for times between two samples without a gap."""
     if len(signal) < 2:
         return np.zeros(len(times), bool)
     after = np.clip(np.searchsorted(signal.times, times, side="right"), 1, len(signal) - 1)
@@ -136,7 +135,7 @@ def covered(signal: Signal, times: Array) -> Mask:
 
 
 def counts(findings: list[Finding]) -> dict[str, int]:
-    """Returns the number of bad samples that each rule found in all signals."""
+    """Returns the number of bad samples of all signals by rule."""
     found: collections.Counter[str] = collections.Counter()
     for one in findings:
         found[one.rule] += one.count
@@ -175,7 +174,7 @@ def _beyond(signal: Signal, cells: int | None) -> Mask:
 
 
 def _require_possible(log: FlightLog, signal: Signal, bad: Mask, cells: int | None) -> None:
-    """Raises InputError if most samples are bad. In this case, the column has another unit or is another quantity."""
+    """Raises InputError if most samples are bad. The column then has another unit or quantity."""
     if not bad.size or bad.mean() <= MOST_IMPOSSIBLE:
         return
     low, high = _bounds(signal, cells)
@@ -187,7 +186,7 @@ def _require_possible(log: FlightLog, signal: Signal, bad: Mask, cells: int | No
 
 
 def _runs(same: Mask) -> Iterator[tuple[int, int]]:
-    """Yields the first and the last sample of each run of true entries. Entry i compares the samples i and i + 1."""
+    """Yields first and last sample of each run of true entries. Entry i compares the samples i and i + 1."""
     edges = np.flatnonzero(np.diff(np.r_[False, same, False].astype(np.int8)))
     return zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
 
@@ -201,7 +200,7 @@ def _stuck(signal: Signal, longest_s: float) -> Mask:
 
 
 def _straight(signal: Signal) -> Mask:
-    """True for samples on straight rising or falling lines. The accuracy is the rounding of the digits in the file."""
+    """True for samples on straight rising or falling lines, within the rounding of the file's digits."""
     bad = np.zeros(len(signal), bool)
     if len(signal) < 4:
         return bad
@@ -215,7 +214,7 @@ def _straight(signal: Signal) -> Mask:
 
 
 def mean_over(signal: Signal, times: Array) -> Array:
-    """Returns the mean of a signal over the time ``AVERAGE_S`` before each time."""
+    """Returns the mean of a signal over ``AVERAGE_S`` before each time."""
     if len(signal) < 2:
         return np.full(len(times), signal.values[0] if len(signal) else np.nan)
     total = np.r_[0.0, np.cumsum((signal.values[1:] + signal.values[:-1]) / 2 * np.diff(signal.times))]
@@ -225,7 +224,7 @@ def mean_over(signal: Signal, times: Array) -> Array:
 
 
 def _driven(signals: dict[str, Signal], times: Array) -> Mask:
-    """True at times at which a motor is driven. Always true if no command is known."""
+    """True when a motor is driven. Always true without a known command."""
     commands = [signals[name] for name in COMMANDS if name in signals and len(signals[name]) > 1]
     if not commands:
         return np.ones(len(times), bool)

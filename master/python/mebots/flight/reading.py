@@ -20,7 +20,7 @@ from mebots.flight.usd import read_usd
 
 
 def read_log(file: str | os.PathLike[str], mapping: str | os.PathLike[str] | None = None) -> FlightLog:
-    """Reads a flight log: a Crazyflie's uSD log, PX4's ULog, or CSV. The kind is recognised by its content.
+    """Reads a Crazyflie's uSD log, PX4's ULog, or CSV. Recognises the kind by its content.
 
     :param mapping: file (.json) that maps columns to signals. Required for CSV; optional for other logs.
     """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Implements ``mebots.replay``: runs a recorded flight on the models, and computes the errors of the models."""
+"""``mebots.replay``: runs a recorded flight on the models, and computes the errors of the models."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def replay(
     inverted = not any(name in raw for name in COMMANDS) and clean.has(["battery.voltage", POSITION[2]])
     if inverted:
         clean = with_commands(clean, flown)
-    with tempfile.TemporaryDirectory(prefix="mebots-replay-") as name:  # if the run fails, OUT is unchanged
+    with tempfile.TemporaryDirectory(prefix="mebots-replay-") as name:  # if the run fails, OUT stays unchanged
         traces = fly(clean, flown, pathlib.Path(name), step, initial_charge)
         mission = {file.name: file.read_bytes() for file in pathlib.Path(name).iterdir() if file.name in ("mission.json", "inputs.csv")}
     motion = None if inverted else motion_of(clean, flown, traces.times, traces.good, window, hover)
@@ -85,7 +85,7 @@ _FILES = ("mission.json", "inputs.csv", "errors.csv", "replay.json", "traces.csv
 
 
 def _make(folder: pathlib.Path) -> None:
-    """Creates the folder. Raises an error if no file can be written there, before the replay starts, because a replay takes minutes."""
+    """Creates the folder. Raises an error before the replay, which takes minutes, if no file can be written there."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -143,7 +143,7 @@ def _write(folder: pathlib.Path, result: Replay, mission: dict[str, bytes]) -> N
 
 
 def _finite(value: Any) -> Any:
-    """Replaces NaN by None, because JSON cannot represent NaN."""
+    """Replaces NaN by None for JSON."""
     if isinstance(value, dict):
         return {key: _finite(inner) for key, inner in value.items()}
     if isinstance(value, list):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes replay.html, which contains the curves and tables of a replay. web/src/report/replay.ts draws them."""
+"""Writes replay.html with the curves and tables of a replay. web/src/report/replay.ts draws the page."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def write_replay_page(file: pathlib.Path, result: Replay) -> None:
 
 
 def answer(result: Replay) -> str:
-    """Returns a sentence that states the most important errors."""
+    """Returns a sentence with the most important errors."""
     parts = []
     for quantity, what in (("battery.voltage", "voltage"), ("thrust.vertical", "vertical thrust")):
         found = [one for one in result.errors if one.quantity == quantity]
@@ -58,7 +58,7 @@ def _number(value: Any) -> Any:
 
 
 def _thin(values: np.ndarray, stride: int) -> list[float | None]:
-    """Returns every ``stride``-th value, rounded to ``_DIGITS``. Returns None where nothing was measured."""
+    """Returns every ``stride``-th value, rounded to ``_DIGITS``; None for missing values."""
     return [None if math.isnan(one) else float(f"{one:.{_DIGITS}g}") for one in values[::stride].tolist()]
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Contains the result of a replay: errors, findings and curves. Formats its table for a terminal."""
+"""The result of a replay: errors, findings and curves. Formats its table for a terminal."""
 
 from __future__ import annotations
 
@@ -22,9 +22,8 @@ FIELDS = ("quantity", "unit", "model", "n", "excluded", "measured", "mean", "rms
 
 @dataclasses.dataclass(frozen=True)
 class Replay:
-    """Contains a replayed flight. ``errors`` contains a row for each measured quantity and each method by which it is computed.
-    ``findings`` contains the bad samples of the log. ``summary`` contains the energy and charge of the model, and notes on data that the
-    log lacks."""
+    """A replayed flight. ``errors`` has a row for each measured quantity and method. ``findings`` are the bad samples of the log.
+    ``summary`` contains the model's energy and charge, and notes on missing data."""
 
     log: FlightLog
     airframe: Airframe
@@ -35,7 +34,7 @@ class Replay:
     motion: Motion | None
 
     def error(self, quantity: str, model: str) -> ErrorRow:
-        """Returns the row of a quantity and a model. Raises KeyError if the quantity was not compared by this model."""
+        """Returns the row of a quantity and a model. Raises KeyError without such a row."""
         for one in self.errors:
             if (one.quantity, one.model) == (quantity, model):
                 return one
@@ -43,7 +42,7 @@ class Replay:
 
 
 def table(rows: Sequence[ErrorRow]) -> list[list[str]]:
-    """Returns the titles, followed by the rows as texts."""
+    """Returns the titles and the rows as texts."""
     return [list(FIELDS), *([_text(getattr(one, field)) for field in FIELDS] for one in rows)]
 
 
@@ -52,7 +51,7 @@ def _text(value: object) -> str:
 
 
 def shown(result: Replay) -> str:
-    """Formats the table and the notes for a terminal."""
+    """Returns table and notes as text for a terminal."""
     lines = table(result.errors)
     widths = [max(len(line[i]) for line in lines) for i in range(len(FIELDS))]
     text = ["  ".join(cell.ljust(width) if i < 3 else cell.rjust(width) for i, (cell, width) in enumerate(zip(line, widths, strict=True))).rstrip() for line in lines]
@@ -72,8 +71,7 @@ TRACE_INTERVAL_S = 0.02
 
 
 def curves(result: Replay) -> dict[str, np.ndarray]:
-    """Returns the curves of the model and of the measurement at intervals of ``TRACE_INTERVAL_S``. NaN marks times at which nothing was
-    measured."""
+    """Returns the curves of model and measurement at intervals of ``TRACE_INTERVAL_S``. NaN marks missing values."""
     traces = result.traces
     stride = max(1, round(TRACE_INTERVAL_S / float(traces.times[1] - traces.times[0])))
     times = traces.times[::stride]

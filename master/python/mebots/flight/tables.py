@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reader of logs in CSV. A mapping assigns columns to signals.
+"""Reads logs in CSV. A mapping assigns columns to signals.
 
     {"time": {"column": "t", "unit": "s"}, "columns": {"vbat": {"signal": "battery.voltage", "unit": "mV"}}}
 
-A table without times has "time": {"period": 0.01, "unit": "s"}. A second clock, "reference": {"column": ..., "unit": ...}, measures the
-drift of the first clock. The reader removes this drift from the times.
+A table without times has "time": {"period": 0.01, "unit": "s"}. With a second clock, "reference": {"column": ..., "unit": ...}, the reader
+removes the drift of the first clock.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _MOST_DRIFT = 0.05
 
 
 def read_table(file: pathlib.Path, mapping: dict[str, Any], meanings: dict[str, Meaning]) -> FlightLog:
-    """Reads a log in CSV with a mapping that ``reading`` has checked. Raises InputError with line and column."""
+    """Reads a log with a mapping that ``reading`` checked. Raises InputError with line and column if the log is invalid."""
     try:
         header, *rows = _mebots.read_csv(file)
     except UnicodeDecodeError as error:
@@ -44,7 +44,7 @@ def read_table(file: pathlib.Path, mapping: dict[str, Any], meanings: dict[str, 
 
 
 def _numbers(file: pathlib.Path, rows: list[list[str]], place: int, needed: bool) -> Array | None:
-    """Returns the values of a column. An empty cell becomes NaN. Returns None if the column contains texts and no signal needs it."""
+    """Returns the values of a column. Empty cells become NaN. Returns None for a column of texts that no signal needs."""
     cells = [row[place].strip() or "nan" for row in rows]
     try:
         return np.array(cells, dtype=np.float64)
@@ -83,7 +83,7 @@ def _clock(file: pathlib.Path, column: str, columns: dict[str, Array | None]) ->
 
 
 def _without_drift(file: pathlib.Path, times: Array, other: Array) -> tuple[Array, list[str]]:
-    """Converts times to the rate of the reference clock. The conversion is a line that is fitted to pairs of times of the two clocks."""
+    """Converts times to the rate of the reference clock by a line through pairs of times."""
     good = np.isfinite(times) & np.isfinite(other)
     if good.sum() < 2 or np.ptp(times[good]) <= 0:
         raise InputError(f"{file}: the reference clock has fewer than two times", "invalid_value")

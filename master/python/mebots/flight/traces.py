@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the commands of a log on the FMUs of motors and battery, in one run of the master.
+"""Runs the commands of a log on the FMUs of motors and battery.
 
-There are three instances. ``motors`` and ``battery`` are coupled as in a mission: only the commands, and the motion on
-which the power of a rotor depends, come from the log. ``motors_at_measured`` gets the measured voltage instead of the
-model's, so that errors of the cell do not affect it.
+The run has three instances. ``motors`` and ``battery`` are coupled as in a mission; only the commands, and the motion that affects the
+rotors' power, come from the log. ``motors_at_measured`` gets the measured voltage, so that errors of the cell do not affect it.
 """
 
 from __future__ import annotations
@@ -40,7 +39,7 @@ _DIGITS = 12
 
 @dataclasses.dataclass(frozen=True)
 class Traces:
-    """Contains the computed values at ``times`` (seconds since the start of the log), and the times at which they can be compared."""
+    """Computed values at ``times`` (seconds since the start of the log), and the times at which they can be compared."""
 
     times: Array
     good: Mask
@@ -67,8 +66,8 @@ class Traces:
 
 
 def fly(log: FlightLog, airframe: Airframe, folder: pathlib.Path | None, step_s: float, initial_charge: float | None) -> Traces:
-    """Runs the commands of the log. Writes the mission into ``folder``, so that ``mebots run`` can repeat it. If ``folder`` is None,
-    keeps no files."""
+    """Runs the commands of the log. Writes the mission into ``folder``, so that ``mebots run`` can repeat it. If ``folder`` is None, keeps
+    no files."""
     log.require(COMMANDS, "a replay without voltage and height")
     if folder is not None:
         return _Flight(log, airframe, folder, step_s).fly(initial_charge)
@@ -121,7 +120,7 @@ class _Flight:
         return Traces(times, good, logged, values, charge, self.settle_s, self.notes, float(values["battery.cell.capacity"][0]), cut_off_s)
 
     def _begin(self) -> tuple[float, float]:
-        """Returns two times: the end of the first part, which is not compared, and the end of the part over which the charge is fitted."""
+        """Returns the end of the first part, which is not compared, and the end of the part to which the charge is fitted."""
         driven = np.max([np.interp(self.grid, self.log[name].times, self.log[name].values) for name in COMMANDS], axis=0) > DRIVEN
         if not driven.any():
             self.notes.append(f"no command is above {DRIVEN:g}: the motors never start; check the unit of the commands in the mapping if they did")
@@ -131,13 +130,13 @@ class _Flight:
         return 0.0, min(rest_s, CHARGE_S)
 
     def _logged(self, times: Array) -> Mask:
-        """True at times before which all commands were logged without a gap for ``SETTLE_S``."""
+        """True at times for which the log has all commands without a gap during the ``SETTLE_S`` before."""
         logged = np.logical_and.reduce([covered(self.log[name], times) for name in COMMANDS])
         since = np.maximum.accumulate(np.where(logged, -np.inf, times))
         return (times >= self.start_s + self.settle_s) & (times - since > SETTLE_S)
 
     def _write_inputs(self, file: pathlib.Path) -> None:
-        """Writes one row for each communication point. A command keeps its value until the next command, as in the driver of the motors."""
+        """Writes one row per communication point. A command keeps its value until the next, as in the motors' driver."""
         columns = {"time": np.arange(self.steps + 1) * self.step_s}
         for name in COMMANDS:
             signal = self.log[name]
@@ -185,8 +184,8 @@ class _Flight:
         self.mission.write_text(json.dumps(config, indent=2) + "\n", encoding="utf-8")
 
     def _initial_charge(self) -> float:
-        """Returns the state of charge for which the model's mean voltage soon after the start equals the measured one. The polarisation
-        of the real cell is unknown; the model starts without polarisation."""
+        """Returns the state of charge for which the model's mean voltage soon after the start equals the measured one. The model starts
+        without polarisation, because that of the real cell is unknown."""
         if not self.has_voltage:
             self.notes.append("the log has no voltage that can be used: the model starts with a full cell")
             return 1.0

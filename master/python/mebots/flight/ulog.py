@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reader of PX4's ULog files, based on the package pyulog.
+"""Reads PX4's ULog files with the package pyulog.
 
-PX4's frames are north-east-down and forward-right-down; those of MEbots are east-north-up and forward-left-up. A mapping
-for a ULog may add columns, named ``message.field`` as in ``battery_status.current_a``.
+PX4's frames are north-east-down and forward-right-down; those of MEbots are east-north-up and forward-left-up. A mapping for a ULog may add
+columns with names ``message.field``, such as ``battery_status.current_a``.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ PX4: dict[str, Meaning] = {
 
 
 def read_ulog(file: pathlib.Path, meanings: Mapping[str, Meaning] = {}) -> FlightLog:
-    """Reads a log. ``meanings`` are added to PX4's names and take precedence. Raises InputError."""
+    """Reads a log. ``meanings`` extend PX4's names and take precedence. Raises InputError if the log is invalid."""
     data = file.read_bytes()
     if not data.startswith(MAGIC) or len(data) < _SIZE_OF_HEADER:
         raise InputError(f"{file}: byte 0: this is not the start of a ULog file; it is cut off, or of another kind", "syntax_error")
@@ -87,8 +87,8 @@ def _columns(parsed: Any) -> Iterator[tuple[str, Array, Array]]:
 
 
 def _attitude(times: Array, q: list[Array]) -> Iterator[tuple[str, Array, Array]]:
-    """Converts attitudes from (body forward-right-down to north-east-down) to (body forward-left-up to east-north-up). First applies a
-    half turn about the x axis of the body, and last exchanges the axes of the world."""
+    """Converts attitudes from (body forward-right-down to north-east-down) to (body forward-left-up to east-north-up): a half turn about
+    the body's x axis before, and an exchange of the world's axes after the rotation."""
     w, x, y, z = q
     w, x, y, z = -x, w, z, -y  # q * i
     half = np.sqrt(0.5)  # (i + j) / sqrt(2) rotates north-east-down to east-north-up

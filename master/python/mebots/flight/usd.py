@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reader of the binary logs that a Crazyflie writes to its micro-SD card (crazyflie-firmware, usddeck.c).
+"""Reads the binary logs on a Crazyflie's micro-SD card (crazyflie-firmware, usddeck.c).
 
     byte       0xBC
     uint16     version: 1 = times in milliseconds (uint32), 2 = times in microseconds (uint64)
@@ -9,7 +9,7 @@
     records    uint16 id of the event; time; the values of its variables, without padding
     uint32     CRC-32 of all bytes before it
 
-All numbers are little-endian. A truncated log, for example after the cell was empty, has no CRC.
+All numbers are little-endian. A log that an empty cell truncated has no CRC.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class _Kind:
 
 
 class _Reader:
-    """Reads numbers and names in their order. Stores the current position."""
+    """Reads numbers and names in order, and stores the current position."""
 
     def __init__(self, file: pathlib.Path, data: bytes) -> None:
         self.file, self.data, self.at = file, data, 0
@@ -69,15 +69,14 @@ class _Reader:
 
 
 def read_usd(file: pathlib.Path, meanings: Mapping[str, Meaning] = {}) -> FlightLog:
-    """Reads a log. ``meanings`` are added to the firmware's names and take precedence. Raises InputError."""
+    """Reads a log. ``meanings`` extend the firmware's names and take precedence. Raises InputError if the log is invalid."""
     log = _parse(file)
     columns = ((name, times, values) for _, times, kind in _tables(log) for name, values in kind.items())
     return log_of(file, "Crazyflie uSD log", named(columns, dict(meanings) | CRAZYFLIE), log.notes)
 
 
 def read_events(file: pathlib.Path) -> dict[str, dict[str, Array]]:
-    """Returns the unchanged columns of each kind of event, indexed by the name of the event. ``time`` is in seconds. Raises InputError
-    if the file is not a valid log."""
+    """Returns the unchanged columns of each kind of event by name. ``time`` is in seconds. Raises InputError if the log is invalid."""
     return {event: {"time": times, **columns} for event, times, columns in _tables(_parse(file))}
 
 
@@ -136,7 +135,7 @@ def _field(reader: _Reader) -> tuple[str, str]:
 
 
 def _walk(reader: _Reader, kinds: dict[int, _Kind], end: int, whole: bool) -> int:
-    """Stores the position of each record. Returns the end of the last complete record."""
+    """Stores the positions of records. Returns the end of the last complete record."""
     data, at = reader.data, reader.at
     while at + 2 <= end:
         (number,) = struct.unpack_from("<H", data, at)
@@ -155,7 +154,7 @@ def _walk(reader: _Reader, kinds: dict[int, _Kind], end: int, whole: bool) -> in
 
 
 def _tables(log: _Log) -> Iterator[tuple[str, Array, dict[str, Array]]]:
-    """Yields the name, times and columns of each kind of event that has records."""
+    """Yields name, times and columns of each kind of event with records."""
     raw = np.frombuffer(log.data, np.uint8)
     for kind in log.kinds.values():
         if not kind.offsets:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Implements ``mebots link``. The program is replaced by a Python interpreter, which runs this module. Parses the command line."""
+"""The command line of ``mebots link``. The program mebots starts a Python interpreter with this module."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ from mebots.mission import Scalar
 
 
 def main(words: list[str] | None = None) -> int:
-    """Runs the command. Returns the exit code."""
     given = _parser().parse_args(sys.argv[1:] if words is None else words)
     return guarded(lambda: _replay(given) if given.replay is not None else _serve(given))
 
@@ -99,8 +98,7 @@ def _replay(given: argparse.Namespace) -> None:
 
 
 def repeat(session: Session, recording: Recording, file: pathlib.Path) -> None:
-    """Passes recorded packets to a session at the times at which they were recorded. Raises InputError if a packet belongs to a drone
-    that the config does not have."""
+    """Passes recorded packets to a session at their recorded times. Raises InputError if the config lacks the drone of a packet."""
     for event in recording.events:
         if event.drone >= len(session.drones):
             raise InputError(f"{file}: a packet is for drone {event.drone + 1}, and the config has {len(session.drones)}", "invalid_value")
@@ -116,7 +114,7 @@ def _advance_to(session: Session, time_ms: int) -> None:
 
 
 def _stop_requests():
-    """Returns a function that returns True after SIGINT, SIGTERM or SIGHUP has arrived. Signals that are ignored (nohup) stay ignored."""
+    """Returns a function that returns True after SIGINT, SIGTERM or SIGHUP. Ignored signals (nohup) stay ignored."""
     requests = []
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) is not signal.SIG_IGN:

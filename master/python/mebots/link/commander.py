@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Stores the current set-point, and decides by priority which new set-point may replace it."""
+"""Stores the current set-point. Priorities decide whether a new set-point replaces it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Commander:
         self._stamp_ms = 0
 
     def set(self, setpoint: Setpoint, priority: Priority, now_ms: int) -> bool:
-        """Replaces the current set-point. If the current set-point has a higher priority, has no effect and returns False."""
+        """Replaces the current set-point. If the current one has a higher priority, returns False without effect."""
         if priority < self.priority:
             return False
         self.setpoint = setpoint

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Converts a set-point to the inputs of the simulated drone: velocity along the heading, yaw rate and altitude.
+"""Converts a set-point to inputs of the simulated drone: velocity along the heading, yaw rate and altitude.
 
-The simulated drone contains the firmware's loops for velocity and altitude, and all inner loops. This module adds the outer loop
-at the same 100 Hz: the firmware's proportional controller of the level position, limited to 1.1 times the greatest velocity.
+The simulated drone contains the firmware's loops for velocity and altitude, and all inner loops. This module adds the outer loop at the
+same 100 Hz: the firmware's proportional controller of the horizontal position, limited to 1.1 times the maximum velocity.
 
-Two set-points are handled differently from the firmware. For a set-point with a yaw, the yaw rate is that of the
-set-point plus 3 1/s times the error; with the firmware's 6 1/s, this second-order loop would have a damping of 0.71.
-For a set-point with a climb rate, the wanted altitude moves.
+Two set-points differ from the firmware. For a set-point with a yaw, the yaw rate is that of the set-point plus 3 1/s times the error; with
+the firmware's 6 1/s, this second-order loop would have a damping of 0.71. For a set-point with a climb rate, the wanted altitude moves.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ PERIOD_MS = 10
 _YAW_PER_S = 3.0
 _MOST_YAW_RATE_RAD_PER_S = 4.0
 _LIMIT_FACTOR = 1.1
-_MOST_LEAD_M = 0.55  # maximum distance between the wanted and the current altitude: the cascade's 1.1 m/s divided by its 2 1/s
+_MOST_LEAD_M = 0.55  # maximum distance of wanted and current altitude: the cascade's 1.1 m/s divided by its 2 1/s
 
 
 class Mode(enum.IntEnum):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Defines CRTP packets. A packet consists of a header byte and up to 30 bytes, and is transferred as one datagram."""
+"""CRTP packets: a header byte and up to 30 bytes in one datagram."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Port(enum.IntEnum):
 
 
 class Errno(enum.IntEnum):
-    """Error numbers in answers. They are those of the firmware's C library."""
+    """Error numbers in answers, which are those of the firmware's C library."""
 
     NONE = 0
     NOT_PERMITTED = 1
@@ -39,7 +39,7 @@ class Errno(enum.IntEnum):
 
 
 class Packet(NamedTuple):
-    """A CRTP packet. In the header, bits 7 to 4 contain the port, and bits 1 and 0 the channel. Bits 3 and 2 are ignored."""
+    """A CRTP packet. Bits 7 to 4 of the header are the port, bits 1 and 0 the channel. Bits 3 and 2 are ignored."""
 
     port: int
     channel: int
@@ -47,7 +47,7 @@ class Packet(NamedTuple):
 
     @staticmethod
     def parse(datagram: bytes) -> Packet | None:
-        """Returns the packet that a datagram contains. Returns None if the datagram is empty or too long for a packet."""
+        """Returns the packet in a datagram, or None if the datagram is empty or too long."""
         if not 1 <= len(datagram) <= 1 + MAX_DATA:
             return None
         return Packet(datagram[0] >> 4, datagram[0] & 0x03, datagram[1:])
@@ -57,5 +57,5 @@ class Packet(NamedTuple):
         return bytes([self.port << 4 | self.channel]) + self.data
 
     def answer(self, data: bytes) -> Packet:
-        """Returns a packet that contains ``data`` and has the same port and channel."""
+        """Returns a packet with ``data`` and the same port and channel."""
         return Packet(self.port, self.channel, data)

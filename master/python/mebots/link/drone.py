@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Simulates the part of a drone's firmware that is between the link and the simulated controller.
+"""The part of a drone's firmware between the link and the simulated controller.
 
 Its behaviour depends only on packets, readings and simulated time, so that a recorded run can be repeated.
 """
@@ -57,7 +57,7 @@ class Drone:
 
     @property
     def is_powered(self) -> bool:
-        """Returns False if the protection of the battery has opened. In this case, the drone does not answer."""
+        """Returns False if the battery's protection has opened. The drone then does not answer."""
         return self.now.bus_voltage_v >= _LEAST_SUPPLY_V
 
     @property
@@ -70,7 +70,7 @@ class Drone:
         return self.supervisor.info(self._planner.is_active, finished, self._planner.state == PlannerState.DISABLED)
 
     def handle(self, packet: Packet) -> list[Packet]:
-        """Returns the answers of the drone to a packet that arrives now."""
+        """Returns the drone's answers to a packet that arrives now."""
         if not self.is_powered:
             return []
         if packet == _NULL:
@@ -93,7 +93,7 @@ class Drone:
         return self._loop.update(self.setpoint if allowed else OFF, self.now, self.supervisor.state == supervisor.State.LEVEL_OUT)
 
     def advance(self, now: Readings) -> list[Packet]:
-        """Stores the readings at the end of the period. Returns the packets that the drone sends without a request."""
+        """Stores the readings at the end of a period. Returns packets that the drone sends without a request."""
         self.now = now
         self.now_ms += PERIOD_MS
         if not self.is_powered:
@@ -132,7 +132,7 @@ class Drone:
             return [packet.answer(packet.data[:1] + answers[command])] if command in answers else []
         if packet.channel != _COMMAND_CHANNEL:
             return []
-        if command == 1 and len(packet.data) > 1:  # older clients arm by this port
+        if command == 1 and len(packet.data) > 1:  # older clients arm on this port
             armed = self.supervisor.arm(packet.data[1] != 0)
             return [packet.answer(bytes([command, armed, self.info >> 1 & 1]))]
         if command == 2:
@@ -159,9 +159,8 @@ class Drone:
             self._planner.stop()
 
     def _is_farewell(self, packet: Packet) -> bool:
-        """True for the set-points of zeros that cflib sends when it closes a link. With a real radio, the driver closes before they are
-        sent. A drone under the high-level commander would treat them as new set-points, and would lock itself because no further
-        set-points follow."""
+        """True for the zero set-points that cflib sends when it closes a link. With a real radio, the driver closes before they are sent.
+        Under the high-level commander, the drone would treat them as new set-points, and lock itself because no others follow."""
         return packet.port == Port.SETPOINT and not any(packet.data) and self._commander.priority != Priority.CLIENT
 
     def _follow_planner(self) -> None:
@@ -191,7 +190,7 @@ class Drone:
             self._print("LINK: the simulated controller is PID (1)\n")
         elif name == "stabilizer.estimator" and value not in (0, KALMAN):
             self._print_once("LINK: only the config can select the estimator\n")
-        elif name in _LIMITED and not 0.0 <= value <= _MOST_GAIN:  # false for NaN, too
+        elif name in _LIMITED and not 0.0 <= value <= _MOST_GAIN:  # also false for NaN
             self._parameters.set(name, min(max(value, 0.0), _MOST_GAIN) if math.isfinite(value) else 0.0)
             self._print(f"LINK: {name} must be from 0 to {_MOST_GAIN:g}\n")
         elif name.partition(".")[2] in FIXED.get(name.partition(".")[0], ()):

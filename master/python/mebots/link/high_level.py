@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Handles commands that a client sends to the high-level commander (port 8)."""
+"""Handles commands to the high-level commander (port 8)."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ _IN_MEMORY, _POLYNOMIALS = 1, 0
 
 
 class _Trajectory(NamedTuple):
-    place: int = 0  # 0: no trajectory is defined
+    place: int = 0  # 0: undefined trajectory
     kind: int = 0
     offset: int = 0
     pieces: int = 0
 
 
 class HighLevel:
-    """Decodes commands, and passes them to the planner.
+    """Decodes commands and passes them to the planner.
 
     :param supervisor: permits or rejects flights.
     :param memory: the uploaded trajectories.
@@ -55,8 +55,8 @@ class HighLevel:
         return work(self, values, time_s)
 
     def _fly(self, group: int) -> Errno | None:
-        """Returns None if a command for this group can be executed. Otherwise, returns its answer: BUSY if the drone cannot fly, NONE (no
-        error) if the drone is not in the group."""
+        """Returns None if a command for this group can be executed. Otherwise, returns the answer: BUSY if the drone cannot fly, NONE (no
+        error) if it is not in the group."""
         if not self._supervisor.can_fly:
             return Errno.BUSY
         return None if self._is_in(group) else Errno.NONE
@@ -94,7 +94,7 @@ class HighLevel:
         return self._vertical(self._timed(values, -1.0, "vland"), time_s, self._planner.land)
 
     def _timed(self, values: tuple, direction: float, default: str) -> tuple:
-        """Returns the values of a command in which the speed is replaced by a duration."""
+        """Returns the values of a command with a duration in place of the speed."""
         group, height_m, relative, yaw_rad, keeps_yaw, speed_m_per_s = values
         now_m = self._planner.last.position_m[2]
         if relative:
@@ -135,7 +135,7 @@ class HighLevel:
         if refused is not None:
             return refused
         if number >= _DEFINITIONS or self._trajectories[number].place != _IN_MEMORY:
-            return Errno.NONE  # the same answer as that of the firmware
+            return Errno.NONE  # same answer as the firmware
         trajectory = self._trajectories[number]
         pieces = self._pieces(trajectory)
         if trajectory.kind != _POLYNOMIALS or not pieces or not time_scale > 0.0:
@@ -144,7 +144,7 @@ class HighLevel:
         return Errno.NONE
 
     def _pieces(self, trajectory: _Trajectory) -> list[Piece]:
-        """Returns the pieces of a trajectory. Returns no pieces if the trajectory is not inside the memory."""
+        """Returns the pieces of a trajectory. Empty if the trajectory is not inside the memory."""
         end = trajectory.offset + trajectory.pieces * PIECE_BYTES
         if end > len(self._memory):
             return []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Handles log blocks: groups of variables that a client receives periodically (port 5)."""
+"""Handles log blocks, which are groups of variables that a client receives periodically (port 5)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from mebots.link.toc import Toc
 CONTROL_CHANNEL, DATA_CHANNEL = 1, 2
 MOST_BLOCKS, MOST_VARIABLES, MOST_BYTES = 16, 128, 26
 _DELETE, _START, _STOP, _RESET, _CREATE, _APPEND, _START_MS = 2, 3, 4, 5, 6, 7, 8
-_FIELD_BYTES = 3  # a field contains the type and number of a variable
+_FIELD_BYTES = 3  # type and number of a variable
 
 
 @dataclasses.dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Variable:
 @dataclasses.dataclass
 class _Block:
     fields: list[tuple[Variable, Scalar]] = dataclasses.field(default_factory=list)
-    period_ms: int = 0  # 0: the block is stopped
+    period_ms: int = 0  # 0: stopped
     next_ms: int = 0
 
     def size(self) -> int:
@@ -36,7 +36,7 @@ class _Block:
 
 
 class Log:
-    """Implements the log subsystem of one drone."""
+    """The log subsystem of a drone."""
 
     def __init__(self, variables: Sequence[Variable]) -> None:
         self._variables = variables
@@ -54,7 +54,7 @@ class Log:
         return [packet.answer(bytes([data[0], data[1], error])), *answers]
 
     def due(self, now_ms: int) -> list[Packet]:
-        """Returns the packets of those blocks whose period has passed."""
+        """Returns the packets of the blocks that are due."""
         packets = []
         for number, block in self._blocks.items():
             if block.period_ms == 0 or block.next_ms > now_ms:
@@ -91,7 +91,7 @@ class Log:
 
     def _start(self, number: int, period_ms: int, now_ms: int, answers: list[Packet]) -> None:
         block = self._blocks[number]
-        if period_ms == 0:  # the block is sent only once
+        if period_ms == 0:  # sends the block once
             answers.append(_packet(number, block, now_ms))
             return
         block.period_ms = period_ms
@@ -118,5 +118,5 @@ def _packet(number: int, block: _Block, now_ms: int) -> Packet:
 
 
 def _stored(variable: Variable) -> float:
-    """Returns the value that the drone's type can store: a voltage of 3.7 becomes 3 in an integer."""
+    """Returns the value as the drone's type stores it: an integer stores 3 for a voltage of 3.7."""
     return variable.scalar.unpack(variable.scalar.pack(variable.read()))

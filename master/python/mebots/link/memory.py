@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Handles memories that a client reads and writes (port 4). A drone has one memory, which contains uploaded trajectories."""
+"""Handles memories that a client reads and writes (port 4). A drone has one memory for uploaded trajectories."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _TRAJECTORY_TYPE = 0x12
 _INFO_CHANNEL, _READ_CHANNEL, _WRITE_CHANNEL = 0, 1, 2
 _COUNT, _DETAILS = 1, 2
 _SERIAL_NUMBER = bytes(8)
-_ADDRESS_BYTES = 5  # number of the memory, and address in it
+_ADDRESS_BYTES = 5  # number of the memory and address
 
 
 class Memories:

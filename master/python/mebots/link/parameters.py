@@ -37,7 +37,7 @@ class Parameter:
 
 
 class Parameters:
-    """Contains the parameters of one drone.
+    """The parameters of a drone.
 
     :param changed: called with the full name after a client has written a value.
     """
@@ -56,13 +56,13 @@ class Parameters:
         return self._parameters[number].scalar.unpack(self._bytes[number])
 
     def set(self, full_name: str, value: float) -> None:
-        """Changes a value without a request of the client. ``updates`` then returns a notification for the client."""
+        """Changes a value without a request. ``updates`` then notifies the client."""
         number = self._numbers[full_name]
         self._bytes[number] = self._parameters[number].scalar.pack(value)
         self._updates.append(Packet(Port.PARAMETERS, _OTHER_CHANNEL, bytes([_UPDATED]) + number.to_bytes(2, "little") + self._bytes[number]))
 
     def updates(self) -> list[Packet]:
-        """Returns the notifications since the last call, and deletes them."""
+        """Returns and deletes the notifications since the last call."""
         packets, self._updates = self._updates, []
         return packets
 
@@ -83,7 +83,7 @@ class Parameters:
         return [packet.answer(head + self._bytes[number]), *self._notify(number)]
 
     def _write(self, number: int, value: bytes) -> bool:
-        """Writes a value. Returns False if the client has sent too few bytes."""
+        """Writes a value. Returns False if the client sent too few bytes."""
         size = self._parameters[number].scalar.size
         if len(value) < size:
             return False

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Implements the planner of the high-level commander. Converts commands for take-off, landing, go-to, spiral and trajectory to a goal at
-each time."""
+"""The planner of the high-level commander. Converts take-off, landing, go-to, spiral and trajectory commands to a goal at each time."""
 
 from __future__ import annotations
 
@@ -13,15 +12,15 @@ from mebots.link.trajectories import ZERO, Ends, Goal, Path, Piece, Vector, betw
 
 
 class State(enum.Enum):
-    IDLE = enum.auto()  # the motors are off
+    IDLE = enum.auto()  # motors off
     FLYING = enum.auto()
     LANDING = enum.auto()
     DISABLED = enum.auto()
 
 
 class Planner:
-    """Contains the state of the planner, and the last goal, at which new paths start. While no path is active, ``rest`` sets the goal to
-    the current state of the drone."""
+    """The state of the planner, and the last goal, at which new paths start. Without an active path, ``rest`` sets the goal to the drone's
+    current state."""
 
     def __init__(self) -> None:
         self.state = State.IDLE
@@ -42,8 +41,7 @@ class Planner:
         self.last = Goal(position_m, velocity_m_per_s, ZERO, yaw_rad, 0.0)
 
     def goal(self, time_s: float) -> Goal | None:
-        """Returns the goal of the active path at this time. Returns None if no path is active. Sets the state to IDLE if a landing has
-        ended."""
+        """Returns the goal of the active path at this time, or None. Sets the state to IDLE after the end of a landing."""
         if self.state == State.LANDING and self.has_finished(time_s):
             self.state = State.IDLE
         if not self.is_active or self._path is None:
@@ -86,9 +84,8 @@ class Planner:
 
     def spiral(self, angle_rad: float, radii_m: tuple[float, float], ascent_m: float, duration_s: float, time_s: float, *,
                sideways: bool, clockwise: bool) -> None:  # fmt: skip
-        """Starts a spiral: the drone moves by the angle about a centre, while the distance changes from the first
-        radius to the second. The nose points along the circle. With ``sideways``, it points to the centre (clockwise)
-        or away from it."""
+        """Starts a spiral: the drone moves by the angle about a centre, while the distance changes from the first radius to the second. The
+        nose points along the circle. With ``sideways``, it points to the centre (clockwise) or away from it (counter-clockwise)."""
         angle_rad = min(max(angle_rad, -2.0 * math.pi), 2.0 * math.pi)
         first_m, last_m = max(radii_m[0], 0.0), max(radii_m[1], 0.0)
         if not duration_s > 0.0:
@@ -98,7 +95,7 @@ class Planner:
         yaw_rad = wrapped(begin.yaw_rad)
         turn_rad_per_s = -sense * angle_rad / duration_s
         growth_m_per_s = (last_m - first_m) / duration_s
-        # This is the angle from the nose to the direction from the centre to the drone.
+        # Angle from the nose to the direction from the centre to the drone.
         lead_rad = (math.pi if clockwise else 0.0) if sideways else 0.5 * math.pi * sense
         ends = []
         for radius_m, heading_rad in ((first_m, yaw_rad), (last_m, yaw_rad - sense * angle_rad)):
@@ -120,8 +117,8 @@ class Planner:
         self._fly(start, end, duration_s, time_s)
 
     def follow(self, pieces: Sequence[Piece], time_scale: float, time_s: float, *, relative: bool, turned: bool, backwards: bool) -> None:
-        """Flies an uploaded trajectory. If ``relative`` is true, the trajectory starts at the drone's position. If ``turned`` is also
-        true, it is rotated by the drone's yaw."""
+        """Flies an uploaded trajectory. If ``relative``, it starts at the drone's position; if also ``turned``, it is rotated by the
+        drone's yaw."""
         path = Path(pieces, time_s, time_scale, backwards)
         if relative:
             first = path.at(time_s)
@@ -153,5 +150,5 @@ class Planner:
 
 
 def _nearest(angle_rad: float, to_rad: float) -> float:
-    """Returns the first angle, changed by full turns so that it is as near as possible to the second angle."""
+    """Returns the angle, changed by full turns, that is nearest to the second angle."""
     return to_rad + wrapped(angle_rad - to_rad)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads and writes the variables of a mission that belong to one linked drone."""
+"""Reads and writes a linked drone's variables in a mission."""
 
 from __future__ import annotations
 
@@ -75,12 +75,12 @@ def _variable(world: str, number: int | None, name: str) -> str:
 
 
 def _instance_of(variable: str | None, names: list[str]) -> str | None:
-    """Returns the instance to which a variable belongs. Names may contain dots, but no instance's name is the beginning of another name."""
+    """Returns the instance of a variable. Names may contain dots, but no instance's name starts another name."""
     return next((name for name in names if variable is not None and variable.startswith(name + ".")), None)
 
 
 class Plant:
-    """Accesses a drone in a mission that has already started."""
+    """A drone in a started mission."""
 
     def __init__(self, mission: Mission, parts: Parts) -> None:
         self._mission = mission

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Computes the state of the battery: its voltage, its warnings, and the time without supply."""
+"""The battery: voltage, warnings, and the time without supply."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ class Power:
 
     @property
     def level(self) -> int:
-        """Returns the state of charge in % for a voltage, in steps of 10."""
+        """Returns the state of charge for the voltage, in % and steps of 10."""
         return 10 * min(sum(self.voltage_v > one for one in _CHARGE_CURVE_V), 9)
 
     def update(self, voltage_v: float, low_v: float, now_ms: int) -> str | None:
-        """Measures the voltage. Returns a text for the console if the state has changed."""
+        """Stores the voltage. If the state changes, returns a text for the console."""
         before = self.state
         self.voltage_v = voltage_v
         if voltage_v > low_v:

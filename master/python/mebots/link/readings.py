@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Contains the measured state of a drone and of its battery at one time."""
+"""The measured state of a drone and its battery at one time."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from mebots.link.trajectories import Vector
 
 
 class Readings(NamedTuple):
-    position_m: Vector  # in the world frame, as estimated by the drone
+    position_m: Vector  # in the world frame, as the drone estimates it
     velocity_m_per_s: Vector
     roll_rad: float
     pitch_rad: float  # positive: nose down
     yaw_rad: float
-    rates_rad_per_s: Vector  # measured by the gyroscope about the axes of the body
-    acceleration_m_per_s2: Vector  # measured by the accelerometer: specific force along the axes of the body
-    motors: tuple[float, float, float, float]  # duty cycles of the motors
-    range_m: float  # distance measured below the drone
+    rates_rad_per_s: Vector  # about the body's axes, from the gyroscope
+    acceleration_m_per_s2: Vector  # specific force along the body's axes, from the accelerometer
+    motors: tuple[float, float, float, float]  # duty cycles
+    range_m: float  # distance to the ground below the drone
     bus_voltage_v: float
     crashed: bool
 

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads and writes recordings. A recording contains the packets that drones received and their simulated times, so that the run can be
-repeated.
+"""Reads and writes recordings: the packets that drones received and their simulated times. A recording can repeat the run.
 
-A recording has one line of JSON for the settings, one for each packet, and one for the end:
+A recording has one line of JSON for the settings, one per packet, and one for the end:
 
     {"mebots": "0.2.0", "drones": 1, "spacing": 1.0, "decks": ["bcFlow2"], "set": {}, "stop_time": null}
     {"ms": 1230, "drone": 1, "packet": "ff"}
@@ -41,7 +40,7 @@ class Recording:
 
 
 class Recorder:
-    """Writes a recording. ``write`` only buffers lines. After ``flush``, they are in the file.
+    """Writes a recording. ``write`` buffers lines, ``flush`` writes them to the file.
 
     :param most_bytes: size from which ``is_full`` is True. The end of the recording still fits.
     """
@@ -71,7 +70,7 @@ class Recorder:
 
 
 def read_recording(file: pathlib.Path) -> Recording:
-    """Reads a recording. Raises InputError that names the wrong line."""
+    """Reads a recording. Raises InputError with the line if the recording is invalid."""
     try:
         lines = file.read_text(encoding="ascii").splitlines()
     except (OSError, UnicodeDecodeError) as error:
@@ -105,7 +104,7 @@ class _Reader:
                 self.events.append(self._event(content))
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             if is_last and isinstance(error, json.JSONDecodeError) and self.settings is not None:
-                return  # the run was killed while it wrote this line
+                return  # the killed run did not complete this line
             reason = f"key {error} is missing" if isinstance(error, KeyError) else error
             raise InputError(f"{self._file}:{number}: this is no line of a recording by `mebots link`: {reason}", "invalid_value") from None
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Defines the types of log variables and parameters, and how their values are stored as bytes."""
+"""The types of log variables and parameters, and their representation as bytes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import struct
 
 @dataclasses.dataclass(frozen=True)
 class Scalar:
-    """Describes a type: its numbers in the tables of log variables and of parameters, and its code in the module struct."""
+    """A type with its numbers in the tables of log variables and parameters, and its code in the module struct."""
 
     log_number: int
     parameter_number: int
@@ -25,8 +25,8 @@ class Scalar:
         return self.code in "ef"
 
     def pack(self, value: float) -> bytes:
-        """Converts a value to bytes. For an integer type, truncates towards zero and wraps, as a conversion in C does on the drone's
-        processor. A float out of range becomes infinite. NaN becomes the integer 0."""
+        """Converts a value to bytes. For an integer type, truncates towards zero and wraps, as in C on the drone's processor. A float out
+        of range becomes infinite. NaN becomes the integer 0."""
         if self.is_float:
             try:
                 return struct.pack("<" + self.code, value)
@@ -36,7 +36,7 @@ class Scalar:
         return (whole % (1 << 8 * self.size)).to_bytes(self.size, "little")
 
     def unpack(self, data: bytes) -> float:
-        """Returns the value that the first ``size`` bytes contain."""
+        """Returns the value in the first ``size`` bytes."""
         return struct.unpack_from("<" + self.code, data)[0]
 
 

@@ -17,17 +17,17 @@ from mebots.link.recording import Event, Recorder
 from mebots.link.session import Session
 
 _PERIOD_S = PERIOD_MS / 1000.0
-_MOST_BEHIND_S = 0.4  # less than the 0.5 s after which a drone without new set-points levels out
+_MOST_BEHIND_S = 0.4  # less than the 0.5 s after which a drone without set-points levels out
 _REPORT_S = 5.0
 _FLUSH_MS = 1000
 _WAIT_S = 0.2
-_MOST_IN_PERIOD = 64  # for each drone; a radio transfers about 10
+_MOST_IN_PERIOD = 64  # per drone; a radio transfers about 10
 _DATAGRAM_BYTES = 2048
 
 
 class Pace:
-    """Determines at which wall-clock time each period starts. After a delay of up to 0.4 s, the simulation catches up. After a longer
-    delay, all later periods are delayed, too."""
+    """Determines when each period starts. After a delay of up to 0.4 s, the simulation catches up. A longer delay also delays all later
+    periods."""
 
     def __init__(self, clock: Callable[[], float], report: Callable[[str], None]) -> None:
         self._clock = clock
@@ -56,7 +56,7 @@ class Pace:
 
 
 class Server:
-    """Answers on ports from ``port``, one per drone. A drone without power closes its port, so that a client sees the link fail.
+    """Answers on the ports from ``port``, one per drone. A drone without power closes its port, so that a client notices the failure.
 
     :param recorder: records every packet; None = no recording.
     """
@@ -74,8 +74,8 @@ class Server:
             self._open(index, host, port + index)
 
     def serve(self, idle_s: float | None, is_stopped: Callable[[], bool]) -> None:
-        """Waits for the first datagram, then runs until the missions end, ``is_stopped`` returns True, no datagram has
-        arrived for ``idle_s``, or the recording is full."""
+        """Waits for the first datagram. Then runs until the missions end, ``is_stopped`` returns True, no datagram arrives for ``idle_s``,
+        or the recording is full."""
         while not is_stopped() and not self._selector.select(_WAIT_S):
             pass
         self._heard_s = time.monotonic()
@@ -118,7 +118,7 @@ class Server:
             self._left[index] = _MOST_IN_PERIOD
 
     def _receive(self, deadline_s: float) -> None:
-        """Answers datagrams, but only until the deadline. Therefore a flood of datagrams does not stop simulated time."""
+        """Answers datagrams until the deadline, so that a flood of datagrams does not stop simulated time."""
         while True:
             ready = self._selector.select(max(deadline_s - time.monotonic(), 0.0))
             for key, _ in ready:
@@ -132,10 +132,10 @@ class Server:
         while self._left[index] > 0:
             try:
                 datagram, client = opened.recvfrom(_DATAGRAM_BYTES)
-            except OSError:  # there are no more datagrams
+            except OSError:  # no more datagrams
                 return
             self._left[index] -= 1
-            if self._left[index] == 0:  # remaining packets stay in the socket until the next period
+            if self._left[index] == 0:  # later packets stay in the socket until the next period
                 self._selector.unregister(opened)
             packet = Packet.parse(datagram)
             if packet is None or self._is_own(client):
@@ -148,8 +148,8 @@ class Server:
                 self._send(index, answer)
 
     def _is_own(self, client: tuple) -> bool:
-        """True if the sender's address is an address of this server. Such an address is forged. If the server answered it, two drones
-        would answer each other without end."""
+        """True if the sender's address is an address of this server, which must be forged. If the server answered, two drones would answer
+        each other without end."""
         return client[1] in self._own_ports and _is_local(client[0])
 
     def _send(self, index: int, packet: Packet) -> None:
@@ -159,7 +159,7 @@ class Server:
         try:
             opened.sendto(packet.encode(), client)
         except OSError:
-            pass  # if the buffer is full, the packet is lost, as with a radio
+            pass  # the buffer is full; the packet is lost, as with a radio
 
     def _close_unpowered(self) -> None:
         for index, drone in enumerate(self._session.drones):
@@ -179,7 +179,7 @@ class Server:
 
 @functools.lru_cache(maxsize=64)
 def _is_local(address: str) -> bool:
-    """True if the address belongs to this computer. Tries to bind a socket to it, which is possible only for such an address."""
+    """True if the address belongs to this computer. Only such an address can be bound to a socket."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
             probe.bind((address, 0))

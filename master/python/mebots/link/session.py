@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs linked drones: connects the simulated firmware of drones to their missions."""
+"""Connects the simulated firmware of drones to their missions."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ MOST_DRONES = 100
 
 @dataclasses.dataclass(frozen=True)
 class Settings:
-    """Contains the settings of a run, which are also part of its recording.
+    """The settings of a run, which its recording contains.
 
     :param drones: number of runs of the config, each with its own world.
     :param spacing: distance between the starts of these runs along y [m].
@@ -51,11 +51,9 @@ class Settings:
 
 
 class Session:
-    """Simulates drones on a common clock. Only ``handle`` and ``advance`` change the state of a session; therefore equal calls result in
-    equal bits.
+    """Simulates drones on a common clock. Only ``handle`` and ``advance`` change the state, so equal calls give equal bits.
 
-    :param out: folder for the results; None = no files. If there are several runs, each has a folder in it: "drone1"
-    and so on.
+    :param out: folder for the results; None = no files. With several runs, each has a subfolder "drone1" and so on.
     """
 
     def __init__(self, config: str | os.PathLike[str], settings: Settings, out: pathlib.Path | None) -> None:
@@ -79,7 +77,7 @@ class Session:
             raise
         self.drones = [Drone(settings.decks, plant.read()) for plant in self._plants]
         self._start_s = self._missions[0].time
-        self.time_ms = 0  # simulated time since the start
+        self.time_ms = 0  # since the start
         self._hash = hashlib.sha256()
 
     @property
@@ -99,14 +97,14 @@ class Session:
         return next((mission.end_text for mission in self._missions if mission.ended), "")
 
     def handle(self, index: int, packet: Packet) -> list[Packet]:
-        """Returns the answers of a drone to a packet that arrives now."""
+        """Returns a drone's answers to a packet that arrives now."""
         answers = self.drones[index].handle(packet)
         self._note_packets(index, [packet, *answers])
         return answers
 
     def advance(self) -> list[tuple[int, Packet]]:
-        """Runs the missions for one period. No signal interrupts the period. Returns the packets that the drones send
-        without a request, each with the index of its drone."""
+        """Runs the missions for one period, which no signal interrupts. Returns packets that drones send without a request, with the index
+        of the drone."""
         for plant, drone in zip(self._plants, self.drones, strict=True):
             inputs = drone.control()
             plant.write(inputs)
@@ -124,7 +122,7 @@ class Session:
         return sent
 
     def close(self) -> None:
-        """Ends the missions at the current point, and writes their reports."""
+        """Ends the missions at the current point and writes their reports."""
         for mission in self._missions:
             mission.close()
 
@@ -152,7 +150,7 @@ def _offsets(config: Mapping[str, Any], parts: list[Parts], distance_m: float) -
 
 
 def _check_step(mission: Mission, file: str) -> None:
-    """Raises InputError unless each period of the link ends at a communication point."""
+    """Raises InputError unless each period ends at a communication point."""
     steps = PERIOD_MS / 1000.0 / mission.step_size
     if abs(steps - round(steps)) > 1e-9 or round(steps) < 1:
         raise InputError(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Decodes set-points that a client sends repeatedly (ports 3 and 7)."""
+"""Decodes set-points, which a client sends repeatedly (ports 3 and 7)."""
 
 from __future__ import annotations
 
@@ -18,13 +18,12 @@ _FULL_CLIMB = 32767.0
 
 @dataclasses.dataclass(frozen=True)
 class Setpoint:
-    """Contains a set-point for the drone. If the position, height or yaw is given, it takes precedence over the velocity, climb rate or
-    yaw rate."""
+    """A set-point. Position, height and yaw take precedence over velocity, climb rate and yaw rate."""
 
     motors: bool = True
-    position_m: tuple[float, float] | None = None  # horizontal position
-    velocity_m_per_s: tuple[float, float] = (0.0, 0.0)  # horizontal velocity
-    along_heading: bool = False  # true: the velocity is relative to the heading; false: in the world frame
+    position_m: tuple[float, float] | None = None  # horizontal
+    velocity_m_per_s: tuple[float, float] = (0.0, 0.0)  # horizontal
+    along_heading: bool = False  # True: relative to the heading; False: in the world frame
     height_m: float | None = None
     climb_m_per_s: float = 0.0
     yaw_rad: float | None = None
@@ -39,7 +38,7 @@ class Unsupported(Exception):
 
 
 def decode(packet: Packet, flags: Mapping[str, bool]) -> Setpoint | None:
-    """Returns the set-point in a packet; None if it contains none. Raises Unsupported.
+    """Returns the set-point in a packet, or None. Raises Unsupported if the simulated drone cannot follow it.
 
     :param flags: the parameters flightmode.althold, poshold and posSet.
     """
@@ -54,7 +53,7 @@ def decode(packet: Packet, flags: Mapping[str, bool]) -> Setpoint | None:
 
 
 def _sticks(values: tuple, flags: Mapping[str, bool]) -> Setpoint:
-    """Decodes roll, pitch, yaw and thrust. Parameters can change the meaning of these four values."""
+    """Decodes roll, pitch, yaw and thrust. Parameters can change their meanings."""
     roll, pitch, yaw, thrust = values
     if flags["posSet"] and thrust != 0:
         return Setpoint(position_m=(-pitch, roll), height_m=thrust / 1000.0, yaw_rad=yaw * _RADIANS)
@@ -90,15 +89,15 @@ def _position(values: tuple) -> Setpoint:
 
 
 def _full_state(values: tuple) -> Setpoint:
-    """Decodes position, velocity and acceleration in mm, attitude, and rates. The PID controller uses only position and yaw."""
+    """Decodes position, velocity and acceleration in mm, attitude, and rates. Uses only position and yaw, as the PID controller does."""
     w, x, y, z = _quaternion(values[9])
     yaw_rad = arc_tangent(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
     return Setpoint(position_m=(values[0] / 1000.0, values[1] / 1000.0), height_m=values[2] / 1000.0, yaw_rad=yaw_rad)
 
 
 def _quaternion(packed: int) -> tuple[float, float, float, float]:
-    """Decodes a quaternion of 32 bits. Returns w, x, y, z. Two bits contain the number of the largest component, in the order x, y, z,
-    w. This component is positive and is not stored. Each other component has a sign and nine bits, in units of 1 / (511 sqrt 2)."""
+    """Decodes a quaternion of 32 bits to w, x, y, z. Two bits are the number of the largest component in the order x, y, z, w. That
+    component is positive and omitted. Each other component has a sign and nine bits, in units of 1 / (511 sqrt 2)."""
     largest = packed >> 30
     components = [0.0, 0.0, 0.0, 0.0]
     for index in (3, 2, 1, 0):

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Implements the supervisor, which determines whether the drone may fly, is flying, has crashed or is locked (port 9).
+"""The supervisor, which determines whether the drone may fly, flies, has crashed or is locked (port 9).
 
-States and conditions are those of the firmware, for a drone that arms itself. A crash of the simulated drone counts as tumbled.
-This state is permanent, because the motors do not restart.
+States and conditions are those of the firmware, for a drone that arms itself. A crash of the simulated drone counts as tumbled. This state
+is permanent, because the motors do not restart.
 """
 
 from __future__ import annotations
@@ -110,7 +110,7 @@ class Supervisor:
         return []
 
     def arm(self, arms: bool) -> bool:
-        """Arms or disarms the drone. Returns False if the request is rejected."""
+        """Arms or disarms the drone. Returns False if it rejects the request."""
         if arms == self._armed:
             return True
         if arms and self.state != State.CHECKS_PASSED:
@@ -126,7 +126,7 @@ class Supervisor:
         return True
 
     def update(self, now: Readings, setpoint_age_ms: int, limits_ms: tuple[float, float], checks_tumbling: bool, now_ms: int) -> str | None:
-        """Updates the state. After a change, returns a text for the console.
+        """Updates the state. If it changes, returns a text for the console.
 
         :param limits_ms: longest times armed before a flight, and after a landing.
         """
@@ -150,7 +150,7 @@ class Supervisor:
         return _TEXTS.get(after)
 
     def _is_tilted(self, now: Readings, now_ms: int) -> bool:
-        """Returns True if the drone was tilted for a long time, or upside down for a shorter time. Time in free fall does not count."""
+        """True if the drone was tilted for a long time, or upside down for a shorter time. Free fall does not count."""
         x, y, z = (one / _G for one in now.acceleration_m_per_s2)
         if max(abs(x), abs(y), abs(z)) < _FREE_FALL_G:
             self._tilted_ms = None
@@ -163,8 +163,7 @@ class Supervisor:
         return since_ms > _TILTED_MS or (z < _UPSIDE_DOWN_G and since_ms > _UPSIDE_DOWN_MS)
 
     def _next(self, flying: bool, stop: bool, age_ms: int, limits_ms: tuple[float, float], now_ms: int) -> State | None:
-        """Returns the next state. Returns None if the state does not change. If several conditions are true, the first one determines
-        the next state."""
+        """Returns the next state, or None if it stays the same. The first true condition determines the state."""
         timed_out = age_ms > TIMEOUT_MS
         transitions: dict[State, tuple[tuple[bool, State], ...]] = {
             State.CHECKS_NOT_PASSED: ((stop, State.FREE_FALL), (not self.tumbled, State.CHECKS_PASSED)),

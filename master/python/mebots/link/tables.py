@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Lists the parameters and log variables of the simulated drone. They have the same names as in the firmware."""
+"""The parameters and log variables of the simulated drone, with the firmware's names."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ FIXED = {
 
 
 def parameters(decks: Iterable[str]) -> list[Parameter]:
-    """Returns the parameters. Their values are the defaults of the firmware."""
+    """Returns the parameters with the firmware's default values."""
     carried = set(decks)
     return [
         Parameter("stabilizer", "estimator", UINT8, KALMAN),
@@ -77,7 +77,7 @@ def parameters(decks: Iterable[str]) -> list[Parameter]:
 
 
 class Source(Protocol):
-    """The interface of a drone that provides the values of log variables."""
+    """The values of a drone from which log variables are read."""
 
     now: Readings
     power: Power
@@ -91,7 +91,6 @@ class Source(Protocol):
 
 
 def variables(drone: Source) -> list[Variable]:
-    """Returns the log variables of a drone."""
     groups: dict[str, list[tuple[str, Scalar, Callable[[], float]]]] = {
         "stabilizer": [*_attitude(drone, ("roll", "pitch", "yaw")), ("thrust", FLOAT, lambda: 65535.0 * sum(drone.now.motors) / 4.0)],
         "stateEstimate": [
@@ -142,6 +141,6 @@ def _vector(read: Callable[[], tuple[float, ...]], names: str, factor: float = 1
 
 
 def _attitude(drone: Source, names: tuple[str, str, str]) -> list:
-    """Returns the log variables of the attitude in degrees. In the firmware, the pitch is positive if the nose is up."""
+    """Returns the log variables of the attitude in degrees. The firmware's pitch is positive with the nose up."""
     reads = (lambda: drone.now.roll_rad, lambda: -drone.now.pitch_rad, lambda: drone.now.yaw_rad)
     return [(name, FLOAT, lambda read=read: _DEGREES * read()) for name, read in zip(names, reads, strict=True)]

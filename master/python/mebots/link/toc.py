@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Implements the tables of contents from which a client reads the names, types and numbers of log variables and parameters."""
+"""Tables of contents: clients read the names, types and numbers of log variables and parameters from them."""
 
 from __future__ import annotations
 
@@ -11,12 +11,11 @@ from mebots.link.crtp import Packet
 
 CHANNEL = 0
 _ITEM, _INFO = 2, 3
-_MOST_LETTERS = 24  # maximum length of group and name together
+_MOST_LETTERS = 24  # of group and name together
 
 
 class Toc:
-    """A table in version 2 of the protocol. The checksum covers names and types, because clients use it as the key of cached
-    tables.
+    """A table in protocol version 2. The checksum covers names and types, because clients cache tables by checksum.
 
     :param entries: group, name and type byte of each variable, in the order of their numbers.
     :param limits: bytes after the checksum in the answer about the whole table.

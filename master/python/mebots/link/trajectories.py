@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Computes paths. They consist of polynomials of degree 7 over time for x, y, z and yaw (Mellinger and Kumar, ICRA 2011)."""
+"""Paths of polynomials of degree 7 over time for x, y, z and yaw (Mellinger and Kumar, ICRA 2011)."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Goal(NamedTuple):
 
 
 class Ends(NamedTuple):
-    """Contains the value and the first two derivatives of a polynomial at one of its ends."""
+    """Value and first two derivatives at one end of a polynomial."""
 
     value: float
     rate: float = 0.0
@@ -42,9 +42,8 @@ class Ends(NamedTuple):
 def between(start: Ends, end: Ends, duration_s: float) -> list[float]:
     """Returns the coefficients of the polynomial of degree 7 between two ends without jerk, in ascending order.
 
-    With s = t / T and d = end - (start + v s T + a (s T)^2 / 2) and its derivatives at s = 1, d0, d1, d2, the terms of
-    degree 4 to 7 in s solve p(1) = d0, p'(1) = d1, p''(1) = d2, p'''(1) = 0. With a duration of 0, the polynomial is constant at
-    the end.
+    With s = t / T and d = end - (start + v s T + a (s T)^2 / 2) and its derivatives at s = 1, d0, d1, d2, the terms of degree 4 to 7 in s
+    solve p(1) = d0, p'(1) = d1, p''(1) = d2, p'''(1) = 0. With a duration of 0, returns the constant end.
     """
     if not duration_s > 0.0:
         return [end.value, end.rate, 0.5 * end.acceleration, 0.0, 0.0, 0.0, 0.0, 0.0]
@@ -67,7 +66,7 @@ def between(start: Ends, end: Ends, duration_s: float) -> list[float]:
 
 
 def _evaluate(coefficients: Sequence[float], t: float) -> tuple[float, float, float]:
-    """Returns the value and its first two derivatives, by Horner's rule."""
+    """Returns the value and its first two derivatives by Horner's method."""
     value = rate = half_acceleration = 0.0
     for coefficient in reversed(coefficients):
         half_acceleration = half_acceleration * t + rate
@@ -77,14 +76,14 @@ def _evaluate(coefficients: Sequence[float], t: float) -> tuple[float, float, fl
 
 
 class Piece(NamedTuple):
-    """Contains polynomials of x, y, z and yaw, and their duration."""
+    """Polynomials of x, y, z and yaw, and their duration."""
 
     axes: tuple[Sequence[float], Sequence[float], Sequence[float], Sequence[float]]
     duration_s: float
 
     @staticmethod
     def unpack(data: bytes) -> Piece:
-        """Returns the piece that ``PIECE_BYTES`` of an uploaded trajectory contain."""
+        """Returns the piece in ``PIECE_BYTES`` of an uploaded trajectory."""
         numbers = struct.unpack(f"<{4 * COEFFICIENTS + 1}f", data)
         x, y, z, yaw = (numbers[COEFFICIENTS * i : COEFFICIENTS * (i + 1)] for i in range(4))
         return Piece((x, y, z, yaw), numbers[-1])
@@ -95,7 +94,7 @@ class Piece(NamedTuple):
 
 
 class Path:
-    """A sequence of pieces, scaled in time, rotated and shifted. After its end, a path stays at its last point.
+    """A sequence of pieces, scaled in time, rotated and shifted. After its end, it stays at the last point.
 
     :param time_scale: factor of the duration; with 2, the path takes twice as long.
     :param backwards: True follows the path from its end to its start.
@@ -111,7 +110,7 @@ class Path:
         self._shift_m = ZERO
 
     def move(self, turn_rad: float, to_m: Vector) -> None:
-        """Rotates the path about the vertical axis through the origin. Then shifts it so that it starts at this point."""
+        """Rotates the path about the vertical axis through the origin. Then shifts it to start at this point."""
         self._turn_rad = turn_rad
         self._shift_m = ZERO
         x, y, z = self.at(self._begin_s).position_m

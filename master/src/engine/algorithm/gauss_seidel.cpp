@@ -10,8 +10,8 @@
 namespace mebots::master {
 namespace {
 
-/// Returns the order of the instances that the config states under `algorithm`. If it states none, returns the order of
-/// their declaration.
+/// Returns the order of the instances under `algorithm` in the config. If the config states no order, returns the order
+/// of declaration.
 std::vector<std::size_t> order_of(const SystemDescription& system) {
   std::vector<std::size_t> order(system.instances.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -61,7 +61,7 @@ class GaussSeidel final : public Algorithm {
           if (!slaves_->begins_step(i, span.from)) continue;
           const auto result = slaves_->finish(i, span, slaves_->step(i, span));
           if (auto end = slaves_->end_of(i, span.from, result)) {
-            ensemble.bring_back(before);  // returns to the last point that all slaves have reached
+            ensemble.bring_back(before);  // restores the outputs at the start of the step
             return end;
           }
         }

@@ -14,9 +14,9 @@
 namespace mebots::master {
 namespace {
 
-/// Divides the instances into groups; each group steps on one thread. An instance that reads a buffer must finish its
-/// step before the owner of the buffer steps. Therefore both are in one group, and the reader steps first. The members
-/// of a continuous system or of a clock group are in one group, too.
+/// Divides the instances into groups; each group steps on one thread. An instance that reads a buffer must step before
+/// the buffer's owner, so both are in the same group. The members of a continuous system or of a clock group also share
+/// a group.
 std::vector<std::vector<std::size_t>> groups_of(const ResolvedSystem& system, const Ensemble& ensemble) {
   std::vector<std::size_t> group(ensemble.size());
   std::iota(group.begin(), group.end(), std::size_t{0});
@@ -64,8 +64,7 @@ class Jacobi final : public Algorithm {
         if (slaves_->begins_step(i, span.from)) take(i, slaves_->step(i, span));
       }
     }
-    // All slaves have started their steps before this loop waits for the first pending step. Therefore pending steps
-    // run concurrently.
+    // All slaves have started their steps. This loop waits for pending steps, which run concurrently.
     for (auto& [i, result] : unfinished_) result = slaves_->finish(i, span, std::move(result));
     if (policy_) policy_->stepped();
     if (auto end = end_at(span.from)) return end;
@@ -84,7 +83,8 @@ class Jacobi final : public Algorithm {
     if (!result.done) unfinished_.emplace_back(slave, std::move(result));
   }
 
-  /// Returns why the run ends at t_k, if it does. An interrupt takes precedence over a slave's request to end the run.
+  /// Returns why the run ends at t_k, or nullopt if the run continues. An interrupt takes precedence over the request
+  /// of a slave.
   std::optional<End> end_at(std::int64_t k) const {
     std::optional<End> first;
     for (const auto& [i, result] : unfinished_) {
@@ -96,7 +96,7 @@ class Jacobi final : public Algorithm {
   }
 
   void step_at_the_same_time(const GridStep& span) {
-    if (!pool_) pool_ = std::make_unique<StepPool>(threads_);  // created when first needed
+    if (!pool_) pool_ = std::make_unique<StepPool>(threads_);
     messages_->hold();
     MEBOTS_ASSERT(threads_ >= 2 && !groups_.empty());
     pool_->run(groups_.size(), [this, &span](std::size_t group) {
@@ -113,7 +113,7 @@ class Jacobi final : public Algorithm {
         }
       }
     });
-    // Releases messages and throws errors in the same order as if the slaves had stepped one after the other.
+    // Releases messages and throws errors in the order of serial stepping.
     std::vector<std::string> speakers;
     std::exception_ptr first;
     for (const auto i : slaves_->ensemble().step_order()) {
@@ -122,7 +122,7 @@ class Jacobi final : public Algorithm {
       first = attempts_[i].error;
       const auto& result = attempts_[i].result;
       if (!first) take(i, result);
-      if (!result.done && !result.pending && !result.terminated) break;  // the run ends because of this slave
+      if (!result.done && !result.pending && !result.terminated) break;  // this slave ends the run
     }
     messages_->release(speakers);
     if (first) std::rethrow_exception(first);
@@ -131,9 +131,9 @@ class Jacobi final : public Algorithm {
   SlaveSteps* slaves_;
   OrderedMessages* messages_;
   std::vector<std::vector<std::size_t>> groups_;  // the members of a group step in order on one thread
-  // Results of the slaves whose step was not completed by the call: pending, discarded, or ended by the slave.
+  // Results of steps that were pending, discarded, or ended by the slave.
   std::vector<std::pair<std::size_t, StepResult>> unfinished_;
-  // The following members are used for parallel stepping. The pointers are null if there is only one thread.
+  // Only for parallel stepping. The pointers are null if there is only one thread.
   unsigned threads_ = 1;
   std::unique_ptr<ThreadPolicy> policy_;
   std::unique_ptr<StepPool> pool_;

@@ -11,12 +11,12 @@ namespace {
 
 constexpr std::int64_t kShortestPartNs = 1000;
 
-/// Returns the length of the next part to try. If the FMU has reported the time that it reached, the part ends at this
-/// time, rounded down to nanoseconds. Otherwise, the part has half the length of the discarded one.
+/// Returns the length of the next part to try. If the FMU reported the time of its last successful step, the part ends
+/// at this time, rounded down to nanoseconds. Otherwise, returns half the length of the discarded part.
 std::int64_t shorter_part(const StepResult& result, std::int64_t at_ns, std::int64_t part_ns) {
   if (result.last_successful_s) {
     const double reached_ns = *result.last_successful_s * 1e9;
-    // Because of rounding, the reported time may be slightly below the whole nanosecond that it represents.
+    // Rounding may place the reported time slightly below a whole nanosecond.
     const double roundings_ns = 4 * std::numeric_limits<double>::epsilon() * std::abs(reached_ns);
     const double length_ns = std::floor(reached_ns + roundings_ns) - static_cast<double>(at_ns);
     if (length_ns >= kShortestPartNs && length_ns < static_cast<double>(part_ns)) {

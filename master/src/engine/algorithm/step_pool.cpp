@@ -30,13 +30,13 @@ void StepPool::run(std::size_t count, const std::function<void(std::size_t)>& wo
   ++round_;
   round_.notify_all();
   take_work();
-  // All threads must have left one round before the next round changes the shared data.
+  // The next round may change shared data only after all threads have finished this round.
   for (auto busy = busy_.load(); busy != 0; busy = busy_.load()) busy_.wait(busy);
 }
 
 void StepPool::serve() {
   const OwnThread own;
-  pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, nullptr);  // an FMU must not cancel the thread that calls it
+  pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, nullptr);  // an FMU must not cancel this thread
   std::uint32_t seen = 0;
   for (;;) {
     round_.wait(seen);

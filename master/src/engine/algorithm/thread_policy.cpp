@@ -7,7 +7,7 @@ namespace mebots::master {
 
 void ThreadPolicy::stepped() {
   ++steps_;
-  if (!parallel_ && steps_ < kWindow) return;  // the clock is read once per serial window
+  if (!parallel_ && steps_ < kWindow) return;  // reads the clock only once per serial window
   const auto now = std::chrono::steady_clock::now();
   const double time_s = std::chrono::duration<double>(now - window_start_).count();
   if (steps_ < kWindow && time_s < to_beat_s()) return;
@@ -20,7 +20,7 @@ void ThreadPolicy::window_took(double time_s) {
   if (!parallel_) {
     serial_s_ = std::min(serial_s_, time_s);
     if (--left_ > 0) return;
-    left_ = 1;  // steps that are too short now may become longer
+    left_ = 1;  // the steps may become longer
     if (to_beat_s() < kWindow * kLeastStep_s) return;
     parallel_ = true;
     left_ = kParallelRun;
@@ -31,7 +31,7 @@ void ThreadPolicy::window_took(double time_s) {
     pause_ = first ? std::min(2 * pause_, kLongestPause) : kFirstPause;
     go_serial(pause_);
   } else if (--left_ == 0) {
-    go_serial(kFirstWindows);  // measures again, because the time to compare with may have changed
+    go_serial(kFirstWindows);  // measures the serial time again, because it may have changed
   }
 }
 

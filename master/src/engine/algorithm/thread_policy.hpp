@@ -13,35 +13,32 @@
 
 namespace mebots::master {
 
-/// Decides by trial whether slaves step in parallel. Compares the wall times of windows; a window is a sequence of
-/// kWindow steps. The decision affects only speed, not the bits of the results.
+/// Decides by trial whether slaves step in parallel. Compares wall times of windows, which are sequences of kWindow
+/// steps. The decision affects only speed, not results.
 ///
-/// The first windows are serial. If the steps are long enough, a parallel window is tried. Parallel stepping continues
-/// as long as every window is faster than the fastest of the last few serial windows. Older serial windows do not
-/// count, because their steps may have taken longer. A parallel window that takes longer than a serial one is
-/// abandoned, so a trial costs at most the time of one serial window. After failed trials, further trials become rare.
+/// The first windows are serial. If the steps are long enough, tries a parallel window. Continues in parallel as long
+/// as every window is faster than the fastest of the last few serial windows. Abandons a parallel window as soon as it
+/// takes longer than a serial one, so a trial costs at most the time of one serial window. Repeated failures make
+/// further trials rare.
 class ThreadPolicy {
  public:
-  /// The number of steps in a window.
   static constexpr int kWindow = 16;
-  /// The minimum duration of a step that is tried in parallel [s]. Waking threads and waiting for them takes at least
-  /// this time.
+  /// Minimum duration of a step for a parallel trial [s]. Waking threads and waiting for them takes at least this time.
   static constexpr double kLeastStep_s = 20e-6;
-  /// A parallel window must be at least a twentieth faster than a serial window, because smaller differences are noise.
+  /// A parallel window must take at most this fraction of a serial window's time. Smaller differences are noise.
   static constexpr double kGain = 0.95;
 
-  /// True if the next step must be performed in parallel.
   bool parallel() const { return parallel_; }
   /// Counts a step. Must be called after each step.
   void stepped();
-  /// Records the duration of a window [s]. Must be called for each window, even for an abandoned one.
+  /// Records the duration of a completed or abandoned window of steps [s].
   void window_took(double time_s);
 
  private:
-  // Number of serial windows before the first trial and between parallel runs.
+  // Number of serial windows before the first trial, and of parallel windows before serial times are measured again.
   static constexpr std::int64_t kFirstWindows = 2;
   static constexpr std::int64_t kParallelRun = 64;
-  // Number of serial runs whose times are compared; older times are dropped.
+  // Number of serial runs whose times are stored for the comparison.
   static constexpr std::size_t kRemembered = 8;
   static constexpr std::int64_t kFirstPause = 16;
   static constexpr std::int64_t kLongestPause = 4096;
@@ -58,15 +55,15 @@ class ThreadPolicy {
   bool parallel_ = false;
   std::int64_t left_ = kFirstWindows;  // number of windows until the other mode is tried
   std::int64_t pause_ = kFirstPause;   // number of serial windows after a failed trial
-  // Wall time of the fastest serial window in the current or last serial run.
+  // Time of the fastest serial window in the current or last serial run.
   double serial_s_ = std::numeric_limits<double>::infinity();
-  std::array<double, kRemembered> earlier_s_ = all_unknown();  // wall times of earlier serial runs, stored as a ring
+  std::array<double, kRemembered> earlier_s_ = all_unknown();  // times of earlier serial runs, as a ring buffer
   std::size_t turn_ = 0;
   int steps_ = 0;
   std::chrono::steady_clock::time_point window_start_ = std::chrono::steady_clock::now();
 };
 
-/// A pool of threads that share the work of a communication step.
+/// A pool of threads that steps slaves in parallel.
 class StepPool {
  public:
   /// `threads` includes the thread of the caller.
@@ -87,7 +84,7 @@ class StepPool {
   const std::function<void(std::size_t)>* work_ = nullptr;
   std::size_t count_ = 0;
   std::atomic<std::size_t> next_{0};
-  std::atomic<std::uint32_t> round_{0};  // incremented for new work, and at the end
+  std::atomic<std::uint32_t> round_{0};  // incremented when work is available, and in the destructor
   std::atomic<std::uint32_t> busy_{0};   // number of threads that have not finished this round
   std::atomic<bool> over_{false};
 };

@@ -25,8 +25,8 @@ CouplingMeasure::CouplingMeasure(const ResolvedSystem& system, Ensemble& ensembl
   }
 }
 
-/// Measures the error of an input or a bond. Returns nullopt if no step of the input's source, or of the bond, ends at
-/// this point.
+/// Measures the error of an input or a bond. Returns nullopt if no step of the output's instance, or of the bond's
+/// instances, ends at this point.
 std::optional<CouplingMeasure::Measured> CouplingMeasure::measure(const Item& item, const Point& point) const {
   if (item.bond) {
     const auto energy = item.bond->energy(point, grid_);

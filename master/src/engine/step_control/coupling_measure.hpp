@@ -11,24 +11,23 @@
 
 namespace mebots::master {
 
-/// Measures the error of a communication step relative to its limit. The result is the largest ratio of all inputs and
-/// bonds that step control measures. The error of an input is the integral of its deviation from the source over the
-/// step. The error of a bond is the energy that it created. The limit is the tolerance times the maximum length of a
-/// step.
+/// Measures the error of a communication step relative to the tolerance. Returns the largest ratio of all measured
+/// inputs and bonds. The error of an input is the integral of its deviation from the source over the step. The error of
+/// a bond is the energy that the coupling created. The limit is the tolerance times the maximum length of a step.
 class CouplingMeasure {
  public:
-  /// All arguments must outlive this object. Must be created before Ensemble::initialize(). Throws the same errors as
-  /// PowerBond.
+  /// All arguments must outlive this object. Must be created before Ensemble::initialize(). Throws InputError as
+  /// PowerBond does.
   CouplingMeasure(const ResolvedSystem& system, Ensemble& ensemble);
 
   struct Error {
     double over_tolerance = 0;
-    int order = 2;                          ///< the error grows with this power of the step
+    int order = 2;                          ///< the error is proportional to this power of the step length
     std::optional<std::size_t> worst = {};  ///< index of the input or bond in ResolvedStepControl::measured
   };
   /// Returns the error of the step that ends at `point`. The ensemble must have reached this point.
   Error error(const Point& point) const;
-  /// Stores the values at this point, at which the next step starts.
+  /// Stores the values at the start of the next step.
   void advance(const Point& point);
 
   void visit(state::Visitor& v);
@@ -36,14 +35,14 @@ class CouplingMeasure {
  private:
   struct Item {
     CouplingTolerance tolerance;
-    double nominal = 1;  // nominal value of an input
+    double nominal = 1;
     std::optional<CoupledInput> input;
     std::optional<PowerBond> bond;
-    double largest = 0;  // largest magnitude so far of the source's value or of the bond's power
+    double largest = 0;  // largest magnitude so far of the output or of the bond's power
 
     void visit(state::Visitor& v);
   };
-  /// Contains the integral of an error over a step, and the magnitude to which the relative tolerance applies.
+  /// The error of a step, and the magnitude to which the relative tolerance applies.
   struct Measured {
     double error = 0;
     double magnitude = 0;

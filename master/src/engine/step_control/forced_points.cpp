@@ -33,14 +33,14 @@ ForcedPoints::ForcedPoints(const ResolvedSystem& system, Ensemble& ensemble, con
   for (const auto& group : system.clock_groups) with_clocks_.push_back(group.members.front());
 }
 
-/// Returns the index of the first point that is not before `time_ns`. If the step is a ratio, the time of a point may
-/// be rounded down to a nanosecond.
+/// Returns the index of the first point at or after `time_ns`. Takes into account that times of points are rounded down
+/// to nanoseconds if the step is a fraction.
 std::int64_t ForcedPoints::point_from(std::int64_t time_ns) const {
   const auto k = grid_.point_at(time_ns);
   return grid_.has_passed(time_ns, grid_.time_ns(k), 0) ? k : k + 1;
 }
 
-/// Calls action(time_ns) for every time at which it is known that an override changes.
+/// Calls action(time_ns) for every known time at which an override changes.
 template <typename Action>
 void ForcedPoints::for_each_event(Action action) const {
   if (overrides_ == nullptr) return;
@@ -68,7 +68,7 @@ std::int64_t ForcedPoints::next_row_after(std::int64_t k) const {
     const auto row = times->row_at(grid_.time_ns(k), SignalSide::after, 0);
     for (auto later = row == SignalTimes::kNone ? 0 : row + 1; later < times->size(); ++later) {
       const auto point = point_from(times->ns(later));
-      if (point <= k) continue;  // the time was rounded to this point
+      if (point <= k) continue;  // the row's time belongs to a point that is already reached
       next = std::min(next, point);
       break;
     }

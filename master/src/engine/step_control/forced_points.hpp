@@ -11,9 +11,9 @@
 
 namespace mebots::master {
 
-/// Finds the points of the grid that no communication step may pass. These are the end of the run, the ends of steps of
-/// instances with a separate step, the recording interval, starts and ends of overrides, rows of signals, and ticks of
-/// clocks. Checkpoints and pauses are no such points, so that they do not change the results.
+/// Finds the points of the grid that no communication step may pass: the end of the run, ends of longer steps,
+/// recording times, starts and ends of overrides, rows of signals, and ticks of clocks. Checkpoints and pauses do not
+/// force a point, because they must not change the results.
 class ForcedPoints {
  public:
   /// All arguments must outlive this object; `overrides` may be null.
@@ -21,7 +21,7 @@ class ForcedPoints {
 
   /// Returns the index of the first forced point after t_k.
   std::int64_t after(std::int64_t k) const;
-  /// True if an override starts, ends or changes its values at t_k. In this case, variables may jump at t_k.
+  /// True if an override starts, ends or changes its values at t_k, so that variables may jump.
   bool is_event(std::int64_t k) const;
 
  private:
@@ -37,8 +37,8 @@ class ForcedPoints {
   std::int64_t stop_ns_;
   std::int64_t last_;                     // index of the last point of the run
   std::vector<const SignalTimes*> rows_;  // times of the rows of all signals
-  std::vector<std::int64_t> periods_;     // recording and step intervals, in steps of the grid
-  std::vector<std::size_t> with_clocks_;  // contains one instance of each clock group
+  std::vector<std::int64_t> periods_;     // recording interval and step lengths, in intervals of the grid
+  std::vector<std::size_t> with_clocks_;  // one instance of each clock group
 };
 
 }  // namespace mebots::master

@@ -60,7 +60,7 @@ void StepControl::restore(const SavedPoint& saved, std::int64_t k) {
   auto& ensemble = slaves_->ensemble();
   for (std::size_t i = 0; i < ensemble.size(); ++i) ensemble.slave(i).restore_state(*saved.slaves[i]);
   state::restore(ensemble, saved.values);
-  // A restored state contains no addresses of buffers and no time derivatives, so the outputs are read again.
+  // Saved states contain no buffer addresses and no time derivatives of outputs.
   for (std::size_t i = 0; i < ensemble.size(); ++i) slaves_->read_outputs(i, k);
 }
 

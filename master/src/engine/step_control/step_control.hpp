@@ -15,23 +15,23 @@
 
 namespace mebots::master {
 
-/// Adapts the length of the communication step to the coupling error. Calls an Algorithm for each step.
+/// Adapts the length of the communication steps to the coupling error.
 class StepControl {
  public:
   /// All arguments must outlive this object; `overrides` may be null. Must be created before Ensemble::initialize().
-  /// Throws the same errors as PowerBond.
+  /// Throws InputError as PowerBond does.
   StepControl(const ResolvedSystem& system, SlaveSteps& slaves, const OverrideSchedule* overrides);
 
-  /// Performs one communication step from t_k and sets `reached` to the end of the step. If the error of the step
-  /// exceeds the tolerance, and all slaves can restore their states, repeats the step with half the length. Returns and
-  /// throws the same as Algorithm::step().
+  /// Performs one communication step from t_k and sets `reached` to its end. If the error exceeds the tolerance and all
+  /// slaves can restore their states, repeats the step with half the length. Returns and throws the same as
+  /// Algorithm::step().
   std::optional<End> step(Algorithm& algorithm, std::int64_t k, std::int64_t& reached);
 
   const StepStatistics& statistics() const { return statistics_; }
   void visit(state::Visitor& v);
 
  private:
-  /// The data that are restored before a step is repeated. The data of step control itself are not part of them.
+  /// The state of slaves and ensemble before a step. Excludes the state of step control.
   struct SavedPoint {
     std::vector<std::unique_ptr<SlaveState>> slaves;
     std::vector<std::byte> values;

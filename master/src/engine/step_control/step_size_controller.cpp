@@ -9,14 +9,13 @@
 namespace mebots::master {
 namespace {
 
-/// The limits between which an error is used. They have no effect on the factor of the step length, because it reaches
-/// its own limits at less extreme errors. Without the upper limit, two infinite errors in a row would result in 0 times
-/// infinity.
+/// Errors are limited to this range. The factor of the step length reaches its own limits at less extreme errors.
+/// Without the upper limit, two infinite errors in a row would yield 0 * infinity.
 constexpr double kSmallestError = 1e-12;
 constexpr double kLargestError = 1e12;
 constexpr double kOrderOfGains = 2;
 
-/// Limits the error to the range from kSmallestError to kLargestError. NaN counts as the largest error.
+/// Clamps the error to this range. NaN counts as the largest error.
 double bounded(double error) {
   return error < kLargestError ? std::max(error, kSmallestError) : kLargestError;
 }
@@ -42,8 +41,7 @@ void StepSizeController::accept(const Step& step) {
   error_before_ = error;
   const bool was_cut = !step.was_repeated && step.length < static_cast<std::int64_t>(wanted_);
   const double taken = was_cut || step.was_repeated ? static_cast<double>(step.length) : wanted_;
-  // If the last step had to be shorter than the wanted length, and its error was small, the wanted length is not
-  // reduced.
+  // If a forced point shortened the last step and its error was small, does not reduce the wanted length.
   const double least = was_cut && step.error <= 1 ? wanted_ : 0;
   wanted_ = std::clamp(std::max(taken * factor, least), static_cast<double>(limits.min_steps),
                        static_cast<double>(limits.max_steps));

@@ -19,7 +19,7 @@ BlockWriter::~BlockWriter() {
 }
 
 void BlockWriter::submit(RowBlock& block) {
-  // The thread is started before it receives rows. If the start fails, no later call waits for the thread.
+  // Starts the thread before it has work. If the start fails, no later call waits for the thread.
   if (!thread_.joinable()) thread_ = std::thread([this] { work(); });
   {
     std::unique_lock lock(mutex_);
@@ -38,8 +38,7 @@ void BlockWriter::drain(RowBlock& block) {
     std::unique_lock lock(mutex_);
     wait_until_idle(lock);
   }
-  // The thread sleeps until the next submit().
-  // The block is emptied even if a sink throws.
+  // The thread now waits for the next submit(). Empties the block even if a sink throws.
   const auto rows = std::exchange(block, RowBlock{block.cells_per_row, {}, {}});
   write(rows);
   for (auto* sink : sinks_) sink->flush();
@@ -47,7 +46,7 @@ void BlockWriter::drain(RowBlock& block) {
 
 void BlockWriter::wait_until_idle(std::unique_lock<std::mutex>& lock) {
   changed_.wait(lock, [&] { return !busy_; });
-  if (failure_) std::rethrow_exception(failure_);  // thrown at every call from now on, because rows are missing
+  if (failure_) std::rethrow_exception(failure_);  // rethrown at every later call, because rows are missing
 }
 
 void BlockWriter::work() {

@@ -11,8 +11,8 @@
 
 namespace mebots::master {
 
-/// Passes blocks of rows to sinks on a separate thread, so that the simulation does not wait for formatting. Passes one
-/// block at a time, in order. The thread starts at the first full block, so that a short run starts no thread.
+/// Passes blocks of rows to sinks on another thread, so that the simulation does not wait for files. Blocks stay in
+/// order. The thread starts at the first full block.
 class BlockWriter {
  public:
   BlockWriter() = default;
@@ -23,10 +23,10 @@ class BlockWriter {
   /// Adds a sink, which must outlive the writer.
   void add(RowSink& sink) { sinks_.push_back(&sink); }
 
-  /// Waits until the previous block has been written, then moves the rows out of `block`. Rethrows exceptions of sinks.
+  /// Waits until the previous block is written, then takes the rows out of `block`. Rethrows exceptions of sinks.
   void submit(RowBlock& block);
-  /// Waits until all submitted blocks have been written, then writes the rows of `block` on the calling thread.
-  /// Afterwards, all rows are in the files.
+  /// Waits until all blocks are written, then writes `block` on the calling thread and flushes the sinks. Rethrows
+  /// exceptions of sinks.
   void drain(RowBlock& block);
 
  private:

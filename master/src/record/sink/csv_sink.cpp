@@ -41,7 +41,7 @@ CsvSink::CsvSink(const std::vector<RecordColumn>& columns, OutputFile& file) : f
 
 namespace {
 
-/// Writes the shortest text that represents the same bits. Returns its end.
+/// Writes the shortest text that preserves the bits. Returns the end of the text.
 char* number_to_chars(char* first, char* last, modeldesc::Type type, std::uint64_t cell) {
   using modeldesc::Type;
   if (type == Type::real) return std::to_chars(first, last, std::bit_cast<double>(cell)).ptr;
@@ -54,7 +54,7 @@ bool is_text(modeldesc::Type type) {
   return kind_of(type) == ValueKind::string || kind_of(type) == ValueKind::binary;
 }
 
-/// Returns the cell for the text of a number. Returns nullopt if the text is not a number of the type.
+/// Converts a text to the bits of a cell. Returns nullopt if the text is not a number of the type.
 std::optional<std::uint64_t> cell_of(modeldesc::Type type, std::string_view text) {
   if (type == modeldesc::Type::uint64) return parsed_number<std::uint64_t>(text);
   if (kind_of(type) == ValueKind::real) {
@@ -76,7 +76,7 @@ char* CsvSink::write_number(char* at, Column& column, std::uint64_t cell) {
     column.last = cell;
     column.last_size = static_cast<std::uint8_t>(end - first);
   }
-  // Copying a fixed size is faster than copying the exact size.
+  // A constant size is faster than the exact size.
   std::memcpy(at, column.last_text.data(), kLongestNumber);
   return at + column.last_size;
 }

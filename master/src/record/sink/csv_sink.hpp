@@ -13,8 +13,8 @@
 
 namespace mebots::master {
 
-/// Writes rows as CSV. Numbers have the shortest form that represents the same bits. Booleans are written as 0 and 1,
-/// enumerations as their numbers. Texts are quoted if necessary.
+/// Writes rows as CSV. Numbers have the fewest digits that preserve their bits. Booleans become 0 and 1, enumerations
+/// their numbers. Texts are quoted if necessary.
 class CsvSink final : public RowSink {
  public:
   /// Writes the header, unless the file already contains rows. `file` must outlive the sink.
@@ -26,12 +26,12 @@ class CsvSink final : public RowSink {
   std::string_view state_name() const override { return "csv"; }
 
  private:
-  /// Number of characters of the longest double in its shortest form.
+  /// Length of the longest double in shortest form.
   static constexpr std::size_t kLongestNumber = 24;
 
   struct Column {
     modeldesc::Type type;
-    // The text of the last value is cached, because most variables rarely change.
+    // Caches the text of the last value, because most variables rarely change.
     std::uint64_t last = 0;
     std::uint8_t last_size = 0;
     std::array<char, kLongestNumber> last_text{};
@@ -41,17 +41,17 @@ class CsvSink final : public RowSink {
 
   OutputFile* file_;
   std::vector<Column> columns_;
-  std::vector<char> line_;  // buffer for the numbers of one row
+  std::vector<char> line_;  // numbers of one row
 };
 
-/// Returns "name [unit]". Adds quotes if it contains a comma or a quotation mark.
+/// Returns "name [unit]", in quotes if the text contains a comma or a quotation mark.
 std::string csv_header(std::string_view name, std::string_view unit);
 
-/// Returns a text as one cell. Adds quotes if it contains a comma, a quotation mark or a line break.
+/// Returns a CSV cell, in quotes if the text contains a comma, a quotation mark or a line break.
 std::string csv_text(std::string_view text);
 
-/// Reads the first `bytes` bytes of a results.csv that has these columns, and writes their rows into another sink. All
-/// values keep their bits. Throws Error if no CsvSink wrote the file.
+/// Reads the first `bytes` bytes of a results.csv with these columns and copies its rows to another sink. Preserves all
+/// bits. Throws Error if no CsvSink wrote the file.
 void copy_csv_rows(const std::filesystem::path& file, std::uint64_t bytes, const std::vector<RecordColumn>& columns,
                    RowSink& sink);
 

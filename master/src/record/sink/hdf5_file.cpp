@@ -30,18 +30,18 @@ namespace {
 constexpr std::size_t kPageBytes = 4096;
 using Page = std::array<std::byte, kPageBytes>;
 
-/// The argument that H5Pset_driver() passes to the file driver.
+/// The argument of H5Pset_driver() for this driver.
 struct DriverInfo {
   int* error_number;
 };
 
-/// A file that the driver has opened. The functions of HDF5 access its base class (H5FDpublic.h).
+/// An open file of the driver. HDF5 uses the base class (H5FDpublic.h).
 struct DriverFile : H5FD_t {
   int descriptor = -1;
   int* error_number = nullptr;
   haddr_t end_of_allocation = 0;
   haddr_t end_of_file = 0;
-  std::map<haddr_t, Page> unwritten;  // pages that were written after the first error, indexed by number
+  std::map<haddr_t, Page> unwritten;  // pages written after the first error, by number
 };
 
 DriverFile& as_file(H5FD_t* file) {
@@ -51,9 +51,9 @@ const DriverFile& as_file(const H5FD_t* file) {
   return *static_cast<const DriverFile*>(file);
 }
 
-/// Repeats `call` until `size` bytes were transferred, because a signal (EINTR) or a short transfer may interrupt it.
-/// Returns the number of transferred bytes. If it is less than `size`, either the file has ended (`errno` is 0) or an
-/// error has occurred.
+/// Repeats `call` until `size` bytes are transferred, because a signal (EINTR) or a short transfer may interrupt a
+/// call. Returns the number of transferred bytes. After a return of fewer bytes, errno is 0 at the end of the file, or
+/// states the error.
 template <typename Call>
 std::size_t transfer_all(std::size_t size, Call call) {
   std::size_t done = 0;
@@ -67,7 +67,7 @@ std::size_t transfer_all(std::size_t size, Call call) {
   return done;
 }
 
-/// Reads bytes from the disk; bytes beyond the end of the file are zero. Returns false after an error.
+/// Reads bytes from the disk. Bytes after the end of the file are zero. Returns false after an error.
 bool read_disk(const DriverFile& file, haddr_t address, std::span<std::byte> bytes) {
   const auto count = transfer_all(bytes.size(), [&](std::size_t done) {
     return ::pread(file.descriptor, bytes.data() + done, bytes.size() - done, static_cast<off_t>(address + done));
@@ -77,8 +77,8 @@ bool read_disk(const DriverFile& file, haddr_t address, std::span<std::byte> byt
   return good;
 }
 
-/// Calls `use` for each page that contains a part of `bytes`. The arguments are the page number, the offset in the
-/// page, and this part.
+/// Calls use(page, offset, part) for each page that overlaps with `bytes`. `offset` is the position of the part in the
+/// page.
 template <typename Byte, typename Use>
 void for_each_page(haddr_t address, std::span<Byte> bytes, Use use) {
   while (!bytes.empty()) {
@@ -169,7 +169,7 @@ herr_t write_bytes(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t address, std::size_t
   return 0;
 }
 
-/// Sets the length of the file to the length that HDF5 has allocated.
+/// Sets the length of the file to the length that HDF5 allocated.
 herr_t set_length(H5FD_t* file, hid_t, hbool_t) {
   auto& self = as_file(file);
   if (self.end_of_file == self.end_of_allocation) return 0;
@@ -183,7 +183,7 @@ herr_t set_length(H5FD_t* file, hid_t, hbool_t) {
   return 0;
 }
 
-/// Locks the file, so that other programs cannot read a partly written file.
+/// Locks the file, so that other programs do not read an incomplete file.
 herr_t lock_file(H5FD_t* file, hbool_t for_writing) {
   const int status = ::flock(as_file(file).descriptor, (for_writing ? LOCK_EX : LOCK_SH) | LOCK_NB);
   return status == 0 || errno == ENOSYS || errno == EOPNOTSUPP ? 0 : -1;
@@ -202,7 +202,7 @@ H5FD_class_t make_driver_class() {
   driver.value = kFirstValueForUsers;
 #endif
   driver.name = "mebots";
-  driver.maxaddr = (haddr_t{1} << 63U) - 1;  // the largest value of off_t
+  driver.maxaddr = (haddr_t{1} << 63U) - 1;  // largest value of off_t
   driver.fc_degree = H5F_CLOSE_WEAK;
   driver.fapl_size = sizeof(DriverInfo);
   driver.open = &open_file;
@@ -222,7 +222,7 @@ H5FD_class_t make_driver_class() {
 }
 
 hid_t driver_id() {
-  static const auto driver = make_driver_class();  // static, because HDF5 keeps a pointer to it
+  static const auto driver = make_driver_class();  // HDF5 stores a pointer to it
   static const auto id = H5FDregister(&driver);
   return id;
 }
@@ -230,7 +230,7 @@ hid_t driver_id() {
 }  // namespace
 
 File::File(std::filesystem::path path) : path_(std::move(path)) {
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // otherwise HDF5 prints its own error stack
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // prevents HDF5 from printing its error stack
   std::error_code ignored;
   if (std::filesystem::is_symlink(path_, ignored)) std::filesystem::remove(path_, ignored);
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), &H5Pclose);

@@ -56,7 +56,7 @@ Handle memory_type(Type type) {
   return hdf5::text_type();
 }
 
-/// Returns `instance/variable`, in which characters that HDF5 treats as separators are replaced.
+/// Returns the path `instance/variable` of a dataset, without other slashes.
 std::string link_name(const std::string& name) {
   auto link = hdf5::without_slashes(name);
   const auto dot = link.find('.');
@@ -92,7 +92,7 @@ struct Hdf5Sink::File {
       H5Pset_shuffle(creation);
       H5Pset_deflate(creation, 1);
     }
-    H5Pset_obj_track_times(creation, false);  // files of equal runs become equal
+    H5Pset_obj_track_times(creation, false);  // equal runs must give equal files
     const Handle links(H5Pcreate(H5P_LINK_CREATE), &H5Pclose);
     H5Pset_create_intermediate_group(links, 1);
     Handle dataset(H5Dcreate2(file.id(), link.c_str(), type, space, links, creation, H5P_DEFAULT), &H5Dclose);
@@ -111,7 +111,7 @@ struct Hdf5Sink::File {
     if (H5Dwrite(column.dataset, column.type, memory, space, H5P_DEFAULT, values) < 0) file.fail();
   }
 
-  /// Converts the cells of a column to the type of its dataset. Returns the values.
+  /// Converts a column of a block to the type of its dataset.
   const void* gather(const Column& column, const RowBlock& block, std::size_t index) {
     const auto cell = [&](std::size_t row) { return block.cells[row * block.cells_per_row + index]; };
     const auto fill = [&]<typename T>(T /*type*/, auto convert) -> const void* {
@@ -159,12 +159,12 @@ struct Hdf5Sink::File {
 
 Hdf5Sink::Hdf5Sink(const std::vector<RecordColumn>& columns, const std::filesystem::path& file) {
   const std::lock_guard lock(library());
-  auto made = std::make_unique<File>(file);  // if an error occurs, the file is closed before the lock is released
+  auto made = std::make_unique<File>(file);  // closes the file before it releases the lock if an error occurs
   made->add("time", {"time", "s", Type::real});
   std::set<std::string> used;
   for (const auto& column : columns) {
     auto link = link_name(column.name);
-    while (!used.insert(link).second) link += '|';  // distinguishes names that differ only in `/` and `|`
+    while (!used.insert(link).second) link += '|';  // makes names unique that differ only in `/` and `|`
     made->add(link, column);
   }
   made->file.check();
@@ -209,7 +209,7 @@ void Hdf5Sink::write(const RowBlock& block) {
 
 void Hdf5Sink::flush() {
   const std::lock_guard lock(library());
-  if (file_->file.id() < 0) return;  // close() has written everything
+  if (file_->file.id() < 0) return;  // already closed
   if (H5Fflush(file_->file.id(), H5F_SCOPE_GLOBAL) < 0) file_->file.fail();
   file_->file.check();
 }

@@ -10,11 +10,10 @@
 
 namespace mebots::master {
 
-/// Writes rows as an HDF5 file. It contains the dataset `/time`, and one dataset `/<instance>/<variable>` for each
-/// column. All datasets have the same length, and are chunked and compressed. Reals are stored as 64-bit floats,
-/// Integers and enumerations with 32 bits, Booleans with 8 bits (0 and 1), texts as UTF-8 of variable length. A dataset
-/// has the attributes `unit` and `name`. `name` is the original instance.variable, because a `/` in a name is written
-/// as `|` in the path of the dataset.
+/// Writes rows as an HDF5 file with the dataset `/time` and one dataset `/<instance>/<variable>` per column. All
+/// datasets have the same length; they are chunked and compressed. Types: Reals are 64-bit floats, Integers and
+/// enumerations have 32 bits, Booleans 8 bits, and texts are UTF-8 of variable length. The attributes `name` and `unit`
+/// contain instance.variable and its unit. In paths, `|` replaces a `/` of a name.
 class Hdf5Sink final : public RowSink {
  public:
   /// Throws InputError if the file cannot be created, and Error if its first bytes cannot be written.
@@ -23,17 +22,16 @@ class Hdf5Sink final : public RowSink {
   Hdf5Sink(const Hdf5Sink&) = delete;
   Hdf5Sink& operator=(const Hdf5Sink&) = delete;
 
-  /// Writes each parameter and its unit below `/parameters`. Has no effect if the file already contains `/parameters`.
+  /// Writes each parameter with its unit below `/parameters`. No effect if the file already contains `/parameters`.
   void put_parameters(const std::vector<ParameterValue>& parameters);
   void write(const RowBlock& block) override;
   void flush() override;
-  /// Sets the path after the file was renamed.
+  /// Sets the new path of a renamed file.
   void renamed(const std::filesystem::path& file);
-  /// Writes all buffered rows and closes the file. Nothing may be written afterwards. If a write failed, the file is
-  /// unreadable; in this case, deletes it and throws Error.
+  /// Writes all rows and closes the file. Nothing may be written afterwards. If a write failed, deletes the file, which
+  /// is unreadable, and throws Error.
   void close();
-  /// Saves or restores the number of rows. A restore deletes the rows that were written after the save. Throws Error if
-  /// the file has fewer rows than the saved number.
+  /// Saves or restores the number of rows. A restore deletes later rows. Throws Error if the file has fewer rows.
   void visit(state::Visitor& v) override;
   std::string_view state_name() const override { return "hdf5"; }
 

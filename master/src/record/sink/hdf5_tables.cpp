@@ -11,12 +11,12 @@ namespace {
 
 using hdf5::Handle;
 
-/// Writes the values of a column to a dataset of the given type. Returns false if HDF5 rejects this.
+/// Writes a column to a dataset of the given type. Returns false if HDF5 rejects the data.
 bool put_values(hid_t group, const TableColumn& column, hid_t type, const void* values, std::size_t count) {
   const hsize_t length = count;
   const Handle space(H5Screate_simple(1, &length, nullptr), &H5Sclose);
   const Handle creation(H5Pcreate(H5P_DATASET_CREATE), &H5Pclose);
-  H5Pset_obj_track_times(creation, false);  // equal tables result in equal bytes
+  H5Pset_obj_track_times(creation, false);  // equal tables must give equal bytes
   const Handle dataset(
       H5Dcreate2(group, hdf5::without_slashes(column.name).c_str(), type, space, H5P_DEFAULT, creation, H5P_DEFAULT),
       &H5Dclose);
@@ -43,7 +43,7 @@ struct Putter {
   }
 };
 
-/// Writes all tables. If HDF5 rejects a column, returns its name and the table's; otherwise an empty text.
+/// Writes all tables. Returns the names of table and column that HDF5 rejects, or an empty text.
 std::string put_tables(hid_t output, const std::vector<Table>& tables) {
   for (const auto& table : tables) {
     const Handle group(

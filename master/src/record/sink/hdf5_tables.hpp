@@ -9,7 +9,6 @@
 
 namespace mebots::master {
 
-/// A column of a table. All columns of a table have the same length.
 struct TableColumn {
   std::string name;
   std::string unit;  ///< empty if the column has no unit
@@ -21,9 +20,8 @@ struct Table {
   std::vector<TableColumn> columns;
 };
 
-/// Writes tables as an HDF5 file that has a dataset `/<table>/<column>` for each column. If a column has a unit, its
-/// dataset has the attribute `unit`. A `/` in a name is written as `|`. Equal tables result in equal bytes. Throws
-/// Error if the file cannot be written.
+/// Writes an HDF5 file with a dataset `/<table>/<column>` for each column. The attribute `unit` contains the unit of a
+/// column. `|` replaces a `/` in a name. Equal tables give equal bytes. Throws Error if the file cannot be written.
 void write_hdf5(const std::vector<Table>& tables, const std::filesystem::path& file);
 
 }  // namespace mebots::master

@@ -10,7 +10,7 @@ namespace mebots::master {
 
 namespace {
 
-/// Converts a cell to a double. Whole numbers above 2^53 are rounded.
+/// Converts a cell to a double. Rounds integers above 2^53.
 double number(modeldesc::Type type, std::uint64_t cell) {
   if (kind_of(type) == ValueKind::real) return std::bit_cast<double>(cell);
   return type == modeldesc::Type::uint64 ? static_cast<double>(cell)

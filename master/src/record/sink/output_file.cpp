@@ -17,7 +17,7 @@
 namespace mebots::master {
 namespace {
 
-/// Calls a system function again as long as a signal interrupts it. Returns the result of the last call.
+/// Repeats a system call that a signal interrupts. Returns the last result.
 template <typename Call>
 auto uninterrupted(Call call) {
   auto result = call();
@@ -25,20 +25,20 @@ auto uninterrupted(Call call) {
   return result;
 }
 
-/// Closes the descriptor. Returns false and sets errno after an error. An interrupt by a signal is no error, because
-/// Linux closes the descriptor nevertheless.
+/// Closes the descriptor. Returns false and sets errno after an error. After EINTR, Linux has also closed the
+/// descriptor.
 bool close_descriptor(int descriptor) {
   return ::close(descriptor) == 0 || errno == EINTR;
 }
 
 bool cannot_be_synced(int error_number) {
-  return error_number == EINVAL || error_number == EROFS;  // a pipe or a device, which requires no synchronisation
+  return error_number == EINVAL || error_number == EROFS;  // pipes and devices do not support synchronisation
 }
 
-/// Writes the folder to the disk, so that a rename in it survives a power failure.
+/// Synchronises a folder with the disk, so that a rename survives a power failure.
 void sync_folder(const std::filesystem::path& folder) {
   const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return;  // a folder that cannot be opened for reading cannot be synchronised
+  if (descriptor < 0) return;  // without read permission, the folder cannot be synchronised
   const bool synced = uninterrupted([&] { return ::fsync(descriptor); }) == 0 || cannot_be_synced(errno);
   const int error_number = errno;
   ::close(descriptor);
@@ -82,7 +82,7 @@ OutputFile::OutputFile(std::filesystem::path path, Mode mode) : path_(std::move(
   constexpr int kReadableByAll = 0644;
   constexpr int kHow[] = {O_CREAT | O_TRUNC, O_CREAT | O_EXCL | O_NOFOLLOW, 0};  // indexed by Mode
   const int how = kHow[static_cast<std::size_t>(mode)];
-  if (mode == Mode::fresh) ::unlink(path_.c_str());  // open() reports a file that cannot be removed
+  if (mode == Mode::fresh) ::unlink(path_.c_str());  // if this fails, open() reports the error
   descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC | how, kReadableByAll);
   if (descriptor_ < 0) {
     throw InputError(ErrorCode::file_unwritable,
@@ -112,7 +112,7 @@ void OutputFile::flush() {
     if (count < 0) {
       const int error_number = errno;
       buffer_.clear();
-      // Truncates the file after the last complete row, because programs cannot read a partial row.
+      // Removes the incomplete last row, which other programs could not read.
       if (uninterrupted([&] { return ::ftruncate(descriptor_, before); }) == 0)
         written_bytes_ = static_cast<std::uint64_t>(before);
       fail(error_number);

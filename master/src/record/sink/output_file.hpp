@@ -10,38 +10,38 @@
 
 namespace mebots::master {
 
-/// Returns an error for a failed write to `path`. Its text contains the reason that `error_number` (an errno) states,
-/// and the remedy.
+/// Returns an Error for a failed write to `path`. The text contains the reason for `error_number` (an errno) and the
+/// remedy.
 Error write_error(const std::filesystem::path& path, int error_number);
 
-/// Renames a file on the same disk. Replaces an existing file that has the new name. Throws InputError if this fails.
+/// Renames a file on the same disk and replaces an existing file. Throws InputError if this fails.
 void rename_file(const std::filesystem::path& from, const std::filesystem::path& to);
 
-/// States whether the file must survive a power failure.
+/// States whether a file must survive a power failure.
 enum class Durable : bool { no, yes };
 
-/// Writes the file PATH.new and renames it to PATH. If this fails, throws Error and leaves the file PATH unchanged.
+/// Writes PATH.new and renames it to PATH. If this fails, throws Error and leaves PATH unchanged.
 void write_whole(const std::filesystem::path& path, std::string_view content, Durable durable = Durable::no);
 
-/// A file that is written in large pieces. Failed writes are reported as Error.
+/// A buffered file. Functions throw Error if a write fails.
 class OutputFile {
  public:
   enum class Mode {
-    anew,    ///< creates the file or removes its content; follows a symbolic link, such as /dev/stdout
-    fresh,   ///< creates the file after removing a file or link of this name; never follows a link
-    append,  ///< opens an existing file and appends to it
+    anew,    ///< creates or truncates the file; follows a symbolic link, such as /dev/stdout
+    fresh,   ///< removes a file or link of this name, then creates the file
+    append,  ///< opens an existing file for appending
   };
 
   /// Throws InputError if the file cannot be opened.
   explicit OutputFile(std::filesystem::path path, Mode mode = Mode::anew);
-  /// Writes the buffered bytes and ignores errors. Call close() first if errors are needed.
+  /// Writes the buffer and ignores errors. To receive errors, call close() first.
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  /// Returns the buffer to which bytes can be appended. Call written() afterwards.
+  /// Returns the buffer for appending bytes. Call written() afterwards.
   std::string& buffer() { return buffer_; }
-  /// Writes the buffer to the file if it is large. Throws Error if this fails, for example because the disk is full.
+  /// Writes the buffer to the file if it is large. Throws Error if this fails.
   void written() {
     if (buffer_.size() >= kLargeBytes) flush();
   }
@@ -49,11 +49,11 @@ class OutputFile {
     buffer_ += bytes;
     written();
   }
-  /// Writes the buffer to the file. Throws Error if this fails. Drops the bytes that could not be written, so that the
-  /// error is thrown only once.
+  /// Writes the buffer to the file. If this fails, drops the buffer and throws Error, so that the error occurs only
+  /// once.
   void flush();
   void close();
-  /// Writes the buffer to the file, and waits until all bytes are on the disk.
+  /// Writes the buffer and waits until all bytes are on the disk.
   void sync();
 
   /// Returns the size of the file in bytes, including the buffer.
@@ -62,8 +62,7 @@ class OutputFile {
   void truncate(std::uint64_t size);
 
   const std::filesystem::path& path() const { return path_; }
-  /// Renames the file on the same disk. Replaces an existing file that has the new name. Throws InputError if this
-  /// fails.
+  /// Renames the file on the same disk and replaces an existing file. Throws InputError if this fails.
   void rename(std::filesystem::path path);
 
  private:

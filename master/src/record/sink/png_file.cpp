@@ -19,7 +19,7 @@ void append_number(std::string& bytes, std::size_t value) {
   for (const unsigned shift : {24U, 16U, 8U, 0U}) bytes += static_cast<char>(value >> shift & 0xFFU);
 }
 
-/// Appends a chunk: its length, its type, its data, and a checksum of type and data.
+/// Appends a PNG chunk: length, type, data, and checksum of type and data.
 void append_chunk(std::string& file, std::string_view type, std::string_view data) {
   append_number(file, data.size());
   const auto checked = file.size();
@@ -31,12 +31,11 @@ std::string head(std::size_t width, std::size_t height) {
   std::string bytes;
   append_number(bytes, width);
   append_number(bytes, height);
-  return bytes += {8, 0, 0, 0, 0};  // 8 bits for each pixel; grey; deflate; a filter for each row; not interlaced
+  return bytes += {8, 0, 0, 0, 0};  // 8 bits per pixel, grey, deflate, one filter per row, not interlaced
 }
 
-/// Returns the differences of neighbouring pixels in each row. Before each row, writes the number that PNG defines for
-/// this filter ("Sub"). Pictures of cameras contain noise on gradients; therefore differences take fewer bytes than
-/// pixels after compression.
+/// Applies the PNG filter "Sub": each row becomes the filter's number and the differences of neighbouring pixels. The
+/// differences compress better than the pixels, because camera pictures contain noise on gradients.
 std::string differences(std::span<const std::uint8_t> pixels, std::size_t width) {
   std::string bytes(pixels.size() + pixels.size() / width, '\1');
   auto to = bytes.begin();
@@ -51,13 +50,12 @@ std::string differences(std::span<const std::uint8_t> pixels, std::size_t width)
 
 }  // namespace
 
-/// libpng is not used, because it compresses row by row with zlib, which is 15 % slower. One picture per second would
-/// then take more time than all other recording. Higher levels of compression have no benefit, because noise has no
-/// patterns.
+/// Does not use libpng, which compresses with zlib and is 15 % slower. At one picture per second, this would take
+/// longer than all other recording. Higher compression levels give no smaller files, because noise has no patterns.
 std::string png_of(std::span<const std::uint8_t> pixels, std::size_t width) {
   MEBOTS_ASSERT(width > 0 && !pixels.empty() && pixels.size() % width == 0);
   const auto rows = deflated(differences(pixels, width), Packing::fast);
-  constexpr std::size_t kFrame = 64;  // upper bound of a file's bytes in addition to its pixels
+  constexpr std::size_t kFrame = 64;  // upper bound of the file's bytes without pixels
   std::string file;
   file.reserve(rows.size() + kFrame);
   file += "\x89PNG\r\n\x1A\n";
@@ -72,7 +70,7 @@ void write_png(const std::filesystem::path& file, std::span<const std::uint8_t> 
 }
 
 std::optional<GreyPicture> read_png(std::string_view bytes) {
-  constexpr std::size_t kMostPixels = std::size_t{1} << 26;  // more than any camera has; rejects damaged files
+  constexpr std::size_t kMostPixels = std::size_t{1} << 26;  // rejects damaged files
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
   if (png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()) == 0) return std::nullopt;

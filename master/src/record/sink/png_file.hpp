@@ -12,21 +12,20 @@
 
 namespace mebots::master {
 
-/// A picture of 8-bit grey pixels, stored row by row from the top left. All rows are complete.
+/// Complete rows of 8-bit grey pixels, from the top left.
 struct GreyPicture {
   std::vector<std::uint8_t> pixels;
   std::size_t width = 0;
 };
 
-/// Encodes 8-bit grey pixels as a PNG file and returns its bytes. `pixels` must contain at least one row, and only
-/// complete rows. Throws Error if encoding fails.
+/// Encodes 8-bit grey pixels as PNG. `pixels` must contain at least one row, and only complete rows. Throws Error if
+/// encoding fails.
 std::string png_of(std::span<const std::uint8_t> pixels, std::size_t width);
 
-/// Writes pixels, encoded by png_of(), to a PNG file. Throws Error that names the file if this fails.
+/// Writes pixels to a PNG file. Throws Error if this fails; the text names the file.
 void write_png(const std::filesystem::path& file, std::span<const std::uint8_t> pixels, std::size_t width);
 
-/// Decodes a PNG file of 8-bit grey pixels. Returns nullopt if the bytes are not such a file, or if it has more than
-/// 2^26 pixels.
+/// Decodes a PNG of 8-bit grey pixels. Returns nullopt if the bytes have another format or more than 2^26 pixels.
 std::optional<GreyPicture> read_png(std::string_view bytes);
 
 }  // namespace mebots::master

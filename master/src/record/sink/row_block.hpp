@@ -9,10 +9,9 @@
 #include <string_view>
 #include <vector>
 
-/// Declares the data that the simulation passes to the writers of result files.
+/// The data that the simulation passes to the writers of result files.
 namespace mebots::master {
 
-/// Describes a recorded variable.
 struct RecordColumn {
   std::string name;  ///< "instance.variable"
   std::string unit;  ///< empty if the variable has no unit
@@ -21,7 +20,7 @@ struct RecordColumn {
   ValueKind kind() const { return kind_of(type); }
 };
 
-/// A parameter and its value. The value is a text in the notation of results.csv.
+/// A parameter and its value, in the notation of results.csv.
 struct ParameterValue {
   std::string name;
   std::string unit;
@@ -29,12 +28,11 @@ struct ParameterValue {
   modeldesc::Type type = modeldesc::Type::string;
 };
 
-/// The number of cells in a block. A block has 128 KiB and fits into the cache of a core.
+/// The number of cells in a block. A block of 128 KiB fits into the cache of a core.
 inline constexpr std::size_t kBlockCells = 1 << 14;
 
-/// A block of rows, stored as raw numbers, so that the simulation does not wait for formatting. A row consists of its
-/// time [s] and one cell for each column. A cell contains the bits of a double, a whole number, or the index of a text
-/// in `texts`.
+/// A block of recorded rows. Values are raw bits, because formatting would slow down the simulation. A row consists of
+/// its time [s] and one cell per column. A cell contains the bits of a double, an integer, or an index in `texts`.
 struct RowBlock {
   std::size_t cells_per_row = 1;
   std::vector<std::uint64_t> cells;
@@ -47,24 +45,24 @@ struct RowBlock {
   }
 };
 
-/// Receives the rows of a run in order.
+/// Receives the recorded rows of a run in order.
 class RowSink {
  public:
   virtual ~RowSink() = default;
 
-  /// Writes the rows of a block. May be called by another thread than the other functions, but never at the same time
-  /// as one of them. Throws Error if writing fails, for example because the disk is full.
+  /// Writes the rows of a block. May run on another thread, but never at the same time as another function of the sink.
+  /// Throws Error if writing fails, for example because the disk is full.
   virtual void write(const RowBlock& block) = 0;
-  /// Writes all rows that were received so far to the file.
+  /// Writes all received rows to the file.
   virtual void flush() = 0;
 
-  /// Visits the state that the sink needs to continue from a saved state. A restore resets the sink to this state.
+  /// Saves or restores the state of the sink.
   virtual void visit(state::Visitor& /*v*/) {}
-  /// Returns the name under which the sink's state is saved. Returns an empty name if there is no state; such a sink
-  /// may be absent in a resumed run.
+  /// Returns the name of the saved state. Returns an empty name if the sink has no state; a resumed run may lack such a
+  /// sink.
   virtual std::string_view state_name() const { return {}; }
-  /// Must be called after a state was restored. Keeps the first `rows` rows and drops all others. Throws Error if the
-  /// sink has fewer rows.
+  /// Keeps the first `rows` rows and drops all others. Must be called after a restore. Throws Error if the sink has
+  /// fewer rows.
   virtual void keep_rows(std::int64_t /*rows*/) {}
 };
 
