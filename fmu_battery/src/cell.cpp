@@ -13,16 +13,16 @@
 namespace mebots::battery {
 namespace {
 
-/// Hysteresis if the file does not contain the release voltage: the release voltage is then the cut-off voltage plus
-/// this value. In protection circuits, the difference is 0 to 0.7 V.
+/// Default hysteresis: without a release voltage in the file, the release voltage is the cut-off voltage plus this
+/// value. In protection circuits, the hysteresis is 0 to 0.7 V.
 constexpr double kUsualHysteresis_v = 0.2;
-/// Minimum hysteresis. With a smaller one, event location could open and close the protection without end.
+/// Minimum hysteresis. With less, event location could open and close the protection without end.
 constexpr double kLeastHysteresis_v = 1e-3;
 
-/// Number of samples of a curve. It is large enough to find a wrong sign or a falling section.
+/// Number of samples of a curve for a check of its sign and slope.
 constexpr int kSamples = 1000;
 
-/// Reads a curve. Reports a mistake if the curve is not > 0 at a state of charge where the model evaluates it.
+/// Reads a curve. Reports a mistake if a value at a state of charge from `from_s` to 1 is not > 0.
 Curve read_positive(const data::Node& node, std::string_view unit, double from_s) {
   const auto mistakes_before = node.noted();
   Curve curve = Curve::read(node, unit);
@@ -138,12 +138,12 @@ Cell load_cell(const std::filesystem::path& path, const CellPositions& positions
 double terminal_current_a(double source_v, double series_ohm, double power_w) {
   const double discriminant = source_v * source_v - 4 * series_ohm * power_w;
   if (discriminant <= 0) return source_v / (2 * series_ohm);
-  // The expression is equal to (E - sqrt(...)) / (2 R), but contains no difference of nearly equal numbers.
+  // This form of (E - sqrt(E^2 - 4 R P)) / (2 R) has no difference of nearly equal numbers.
   return 2 * power_w / (source_v + std::sqrt(discriminant));
 }
 
 double power_limit_w(double source_v, double series_ohm, double cut_off_v) {
-  // Below half the source voltage, the terminal voltage is not stable: there, the power is at its maximum E^2 / (4 R).
+  // Terminal voltages below half the source voltage are unstable. At half, the power has its maximum E^2 / (4 R).
   const double lowest_v = std::max(cut_off_v, source_v / 2);
   return lowest_v * (source_v - lowest_v) / series_ohm;
 }

@@ -15,7 +15,7 @@
 namespace mebots::battery {
 namespace {
 
-/// Returns a reader of the list of numbers in an object {"unit", "value": [...]}.
+/// Returns a reader of an object {"unit", "value": [...]}, which returns the list of numbers.
 auto table(std::string_view unit, std::vector<double> (*read)(const data::Node&, const data::Limits&),
            const data::Limits& limits) {
   return [=](const data::Node& node) {
@@ -28,8 +28,8 @@ auto table(std::string_view unit, std::vector<double> (*read)(const data::Node&,
   };
 }
 
-/// Checks that the input power rises with the output power, because otherwise the function could not be inverted. On a
-/// segment with linear eta = a + b I, the slope of the input I / eta(I) has the sign of a, so a check of the ends is
+/// Checks that the input power rises with the output power, so that output_power_w() is unique. On a segment with
+/// linear eta = a + b I, the slope of the input I / eta(I) has the sign of a, so that one check per segment is
 /// sufficient.
 void check_rising_input(const data::Node& efficiencies, const std::vector<double>& current_a,
                         const std::vector<double>& efficiency) {
@@ -94,8 +94,8 @@ double Converter::efficiency(double output_power_w) const {
 
 double Converter::output_power_w(double input_power_w) const {
   if (output_current_a_.empty() || input_power_w <= 0) return input_power_w;
-  // Bisection works, because input_power_w() rises with the output, as load_converter() has checked. It ends when the
-  // bracket is two neighbouring doubles.
+  // Bisects until the bracket is two neighbouring doubles. load_converter() has checked that the input power rises with
+  // the output power.
   double low = 0;
   double high = input_power_w;
   for (;;) {

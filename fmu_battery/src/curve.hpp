@@ -15,17 +15,16 @@ namespace mebots::battery {
 ///   a table, linear between its points
 class Curve {
  public:
-  /// Reads {"unit", "exponential": [a, b], "polynomial": [c0, ...]} or {"unit", "state_of_charge", "value"}. The table
-  /// must rise from s = 0 to s = 1. The file's unit must be `unit`. Records mistakes in the node's document.
+  /// Reads {"unit", "exponential": [a, b], "polynomial": [c0, ...]} or {"unit", "state_of_charge", "value"}. The state
+  /// of charge must rise from 0 to 1. The file's unit must be `unit`. Records mistakes in the node's document.
   static Curve read(const data::Node& node, std::string_view unit);
 
   static Curve analytic(double factor, double rate, std::vector<double> polynomial);
 
-  /// Returns the value at s. The caller must keep s within [0, 1]; trial points of an integrator may be slightly
+  /// Returns the value at s. The caller must keep s within [0, 1]. Only trial points of an integrator may be slightly
   /// outside.
   double operator()(double s) const;
 
-  /// Returns the curve with all values multiplied by `factor`.
   Curve scaled(double factor) const;
 
  private:

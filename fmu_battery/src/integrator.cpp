@@ -16,8 +16,8 @@
 namespace mebots::battery {
 namespace {
 
-// Indexes the vector that SUNDIALS integrates. The elements of the ledger are zero at the start of every piece.
-// Therefore error control uses the energies of the piece, not the energies since the start of the run.
+// Elements of the vector that SUNDIALS integrates. The energies start at zero in every piece, so that error control is
+// relative to the energies of the piece.
 enum Index : int {
   kSoc,
   kPair1,
@@ -32,19 +32,19 @@ enum Index : int {
   kSize
 };
 
-// Absolute tolerances of the solver: 1e-12 of the charge, 1e-10 V and 1e-10 J.
+// Absolute tolerances of the solver [1, V, J].
 constexpr double kSocTolerance = 1e-12;
 constexpr double kVoltageTolerance = 1e-10;
 constexpr double kEnergyTolerance = 1e-10;
-// Limits for the solver's steps in a piece, and for evaluations in a call of advance(). The last piece may exceed the
-// limit of evaluations.
+// Limits of the solver's steps in a piece, and of the evaluations in a call of advance(). The last piece may exceed the
+// second limit.
 constexpr long kMaxSteps = 1'000'000;
 constexpr long kMaxEvaluations = 5 * kMaxSteps;
-// If a piece of the duration cannot be integrated, a piece of a tenth of its length is tried. The integration fails if
-// this piece is shorter than kShortestPiece [s].
+// If a piece cannot be integrated, a piece of a tenth of its length is tried. If that piece is shorter than
+// kShortestPiece [s], the integration fails.
 constexpr double kPieceFactor = 10;
 constexpr double kShortestPiece = 1e-15;
-// Hysteresis of the detector of a low voltage. It must exceed the tolerance with which events are located.
+// Hysteresis of the low-voltage detection. Must exceed the tolerance of event location.
 constexpr double kDetectorHysteresis_v = 1e-3;
 
 enum Root : int { kProtectionRoot, kNoPowerRoot, kEmptyRoot, kFullRoot, kRootCount };
@@ -141,7 +141,7 @@ class Integrator::Solver {
   long evaluations() const { return evaluations_; }
 
  private:
-  /// Returns whether the charging current exceeds the self-discharge. An empty cell charges only in this case.
+  /// Returns true if the charging current exceeds the self-discharge, which is necessary to charge an empty cell.
   bool charges_faster_than_leak(const CellState& state) const {
     if (!charging_) return false;
     const Circuit circuit = cell_.circuit_at(state.soc);
@@ -166,7 +166,7 @@ class Integrator::Solver {
     return margin < 0 ? Event::cut_off : Event::none;
   }
 
-  /// Integrates a piece of the duration. Returns ARKODE's flag. If the flag is negative, `state` and `ledger` are
+  /// Integrates a piece of the duration. Returns ARKODE's flag; if the flag is negative, `state` and `ledger` are
   /// unchanged.
   int evolve(CellState& state, Ledger& ledger, double piece_s, double& reached_s) {
     double* y = N_VGetArrayPointer(y_);
@@ -174,8 +174,7 @@ class Integrator::Solver {
     y[kSoc] = state.soc;
     y[kPair1] = state.pair1_v;
     y[kPair2] = state.pair2_v;
-    // Each piece restarts the solver, with the whole piece as its first step. So the result does not depend on earlier
-    // calls.
+    // Restarts the solver, so that the result does not depend on earlier calls. The first step is the whole piece.
     check(ERKStepReInit(memory_, &Solver::right_hand_side, 0, y_), "ERKStepReInit");
     if (fixed_step_s_ == 0) check(ERKStepSetInitStep(memory_, piece_s), "ERKStepSetInitStep");
     check(ERKStepSetStopTime(memory_, piece_s), "ERKStepSetStopTime");
@@ -193,8 +192,8 @@ class Integrator::Solver {
     return std::all_of(y, y + kSize, [](double value) { return std::isfinite(value); });
   }
 
-  /// Returns the event that root finding has located. Sets the state of charge exactly to 0 or 1 if it is empty or
-  /// full.
+  /// Returns the event that root finding has located. If the cell is empty or full, sets the state of charge exactly to
+  /// 0 or 1.
   Event settle(CellState& state) {
     int found[kRootCount] = {};
     check(ERKStepGetRootInfo(memory_, found), "ERKStepGetRootInfo");
@@ -220,15 +219,17 @@ class Integrator::Solver {
 
   double series_ohm(double soc) const { return cell_.series_ohm(std::max(soc, cell_.hold_below_soc)); }
 
-  /// Returns the greatest possible power minus the demanded power [W]. The result is negative if no current can deliver
-  /// the power.
+  /// Returns the greatest possible power minus the demanded power [W]. If the result is negative, no current gives the
+  /// demanded power.
   double power_margin_w(double soc, double pair1_v, double pair2_v) const {
     return power_limit_w(cell_.open_circuit_v(soc) - pair1_v - pair2_v, series_ohm(soc), 0) - demand_.terminal_w();
   }
 
-  /// Returns a value that falls through 0 when the protection changes. If it is closed [W]: the power that can be added
-  /// until the terminal voltage reaches the cut-off. If low [W]: the power that must be removed until the terminal
-  /// voltage is above it. If open [V]: the voltage missing to the release voltage.
+  /// Returns a value that falls through 0 when the state of the protection must change:
+  ///
+  ///   - closed [W]: power that can be added until the terminal voltage falls to the cut-off
+  ///   - low [W]: power that must be removed until the terminal voltage is above the cut-off
+  ///   - open [V]: voltage missing to the release voltage
   double protection_margin(double soc, double pair1_v, double pair2_v) const {
     const double source_v = cell_.open_circuit_v(soc) - pair1_v - pair2_v;
     const double ohm = series_ohm(soc);
@@ -251,8 +252,8 @@ class Integrator::Solver {
     const Cell& cell = solver.cell_;
     const Demand& demand = solver.demand_;
 
-    // If a step is too long, a stage of the step may have s far outside of 0 to 1, where the curves have no meaning and
-    // values may be NaN. The error test then rejects the step.
+    // If a step is too long, s may be far outside of 0 to 1, and values may be NaN. The error test then rejects the
+    // step.
     const Circuit circuit = cell.circuit_at(y[kSoc]);
     const double source_v = circuit.open_circuit_v - y[kPair1] - y[kPair2];
     const double current_a =
@@ -279,7 +280,7 @@ class Integrator::Solver {
   static int root_functions(double /*t*/, N_Vector y_vector, double* g, void* self) {
     const auto& solver = *static_cast<const Solver*>(self);
     const double* y = N_VGetArrayPointer(y_vector);
-    // A root function is disabled if it returns a constant, because a constant never crosses zero.
+    // A constant disables a root function, because a constant never crosses zero.
     g[kProtectionRoot] = solver.conducts_ ? solver.protection_margin(y[kSoc], y[kPair1], y[kPair2]) : 1;
     const bool is_low = solver.protection_ == Protection::low;
     g[kNoPowerRoot] = is_low ? solver.power_margin_w(y[kSoc], y[kPair1], y[kPair2]) : 1;
@@ -314,7 +315,7 @@ class Integrator::Solver {
   long evaluations_ = 0;
   std::string message_;
 
-  // The demand of the current call of advance().
+  // Arguments of the present call of advance().
   Demand demand_;
   Protection protection_ = Protection::closed;
   bool conducts_ = true;

@@ -8,10 +8,9 @@
 
 namespace mebots::battery {
 
-/// Contains the differential states of a cell.
 struct CellState {
   double soc = 1;      // state of charge
-  double pair1_v = 0;  // voltages of the RC pairs, positive after discharge
+  double pair1_v = 0;  // voltages of the RC pairs, positive after a discharge
   double pair2_v = 0;
 
   void visit(state::Visitor& v) {
@@ -21,10 +20,10 @@ struct CellState {
   }
 };
 
-/// Contains energies in joules. They balance: open_circuit + source = delivered + ohmic + polarisation + converters +
+/// Energies [J], whose balance is open_circuit + source = delivered + ohmic + polarisation + converters +
 /// self_discharge.
 struct Ledger {
-  double open_circuit_j = 0;  // supplied by the open-circuit source; negative while charging
+  double open_circuit_j = 0;  // from the open-circuit source; negative while charging
   double delivered_j = 0;
   double source_j = 0;
   double ohmic_j = 0;         // heat in R0, R1, R2
@@ -46,7 +45,7 @@ struct Ledger {
   }
 };
 
-/// Contains the powers of the loads and of the source on the bus. They are constant during a call of advance().
+/// Powers of the loads and of the source on the bus, constant during a call of advance().
 struct Demand {
   double delivered_w = 0;   // sum of the powers at the outputs of the loads' converters
   double drawn_w = 0;       // sum of the powers at the inputs of the loads' converters
@@ -58,7 +57,7 @@ struct Demand {
   double converter_loss_w() const { return drawn_w - delivered_w + source_w - source_bus_w; }
 };
 
-/// States why advance() returned before the end of the duration.
+/// Reason why advance() returned before the end of the duration.
 enum class Event {
   none,
   cut_off,    // the terminal voltage would fall below the cut-off, or no current gives the power
@@ -69,17 +68,16 @@ enum class Event {
   release,    // protection open: a charger raised the terminal voltage to the release voltage
 };
 
-/// The state of the switch between cell and bus.
+/// State of the switch between cell and bus.
 enum class Protection {
   closed,
-  low,   // closed, but the terminal voltage is below the cut-off, and the delay runs
-  open,  // blocks discharge; a charge passes, as through the body diode of the discharge transistor
+  low,   // closed; the terminal voltage is below the cut-off, and the delay has not passed
+  open,  // blocks discharge, but not charge: the body diode of the discharge transistor conducts
 };
 
-/// Integrates the cell's differential equations and its ledger with SUNDIALS (ERKStep of ARKODE, order 4). The steps
-/// are adaptive, with control of the local error. Events are located by root finding. The integrator keeps no state
-/// between calls, so its results depend only on its arguments, and a restored run has the same bits. It is not
-/// thread-safe: use one integrator per instance.
+/// Integrates the cell's differential equations and energies with SUNDIALS (ERKStep of ARKODE, order 4). The integrator
+/// keeps no state between calls, so that a restored run has the same bits. It is not thread-safe: use one integrator
+/// per instance.
 ///
 ///   ds/dt  = -(i + i_sd) / Q
 ///   dvk/dt = (i - vk / Rk(s)) / Ck(s),   k = 1, 2
@@ -88,7 +86,7 @@ class Integrator {
  public:
   struct Options {
     double relative_tolerance = 1e-9;
-    double fixed_step_s = 0;  // if > 0, the size of all steps, without error control
+    double fixed_step_s = 0;  // if > 0, size of all steps, without error control
   };
 
   explicit Integrator(const Cell& cell) : Integrator(cell, Options{}) {}
@@ -102,13 +100,13 @@ class Integrator {
     Event event = Event::none;
   };
 
-  /// Advances `state` by `duration_s`, or to the first event, and adds the energies to `ledger`. If the protection is
-  /// closed or low, the cell supplies `demand`. If it is open, only a demand that charges the cell has an effect. If
-  /// the duration cannot be integrated at once, it is divided. If the smallest part fails, throws mebots::Error with
-  /// duration, power and a way out. In this case, `state` and `ledger` are unchanged.
+  /// Advances `state` by `duration_s` or to the first event, and adds the energies to `ledger`. A closed or low
+  /// protection lets the cell supply `demand`. An open protection only lets `demand` charge the cell. If the
+  /// integration fails, throws mebots::Error with duration, power and a way out; `state` and `ledger` are then
+  /// unchanged.
   Result advance(CellState& state, Ledger& ledger, const Demand& demand, Protection protection, double duration_s);
 
-  /// Returns the number of evaluations of the right-hand side, as a measure of cost.
+  /// Returns the number of evaluations of the right-hand side since construction.
   long evaluations() const;
 
  private:

@@ -12,8 +12,7 @@
 namespace mebots::battery {
 namespace {
 
-/// If the remainder of a step after an event is shorter than this [s], it is not integrated. At 100 W, it has an energy
-/// of 1e-10 J.
+/// Shortest remainder of a step that is integrated after an event [s]. At 100 W, its energy is 1e-10 J.
 constexpr double kShortest = 1e-12;
 
 constexpr double seconds(std::int64_t ns) {
@@ -56,9 +55,9 @@ void Model::start(const Inputs& inputs, std::int64_t start_ns, Outputs& outputs)
   if (state_.soc <= 0) {
     handle(Event::empty, seconds(start_ns));
   } else if (source_v < cell_.cut_off_voltage_v) {
-    // The cell's voltage is below the cut-off even without a load. If only a load lowers the voltage below the cut-off,
-    // the protection opens in the first step instead. If it opened here, the initial values might not converge, because
-    // the loads depend on the bus voltage, and the bus voltage depends on the loads.
+    // The voltage is below the cut-off even without a load. If only a load lowers the voltage below the cut-off, the
+    // protection opens in the first step instead. Opening here could keep the initial values from converging, because
+    // loads and bus voltage depend on each other.
     open(cut_off_text(), seconds(start_ns));
   } else if (now.terminal_w() > power_limit_w(source_v, circuit.series_ohm, source_v / 2)) {
     handle(Event::no_power, seconds(start_ns));
@@ -75,8 +74,7 @@ void Model::step(const Inputs& inputs, std::int64_t start_ns, std::int64_t durat
   double passed_s = 0;
   while (duration_s - passed_s > kShortest) {
     const Demand now = demand(inputs);
-    // While the voltage is low, a part of the step ends at the latest at the end of the delay, when the protection
-    // opens.
+    // While the voltage is low, a part of the step ends at the latest when the delay ends and the protection opens.
     const double until_s =
         low_ ? std::min(duration_s - passed_s, cell_.cut_off_delay_s - low_s_) : duration_s - passed_s;
     const auto [reached_s, event] = integrator_.advance(state_, ledger_, now, protection(), until_s);
@@ -176,8 +174,8 @@ bool Model::over_current(double current_a) const {
 }
 
 // Updates the record of the current, and warns once if the current overheats the cell. The mean of the squared current
-// follows the thermal model of IEC 60255-149, without the margin of that standard. It is a first-order lag of the
-// squared current, starts at 0 (a cold cell), and is integrated by the implicit Euler method.
+// follows the thermal model of IEC 60255-149, without the margin of that standard. It is a first-order lag that starts
+// at 0 (a cold cell), integrated by the implicit Euler method.
 void Model::watch_current(double current_a, std::int64_t now_ns, std::int64_t duration_ns) {
   const double duration_s = seconds(duration_ns);
   mean_square_a2_ += (current_a * current_a - mean_square_a2_) * duration_s / (kHeatingTimeConstant_s + duration_s);

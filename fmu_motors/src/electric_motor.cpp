@@ -25,7 +25,7 @@ double ripple_power_w(const ElectricMotor& motor, const RotorDrive& drive) {
 double steady_speed_rad_per_s(const RotorData& rotor, double thrust_coefficient, double voltage_v) {
   MEBOTS_ASSERT(rotor.motor && voltage_v >= 0);
   const double emf = rotor.motor->back_emf_vs_per_rad;
-  // The result is the root of v = K u + R c u^2 / K. This form of the root has no difference of nearly equal numbers.
+  // This form of the root of v = K u + R c u^2 / K has no difference of nearly equal numbers.
   const double square = rotor.motor->resistance_ohm * drag_coefficient(rotor, thrust_coefficient) / emf;
   return 2 * voltage_v / (emf + std::sqrt(emf * emf + 4 * square * voltage_v));
 }
@@ -55,7 +55,7 @@ RotorStep advance_motor(const RotorData& rotor, const RotorDrive& drive, double 
   const double emf = motor.back_emf_vs_per_rad;
   const SpeedLaw law{emf * emf / (motor.resistance_ohm * rotor.inertia_kg_m2), quadratic};
   const SpeedCourse course(law, speed, drive.steady_speed_rad_per_s);
-  // The current is never negative, but rounding may make its integral negative.
+  // Rounding may make the charge slightly negative.
   const double charge_c =
       std::max((drive.voltage_v * left_s - emf * course.speed_integral(left_s)) / motor.resistance_ohm, 0.0);
   const double end = std::max(course.speed(left_s), 0.0);

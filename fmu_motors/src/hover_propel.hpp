@@ -7,11 +7,11 @@ namespace mebots::motors {
 
 inline constexpr double kGravity = 9.80665;  // standard gravity [m/s^2]
 
-/// Computes the power model of the MEbots paper, with the paper's quantities.
+/// Power model of the MEbots paper, in the paper's symbols.
 
-/// Returns P_hover = m g p n / eta [W]. In each turn, the propeller lifts the weight by the pitch p, as a screw without
-/// slip would. eta is the efficiency of motor and propeller. n is the number of turns per second at which four rotors
-/// lift the mass at that air density: 4 k (rho / rho_0) (2 pi n)^2 = m g.
+/// Returns P_hover = m g p n / eta [W], where p is the propeller's pitch and eta the efficiency of motor and propeller.
+/// n is the number of turns per second at which four rotors lift the mass at that air density: 4 k (rho / rho_0) (2 pi
+/// n)^2 = m g.
 double hover_power_w(const RotorData& rotor, double mass_kg, double density_kg_per_m3);
 
 /// Returns P_propel = m g v / (eta r) [W], where r is the ratio of lift to drag (D'Andrea 2014).

@@ -14,12 +14,12 @@
 namespace mebots::motors {
 namespace {
 
-/// The maximum magnitude of an input. Below it, products of a few inputs are finite. fmu_world has the same limit.
+/// Maximum magnitude of an input, so that products of a few inputs are finite. fmu_world has the same limit.
 constexpr double kMost = 1e40;
 constexpr double kLeastDensity = 1 / kMost;
-/// If the current of a step is less than this share of the next step's current, the next current is a surge.
+/// If the previous step's current is less than this share of the present current, the present current is a surge.
 constexpr double kEarlierShare = 0.1;
-/// The minimum sag of the voltage for a warning. A smaller sag is harmless, and other loads may have caused it.
+/// Minimum sag of the voltage for a warning. Other loads may have caused a smaller sag.
 constexpr double kLeastSag_v = 0.02;
 
 void check(double value, std::string_view name, std::string_view unit, const data::Limits& limits) {
@@ -98,8 +98,7 @@ void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& output
   outputs.bench_power_w = rotor_.power_factor * bench_j / duration_s;
   outputs.hover_power_w = driven ? hover_power_w(rotor_, inputs.body_mass_kg, inputs.air_density_kg_per_m3) : 0;
   outputs.propel_power_w = driven ? propel_power_w(rotor_, inputs.body_mass_kg, inputs.body_speed_m_per_s) : 0;
-  // Limits the inflow power from below so that the rotors' power is not negative, because a rotor never supplies the
-  // bus.
+  // The rotors never supply the bus: the inflow power must not make their power negative.
   outputs.inflow_power_w = driven && inflow_ ? std::max(inflow_power_w(inputs), -outputs.bench_power_w) : 0;
   outputs.power_w = power_model_ == PowerModel::bench ? outputs.bench_power_w + outputs.inflow_power_w
                                                       : outputs.hover_power_w + outputs.propel_power_w;
@@ -107,9 +106,9 @@ void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& output
   write(inputs, outputs);
 }
 
-/// Returns the bus voltage at the present current. Motors and battery step at the same time, so bus.voltage belongs to
-/// the current of the step before the last one. The result is bus.voltage minus bus.resistance times the increase of
-/// the current since that step.
+/// Returns the bus voltage at the present current: bus.voltage minus bus.resistance times the increase of the current.
+/// Motors and battery step at the same time, so that bus.voltage belongs to the current of the step before the last
+/// step.
 double Model::supply_voltage_v(const Inputs& inputs) const {
   const double bus_v = inputs.bus_voltage_v;
   if (!rotor_.motor || bus_resistance_ohm_ == 0 || bus_v == 0) return bus_v;
@@ -123,8 +122,8 @@ double Model::supply_voltage_v(const Inputs& inputs) const {
          (1 + bus_resistance_ohm_ * all.conductance_s);
 }
 
-/// Warns if bus.resistance counts a sag that bus.voltage already contains. This is the case if bus.voltage has fallen
-/// by at least half the sag of the last step's surge. Then battery and motors do not step at the same time.
+/// Warns if battery and motors do not step at the same time, so that bus.voltage already contains the sag of the last
+/// step's surge. This is assumed if bus.voltage has fallen by at least half of this sag.
 void Model::warn_of_double_sag(double bus_v) {
   const double surge_a = last_current_a_ - earlier_current_a_;
   const bool is_surge = earlier_current_a_ < kEarlierShare * last_current_a_;
@@ -153,9 +152,8 @@ RotorDrive Model::drive_of(const Inputs& inputs, double supply_v, std::size_t i)
   return drive;
 }
 
-/// Returns the electrical power that the inflow adds to that of hovering, for the driven rotors and their thrust at the
-/// end of the step. Propeller and motor need more than the power of the air, so the air's power is divided by their
-/// efficiency.
+/// Returns the electrical power of the inflow in addition to that of hovering, for the driven rotors and their thrust
+/// at the end of the step. The power of the air is divided by the efficiency of propeller and motor.
 double Model::inflow_power_w(const Inputs& inputs) const {
   const double coefficient = rotor_.thrust_coefficient_at(inputs.air_density_kg_per_m3);
   double power_w = 0;

@@ -13,22 +13,20 @@
 
 namespace mebots::motors {
 
-/// Models four rotors with their motors in plain C++; fmu.cpp binds the class to FMI.
-/// A rotor's effective voltage is its command times the bus voltage. Inputs are constant during a step. Thrust, torque
-/// and speed are values at the end of the step; powers are means over the step.
+/// Models four rotors with their motors. A rotor's effective voltage is its command times the bus voltage. Inputs are
+/// constant during a step. Thrust, torque and speed are values at the end of the step; powers are means over the step.
 class Model {
  public:
   using Log = std::function<void(std::string_view)>;
 
-  /// Reads `resources`/rotors/<name>.json. Throws mebots::Error that names parameter or file, key, value and limit.
-  /// Reports warnings to `log`.
+  /// Reads `resources`/rotors/<name>.json, and reports warnings to `log`. Throws mebots::Error that names parameter or
+  /// file, key, value and limit.
   Model(const Parameters& parameters, const std::filesystem::path& resources, const Log& log = {});
 
-  /// Sets the outputs to their values at the start, when the rotors do not turn.
+  /// Sets the outputs at the start, when the rotors do not turn.
   void start(const Inputs& inputs, Outputs& outputs);
 
-  /// Advances by duration_ns, which must be > 0, and sets the outputs. Throws mebots::Error if an input is out of
-  /// range.
+  /// Advances by duration_ns > 0 and sets the outputs. Throws mebots::Error if an input is out of range.
   void step(const Inputs& inputs, std::int64_t duration_ns, Outputs& outputs);
 
   void visit(state::Visitor& v);
@@ -52,7 +50,7 @@ class Model {
 
   std::array<double, rotor::kCount> speed_rad_per_s_{};
   double energy_j_ = 0;
-  // Mean currents from the bus through the windings, in the last step and in the step before it.
+  // Mean currents from the bus through the windings, in the last step and in the step before.
   double last_current_a_ = 0;
   double earlier_current_a_ = 0;
   double last_bus_v_ = 0;

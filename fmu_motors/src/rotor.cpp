@@ -10,9 +10,8 @@
 namespace mebots::motors {
 namespace {
 
-/// Returns the speed above which the power of a decelerating rotor is negative. At speed w
-/// and steady speed u, power / w = a + b k w + J (u - w) (linear + quadratic (u + w)). This parabola in w is positive
-/// at w = u; the result is its positive root.
+/// Returns the speed above which the power of a decelerating rotor is negative. At speed w and steady speed u, power /
+/// w = a + b k w + J (u - w) (linear + quadratic (u + w)). The result is the positive root of this parabola.
 double speed_of_zero_power(const RotorData& rotor, const RotorDrive& drive, const SpeedLaw& law) {
   const double u = drive.steady_speed_rad_per_s;
   const double square = rotor.inertia_kg_m2 * law.quadratic_per_rad;  // coefficient of -w^2
@@ -31,7 +30,7 @@ double energy_j(const RotorData& rotor, const RotorDrive& drive, const SpeedCour
       rotor.power_per_speed_ws_per_rad * course.speed_integral(duration_s) +
       rotor.power_per_thrust_w_per_n * drive.thrust_coefficient * course.speed_squared_integral(duration_s) +
       0.5 * rotor.inertia_kg_m2 * (to_speed - from_speed) * (to_speed + from_speed);
-  return std::max(energy, 0.0);  // the integrand is not negative, but rounding may make its integral negative
+  return std::max(energy, 0.0);  // rounding may make the integral negative
 }
 
 }  // namespace

@@ -5,12 +5,11 @@
 
 namespace mebots::motors {
 
-/// Contains the conditions of one rotor that are constant during a step.
 struct RotorDrive {
   double steady_speed_rad_per_s = 0;
   double thrust_coefficient = 0;  // at the present air density [N s^2/rad^2]
   bool driven = false;            // false: the driver is off and takes no power
-  double voltage_v = 0;           // effective voltage: duty cycle times bus voltage
+  double voltage_v = 0;           // duty cycle times bus voltage
   double duty = 0;
 };
 
@@ -20,11 +19,10 @@ struct RotorStep {
   double charge_c = 0;         // charge through the winding of an electric motor, >= 0
 };
 
-/// Advances one rotor by `duration_s`. The electrical power is
+/// Advances one rotor by `duration_s`, in closed form without a step size. The electrical power is
 /// P = max(0, a w + b F + J w dw/dt)
 /// The first two terms are the power on the bench at that speed, and the third is the power into the rotor's inertia. A
-/// decelerating rotor covers part of its losses with its kinetic energy, but never supplies the bus. Speed and energy
-/// are computed in closed form, without a step size.
+/// decelerating rotor covers part of its losses with its kinetic energy, but never supplies the bus.
 RotorStep advance_rotor(const RotorData& rotor, const RotorDrive& drive, double speed_rad_per_s, double duration_s);
 
 }  // namespace mebots::motors

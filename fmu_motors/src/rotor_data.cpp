@@ -14,7 +14,7 @@ namespace {
 
 using data::Limits;
 
-/// Returns a reader of the list in an object {"unit", "value": [...]}. The numbers must rise from 0.
+/// Returns a reader of an object {"unit", "value": [...]}, which returns the list. The numbers must rise from 0.
 auto table_from_rest(std::string_view unit) {
   return [unit](const data::Node& node) {
     data::Object object(node);
@@ -65,7 +65,7 @@ void read_table_form(data::Object& object, RotorData& rotor) {
   object.read("power_per_thrust", rotor.power_per_thrust_w_per_n, quantity("W/N", Limits::positive()));
 }
 
-/// Reads the member `motor`. The motor determines speed and power, so the keys of the table form must be absent.
+/// Reads the member `motor`, which determines speed and power. Keys of the table form must be absent.
 void read_motor_form(data::Object& object, RotorData& rotor) {
   object.visit("motor", [&](const data::Node& node) {
     data::Object member(node);
@@ -85,8 +85,8 @@ void read_motor_form(data::Object& object, RotorData& rotor) {
   }
 }
 
-/// Sets the thrust coefficient. Torque and power at a speed do not change. Both are stored per thrust, so their
-/// coefficients change.
+/// Sets the thrust coefficient without changing torque and power at a speed. Their coefficients are per thrust, and
+/// change inversely.
 void place_thrust(RotorData& rotor, double thrust_coefficient) {
   const double ratio = thrust_coefficient / rotor.thrust_coefficient;
   rotor.thrust_coefficient = thrust_coefficient;

@@ -39,7 +39,7 @@ double SpeedCourse::speed_integral(double time_s) const {
 }
 
 double SpeedCourse::speed_squared_integral(double time_s) const {
-  // Uses w^2 = u^2 - 2 u e + e^2. The differential equation gives b e^2 = de/dt + k e.
+  // Integrates w^2 = u^2 - 2 u e + e^2, where the differential equation gives b e^2 = de/dt + k e.
   const double first = difference_integral(time_s);
   const double squared =
       quadratic_ > 0 ? (difference(time_s) - initial_difference_ + rate_ * first) / quadratic_

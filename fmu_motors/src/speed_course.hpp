@@ -7,12 +7,12 @@ namespace mebots::motors {
 
 /// Computes the speed w of a rotor over time at a constant steady speed u:
 /// dw/dt = a (u - w) + b (u^2 - w^2)
-/// With e = u - w, this is Bernoulli's equation de/dt = -k e + b e^2 with k = a + 2 b u. Its solution has a closed
-/// form, so there is no step size.
+/// With e = u - w, this is Bernoulli's equation de/dt = -k e + b e^2 with k = a + 2 b u. Its solution has a
+/// closed form.
 class SpeedCourse {
  public:
-  /// Creates the course from the speed `initial` towards the speed `steady` [rad/s, both >= 0]. The coefficients a and
-  /// b of `law` must be >= 0.
+  /// Creates the course from the speed `initial` towards the speed `steady` [rad/s, both >= 0]. `law` has the
+  /// coefficients a and b, which must be >= 0.
   SpeedCourse(const SpeedLaw& law, double initial_rad_per_s, double steady_rad_per_s);
 
   /// Returns the speed [rad/s] after `time_s` >= 0.
@@ -21,8 +21,8 @@ class SpeedCourse {
   double speed_integral(double time_s) const;
   /// Returns the integral of w^2 [rad^2/s] over the first `time_s`.
   double speed_squared_integral(double time_s) const;
-  /// Returns the time [s] until the speed is `target`. `target` must be between the initial and the steady speed, and
-  /// not equal to the steady speed.
+  /// Returns the time [s] until the speed is `target`, which must be between the initial and the steady speed, and not
+  /// equal to the steady speed.
   double time_to(double target_rad_per_s) const;
 
  private:
@@ -34,7 +34,7 @@ class SpeedCourse {
   double initial_;
   double steady_;
   double initial_difference_;
-  double rate_;  // the rate k
+  double rate_;  // k
 };
 
 }  // namespace mebots::motors

@@ -56,7 +56,7 @@ void Channel::take_requests(std::int64_t time_ns) {
     const auto& inputs = variables_[i].inputs;
     if (inputs.tx_count == node.count) continue;
     node.count = inputs.tx_count;
-    ++node.packets;  // counts dropped packets too, so that a drop does not change the draws of later packets
+    ++node.packets;  // counts dropped packets too, so that a drop does not change the random numbers of later packets
     const auto most = static_cast<std::int32_t>(nodes_.size());
     if (inputs.tx_size < 0 || inputs.tx_size > kMostBytes)
       throw Error(fmt::format("node[{}].tx.size = {} must be 0 to {} bytes", i + 1, inputs.tx_size, kMostBytes));
@@ -81,8 +81,7 @@ void Channel::take_requests(std::int64_t time_ns) {
   }
 }
 
-/// Returns the node with the oldest request. If several requests have the same time, the nodes take turns: the node
-/// after the last sender is first.
+/// Returns the node with the oldest request. If requests have the same time, the node after the last sender is first.
 Channel::Node* Channel::next_sender() {
   Node* chosen = nullptr;
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
@@ -111,7 +110,7 @@ void Channel::transmit(std::int64_t end_ns) {
 }
 
 void Channel::decide(std::int64_t end_ns) {
-  while (!on_air_.empty() && on_air_.front().end_ns <= end_ns) {  // on_air_ is ordered by the packets' ends
+  while (!on_air_.empty() && on_air_.front().end_ns <= end_ns) {  // packets are in the order of their ends
     const auto& packet = on_air_.front();
     ended_.push_back(packet);
     under_way_.push_back({packet, receptions(packet)});

@@ -21,15 +21,16 @@ struct Span {
   std::int64_t end_ns;
 };
 
-/// Returns the length of the part of [begin, end) that is in the span [ns].
+/// Returns the length of the intersection of [begin, end) and the span [ns].
 std::int64_t overlap_ns(const Span& span, std::int64_t begin_ns, std::int64_t end_ns);
 
 double distance_m(const NodeVariables& a, const NodeVariables& b);
 
 /// Transmits packets between nodes on one frequency.
-/// A node that wants to send waits until the channel is free, so packets do not collide. Packets are sent in the order
-/// of their requests; for requests at the same time, the nodes take turns. A radio stores at most three packets to send
-/// and three received packets, as an nRF24L01+ does. In each step, at most one received packet reaches the outputs.
+/// A sender waits until the channel is free, so that packets do not collide. Packets are sent in the order of their
+/// requests; for requests at the same time, the nodes take turns. A radio stores at most three packets to send and
+/// three received packets, as an nRF24L01+ does. In each step, at most one received packet per node reaches the
+/// outputs.
 class Channel {
  public:
   static constexpr std::size_t kQueue = 3;
@@ -40,7 +41,6 @@ class Channel {
   /// a packet is out of range.
   void step(const Span& span);
 
-  /// Returns the energy that a node's radio consumes in the step [J].
   double energy_j(std::size_t node, const Span& span) const;
 
   void visit(state::Visitor& v);
@@ -59,7 +59,7 @@ class Channel {
 
     void visit(state::Visitor& v);
   };
-  /// Contains the result of a packet at one receiving node.
+  /// Result of a packet at one receiving node.
   struct Reception {
     std::uint64_t node = 0;  // index of the receiving node
     bool lost = false;
@@ -67,7 +67,7 @@ class Channel {
 
     void visit(state::Visitor& v);
   };
-  /// Stores a packet from the end of its last bit until it reaches the outputs of its receivers.
+  /// A packet between the end of its last bit and its arrival at the outputs of its receivers.
   struct Transfer {
     Packet packet;
     std::vector<Reception> receptions;
@@ -86,8 +86,7 @@ class Channel {
   void take_requests(std::int64_t time_ns);
   void transmit(std::int64_t end_ns);
   Node* next_sender();
-  /// Decides which nodes receive each packet whose last bit was sent until `end_ns`. Later movements of the nodes have
-  /// no effect.
+  /// Decides which nodes receive each packet that has ended by `end_ns`, from the positions of the nodes in this step.
   void decide(std::int64_t end_ns);
   std::vector<Reception> receptions(const Packet& packet) const;
   void deliver(std::int64_t end_ns);

@@ -8,7 +8,7 @@
 namespace mebots::radio {
 namespace {
 
-/// Mixes all bits with the last steps of MurmurHash3 for 64 bits (Appleby, public domain). The function is a bijection.
+/// Mixes all bits with the finaliser of MurmurHash3 for 64 bits (Appleby, public domain). The function is a bijection.
 std::uint64_t mixed(std::uint64_t x) {
   x = (x ^ (x >> 33U)) * 0xFF51AFD7ED558CCDULL;
   x = (x ^ (x >> 33U)) * 0xC4CEB9FE1A85EC53ULL;
@@ -21,7 +21,7 @@ double draw(std::int32_t seed, const DrawKey& key, std::uint64_t part) {
   for (const auto word : {static_cast<std::uint64_t>(key.purpose), key.from, key.to, key.event, part}) {
     bits = mixed((bits ^ word) + kStep);
   }
-  // Returns the middle of one of 2^53 equal cells, so the result is neither 0 nor 1.
+  // Returns the middle of one of 2^53 equal cells, which is neither 0 nor 1.
   return (static_cast<double>(bits >> 11U) + 0.5) * 0x1p-53;
 }
 

@@ -17,7 +17,7 @@ void Positioning::step(const Span& span) {
   const auto due_ns = [&](std::int64_t number) { return start_ns_ + nanoseconds(static_cast<double>(number) / rate); };
   if (due_ns(next_) <= span.begin_ns) {
     sample(span.begin_ns);
-    // If the rate is above one sample per step, only one sample of the step is taken. The others are skipped.
+    // Takes at most one sample per step, and skips the other samples.
     next_ = std::llround(std::floor(static_cast<double>(span.begin_ns - start_ns_) * 1e-9 * rate)) + 1;
     if (due_ns(next_) <= span.begin_ns) ++next_;
   }

@@ -29,7 +29,7 @@ class Positioning {
   std::span<NodeVariables> variables_;
   std::int64_t start_ns_;
   std::int64_t next_ = 0;       // number of the next sample
-  std::vector<Fix> under_way_;  // samples that are not yet in the outputs, ordered by time
+  std::vector<Fix> under_way_;  // samples that are not in the outputs yet, ordered by time
 };
 
 }  // namespace mebots::radio

@@ -40,7 +40,7 @@ void Ranging::take_request(std::size_t node, std::int64_t time_ns) {
   const auto& inputs = variables_[node].inputs;
   if (inputs.ranging_count == counts_[node]) return;
   counts_[node] = inputs.ranging_count;
-  ++requests_[node];  // counts refused requests too, so that they do not change the draws of later requests
+  ++requests_[node];  // counts refused requests too, so that they do not change the random numbers of later requests
   const auto number = static_cast<std::int32_t>(node) + 1;
   const auto most = static_cast<std::int32_t>(counts_.size());
   if (inputs.ranging_to < 1 || inputs.ranging_to > most || inputs.ranging_to == number)

@@ -6,8 +6,8 @@
 namespace mebots::radio {
 
 /// Measures distances by ultra-wideband, in double-sided two-way ranging with four messages: request, answer, final and
-/// report. One exchange at a time uses the channel; other exchanges wait. A node measures one distance at a time: a
-/// second request during its exchange fails.
+/// report. Exchanges share one channel, one after the other. If a node requests a second distance during its exchange,
+/// the second request fails.
 class Ranging {
  public:
   Ranging(const Parameters& parameters, std::span<NodeVariables> nodes);
@@ -17,7 +17,7 @@ class Ranging {
   void step(const Span& span);
 
   /// Returns the energy that a node's ranging radio consumes in the step [J]. Both nodes of an exchange send two
-  /// messages and receive during the rest of the time.
+  /// messages, and receive for the rest of the time.
   double energy_j(std::size_t node, const Span& span) const;
 
   void visit(state::Visitor& v);

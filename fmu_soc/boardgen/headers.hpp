@@ -11,21 +11,20 @@ struct BoardDescription;
 
 namespace mebots::boardgen {
 
-// Generate headers with addresses, register offsets, interrupts and named values of a board: a C header for firmware
-// and assembler code, and a C++ header for device models.
+// Generate a C header for firmware and assembler code, and a C++ header for device models. Both contain the board's
+// addresses, register offsets, interrupts and named values.
 std::string c_header(const soc::BoardDescription& board);
 std::string cpp_header(const soc::BoardDescription& board);
 
-/// Converts a name to upper case with underscores: TIME_LO stays TIME_LO, and FlightMode becomes FLIGHT_MODE.
+/// Converts a name to upper case with underscores: FlightMode becomes FLIGHT_MODE.
 std::string macro_case(const std::string& name);
-/// TIME_LO -> TimeLo.
+/// Converts a name to upper camel case: TIME_LO becomes TimeLo.
 std::string camel_case(const std::string& name);
-/// Converts a name to lower case with underscores: TIME_LO becomes time_lo, and range_finder.distance becomes
-/// range_finder_distance.
+/// Converts a name to lower case with underscores: TIME_LO becomes time_lo.
 std::string snake_case(const std::string& name);
 
-/// Generates the source of a library with one kind of device: registers, states with energy and delays, opcodes,
-/// variables, saving and restoring. Only the device's own behaviour is missing.
+/// Generates the C++ source of a library with a model of one device: registers, states with energy and delays, opcodes,
+/// variables, saving and restoring. The device's own behaviour must be added by hand.
 std::string skeleton(const soc::BoardDescription& board, const soc::BoardDevice& device);
 
 }  // namespace mebots::boardgen

@@ -3,8 +3,8 @@
 // mebots-boardgen BOARD.json --c HEADER.h --cpp HEADER.hpp
 // mebots-boardgen BOARD.json --skeleton DEVICE FILE.cpp
 //
-// The first form generates headers for firmware and for device models from one table, so that software and hardware
-// agree. The second form generates a C++ device model without the device's own behaviour.
+// The first form generates headers for firmware and for device models. The second form generates a C++ device model, to
+// which the device's own behaviour must be added.
 
 #include "board/board_file.hpp"
 #include "command_line/command.hpp"

@@ -19,7 +19,7 @@ std::string constant(const std::string& name) {
   return "k" + camel_case(name);
 }
 
-/// Returns the name of the member that stores a register's word or a variable.
+/// Returns the name of the data member for a register or a variable.
 std::string member(const std::string& name) {
   return snake_case(name) + "_";
 }
@@ -28,7 +28,7 @@ std::string state(const std::string& name) {
   return "State::" + snake_case(name);
 }
 
-/// Returns the variables that the device stores. Power and energy are computed from its states.
+/// Returns the variables that need a data member. Power and energy are computed from the device's states instead.
 std::vector<soc::BoardVariable> kept(const BoardDevice& device) {
   std::vector<soc::BoardVariable> variables;
   for (const auto& variable : device.variables) {
@@ -62,8 +62,8 @@ std::string constants(const BoardDevice& device) {
   return out;
 }
 
-/// Generates a function that returns the storage of some variables by name. If there are no such variables, returns an
-/// empty text.
+/// Generates a function that returns data members by variable name, for the variables that `belongs` selects. If there
+/// are no such variables, returns an empty text.
 std::string finder(const BoardDevice& device, std::string_view head, std::string_view tail, auto belongs) {
   std::string rows;
   for (const auto& variable : kept(device)) {
@@ -160,8 +160,7 @@ std::vector<std::string> members_of(const BoardDevice& device) {
   return names;
 }
 
-/// Throws Error if two registers or variables would become members of the same name. Also throws if a name would be
-/// that of a member which every skeleton has.
+/// Throws Error if two registers or variables need data members of the same name, or a name that every skeleton uses.
 void require_different_members(const BoardDevice& device) {
   std::set<std::string> names{"entry_", "host_"};
   for (const auto& name : members_of(device)) {
@@ -172,7 +171,7 @@ void require_different_members(const BoardDevice& device) {
 }
 
 std::string saving(const BoardDevice& device) {
-  std::set<std::string> passing;  // texts and bytes are not stored: their owner sets them at each step
+  std::set<std::string> passing;  // texts and bytes are not saved, because they are set again at each step
   for (const auto& variable : kept(device)) {
     if (!variable.is_number()) passing.insert(member(variable.name));
   }

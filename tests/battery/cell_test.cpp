@@ -10,8 +10,7 @@ namespace mebots::battery {
 namespace {
 
 TEST(Cell, PublishedCellHasThePublishedElements) {
-  // This is a second implementation of the formulas of Chen and Rincon-Mora (2006). It is independent of the product's
-  // code.
+  // A second implementation of the formulas of Chen and Rincon-Mora (2006), independent of the product's code.
   const Cell cell = cell_named("chen_rincon_850");
   for (const double s : {0.05, 0.3, 0.7, 1.0}) {
     const Circuit c = cell.circuit_at(s);
@@ -87,7 +86,6 @@ TEST(CellCalibration, MovesQuantitiesWithinTheirIntervals) {
   EXPECT_DOUBLE_EQ(worst.cut_off_voltage_v, 2.85);
   EXPECT_DOUBLE_EQ(worst.cut_off_delay_s, 0.115);
   EXPECT_TRUE(worst.warnings.empty());
-  // The position is half-way between the value and the lower end.
   EXPECT_DOUBLE_EQ(load_cell(path, {.resistance = -0.5}).series_ohm(0.5) / as_stated.series_ohm(0.5), 0.915);
 }
 

@@ -138,7 +138,7 @@ TEST_F(DataFile, TablesGiveACellThatWorks) {
   Bench bench(parameters(path.string(), 0.6), {});
   bench.inputs.load_power_w[load::motors] = 6;
   for (int i = 0; i < 100; ++i) bench.step(kSecond);
-  EXPECT_LT(bench.outputs.cell_state_of_charge, 0.5);  // across the kink of the table
+  EXPECT_LT(bench.outputs.cell_state_of_charge, 0.5);
   EXPECT_NEAR(bench.outputs.energy_imbalance_j, 0, 1e-9);
 }
 

@@ -12,7 +12,7 @@ Demand load_of(double power_w) {
   return {power_w, power_w, 0, 0};
 }
 
-/// Returns a cell whose elements do not depend on the state of charge, so that its relaxation has a closed form.
+/// Returns a cell whose elements do not depend on the state of charge. Its relaxation has a closed form.
 Cell constant_cell() {
   Cell cell = cell_named("bitcraze_250");
   cell.open_circuit_v = Curve::analytic(0, 0, {3.8});
@@ -41,8 +41,8 @@ TEST(Integrator, RestingPairsDecayExponentially) {
 }
 
 TEST(Integrator, ConvergesWithTheFourthOrderOfItsMethod) {
-  // The steps are fixed, and so long that truncation errors are much larger than rounding errors. The result is
-  // compared with a run of tight tolerance.
+  // The fixed steps are long, because rounding errors must be much smaller than truncation errors. The reference is a
+  // run with a tight tolerance.
   const Cell cell = cell_named("bitcraze_250");
   const auto run = [&](const Integrator::Options& options) {
     Integrator integrator(cell, options);
@@ -110,9 +110,8 @@ TEST(Integrator, CutOffIsLocatedWhereTheVoltageCrosses) {
   const Circuit c = cell.circuit_at(state.soc);
   const double source_v = c.open_circuit_v - state.pair1_v - state.pair2_v;
   const double voltage_v = source_v - c.series_ohm * terminal_current_a(source_v, c.series_ohm, 9);
-  // The voltage is the one at the located instant. The interpolant between two steps is of third order.
+  // The interpolant between two steps, which locates the event, has order three.
   EXPECT_NEAR(voltage_v, cell.cut_off_voltage_v, 1e-6);
-  // With steps of 1 ms, the same event must be found.
   CellState slow{0.12, 0.05, 0.05};
   double passed_s = 0;
   for (;;) {
@@ -130,7 +129,6 @@ struct LongStep {
   Event event;
 };
 
-/// Checks that 1000 short steps give the same result as one long step, including the event.
 void expect_the_same_in_short_steps(const LongStep& step) {
   SCOPED_TRACE(testing::Message() << "charge " << step.soc << ", " << step.demand.terminal_w() << " W, "
                                   << step.duration_s << " s");
@@ -159,7 +157,8 @@ void expect_the_same_in_short_steps(const LongStep& step) {
 }
 
 TEST(Integrator, LongStepsAgreeWithShortOnes) {
-  // A single step would evaluate the cell at points where a resistance is negative or the voltage is not a number.
+  // A single solver step for the whole duration would evaluate the cell where a resistance is negative or the voltage
+  // is not a number.
   expect_the_same_in_short_steps({0.9, load_of(0.01), 86'400, Event::none});
   expect_the_same_in_short_steps({0.5, load_of(5), 3000, Event::cut_off});
   expect_the_same_in_short_steps({0.03, load_of(5), 600, Event::cut_off});

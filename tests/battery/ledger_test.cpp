@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the energy balance: compares the ledger with itself, and with sums that are computed here, independently of the
-// integrator.
+// Tests that the terms of the ledger balance, and that they agree with sums that are computed here.
 #include "support.hpp"
 
 #include <cmath>
@@ -17,7 +16,7 @@ double open_circuit_integral(double from_s, double to_s) {
   return antiderivative(to_s) - antiderivative(from_s);
 }
 
-/// Simulates a simple flight: the loads change at every communication point, and a source delivers power at times.
+/// Simulates a flight. The loads change at every communication point, and a source delivers power at times.
 void drive(
     Bench& bench, int steps, std::int64_t step_ns, const std::function<void()>& after_step = [] {}) {
   for (int i = 0; i < steps; ++i) {
@@ -41,8 +40,7 @@ TEST(Ledger, ClosesOverAFlightWithChangingLoadsAndASource) {
   EXPECT_GT(out.energy_polarisation_j, 0.1);
   EXPECT_GT(out.energy_self_discharge_j, 0);
   EXPECT_GT(out.energy_source_j, 10);
-  // The energy must agree to 1e-6. The Runge-Kutta method conserves the sum, because its rate is zero, so only rounding
-  // errors remain.
+  // The Runge-Kutta method conserves the sum exactly, because its rate is zero. Only rounding errors remain.
   EXPECT_NEAR(out.energy_imbalance_j, 0, 1e-10 * out.energy_open_circuit_j);
 }
 
@@ -76,8 +74,8 @@ TEST(Ledger, OpenCircuitEnergyIsTheChargeTimesTheVoltageIntegral) {
   const double s = bench.outputs.cell_state_of_charge;
   ASSERT_LT(s, 0.8);
   const double expected_j = bench.outputs.cell_capacity_c * open_circuit_integral(s, 0.95);
-  // The solver integrates the energy over time. The expected value is the integral of the voltage over the charge that
-  // the solver has computed. In each step, the solver controls the error to 1e-10 J, and to 1e-12 of the charge.
+  // The solver integrates the power over time; the expected value is the integral of the voltage over the charge. The
+  // solver's tolerances per step are 1e-10 J and 1e-12 of the charge.
   EXPECT_NEAR(bench.outputs.energy_open_circuit_j, expected_j, 1e-6 * expected_j);
   EXPECT_NEAR(bench.outputs.energy_open_circuit_j, expected_j, 1e-7);
 }

@@ -31,8 +31,8 @@ TEST(Battery, OutputsBelongTogetherAtEveryCommunicationPoint) {
 }
 
 TEST(Battery, StateOfChargeCountsTheCoulombsOfAConstantCurrent) {
-  // Without resistance and with a constant open-circuit voltage, constant power means constant current. A short
-  // discharge from high charge approximates this: the mean of the end currents differs by at most their difference.
+  // At constant power, the current increases while the voltage falls. So the charge is between the products of the time
+  // with the first and with the last current.
   Bench bench(parameters("bitcraze_250", 0.8));
   bench.inputs.load_power_w[load::auxiliary] = 2;
   bench.step(kMillisecond);
@@ -95,7 +95,7 @@ TEST(Battery, StepLengthDoesNotMatterWhenInputsAreHeld) {
   };
   const Outputs fine = run(2 * kMillisecond);
   const Outputs coarse = run(kSecond);
-  // Each of at most 5000 steps is controlled to 1e-10 V and 1e-9 relative.
+  // There are at most 5000 steps with tolerances of 1e-10 V and 1e-9 (relative).
   EXPECT_NEAR(fine.bus_voltage_v, coarse.bus_voltage_v, 1e-8);
   EXPECT_NEAR(fine.cell_state_of_charge, coarse.cell_state_of_charge, 1e-9);
   EXPECT_NEAR(fine.energy_ohmic_j, coarse.energy_ohmic_j, 1e-7);

@@ -28,8 +28,8 @@ TEST(Protection, OpensWhenTheVoltageFallsUnderTheCutOffAndStaysOpen) {
   EXPECT_THAT(bench.events.back(), HasSubstr("falls under the cut-off of 2.8 V"));
 
   const double delivered_j = bench.outputs.energy_delivered_j;
-  // The resting cell is above the release voltage, but only a charge closes the protection. A source with less power
-  // than the loads does not charge.
+  // The resting cell is above the release voltage, but only a charging current closes the protection. A source with
+  // less power than the loads does not charge the cell.
   bench.inputs.load_power_w[load::motors] = 1.1;
   bench.inputs.source_power_w = 1;
   for (int i = 0; i < 100; ++i) bench.step(kSecond);
@@ -131,7 +131,7 @@ TEST(Protection, OpensAtStateOfChargeZero) {
   EXPECT_FALSE(empty.outputs.cell_connected);
   EXPECT_THAT(empty.events.back(), HasSubstr("empty"));
 
-  // If a cell has no cut-off voltage, a load can use its last charge. The event "empty" is located.
+  // If a cell has no cut-off voltage, a load can discharge it completely.
   Cell cell = cell_named("bitcraze_250");
   cell.cut_off_voltage_v = 0;
   Integrator integrator(cell);
@@ -141,8 +141,7 @@ TEST(Protection, OpensAtStateOfChargeZero) {
   const auto [reached_s, event] = integrator.advance(state, ledger, half_watt, Protection::closed, 100);
   EXPECT_EQ(event, Event::empty);
   EXPECT_EQ(state.soc, 0);
-  // Between 2.65 V and 2.69 V, 0.9 C are 2.4 J. The loss in the resistances at 0.2 A reduces the energy that the load
-  // gets.
+  // The charge of 0.9 C delivers at most 2.69 V * 0.9 C, less the loss in the resistances.
   EXPECT_GT(reached_s, 4);
   EXPECT_LT(reached_s, 2.69 * 0.9 / 0.5);
   EXPECT_NEAR(ledger.delivered_j, 0.5 * reached_s, 1e-9);
@@ -195,7 +194,7 @@ TEST(Protection, AWarningComesWhenTheMeanSquareOfTheCurrentExceedsThatOfTheLimit
   // A constant current i heats a cold cell to the limit i_max after T = -tau log(1 - (i_max / i)^2).
   Bench bench(parameters("bitcraze_250_flights", 1));
   bench.inputs.load_power_w[load::motors] = 14;
-  double expected = 0;  // the solution of the differential equation, step by step, of the currents of the model
+  double expected = 0;  // the solution of the differential equation, step by step, from the model's currents
   double first_s = 0;
   while (bench.warnings.empty() && bench.now_ns < 200 * kSecond) {
     bench.step(10 * kMillisecond);
@@ -315,7 +314,7 @@ TEST(Charging, ALongStepReleasesAtTheSameInstantAsShortOnes) {
   fine.inputs.source_power_w = coarse.inputs.source_power_w = 0.3;
   for (int i = 0; i < 4000; ++i) fine.step(100 * kMillisecond);
   coarse.step(400 * kSecond);
-  ASSERT_EQ(coarse.events.size(), 2U);  // empty at the start, released during the charge
+  ASSERT_EQ(coarse.events.size(), 2U);
   EXPECT_EQ(fine.events.size(), 2U);
   EXPECT_NEAR(fine.outputs.cell_state_of_charge, coarse.outputs.cell_state_of_charge, 1e-8);
 }

@@ -21,7 +21,6 @@ inline Cell cell_named(const std::string& name) {
   return load_cell(kParams / "cells" / (name + ".json"));
 }
 
-/// A model with its variables and logged events, as in fmu.cpp.
 struct Bench {
   explicit Bench(const Parameters& chosen = {}, const Inputs& at_start = {})
       : parameters(chosen),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests navigator, pilot and policy with the real renderer, in a closed loop with a simple model of the drone.
-// Set-points take effect one camera delay after the picture.
+// Tests navigator, pilot and policy with the real renderer, in a closed loop with a simple model of the drone. A
+// set-point takes effect kStepsOfDelay after its picture.
 
 #include "app/navigator.h"
 #include "app/pilot.h"
@@ -67,7 +67,7 @@ void expect_clean_passage(const char* what, const Flight& flight, const world::s
               flight.time_s, flight.crossing.lateral_m, flight.crossing.angle_rad / kDegree, flight.behind_m);
   EXPECT_TRUE(flight.crossing.clear_of(gate));
   EXPECT_TRUE(flight.done);
-  // The drone is behind the gate, and not much farther than the pilot's half metre.
+  // The pilot stops half a metre beyond the gate.
   EXPECT_GT(flight.behind_m, 0.25);
   EXPECT_LT(flight.behind_m, 0.75);
 }

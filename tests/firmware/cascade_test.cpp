@@ -3,10 +3,9 @@
 // Compares two cascades of PID controllers, fed with the same states and set-points: the flight controller's firmware
 // (pid_controller.c, in floats) and fmu_world's stabiliser.controller = crazyflie (in doubles).
 //
-// The commands do not have the same bits, because the firmware's cascade has another position control, loop and filter.
-// The reference below is one cascade in doubles, with settings. With the settings of the firmware or of fmu_world, it
-// must give the commands of that cascade. So all differences come from the settings, and the test prints how much each
-// setting contributes.
+// The two cascades give different commands, because they differ in position control, loop period, filter and constants.
+// The class Cascade below is a reference in doubles. With the settings of one of the two, it must give the same
+// commands as that one. So all differences come from the settings. The test prints how much each setting contributes.
 #include "crazyflie/controller.hpp"
 #include "flight/controller.h"
 
@@ -69,8 +68,8 @@ constexpr Settings kFirmware{.rate = {0.2186, 0.4371, 0.002186, 0.58, kNone},
                              .rate_filter = 0.395,
                              .period_ms = 1};
 
-/// The Crazyflie's published gains (platform_defaults_cf2.h, commit 2a18fc29), converted to the units of Settings.
-/// The gain of the place is 0, because fmu_world's cascade does not hold the place.
+/// The Crazyflie's published gains (platform_defaults_cf2.h, commit 2a18fc29), converted to the units of Settings. The
+/// position gain is 0, because fmu_world's cascade does not control the position.
 constexpr Settings kCrazyflie{
     .rate = {250 / kFull / kDegree, 500 / kFull / kDegree, 2.5 / kFull / kDegree, 33.3 * kDegree, kNone},
     .angle = {6, 3, 0, 20 * kDegree, kNone},
@@ -113,7 +112,7 @@ class Pid {
   double last_ = 0;
 };
 
-/// These are the set-points of all flights: the drone keeps its yaw, and flies forward at this speed and height.
+/// The set-points of all flights. The yaw set-point is constant.
 constexpr double kForward = 0.2;
 constexpr double kHeight = 1.0;
 
@@ -138,8 +137,8 @@ class Cascade {
   }
 
  private:
-  /// The place is not controlled here: the firmware's goal is always at the place of the drone, and fmu_world's cascade
-  /// does not hold the place.
+  /// Controls velocities and height. The horizontal position is not controlled: the firmware's goal is always the
+  /// drone's own position, and fmu_world's cascade has no position control.
   void control_position(const Sample& now) {
     constexpr double kDt = 0.01;
     const double wanted_climb = height_.update(kHeight - now.height, now.height, kDt);
@@ -177,7 +176,7 @@ Sample sample_at(int time_ms) {
   now.yaw = swing(0.01, 0.7);
   now.roll_rate = slope(0.02, 3);
   // From Euler's equations with pitch 0, the rates about the body's axes y and z are yaw' sin(roll) and yaw' cos(roll).
-  // The first one is left out here.
+  // The rate about y is neglected here.
   now.yaw_rate = slope(0.01, 0.7) * std::cos(now.roll);
   now.height = kHeight - swing(0.03, 0.5);
   now.climb = -slope(0.03, 0.5);
@@ -246,7 +245,7 @@ double largest_difference(const Commands& a, const Commands& b) {
 }
 
 TEST(Cascade, FirmwareIsTheReferenceWithItsSettings) {
-  // All numbers are floats of up to 2, and integrals have 4000 terms. Each rounding error is at most 6e-8.
+  // The firmware computes in floats of up to 2, with rounding errors of at most 6e-8 each. Integrals have 4000 terms.
   EXPECT_LT(largest_difference(of_firmware(), of_cascade(kFirmware)), 2e-5);
 }
 
@@ -288,8 +287,8 @@ TEST(Cascade, SettingsExplainTheWholeDifference) {
   settings.velocity.ki = kCrazyflie.velocity.ki;
   settings.height.ki = kCrazyflie.height.ki;
   settings.yaw.kd = kCrazyflie.yaw.kd;
-  // The remaining difference comes from constants that the firmware has with two to four digits. The relative errors of
-  // its gains and thrusts are up to 8e-4.
+  // The remaining difference is rounding: the firmware's constants have two to four digits, with relative errors of up
+  // to 8e-4.
   EXPECT_LT(largest_difference(of_cascade(settings), of_world()), 1e-3);
 }
 

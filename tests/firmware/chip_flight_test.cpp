@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests the built firmware on the simulated chip, with pictures of the real renderer and a simple model of the drone.
-// Signals are exchanged as by the master: an output at a communication point takes effect from that point on.
+// Signals are exchanged as in a co-simulation: an output takes effect at the communication point at which it is read.
 
 #include "app/navigator.h"
 
@@ -31,7 +31,6 @@ constexpr double kStep_s = 0.002;
 enum Phase { kOnGround, kClimbing, kFlying, kDescending, kLanded, kCrashed };
 enum Mode { kOff, kTakeOff, kFly, kLand };
 
-/// The parameters of a flight. They have the names of the parameters of the board's device "mission".
 struct FlightParameters {
   double cruise_speed_m_per_s = 0.2777778;
   double altitude_m = 1.0;
@@ -74,7 +73,7 @@ struct Surroundings {
   bool with_gate = true;
   bool with_pictures = true;
   double charge = 1.0;
-  double charge_per_second = 0.0;  ///< after which the cell is empty
+  double charge_per_second = 0.0;
   double crash_at_s = 1e9;
   std::uint32_t picture_edge_px = 320;
   bool on_gap8 = false;  ///< on GAP8's own devices
@@ -94,7 +93,7 @@ struct Outcome {
   soc::EnergyLedger energy;
 };
 
-/// Returns a picture with the size of the sensor of GAP8's board; the given picture is in its centre.
+/// Returns a picture of the size of the sensor on GAP8's board, with the given picture in its centre.
 std::vector<std::uint8_t> in_the_middle(const std::vector<std::uint8_t>& picture, std::size_t edge) {
   constexpr std::size_t kSensor = 324;
   const auto margin = (kSensor - edge) / 2;
@@ -147,7 +146,6 @@ Outcome run(const FlightParameters& mission, const Surroundings& around, double 
     } else if (eye->wants(picture_id)) {
       eye->offer(picture, chip.now());
     }
-    // These are the chip's outputs at this communication point, before its next step.
     const SetPoint sent(chip);
     const auto requests = static_cast<std::int32_t>(*chip.devices().output("camera.trigger"));
     chip.advance((k + 1) * kStepNs);
@@ -325,8 +323,8 @@ TEST(ChipFlight, FirmwareHoversAndCountsWhenNoPictureComes) {
 }
 
 TEST(ChipFlight, APictureIsExposedWhileTheOneBeforeIsLookedAt) {
-  // Exposure, read-out and the latency of the request take 18 ms, and an inference takes 25 to 33 ms. One after the
-  // other, they would take 46 ms and more.
+  // Exposure, read-out and the latency of the request take 18 ms, and an inference takes 25 to 33 ms. In sequence, they
+  // would take longer than the period of 35 ms.
   auto mission = kMission;
   mission.frame_period_s = 0.035;
   const auto outcome = run(mission, {}, 60.0);

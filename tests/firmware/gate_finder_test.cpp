@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the gate finder on pictures of the real renderer, from random poses with a seed. Each test prints its
-// measurements.
+// Tests the gate finder on pictures of the real renderer, from random poses with a fixed seed.
 
 #include "app/gate_finder.h"
 #include "app/navigator.h"
@@ -19,7 +18,6 @@
 namespace mebots::firmware_test {
 namespace {
 
-/// Results for a set of pictures with one gate each.
 struct Statistics {
   int pictures = 0;
   int found = 0;  ///< with a bearing within 3 degrees of the truth
@@ -196,8 +194,8 @@ TEST(GateFinder, SeesNoGateInASolidSquare) {
   EXPECT_FALSE(find_gate(pixels.data(), 320, 320, &view));
 }
 
-/// Returns a picture of a frame with its centre at (x, y). The frame's outer edge is six times as long as its border is
-/// wide.
+/// Returns a picture of a square frame with its centre at (x, y). The frame's border is `border` pixels wide, and its
+/// outer edge is six times as long.
 std::vector<std::uint8_t> drawn_frame(int x, int y, int border, int edge_px = 320) {
   std::vector<std::uint8_t> pixels(static_cast<std::size_t>(edge_px) * edge_px, 100);
   for (int dy = -3 * border; dy < 3 * border; ++dy) {

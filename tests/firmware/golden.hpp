@@ -14,7 +14,7 @@ namespace mebots::firmware_test {
 struct Golden {
   std::string set;
   std::vector<std::int8_t> picture;
-  std::array<int, NN_OUTPUTS> outputs{};     ///< of the network for which the code is compiled
+  std::array<int, NN_OUTPUTS> outputs{};     ///< of the network for which this file is compiled
   std::array<std::uint32_t, 7> checksums{};  ///< of each convolution's output
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that all implementations of the neural network use the same arithmetic, which is defined in Python.
+// Tests that all implementations of the neural network give the same bits as the definition in Python.
 
 #include "nn/network.h"
 
@@ -103,7 +103,7 @@ std::vector<std::string> on_chip(const std::vector<std::vector<std::uint8_t>>& p
   return lines;
 }
 
-/// Returns the lines that the check firmware prints on GAP8's own devices. The window of the camera interface is in the
+/// Returns the lines that the check firmware prints on GAP8's own devices. The camera interface reads a window in the
 /// centre of the sensor's pictures.
 std::vector<std::string> on_gap8(const std::vector<std::vector<std::uint8_t>>& pictures) {
   constexpr std::size_t kSensor = 324;

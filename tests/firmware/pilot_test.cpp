@@ -110,7 +110,7 @@ TEST(Pilot, FliesStraightThroughAGateThatLeftTheViewAndIsDoneBehindIt) {
       ASSERT_EQ(command.yaw_rate_urad_s, 0);
     }
   }
-  // The drone ends half a metre behind the plane. The tolerance is one period for rounding and half a period for the
+  // The drone stops half a metre beyond the plane. The tolerance is the way in one and a half periods: rounding and the
   // start.
   EXPECT_NEAR(flown_m, 0.8 + 0.5, 0.045);
   EXPECT_EQ(see(pilot, 1, kNothing, kCruise).velocity_um_s, 0);

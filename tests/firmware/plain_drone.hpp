@@ -9,7 +9,7 @@
 namespace mebots::firmware_test {
 
 /// A drone with predictable motion: velocity and yaw rate follow their set-points as first-order lags, altitude changes
-/// at a constant rate. This is enough to close the loop around the firmware; fmu_world has the real drone.
+/// at a constant rate. The model of fmu_world is more detailed.
 struct PlainDrone {
   static constexpr double kVelocityLag_s = 0.5;
   static constexpr double kYawRateLag_s = 0.1;

@@ -17,7 +17,7 @@ namespace mebots::firmware_test {
 
 inline constexpr double kDegree = M_PI / 180.0;
 
-/// Uniform numbers that are the same on every machine, unlike std::uniform_real_distribution.
+/// Generates uniform random numbers that are the same on every machine. Those of std::uniform_real_distribution differ.
 class Uniform {
  public:
   explicit Uniform(std::uint64_t seed) : bits_(seed) {}
@@ -69,8 +69,8 @@ class Camera {
   std::uint64_t count_ = 0;
 };
 
-/// The place of a point of the world in the camera's picture: its pixel, counted from the top left, and its distance
-/// along the optical axis.
+/// A point of the world in the camera's picture: its pixel, counted from the top left, and its distance along the
+/// optical axis.
 struct Projection {
   double x_px;
   double y_px;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the traverser with perfect perception, which gives its best possible performance. The traverser flies in a
-// closed loop with a simple model of the drone. The drone's velocity has an error while the stabiliser adapts to the
-// wind. A flight fails if the drone touches a frame.
+// Tests the traverser with perfect perception, in a closed loop with a simple model of the drone. At the start of a
+// flight, the drone's velocity has an error, as if the stabiliser adapted to the wind. A flight fails if the drone
+// touches a frame.
 
 #include "app/traverser.h"
 
@@ -25,7 +25,6 @@ constexpr int kStepsPerLook = 3;
 constexpr double kHalfDrone_m = 0.046;
 constexpr double kHalfDroneHeight_m = 0.0145;
 
-/// The quantities in which flights differ.
 struct Start {
   BodyPose pose;
   double field_of_view_rad = 0.87;
@@ -55,7 +54,8 @@ End judge(const world::scene::Gate& gate, const BodyPose& pose) {
   const double across = std::abs(pose.p_WB_m.y() - gate.p_W_m.y());
   const double up = std::abs(pose.p_WB_m.z() - gate.p_W_m.z());
   const double angle = std::remainder(pose.yaw_rad - gate.yaw_rad, 2.0 * M_PI);
-  // The width of a rotated body is its diagonal, because a corner enters the space between the beams first.
+  // For a rotated body, the width is that between its corners, because a corner enters the space between the beams
+  // first.
   const double half =
       kHalfDrone_m * (std::cos(angle) + std::abs(std::sin(angle))) + 0.5 * gate.thickness_m * std::abs(std::tan(angle));
   if (across > 0.5 * gate.inner_m || up > 0.5 * gate.inner_m) return End::missed;
@@ -240,8 +240,8 @@ TEST(Traverser, GoesStraightOnWithoutTheGateForASecondAndThenSearchesOnItsSide) 
   EXPECT_LT(search.yaw_rate_urad_s, 0);
 }
 
-/// Returns a traverser that has followed a gate straight ahead for 60 pictures, in which the drone flew 0.55 m. Then
-/// the drone does not move for 63 pictures, a little longer than 2 s, as if it leans against an object.
+/// Returns a traverser that has seen a gate straight ahead, first in 60 pictures while the drone flew 0.55 m, then in
+/// 63 pictures (a little more than 2 s) while the drone did not move, as if it leaned against an object.
 traverser_t leaning(std::int8_t size) {
   auto traverser = new_traverser();
   see(traverser, 60, {0, 0, size, 127});
@@ -375,8 +375,8 @@ TEST(Traverser, DoesNotFollowASightingThatLedAgainstSomethingButOneElsewhere) {
   EXPECT_EQ(traverser.phase, TRAVERSER_APPROACH);
 }
 
-/// Turns by this angle [urad] in steps of 0.0132 rad, with one of these pictures per step, and then hovers. The heading
-/// wraps around.
+/// Turns by `by_urad` in steps of 0.0132 rad, with one picture of `sight` per step, and then hovers. The heading wraps
+/// around.
 traverser_command_t turn(traverser_t& traverser, std::int32_t by_urad, sight_t sight = kNoGate) {
   traverser_command_t command{};
   for (std::int32_t done = 0; done < by_urad; done += 13200) {

@@ -86,7 +86,8 @@ TEST(ElectricMotor, EnergyIsCopperLossShaftWorkAndRipple) {
     const RotorStep step = advance_motor(rotor, drive, initial, 0.3);
     const Reference sum = reference(rotor, drive, initial, 0.3, 200'000);
     const double expected_j = sum.copper_j + sum.shaft_j + 0.3 * ripple_w(rotor, drive);
-    // The error is of order 4 with steps of 1.5 us, but of order 2 in the step in which the current begins.
+    // With steps of 1.5 us, the error of the reference has order 4, but order 2 in the step in which the current
+    // begins.
     EXPECT_NEAR(step.speed_rad_per_s, sum.speed, 1e-7 * sum.speed) << initial << " at " << duty;
     EXPECT_NEAR(step.energy_j, expected_j, 1e-7 * expected_j) << initial << " at " << duty;
   }
@@ -106,7 +107,7 @@ TEST(ElectricMotor, ShaftWorkIsDragAndKineticEnergy) {
     speed = next;
   }
   const double kinetic_j = 0.5 * rotor.inertia_kg_m2 * (speed * speed - 400 * 400);
-  EXPECT_NEAR(sum.shaft_j, drag_j + kinetic_j, 1e-7 * sum.shaft_j);  // midpoints of 10 us
+  EXPECT_NEAR(sum.shaft_j, drag_j + kinetic_j, 1e-7 * sum.shaft_j);  // the sum has steps of 10 us
 }
 
 TEST(ElectricMotor, RungeKuttaConvergesToTheClosedFormWithOrderFour) {
@@ -131,7 +132,7 @@ TEST(ElectricMotor, ResultDoesNotDependOnTheStep) {
       speed = step.speed_rad_per_s;
       energy_j += step.energy_j;
     }
-    EXPECT_NEAR(speed, once.speed_rad_per_s, 1e-10 * speed);  // rounding of 200 closed forms
+    EXPECT_NEAR(speed, once.speed_rad_per_s, 1e-10 * speed);  // rounding errors of 200 steps
     EXPECT_NEAR(energy_j, once.energy_j, 1e-9 * energy_j) << duty;
   }
 }
@@ -167,7 +168,7 @@ TEST(ElectricMotor, ModelDeliversItsPowerToTheBus) {
 }
 
 /// Four motors on a source of 4.1 V and 0.16 Ohm. Motors and source step at the same time (Jacobi algorithm), so each
-/// of them uses the other one's output from before the step.
+/// uses the other's output from before the step.
 struct Supplied {
   explicit Supplied(double bus_resistance_ohm) : stand(chosen(bus_resistance_ohm)) {
     stand.inputs.bus_voltage_v = kSource_v;
@@ -201,13 +202,12 @@ TEST(ElectricMotor, BusResistanceTakesTheSurgeOfTheFirstStepOff) {
     held.step();
     sagging.step();
   }
-  // At standstill, the conductance of four motors is 1.46 S. So the voltage is 3.32 V. The power, which includes the
-  // loss by the ripple, is 17.5 W. With a constant voltage of 4.1 V, it would be 26.5 W.
+  // At standstill, four motors have a conductance of 1.46 S, so the voltage is 3.32 V and the power 17.5 W with the
+  // loss by the ripple. At a constant 4.1 V, the power would be 26.5 W.
   EXPECT_GT(held.greatest_w, 25);
   EXPECT_LT(held.least_v, 2.8);
   EXPECT_NEAR(sagging.greatest_w, 17.5, 0.5);
   EXPECT_GT(sagging.least_v, 3.2);
-  // In the steady state, both calculations give equal values, because the current no longer changes.
   EXPECT_NEAR(sagging.stand.inputs.bus_voltage_v, held.stand.inputs.bus_voltage_v, 1e-9);
   EXPECT_NEAR(sagging.stand.outputs.power_w, held.stand.outputs.power_w, 1e-8);
 }
@@ -225,8 +225,7 @@ TEST(ElectricMotor, RestoredRunWithBusResistanceContinuesWithTheSameBits) {
   EXPECT_EQ(state::first_difference(straight.stand.model, second.stand.model), std::nullopt);
 }
 
-/// Starts four motors on a cell of 0.15 Ohm, whose voltage depends on the current `steps` steps earlier. Returns the
-/// warnings.
+/// Starts four motors on a cell of 0.15 Ohm, whose voltage depends on the current `steps` steps earlier.
 std::vector<std::string> warnings_with_delay(std::size_t steps) {
   Parameters parameters;
   parameters.rotor_data = "crazyflie_legacy";

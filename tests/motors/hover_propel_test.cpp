@@ -23,15 +23,14 @@ TEST(HoverPropel, HoverPowerGrowsWithMassToThreeHalvesAndFallsWithTheRootOfDensi
 }
 
 TEST(HoverPropel, HoverPowerIsAboveTheIdealOfMomentumTheory) {
-  // Returns the least power that lifts the mass with this disc area: (m g)^1.5 / sqrt(2 rho A), with a propeller radius
-  // of 23.55 mm.
+  // The ideal power is (m g)^1.5 / sqrt(2 rho A). The radius of a propeller is 23.55 mm.
   const double disc_m2 = 4 * std::numbers::pi * 0.02355 * 0.02355;
   const double ideal_w = std::pow(0.04 * 9.80665, 1.5) / std::sqrt(2 * 1.225 * disc_m2);
   EXPECT_GT(hover_power_w(bench_rotor(), 0.04, 1.225), ideal_w);
 }
 
 TEST(HoverPropel, PropelPowerIsWeightTimesSpeedOverEfficiencyAndLiftToDrag) {
-  // D'Andrea's own form: kilogram, kilometre per hour and kilowatt with the constant 370.
+  // D'Andrea's formula has kilogram, kilometre per hour, kilowatt and the constant 370.
   const double kilowatt = 0.04 * 1.0 / (370 * 0.5 * 3);
   EXPECT_NEAR(propel_power_w(bench_rotor(), 0.04, 1 / 3.6), kilowatt * 1000, 0.01 * kilowatt * 1000);  // 370 is rounded
 }

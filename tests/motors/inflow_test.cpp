@@ -39,13 +39,11 @@ TEST(Inflow, FastForwardFlightTendsToGlauertsLimit) {
 }
 
 TEST(Inflow, TheMissionsSpeedsHardlyChangePower) {
-  // Checks the magnitude of the effect: forward flight at 1.5 km/h reduces the induced power by less than half a per
-  // cent.
   const double hover_w = kThrust_n * at(0, 0).hover_velocity();
   const double change = at(1.5 / 3.6, 0).power_beyond_hover_w() / hover_w;
   EXPECT_LT(change, 0);
   EXPECT_GT(change, -0.005);
-  // A climb at 0.5 m/s takes 5 % more: the work against the weight, minus the reduced induced velocity.
+  // A climb at 0.5 m/s takes 5 % more: the work against the weight, less the reduction of the induced power.
   EXPECT_NEAR(at(0, 0.5).power_beyond_hover_w() / hover_w, 0.0535, 5e-4);
 }
 
@@ -58,7 +56,7 @@ TEST(Inflow, ARotorWithoutDriveTakesNone) {
   stand.settle();
   const double of_four_w = stand.outputs.inflow_power_w;
   ASSERT_GT(of_four_w, 0.1);
-  stand.inputs.rotor_command = {1, 0, 0, 0};  // the others keep turning and produce lift
+  stand.inputs.rotor_command = {1, 0, 0, 0};  // the other rotors keep turning and produce lift
   stand.step(kMillisecond);
   EXPECT_GT(stand.outputs.rotor_thrust_n[1], 0.9 * stand.outputs.rotor_thrust_n[0]);
   EXPECT_NEAR(stand.outputs.inflow_power_w, of_four_w / 4, 1e-9);

@@ -16,7 +16,7 @@ TEST(Motors, SettleAtTheBenchsThrustAndPowerForItsCommandsAndVoltages) {
     stand.command(row.command);
     stand.inputs.bus_voltage_v = row.voltage_v;
     stand.settle();
-    // The largest residuals of the fits are 3.3 mN per rotor and 0.35 W for four rotors, including that of the thrust.
+    // The tolerances are the largest residuals of the fits: 3.3 mN per rotor, and 0.35 W for four rotors.
     EXPECT_NEAR(stand.outputs.rotor_thrust_n[0], row.thrust_n, 3.3e-3);
     EXPECT_NEAR(stand.outputs.bench_power_w + stand.outputs.avionics_power_w, row.current_a * row.voltage_v, 0.35);
   }

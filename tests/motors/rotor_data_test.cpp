@@ -35,8 +35,7 @@ TEST(RotorData, ThrustCoefficientIsTheLeastSquaresFitOfTheBench) {
 }
 
 TEST(RotorData, PowerIsTheLeastSquaresFitOfTheBench) {
-  // These are the normal equations of P = a w + b F over all rows. The avionics' power is subtracted. Rows with a
-  // standing rotor contribute nothing.
+  // Normal equations of P = a w + b F over all rows, where P is without the avionics' power.
   double ww = 0;
   double wf = 0;
   double ff = 0;

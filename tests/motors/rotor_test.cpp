@@ -15,7 +15,7 @@ double bench_power_w(const RotorData& rotor, double speed) {
          rotor.power_per_thrust_w_per_n * rotor.thrust_coefficient * speed * speed;
 }
 
-/// Returns the integral of max(0, P), as a sum of many short trapezoids. The speed is computed by its closed form.
+/// Returns the integral of max(0, P) by the trapezoidal rule. The speed is the closed form's.
 double numerical_energy_j(const RotorData& rotor, const RotorDrive& drive, double initial, double duration_s) {
   const double u = drive.steady_speed_rad_per_s;
   const SpeedLaw& law = initial > u ? rotor.spin_down : rotor.spin_up;
@@ -41,8 +41,8 @@ TEST(Rotor, EnergyIsTheIntegralOfThePowerUpDownAndThroughZero) {
          {std::pair{0.0, 2000.0}, {1900.0, 2000.0}, {2500.0, 2000.0}, {2500.0, 300.0}}) {
       const RotorDrive drive{steady, k, true};
       const double expected_j = numerical_energy_j(rotor, drive, initial, 0.2);
-      // The tolerance is the error of trapezoids of 1 us: a relative error of about (k h)^2 / 12, and the error at one
-      // kink.
+      // The tolerance is the error of the trapezoidal rule with steps h = 1 us, about (k h)^2 / 12, and its error at
+      // one kink.
       EXPECT_NEAR(advance_rotor(rotor, drive, initial, 0.2).energy_j, expected_j, 1e-8 * std::max(expected_j, 0.1))
           << initial << " to " << steady << ", inertia x " << inertia_factor;
     }
@@ -57,8 +57,7 @@ TEST(Rotor, TakesNoPowerWhileItsKineticEnergyCoversItsLosses) {
 }
 
 TEST(Rotor, EnergyBalancesBenchPowerAndKineticEnergy) {
-  // The speed goes up, down and up again, and the power is always above 0. The input energy is the bench's energy plus
-  // the change of kinetic energy.
+  // While the power is above 0, the input energy is the bench's energy plus the change of kinetic energy.
   const RotorData rotor = bench_rotor();
   double speed = 0;
   double in_j = 0;
@@ -89,13 +88,13 @@ TEST(Rotor, ResultDoesNotDependOnTheStep) {
     speed = step.speed_rad_per_s;
     energy_j += step.energy_j;
   }
-  EXPECT_NEAR(speed, once.speed_rad_per_s, 1e-10 * speed);  // rounding of 100 closed forms
+  EXPECT_NEAR(speed, once.speed_rad_per_s, 1e-10 * speed);  // rounding errors of 100 steps
   EXPECT_NEAR(energy_j, once.energy_j, 1e-10 * energy_j);
 }
 
 TEST(Rotor, InertiaIsThatOfARotorSlowedByItsDragTorque) {
-  // The inertia in the rotor file is derived from two coefficients: drag torque per speed squared, divided by the
-  // deceleration per speed squared.
+  // The file's inertia must be the quotient of two coefficients: drag torque per speed squared, and deceleration per
+  // speed squared.
   const RotorData rotor = bench_rotor();
   EXPECT_NEAR(rotor.inertia_kg_m2,
               rotor.torque_per_thrust_m * rotor.thrust_coefficient / rotor.spin_down.quadratic_per_rad,

@@ -49,14 +49,14 @@ inline std::vector<BenchRow> bench_rows() {
   return rows;
 }
 
-/// Returns parameters that choose the rotor whose file contains a bench table.
+/// Only the file of this rotor contains a bench table.
 inline Parameters bench_parameters() {
   Parameters parameters;
   parameters.rotor_data = "crazyflie_bench";
   return parameters;
 }
 
-/// A model with its variables, which are connected to it in the way of fmu.cpp.
+/// Connects a model to its variables, as fmu.cpp does.
 struct Stand {
   explicit Stand(const Parameters& parameters = bench_parameters()) : model(parameters, kParams) {
     model.start(inputs, outputs);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares the radio with closed forms: airtime, path loss, binomial loss, energy from times and currents, noise.
+// Compares the radio with closed forms of airtime, path loss, packet loss, energy and noise.
 #include "link_budget.hpp"
 #include "mebots/error.hpp"
 #include "mebots/state/save.hpp"
@@ -147,7 +147,7 @@ TEST(Radio, AFourthPacketIsDropped) {
     net.send(0, 2, 32);
     net.step();
   }
-  // The first packet is on the air, three wait, and the fifth was dropped, because the queue holds three.
+  // The first packet is on the air, and three packets wait in the full queue.
   EXPECT_EQ(net.nodes[0].outputs.tx_sent, 1);
   EXPECT_EQ(net.nodes[0].outputs.tx_dropped, 1);
   for (int i = 0; i < 100; ++i) net.step();
@@ -169,7 +169,7 @@ TEST(Radio, LossIsBinomial) {
     EXPECT_EQ(out.rx_count + out.rx_lost, kPackets);
     EXPECT_NEAR(out.rx_lost, kPackets * 0.2, 4 * sigma);
   }
-  EXPECT_NE(net.nodes[1].outputs.rx_lost, net.nodes[2].outputs.rx_lost);  // each receiver on its own
+  EXPECT_NE(net.nodes[1].outputs.rx_lost, net.nodes[2].outputs.rx_lost);  // each receiver loses other packets
 }
 
 TEST(Radio, DistanceLosesPacketsAsTheBudgetSays) {
@@ -231,7 +231,7 @@ TEST(Radio, RangingHasItsNoiseItsBiasAndItsLoss) {
   const double mean = sum / measured;
   EXPECT_NEAR(mean, 0.1, 4 * 0.05 / std::sqrt(measured));
   EXPECT_NEAR(std::sqrt(squares / measured - mean * mean), 0.05, 4 * 0.05 / std::sqrt(2.0 * measured));
-  // Both radios are busy for 1.6136 ms of each step, of which two messages are sent.
+  // Both radios are busy for 1.6136 ms of each step. During this time, each radio sends two messages.
   const double busy_s = 4 * 178.4e-6 + 3 * 300e-6;
   const double exchange_j = 3.3 * (31e-3 * 2 * 178.4e-6 + 64e-3 * (busy_s - 2 * 178.4e-6) + 1e-6 * (2e-3 - busy_s));
   EXPECT_NEAR(net.nodes[1].outputs.energy_j, kExchanges * (exchange_j + 3 * 13.5e-3 * 2e-3), 1e-7);
@@ -262,7 +262,7 @@ TEST(Radio, PositionsComeAtTheirRateWithNoiseLossAndLatency) {
     const auto& out = net.nodes[1].outputs;
     if (out.fix_count == fixes) continue;
     fixes = out.fix_count;
-    // The sample is older than the end of this step by the latency.
+    // The sample was taken one latency before the end of this step.
     EXPECT_NEAR(out.fix_m[0], static_cast<double>(net.now_ns) * 1e-9 - 0.02, 0.006);
     squares += (out.fix_m[1] - 2) * (out.fix_m[1] - 2);
   }
@@ -310,7 +310,6 @@ TEST(Radio, TheSeedDeterminesEverything) {
   EXPECT_NE(trace, traffic(other, 400));
 }
 
-/// Restores the state of a network in another one.
 void restore_from(Network& restored, Network& straight) {
   restored.nodes = straight.nodes;
   restored.restart();
@@ -337,7 +336,7 @@ TEST(Radio, ARestoredStateKnowsWhatIsUnderWay) {
 }
 
 /// Sends packets with the numbers 0, 1, ... to node 2, and returns the numbers that it received. If the channel is
-/// slow, the fifth packet finds no place in the queue.
+/// slow, the queue is full when the fifth packet is sent.
 std::vector<std::int32_t> received_numbers(double rate_hz) {
   Parameters p;
   p.packet_loss = 0.5;
@@ -361,7 +360,7 @@ std::vector<std::int32_t> received_numbers(double rate_hz) {
 
 TEST(Radio, ADroppedPacketChangesNoLossOfLaterOnes) {
   auto fast = received_numbers(2e6);
-  std::erase(fast, 4);  // the slow channel drops it
+  std::erase(fast, 4);
   EXPECT_EQ(received_numbers(10e3), fast);
 }
 

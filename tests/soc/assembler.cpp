@@ -51,7 +51,7 @@ std::vector<std::string> disassemble_with_objdump(const std::vector<std::uint8_t
       output_of(fmt::format("{} -D -z -b binary -m riscv:rv32 -M no-aliases {}", tool, path.string())));
   std::vector<std::string> found;
   for (std::string line; std::getline(lines, line);) {
-    // With \t for a tab, a line is "      2a:\t0001                \tc.addi\tzero,0".
+    // A line has the form " 2a:\t0001 \tc.addi\tzero,0".
     const auto colon = line.find(":\t");
     if (colon == std::string::npos) continue;
     const auto tab = line.find('\t', colon + 2);

@@ -15,12 +15,11 @@
 namespace mebots::soc::test {
 
 inline constexpr std::uint32_t kL2 = 0x1C000000;
-/// Number of nanoseconds in a millisecond.
 inline constexpr std::int64_t kMs = 1'000'000;
 /// Address at which test programs store their results. Three quarters of L2 are below it.
 inline constexpr std::uint32_t kResults = 0x1C060000;
 
-/// Simulates the AI-deck with a program of assembly text. The program may use the names of board.h.
+/// Simulates a board, by default the AI-deck, with an assembler program. The program can use the names of board.h.
 class BoardSystem {
  public:
   explicit BoardSystem(std::string_view text, const Settings& settings = {}, const BoardDescription& board = ai_deck())
@@ -32,7 +31,7 @@ class BoardSystem {
              {}}) {}
 
   static BoardDescription ai_deck() { return read_board(MEBOTS_SOURCE_DIR "/configs/boards/ai_deck.json"); }
-  /// Returns the AI-deck without instruction caches, for tests that count every cycle of code that runs once.
+  /// For tests that count every cycle of code that runs once.
   static BoardDescription without_caches() {
     auto board = ai_deck();
     board.instruction_caches = {};
@@ -53,7 +52,6 @@ class BoardSystem {
 
   Camera& camera() { return dynamic_cast<Camera&>(*soc.devices().find("camera")); }
   double camera_energy_j() const { return soc.power().energy_j(*soc.devices().find("camera")); }
-  /// Returns the value of an output of the board's devices.
   double output(std::string_view variable) const { return *soc.devices().output(variable); }
 
   std::uint32_t result(std::uint32_t index) const {

@@ -27,8 +27,8 @@ class Gap8System : public BoardSystem {
   }
 };
 
-/// Contains the vectors and the start code of the fabric controller. The cluster's cores jump to `core`, exceptions to
-/// `fault`.
+/// Vectors and start code. The fabric controller continues after it, the cluster's cores jump to `core`, and exceptions
+/// to `fault`.
 inline constexpr std::string_view kBegin = R"(
     .balign 256
 vectors: j fault
@@ -39,7 +39,7 @@ _start: csrr a0, mhartid
     bne a0, a1, core
 )";
 
-/// Returns code that switches the cluster on, and starts the cores whose bits are set in `who`.
+/// Returns code that starts the cluster's cores whose bits are set in `who`.
 inline std::string start_cluster(std::uint32_t who) {
   return fmt::format(R"(
     li s0, SOC_CONTROL_BASE
@@ -68,7 +68,7 @@ inline std::string set_cluster_clock(std::uint32_t factor) {
 /// the program go to `fault`.
 inline Gap8System timed_system(unsigned cores, std::string_view code, const Settings& settings = {}) {
   auto board = Gap8System::gap8();
-  board.instruction_caches = {};  // otherwise, refills would delay the read after the event
+  board.instruction_caches = {};  // a refill would delay the read after the event
   const auto vectors = std::string(kBegin).replace(kBegin.find("j fault"), 7, ".rept 32\n j fault\n .endr");
   return Gap8System(fmt::format("{}{}{}", vectors, start_cluster(cores), code), settings, board);
 }

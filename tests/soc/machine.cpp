@@ -16,7 +16,7 @@ Memory Machine::make_memory() {
 
 namespace {
 
-/// Returns a different energy for every kind of instruction, so that no sum is right by chance.
+/// The energies differ for all kinds of instructions, so that no sum is right by chance.
 InstructionEnergy energies() {
   InstructionEnergy energy;
   for (std::size_t i = 0; i < energy.fj.size(); ++i) energy.fj[i] = static_cast<std::uint32_t>(1000 + 37 * i);

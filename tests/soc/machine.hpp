@@ -14,7 +14,7 @@
 
 namespace mebots::soc::test {
 
-/// Contains the settings of a machine. By default, it is a generic RV32IMC core without instruction cache and options.
+/// By default, a machine is a generic RV32IMC core without instruction cache and options.
 struct MachineSettings {
   CoreKind kind = CoreKind::rv32imc;
   InstructionCacheSettings instruction_cache = {};

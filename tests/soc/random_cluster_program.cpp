@@ -153,7 +153,7 @@ class ClusterAuthor : RandomText {
   std::string hardware_loop(int depth) {
     const auto label = labels_++;
     if (marks_ > 1 && below(3) == 0) {
-      // A loop between any two marked addresses.
+      // A hardware loop between any two marked addresses.
       return fmt::format(
           "    la t0, .Lmark{}\n    csrw 0x7B{}, t0\n    la t0, .Lmark{}\n    csrw 0x7B{}, t0\n    csrwi "
           "0x7B{}, {}\n",
@@ -170,7 +170,6 @@ class ClusterAuthor : RandomText {
                          : fmt::format("    addi {}, {}, 1\n", target(), source());
   }
 
-  /// Returns a block of maximum length that takes long to execute.
   std::string straight() {
     std::string text;
     const auto kind = below(3);
@@ -211,7 +210,7 @@ class ClusterAuthor : RandomText {
     }
   }
 
-  /// Returns code that executes `body` in one of `mask` + 1 iterations.
+  /// Returns code that executes `body` rarely, in one of `mask` + 1 iterations.
   std::string sometimes(std::string_view body, unsigned mask) {
     const auto label = labels_++;
     return fmt::format("    srli t0, s4, {}\n    andi t0, t0, {}\n    bnez t0, .L{}\n{}.L{}:\n", below(12), mask, label,

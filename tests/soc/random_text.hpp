@@ -9,8 +9,7 @@
 
 namespace mebots::soc::test {
 
-/// Contains the common parts of generators of random assembly text: random numbers, and the mnemonics of the standard
-/// part.
+/// Common base of the generators of random assembler text.
 class RandomText {
  protected:
   explicit RandomText(std::uint32_t seed) : random_(seed) {}

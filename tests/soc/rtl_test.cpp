@@ -67,8 +67,7 @@ Table measured(const Machine& machine) {
   return table;
 }
 
-/// Compares the found values with the first rows of the reference. The number of rows is that of the programs that the
-/// machine has run.
+/// Compares the found values with the first rows of the reference.
 void expect_exact(const Table& found, const Table& expected) {
   ASSERT_LE(found.size(), expected.size());
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -78,8 +77,8 @@ void expect_exact(const Table& found, const Table& expected) {
 }
 
 TEST(Rtl, StandardMicroProgramsTakeTheCyclesOfCv32e40p) {
-  // The further instructions of this build use Xpulp in CORE-V encodings, which this platform lacks. So the program
-  // ends in its trap handler.
+  // After the standard instructions, this program uses Xpulp in CORE-V encodings, which our hart does not support. So
+  // it ends in its trap handler.
   Machine machine(Elf::read(MEBOTS_RTL_CV32E40P), CoreKind::cv32e40p);
   EXPECT_EQ(machine.run(), Stop::watch);
   EXPECT_EQ(machine.word("tohost"), 0xdead0001U);
@@ -108,7 +107,7 @@ class CauseSum final : public Observer {
     for (const auto share : instruction.cycles.cycles) sum += share;
     for (std::size_t i = 0; i < kCycleCauses; ++i) causes[i] += instruction.cycles.cycles[i];
     const auto late = sum - static_cast<std::int64_t>(hart.counters().cycles);
-    if (late < 0 || late > 3) ++wrong;  // a misaligned load has subtracted the jump behind it
+    if (late < 0 || late > 3) ++wrong;  // a misaligned load has already subtracted cycles of the jump after it
   }
   std::int64_t of(CycleCause cause) const { return causes[static_cast<std::size_t>(cause)]; }
 
@@ -117,7 +116,7 @@ class CauseSum final : public Observer {
   int wrong = 0;
 };
 
-/// Runs a program under an observer, and checks that the sum of the causes equals the number of cycles.
+/// Runs a program, and checks that the causes' cycles add up to the program's cycles.
 void expect_sum(Machine& machine, CauseSum& causes) {
   machine.hart().observe(&causes);
   EXPECT_EQ(machine.run(1'000'000'000), Stop::watch);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines constants of the camera and of the gates.
+// Constants of the camera and of the gates.
 #pragma once
 
 // Focal length divided by half the picture's width, in thousandths: 1000 / tan(fov / 2). The field of view is 1.51844
-// rad, the lens of the AI-deck with which the data of Stargate, the paper's network, were recorded.
+// rad, that of the AI-deck's lens in the recordings for Stargate, the paper's network.
 #define CAMERA_FOCAL_OVER_HALF_WIDTH_MILLI 1054
 
 // Outer edge of a gate's frame [mm]. The paper (examples/paper) uses gates of 60 cm.

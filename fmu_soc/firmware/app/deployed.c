@@ -16,12 +16,11 @@
 #define SOURCE_BYTES (2 * MOST_COLUMNS)
 #define STRIPES ((NETWORK_ROWS + CORES - 1) / CORES)
 
-// Buffers in L1. There are two copies of each buffer: the DMA fetches and stores one stripe while the cores work on
-// another stripe.
+// Buffers in L1. Each buffer exists twice: while the cores work on one stripe, the DMA transfers another stripe.
 typedef struct {
   uint8_t source[2][CORES][SOURCE_BYTES];  // two rows of the camera's picture for each row of the stripe
   uint8_t rows[2][CORES][NETWORK_COLUMNS];
-  uint16_t columns[NETWORK_COLUMNS];  // first source column of each column of the network's picture
+  uint16_t columns[NETWORK_COLUMNS];  // first source column of each column of the reduced picture
 } buffers_t;
 
 _Static_assert(sizeof(buffers_t) <= NETWORK_L1_BYTES, "the rows of the picture do not fit into L1");
@@ -36,8 +35,8 @@ typedef struct {
 
 static job_t job;
 
-// Returns the first of the two source rows (or columns) that are averaged for row (or column) `index` of `count`.
-// `length` is the number of source rows (or columns), which are spread evenly from edge to edge.
+// Returns the first of the two source rows (or columns) that are averaged for row (or column) `index` of `count`. The
+// `length` source rows (or columns) are sampled evenly from edge to edge.
 static int place_of(int index, int count, int length) {
   return count < 2 ? (length - 2) / 2 : index * (length - 2) / (count - 1);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs a network that `mebots deploy` has written on the pictures of the camera.
+// Runs a network that `mebots deploy` has written.
 #pragma once
 
 #include <stdbool.h>
@@ -9,9 +9,9 @@
 extern "C" {
 #endif
 
-// Reduces the camera's picture to the size of the network's input, and computes the `count` outputs of the network. The
-// outputs are in 127ths, limited to [-127, 127]. Returns false if the picture is smaller than the network's input or
-// wider than 324 pixels, or if the chip has no cluster of eight cores.
+// Reduces the camera's picture to the size of the network's input, and computes the network's `count` outputs, in
+// 127ths from -127 to 127. Returns false if the picture is smaller than the network's input or wider than 324 pixels,
+// or if the chip has no cluster of eight cores.
 bool deployed_look(const uint8_t* frame, int width, int height, int8_t* values, int count);
 
 #ifdef __cplusplus

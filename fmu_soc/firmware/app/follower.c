@@ -18,7 +18,7 @@ pilot_command_t follower_step(follower_t* follower, int8_t yaw, bool crossed, in
       follower->phase = PILOT_DONE;
     }
   }
-  // After the gate, the picture contains no information, and the drone flies straight.
+  // After the gate, pictures contain no information, and the drone flies straight.
   const int8_t wanted = follower->phase == PILOT_APPROACH ? yaw : 0;
   const int32_t velocity_um_s = policy_speed_um_s(&follower->policy, wanted);
   const pilot_command_t command = {follower->phase == PILOT_DONE ? 0 : velocity_um_s,

@@ -5,7 +5,7 @@
 
 #include "app/work_picture.h"
 
-// Outer edge of a frame, divided by the width of its border: 60 cm / ((60 cm - 40 cm) / 2).
+// Outer edge of a frame divided by the width of its border: 60 cm / ((60 cm - 40 cm) / 2).
 #define BORDERS_PER_EDGE 6
 
 // Minimum score of a frame, in sixteenths of a grey level.
@@ -14,29 +14,26 @@
 // half the contrast.
 #define LEAST_WHILE_SCANNING_Q4 (LEAST_SCORE_Q4 / 2)
 #define LEAST_WHILE_REFINING_Q4 (LEAST_SCORE_Q4 / 4)
-// After a frame was found, another position is only considered if its contrast is at least 1 / PART_OF_BEST of the
-// frame's score.
+// After a frame was found, only positions with a contrast of at least 1 / PART_OF_BEST of its score are considered.
 #define PART_OF_BEST 4
 
-// The camera is nearly level and near the height of the gate's middle. Therefore the frame's middle is near the
-// picture's middle row. Their distance is at most BAND work pixels (9 degrees) plus half the frame's edge (0.3 m at the
-// gate).
+// The camera is nearly level, near the height of the gate's middle. Therefore the frame's middle is at most BAND work
+// pixels (9 degrees) plus half the frame's edge (0.3 m at the gate) from the picture's middle row.
 #define BAND 14
 
-// A template is tested at positions that are a twelfth of its edge apart, which is half the width of its border.
+// A template is tested at positions that are a twelfth of its edge apart: half the width of its border.
 #define PLACES_PER_EDGE 12
 
-// For this edge and larger ones, templates with three quarters of the width are also tested. They match frames that are
-// seen from the side.
+// From this edge on, templates with three quarters of the width are also tested, for frames that are seen from the
+// side.
 #define LEAST_NARROW_EDGE 20
 
-// Outer edges of the tested templates in work pixels, in steps of about a fifth. A template that is half a step larger
-// or smaller than a frame still covers two thirds of the frame's border. This is not true for borders of one or two
-// pixels. Therefore the edges up to 13 are one pixel apart.
+// Outer edges of the templates in work pixels, in steps of about a fifth. A template that is half a step too large or
+// too small still covers two thirds of the frame's border. Borders of one or two pixels need steps of one pixel.
 static const uint8_t kEdges[] = {7, 8, 9, 10, 11, 12, 13, 15, 18, 21, 25, 30, 36, 43, 52, 62, 74, 89, 104};
 #define EDGE_COUNT ((int)(sizeof(kEdges) / sizeof(kEdges[0])))
 
-// Describes a frame in the work picture by its outer edges in pixels.
+// Outer edges of a frame in the work picture [px].
 typedef struct {
   int x;
   int y;
@@ -44,8 +41,8 @@ typedef struct {
   int height;
 } frame_t;
 
-// Stores constants for one size of a frame: the widths of its borders, and 2^16 / area of a strip along a vertical and
-// along a horizontal beam. The four sides of a frame are called beams.
+// Constants for one size of a frame: the widths of its borders, and 2^16 / area of a strip along a vertical and along a
+// horizontal beam. The four sides of a frame are called beams.
 typedef struct {
   int border_x;
   int border_y;
@@ -53,21 +50,20 @@ typedef struct {
   uint32_t level_q16;
 } sizes_t;
 
-// Describes how well a template matches a frame, in sixteenths of a grey level. All values are 0 if there is no frame.
+// Match of a template with a frame, in sixteenths of a grey level. All values are 0 if there is no frame.
 typedef struct {
-  int weakest_q4;  // least contrast of a beam, except for one with the surroundings
-  int sum_q4;      // sum of all contrasts, except for those of the opposite sign
+  int weakest_q4;  // least contrast of a beam; excludes the least contrast with the surroundings
+  int sum_q4;      // sum of all positive contrasts
   int spread_q4;   // brightness of the brightest beam minus that of the darkest beam
 } fit_t;
 
-// Returns the score of a frame. The score is high if all beams contrast with their surroundings and have similar
+// Returns the score of a frame, which is high if all beams contrast with their surroundings and have similar
 // brightness.
 static inline int score_q4(const fit_t* fit) {
   return fit->weakest_q4 - fit->spread_q4 / 2;
 }
 
-// The work picture is static because it is too large for a stack. It need not be cleared, because each picture
-// overwrites it.
+// Static, because a work picture is too large for a stack.
 static work_picture_t work __attribute__((section(".noinit.work")));
 
 static inline int min_int(int a, int b) {
@@ -89,7 +85,7 @@ static sizes_t sizes_of(int width, int height) {
   return sizes;
 }
 
-// Stores sums of grey levels: of a beam, and of the strips on both sides of the beam. The three areas are equal.
+// Sums of grey levels of a beam and of the strips on both sides of the beam. All strips have the same area.
 typedef struct {
   int beam;
   int before;  // sum of the beam minus sum of the strip before it
@@ -106,8 +102,8 @@ static inline strips_t upright_strips(const uint32_t* top, const uint32_t* botto
   return strips;
 }
 
-// Returns the sums of three horizontal strips, one below the other, each `width` columns wide. `step` is the pitch
-// times the height of a strip.
+// Returns the sums of three adjacent horizontal strips, each `width` columns wide. `step` is the pitch times the height
+// of a strip.
 static inline strips_t level_strips(const uint32_t* left, int width, ptrdiff_t step) {
   const int c0 = (int)(left[width] - left[0]);
   const int c1 = (int)(left[step + width] - left[step]);
@@ -117,24 +113,24 @@ static inline strips_t level_strips(const uint32_t* left, int width, ptrdiff_t s
   return strips;
 }
 
-// Returns a mean grey level in sixteenths, computed from a sum and from 2^16 / area.
+// Returns a mean grey level in sixteenths. `reciprocal_q16` is 2^16 / area.
 static inline int mean_q4(int sum, uint32_t reciprocal_q16) {
   return (sum * (int)reciprocal_q16) >> 12;
 }
 
-// Stores what the beams tested so far have in common.
+// Properties of the beams that were tested up to now.
 typedef struct {
   int sign;         // 1: the beams are brighter than the opening, -1: darker
   int weakest;      // least contrast of a beam with the opening
-  int outer_least;  // least contrast of a beam with the surroundings of the frame
+  int outer_least;  // least contrast of a beam with the frame's surroundings
   int outer_next;   // second least contrast with the surroundings
   int sum;          // sum of all contrasts, except for those of the opposite sign
-  int brightest;    // grey level of the brightest beam
-  int darkest;      // grey level of the darkest beam
+  int brightest;
+  int darkest;
 } beams_t;
 
-// Adds a beam. Returns false if the beam cannot belong to a frame. All values are in sixteenths of a grey level. One
-// beam may have no contrast with its surroundings, such as a white beam in front of a white sky.
+// Adds a beam. Returns false if the beam cannot belong to a frame. Values are in sixteenths of a grey level. One beam
+// may have no contrast with its surroundings, such as a white beam in front of a white sky.
 static inline bool add_beam(beams_t* beams, int beam_q4, int inner_q4, int outer_q4, int least_q4) {
   const int inner = beams->sign * inner_q4;
   const int outer = beams->sign * outer_q4;
@@ -154,8 +150,8 @@ static inline bool add_beam(beams_t* beams, int beam_q4, int inner_q4, int outer
   return beams->outer_next >= least_q4;
 }
 
-// Compares the picture with a gate of four beams (left, right, top, bottom) at the position of `frame`. If add_beam()
-// rejects a beam, returns zeros. The frame, and a margin of a beam's width around it, must be inside the picture.
+// Compares the picture with a gate of four beams at the position of `frame`. If add_beam() rejects a beam, returns
+// zeros. The frame, with a margin of a beam's width, must be inside the picture.
 static fit_t fit_at(const frame_t* frame, const sizes_t* sizes, int least_q4) {
   const fit_t none = {0, 0, 0};
   const ptrdiff_t pitch = work.width + 1;
@@ -201,8 +197,8 @@ static bool lies_inside(const frame_t* frame, const sizes_t* sizes) {
          frame->y + frame->height + sizes->border_y <= work.height;
 }
 
-// Computes the sum of each column of the work picture between two rows of the integral image, from left to right. Four
-// columns are computed at a time. The last up to three columns may be from the start of the next row, and are not used.
+// Computes the sum of each column of the work picture between two rows of the integral image. The loop computes four
+// columns at a time, so that up to three sums beyond the last column are stored, but not used.
 static void sum_columns(int32_t* columns, const uint32_t* top, const uint32_t* bottom) {
   for (const int32_t* end = columns + work.width; columns <= end; columns += 4, top += 4, bottom += 4) {
     columns[0] = (int32_t)(bottom[0] - top[0]);
@@ -212,8 +208,7 @@ static void sum_columns(int32_t* columns, const uint32_t* top, const uint32_t* b
   }
 }
 
-// Describes a row of positions that are scanned in steps of `step`, up to `last`. A position is a pointer to the first
-// column of the left beam.
+// Positions that are scanned in one row. A position is a pointer to the first column of the left beam.
 typedef struct {
   const int32_t* last;
   ptrdiff_t step;
@@ -222,9 +217,9 @@ typedef struct {
   int32_t least_sum;   // minimum contrast of both vertical beams with the opening
 } row_t;
 
-// Returns the first position from `at` on at which two vertical beams are both brighter or both darker than the
-// opening. If there is no such position, returns null. Only this function tests most positions. It is not inlined, so
-// that its loop stays short.
+// Returns the first position from `at` on at which both vertical beams are brighter or both are darker than the
+// opening. If there is no such position, returns null. Not inlined, so that its loop, which tests most positions, stays
+// short.
 static __attribute__((noinline)) const int32_t* next_place(const int32_t* at, const row_t* row) {
   const ptrdiff_t border = row->border;
   const ptrdiff_t step = row->step;
@@ -248,11 +243,11 @@ static __attribute__((noinline)) const int32_t* next_place(const int32_t* at, co
 }
 
 // Finds the best position of a template of width x height pixels whose beams have a contrast of at least `least_q4`.
-// Stores it in *best and returns the match.
+// Stores the position in *best and returns the match.
 //
-// At nearly all positions, a vertical beam has too little contrast. Therefore vertical beams are tested first, with
-// sums that all positions of a row share. First, the left beam is compared with the opening to its right. Then, the
-// right beam is compared with the opening to its left.
+// Most positions fail at a vertical beam. Therefore vertical beams are tested first, with column sums that all
+// positions of a row share: the left beam with the opening to its right, then the right beam with the opening to its
+// left.
 static fit_t scan(int width, int height, int least_q4, frame_t* best) {
   const sizes_t sizes = sizes_of(width, height);
   const ptrdiff_t pitch = work.width + 1;
@@ -284,7 +279,7 @@ static fit_t scan(int width, int height, int least_q4, frame_t* best) {
   return best_fit;
 }
 
-// Moves and stretches the template by one pixel at a time while the contrast of its beams increases. Returns the match.
+// Moves and stretches the template by one pixel at a time while the sum of its contrasts increases. Returns the match.
 static fit_t refine(frame_t* frame, fit_t fit) {
   static const int8_t kMoves[][4] = {{1, 0, 0, 0}, {-1, 0, 0, 0}, {0, 1, 0, 0},  {0, -1, 0, 0},
                                      {0, 0, 1, 0}, {0, 0, -1, 0}, {-1, 0, 1, 0}, {1, 0, -1, 0},

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds a square frame with a square opening in a grey picture. Uses 8-bit pixels and integer arithmetic. Stores
-// nothing between two pictures.
+// Finds a square frame with a square opening in a picture of 8-bit grey pixels, with integer arithmetic.
 #pragma once
 
 #include <stdbool.h>
@@ -10,17 +9,17 @@
 extern "C" {
 #endif
 
-// Describes a frame in the picture. Positions and lengths are in sixteenths of the picture's pixels.
+// A frame in the picture. Positions and lengths are in sixteenths of the picture's pixels.
 typedef struct {
   int32_t center_x_q4;  // distance from the left edge of the picture
   int32_t center_y_q4;  // distance from the upper edge of the picture
-  int32_t width_q4;     // outer width of the frame
-  int32_t height_q4;    // outer height of the frame
-  uint8_t contrast;     // contrast of the weakest side, minus half the difference between the sides [grey levels]
+  int32_t width_q4;
+  int32_t height_q4;
+  uint8_t contrast;  // contrast of the weakest side, minus half the difference between the sides [grey levels]
 } gate_view_t;
 
-// Searches for a frame in a picture of `width` x `height` pixels, which are stored row by row from the top left. Width
-// and height must be from 64 to 4 x 162. If there is a frame, stores it in *view and returns true.
+// Searches for a frame in a picture of `width` x `height` pixels, row by row from the top left. Width and height must
+// be from 64 to 4 x 162. If there is a frame, stores it in *view and returns true.
 bool find_gate(const uint8_t* frame, int width, int height, gate_view_t* view);
 
 #ifdef __cplusplus

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Flies the mission of the paper (examples/paper). After take-off, runs a loop: takes a picture, computes the position
-// of the gate, the speed and the set-points, and sleeps until the next picture. Lands after the gate, or when the
-// charge is low.
+// Flies the mission of the paper (examples/paper). After take-off, a loop takes a picture, computes the direction to
+// the gate and the set-points, and sleeps until the next picture. The drone lands after the gate, or when the charge is
+// low.
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -19,24 +19,24 @@
 
 // Time between two checks of the flight phase during climb and descent.
 #define PHASE_POLL_NS (20 * NS_PER_MS)
-// Number of pictures after which the program prints a line about the flight.
+// Number of pictures between two printed lines about the flight.
 #define PICTURES_PER_LINE 10
 
 typedef struct {
   uint32_t pictures;
-  uint32_t sightings;     // pictures that contain a gate
-  uint32_t late;          // pictures that did not arrive in time
-  uint32_t overruns;      // frame periods in which no picture was taken, because the work took too long
-  uint32_t overlapped;    // pictures that were exposed during the work on the previous picture
-  uint64_t instructions;  // instructions of all inferences
+  uint32_t sightings;   // pictures that contain a gate
+  uint32_t late;        // pictures that did not arrive in time
+  uint32_t overruns;    // frame periods without a picture, because the work took too long
+  uint32_t overlapped;  // pictures that were exposed during the work on the previous picture
+  uint64_t instructions;
   uint32_t instructions_most;
   int64_t look_most_ns;  // longest time of the work on a picture
 } statistics_t;
 
 static statistics_t statistics;
 
-// Combines a navigator with its pilot. The pilot of the gate finder searches for gates and uses distances. The pilot of
-// the network follows the network's yaw.
+// A navigator with its pilot. With the gate finder, the pilot searches for gates and uses distances. With the network,
+// the follower flies with the network's yaw.
 typedef struct {
   navigator_t* navigate;
   bool follows;
@@ -131,7 +131,7 @@ static void print_decision(const crew_t* crew, const navigator_output_t* seen, c
         (int32_t)battery_charge_ppm());
 }
 
-// Runs the loop from picture to set-points. Returns the exit code for the flight so far.
+// Runs the loop from picture to set-points. Returns the exit code of the flight.
 static int fly(crew_t* crew) {
   const int64_t period_ns = (int64_t)MISSION_FRAME_PERIOD * NS_PER_US;
   int64_t frame_ns = timer_now_ns();  // time at which the next picture is requested
@@ -157,7 +157,7 @@ static int fly(crew_t* crew) {
       ++statistics.overruns;
     }
     if (result == PICTURE_TAKEN) {
-      // If the next picture is due before the end of this work, it is exposed and read out during the work.
+      // If the next picture is due during the work on this picture, requests the next picture now.
       requested = here_ns + statistics.look_most_ns > frame_ns && camera_ask();
       statistics.overlapped += requested ? 1 : 0;
       seen = look(crew, &picture);

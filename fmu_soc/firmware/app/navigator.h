@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Declares the navigators. A navigator derives the direction to the gate from a picture, by the gate finder or by a
-// neural network.
+// Declares navigators, which compute the direction to the gate from a picture, by the gate finder or by a neural
+// network.
 #pragma once
 
 #include <stdint.h>
@@ -11,8 +11,8 @@ extern "C" {
 
 typedef struct {
   // Desired yaw rate in 127ths of the mission's yaw rate scale; positive = left. The value is proportional to the
-  // distance of the gate from the middle of the picture, and is +-127 at the edge of the picture. If confidence is 0,
-  // the value is 0.
+  // distance of the gate from the middle of the picture: +-127 at the edge of the picture. If confidence is 0, the
+  // value is 0.
   int8_t yaw;
   // 0 = no gate is in the picture, 255 = full confidence.
   uint8_t confidence;
@@ -20,10 +20,10 @@ typedef struct {
   uint16_t distance_mm;
 } navigator_output_t;
 
-// Processes one picture of 8-bit grey pixels, row by row from the top left. Stores nothing between two calls.
+// Processes one picture of 8-bit grey pixels, row by row from the top left.
 typedef navigator_output_t navigator_t(const uint8_t* frame, int width, int height);
 
-// Uses the gate finder. Sets yaw, confidence and distance.
+// Uses the gate finder. Sets all outputs.
 navigator_t finder_navigate;
 // Uses the neural network. Sets only the yaw, with full confidence. If the picture is smaller than 168 x 168, sets
 // confidence to 0.

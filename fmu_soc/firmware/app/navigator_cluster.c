@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the neural network on the cluster, which is only on during an inference. A chip without a cluster uses the plain
-// code of navigator_network.c, which has the same results.
+// Runs the neural network on the cluster, which is only on during an inference. A chip without a cluster runs
+// navigator_network.c, which has the same results.
 #include <stdbool.h>
 
 #include "app/navigator.h"

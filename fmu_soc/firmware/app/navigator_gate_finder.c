@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Implements the navigator with the gate finder. It steers towards the centre of the gate in the picture, and computes
-// the distance from the gate's height in the picture.
+// Implements the navigator with the gate finder: yaw from the gate's centre in the picture, distance from the gate's
+// height.
 #include "app/calibration.h"
 #include "app/gate_finder.h"
 #include "app/navigator.h"
@@ -19,8 +19,8 @@ navigator_output_t finder_navigate(const uint8_t* frame, int width, int height) 
   output.yaw = (int8_t)(yaw > 127 ? 127 : yaw < -127 ? -127 : yaw);
   const int32_t confidence = view.contrast * 255 / FULL_CONFIDENCE_CONTRAST;
   output.confidence = (uint8_t)(confidence > 255 ? 255 : confidence);
-  // A frame that is seen from the side is narrower, but not lower. Therefore the distance is computed from the height:
-  // distance = focal length [px] * outer edge [mm] / height [px], where focal length = milli / 1000 * width / 2.
+  // A frame that is seen from the side is narrower, but not lower. Therefore the height gives the distance: focal
+  // length [px] * outer edge [mm] / height [px], where focal length = milli / 1000 * width / 2.
   const int32_t numerator = CAMERA_FOCAL_OVER_HALF_WIDTH_MILLI * GATE_OUTER_MM / 1000 * middle_q4;
   const int32_t distance_mm = numerator / view.height_q4;
   output.distance_mm = (uint16_t)(distance_mm > UINT16_MAX ? UINT16_MAX : distance_mm);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Implements the navigator with the neural network. Its only output is the yaw, so that confidence and distance are not
-// computed.
+// Implements the navigator with the neural network, whose only output is the yaw.
 #include "app/navigator.h"
 #include "nn/network.h"
 #include "nn/shrink.h"

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/pilot.h"
 
-// Minimum confidence of a picture that counts as one with a gate.
+// Minimum confidence of a picture with a gate.
 #define LEAST_CONFIDENCE 64
-// Number of consecutive pictures with a gate that start an approach, and number of consecutive pictures without a gate
-// that end it.
+// Number of consecutive pictures with a gate before an approach, and without a gate before a new search.
 #define SIGHTINGS_TO_APPROACH 3
 #define MISSES_TO_SEARCH 20
-// Distance below which a gate that is no longer seen has left the view. In this case, the approach continues with the
-// state estimate.
+// Below this distance, a gate that is no longer seen has left the view. The approach then continues with the state
+// estimate.
 #define BLIND_APPROACH_UM 900000
-// Number of consecutive distances that must contradict an estimate before they replace it.
+// Number of consecutive distances that must contradict the estimate before they replace it.
 #define OUTLIERS_TO_BELIEVE 5
 // Yaw rate of a search, in 127ths of the mission's yaw rate scale.
 #define SEARCH_YAW 38  // 0.3 of the scale
@@ -28,17 +27,17 @@ void pilot_init(pilot_t* pilot, const policy_t* policy, int32_t yaw_rate_scale_u
   pilot->sightings = 0;
   pilot->misses = 0;
   pilot->outliers = 0;
-  pilot->last_yaw = 1;  // a search without any sighting turns to the left
+  pilot->last_yaw = 1;  // the first search turns to the left
 }
 
-// Returns the distance flown since the last picture [um], computed from the mean of the two velocities.
+// Returns the distance flown since the last picture [um], from the mean of the two velocities.
 static int32_t flown_um(pilot_t* pilot, int32_t velocity_um_s, int32_t elapsed_us) {
   const int64_t twice = (int64_t)velocity_um_s + pilot->last_velocity_um_s;
   pilot->last_velocity_um_s = velocity_um_s;
   return (int32_t)(twice * elapsed_us / 2000000);
 }
 
-// Corrects the estimate by a quarter of its difference from a measured distance, unless they contradict each other.
+// Moves the estimate by a quarter of the difference to a measured distance, unless the two contradict each other.
 static void correct_remaining(pilot_t* pilot, uint16_t distance_mm) {
   if (distance_mm == 0) {
     return;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes set-points from the navigator's output. The drone searches for the gate, flies to it and flies through it.
-// The pilot uses only the pictures and the state estimate. No signal reports that the gate is crossed; the pilot uses
-// the estimated distance.
+// Computes set-points from the navigator's output. The drone searches for the gate, flies to it and through it. The
+// pilot uses only the pictures and the state estimate: from the estimated distance, it computes when the gate is
+// crossed.
 #pragma once
 
 #include <stdbool.h>
@@ -14,17 +14,17 @@
 extern "C" {
 #endif
 
-// Distance below which the frame fills the view or is outside it. The drone then flies straight, and the pilot uses
-// only the state estimate.
+// Below this distance, the frame fills the view or is outside it. The drone then flies straight, with the state
+// estimate only.
 #define PILOT_COMMIT_MM 450
-// Distance after the gate's plane at which the pilot ends.
+// The pilot stops the drone at this distance after the gate's plane.
 #define PILOT_BEHIND_MM 500
 
 typedef enum {
   PILOT_SEARCH,    // hover and turn until a gate is seen
   PILOT_APPROACH,  // fly in the direction of the navigator's output
-  PILOT_THROUGH,   // fly straight on through the gate
-  PILOT_DONE       // the gate is crossed
+  PILOT_THROUGH,   // fly straight through the gate
+  PILOT_DONE
 } pilot_phase_t;
 
 typedef struct {
@@ -48,8 +48,7 @@ typedef struct {
 // Starts in PILOT_SEARCH with a copy of the policy. `yaw_rate_scale_urad_s` is the yaw rate at navigator output 127.
 void pilot_init(pilot_t* pilot, const policy_t* policy, int32_t yaw_rate_scale_urad_s);
 
-// Processes one picture. `seen` is the navigator's output. The velocity is along the heading. `elapsed_us` is the time
-// since the last call.
+// Processes one picture. `seen` is the navigator's output. `elapsed_us` is the time since the last call.
 pilot_command_t pilot_step(pilot_t* pilot, const navigator_output_t* seen, int32_t forward_velocity_um_s,
                            int32_t elapsed_us);
 

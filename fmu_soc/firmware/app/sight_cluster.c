@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the sight network on the cluster, which is only on during an inference. A chip without a cluster uses the plain
+// Runs the sight network on the cluster, which is only on during an inference. A chip without a cluster runs the plain
 // code, which has the same results.
 #include <stdbool.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Implements the function of sight.h with a deployed network that has the same outputs in the same order.
+// Implements sight.h with a deployed network that has the same outputs in the same order.
 #include "app/deployed.h"
 #include "app/sight.h"
 

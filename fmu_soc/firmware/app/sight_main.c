@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Flies a mission with the sight network. After take-off, runs a loop: takes a picture, computes the position of the
-// gate and the set-points, and sleeps until the next picture. Lands after the gate, or when the charge is low.
+// Flies a mission with the sight network. After take-off, a loop takes a picture, computes the set-points, and sleeps
+// until the next picture. The drone lands after the last gate, or when the charge is low.
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -17,14 +17,14 @@
 
 // Time between two checks of the flight phase during climb and descent.
 #define PHASE_POLL_NS (20 * NS_PER_MS)
-// Number of pictures after which the program prints a line about the flight.
+// Number of pictures between two printed lines about the flight.
 #define PICTURES_PER_LINE 10
 
 typedef struct {
   uint32_t pictures;
   uint32_t sightings;    // pictures that contain a gate
   uint32_t late;         // pictures that did not arrive in time
-  uint32_t overruns;     // frame periods in which no picture was taken, because the work took too long
+  uint32_t overruns;     // frame periods without a picture, because the work took too long
   int64_t look_most_ns;  // longest time of the work on a picture
 } statistics_t;
 
@@ -86,7 +86,7 @@ static traverser_t traverser_of_mission(void) {
   return traverser;
 }
 
-// Runs the loop from picture to set-points. `order` is the last command sent. Returns the exit code for the flight.
+// Runs the loop from picture to set-points. `order` is the last command sent. Returns the exit code of the flight.
 static int fly(traverser_command_t* order) {
   traverser_t traverser = traverser_of_mission();
   const int64_t period_ns = (int64_t)MISSION_FRAME_PERIOD * NS_PER_US;
@@ -117,7 +117,7 @@ static int fly(traverser_command_t* order) {
     }
     requested = true;
     if (result == PICTURE_TAKEN) {
-      // If the next picture is due before the end of this work, it is exposed and read out during the work.
+      // If the next picture is due during the work on this picture, requests the next picture now.
       requested = here_ns + statistics.look_most_ns > frame_ns && camera_ask();
       sight = look(&picture);
     } else {

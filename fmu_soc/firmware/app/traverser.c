@@ -5,49 +5,47 @@
 
 // The evidence for a gate is the integral of `visible` - 32 over time [ms]. A clear gate (127) starts an approach
 // within 0.11 s, and a gate with the value 64 within 0.31 s. A value below 32 never starts an approach. In pictures
-// without a gate, every fourth value is positive, and every tenth value is above 32. Without a gate in the picture, all
-// evidence is lost in 1.25 s.
+// without a gate, a tenth of the values is above 32. Without a gate, all evidence is lost in 1.25 s.
 #define DOUBTFUL 32
 #define LEAST_SIGN (-16)
 #define EVIDENCE_TO_APPROACH 10000
 #define MOST_EVIDENCE 20000
-// Time after which a near gate with enough evidence counts as entered if it is no longer visible.
+// If a near gate with enough evidence is not visible for this time, the drone has entered it.
 #define ENTERED_US 200000
 #define EVIDENCE_TO_ENTER 6500
-// If the drone flies slower than a quarter of its command for this time, an object has stopped it. In this case, what
-// the network saw was not a gate.
+// If the drone flies slower than a quarter of its command for this time, an object has stopped it. The object was not a
+// gate.
 #define STALLED_US 2000000
-// Time that the drone has to fly back after an object has stopped it.
+// Time for the flight back from an object.
 #define STUCK_US 6000000
-// Two sizes in 127ths of SIGHT_MOST_SIZE. At size 1.2, the frame has left the picture. If a gate of at least size 0.65
-// is no longer visible, it can only have left the picture.
+// Sizes in 127ths of SIGHT_MOST_SIZE. At size 1.2, the frame has left the picture. If a gate of at least size 0.65 is
+// no longer visible, it can only have left the picture.
 #define ENTERED_SIZE 76
 #define NEAR_SIZE 41
-// The distance to a real gate decreases by the flown distance. The distance that is computed from the size assumes a
-// frame of 0.6 m and the longest lens. It decreases faster with a shorter lens or a smaller frame, and slower with a
-// larger frame. If it decreases by less than four fifths of the flown distance, the object is not a gate, or the frame
-// is too large. The limit is 0.75 m with the longest lens, and 1.6 m with a lens of 87 degrees.
+// The distance to a real gate decreases by the flown distance. The computed distance assumes a frame of 0.6 m and the
+// longest lens: this distance decreases faster for a shorter lens or a smaller frame, and slower for a larger frame. If
+// the computed distance decreases by less than four fifths of the flown distance, the object is not a gate, or the
+// frame is too large (the limit is 0.75 m with the longest lens, and 1.6 m with a lens of 87 degrees).
 #define LEAST_NEARER_PERCENT 80
 // Focal length divided by half the picture's width, in thousandths, for the longest lens with which the network was
-// trained (0.82 rad). With a shorter lens, a frame that has the same size in the picture is nearer. Therefore the
-// longest lens gives the greatest distance of a gate.
+// trained (0.82 rad). Of all lenses, the longest gives the greatest distance for a size in the picture.
 #define LONGEST_FOCAL_MILLI 2301
-// Time constant with which the drone's altitude approaches the altitude of a gate, and greatest difference from the
-// mission's altitude. Sizes below LEAST_SIZE (0.13, a gate at 5 m with a lens of 50 degrees) are too small to divide
-// by, and count as LEAST_SIZE.
+// Time constant with which the drone's altitude approaches that of a gate, and greatest difference from the mission's
+// altitude. Sizes below LEAST_SIZE (0.13, a gate at 5 m with a lens of 50 degrees) count as LEAST_SIZE, to limit the
+// quotient.
 #define ALTITUDE_US 400000
 #define MOST_CLIMB_UM 700000
 #define LEAST_ALTITUDE_UM 250000
 #define LEAST_SIZE 8
 // Yaw rate of a search, in 127ths of the mission's yaw rate scale.
 #define SEARCH_YAW 64
-// Angle on both sides of a heading that led to an object: a search ignores gates within it. Half the view of the
-// longest lens, from which the heading of a gate is computed.
+// A search ignores gates within this angle on both sides of a heading that led to an object. HALF_VIEW_URAD is half the
+// view of the longest lens, from which the heading of a gate is computed.
 #define DEAD_END_URAD 450000
 #define HALF_VIEW_URAD 410000
 #define HALF_TURN_URAD 3141593
-// Distance that the drone flies in a free direction after a full turn without success. Then it turns again, without the
-// stored headings that need not be kept.
+// If a full turn finds no gate, the drone flies this distance in a free direction. Then it searches again, and ignores
+// only gates at the heading back through the last gate.
 #define ELSEWHERE_UM 1000000
 
 static int32_t limited(int32_t value, int32_t low, int32_t high) {
@@ -96,7 +94,7 @@ void traverser_init(traverser_t* t, const policy_t* policy, int32_t yaw_rate_sca
   t->kept_dead_ends = 0;
   t->turned_urad = 0;
   t->gates = gates;
-  t->last_yaw = 1;  // a search without any sighting turns to the left
+  t->last_yaw = 1;  // the first search turns to the left
 }
 
 static traverser_command_t command(const traverser_t* t, int32_t velocity_um_s, int yaw) {
@@ -131,7 +129,7 @@ static int32_t farthest_um(int32_t size_q8) {
   return (int32_t)((int64_t)GATE_OUTER_MM * LONGEST_FOCAL_MILLI * 127 * 256 / (2 * SIGHT_MOST_SIZE * divisor_q8));
 }
 
-// Begins to fly through the gate, whose frame has left the picture. From then on, only the flown distance is used.
+// Starts the flight through the gate, whose frame has left the picture. From then on, only the flown distance is used.
 static traverser_command_t enter(traverser_t* t) {
   t->phase = TRAVERSER_THROUGH;
   t->left_um = farthest_um(t->most_q8) + PILOT_BEHIND_MM * 1000;
@@ -150,7 +148,7 @@ static traverser_command_t search_again(traverser_t* t) {
   return turn_on(t);
 }
 
-// Stores a heading. If the list is full, removes the oldest heading that need not be kept.
+// Stores a heading. If the list is full, first removes the oldest heading that need not be kept.
 static void remember_dead_end(traverser_t* t, int32_t yaw_urad) {
   if (t->dead_ends == TRAVERSER_DEAD_ENDS) {
     for (int i = t->kept_dead_ends + 1; i < TRAVERSER_DEAD_ENDS; ++i) {
@@ -182,7 +180,7 @@ static traverser_command_t search(traverser_t* t, const sight_t* sight, bool sig
   if (sighted && t->evidence >= EVIDENCE_TO_APPROACH) {
     t->phase = TRAVERSER_APPROACH;
     begin_way(t);
-    // After only one picture, a gate does not count as near.
+    // After a single picture, a gate does not count as near.
     t->size_q8 = limited(sight->size, LEAST_SIZE, NEAR_SIZE - 1) * 256;
     return command(t, 0, sight->yaw);
   }
@@ -211,16 +209,15 @@ static void fly_on(traverser_t* t, const traverser_state_t* state) {
   }
 }
 
-// Ends an approach at whose end there was no gate. The drone flies straight back by the distance of the approach, and
-// then searches again.
+// Ends an approach that found no gate. The drone flies back by the distance of the approach, and then searches again.
 static traverser_command_t leave(traverser_t* t) {
   remember_dead_end(t, t->way_urad);
   return t->flown_um > 0 ? go_elsewhere(t, -t->flown_um) : search_again(t);
 }
 
-// Updates the mean size. A gate grows by some hundredths from picture to picture. Therefore a size above 1.5 times the
-// mean is limited to 1.5 times the mean. Two such sizes increase the mean by 27 %. If the gate is then entered too
-// early, it is still crossed within the additional half metre.
+// Updates the mean size. A gate grows by some hundredths per picture. Therefore a size above 1.5 times the mean counts
+// as 1.5 times the mean. A gate that is nevertheless entered too early is still crossed, because the drone flies an
+// additional half metre.
 //
 // The true size only grows, but the measured size decreases while the frame leaves the picture. Therefore the greatest
 // mean is stored.
@@ -235,9 +232,8 @@ static void follow_size(traverser_t* t, const sight_t* sight) {
   }
 }
 
-// True if the drone has flown farther than the greatest distance of a gate since the gate was largest in the picture.
-// In this case, there was no gate, or the drone has crossed it unnoticed. The next gate starts with a new greatest
-// size.
+// Returns true if, since the gate was largest, the drone has flown farther than the greatest possible distance of the
+// gate. Then there was no gate, or the drone has crossed it unnoticed.
 static bool most_is_behind(const traverser_t* t) {
   return t->flown_um - t->most_at_um > farthest_um(t->most_q8);
 }
@@ -315,8 +311,8 @@ static traverser_command_t next(traverser_t* t, const sight_t* sight, const trav
       return t->stalled_us > STALLED_US ? leave(t) : approach(t, sight, sighted, state);
     case TRAVERSER_THROUGH:
       fly_on(t, state);
-      // An object has stopped the drone. It may be a wall near a crossed gate, or a wall with the picture of a gate.
-      // The drone cannot distinguish them, so it flies back.
+      // An object has stopped the drone: a wall near a crossed gate, or a wall with the picture of a gate. The drone
+      // cannot distinguish them, so it flies back.
       return t->stalled_us > STALLED_US ? leave(t) : through(t, state);
     case TRAVERSER_ELSEWHERE:
       return elsewhere(t, state);

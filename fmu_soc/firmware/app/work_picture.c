@@ -6,12 +6,12 @@
 #define LEAST_EDGE 64
 #define MOST_REDUCTION 4
 
-// Computes one row of the integral image. `block_row` points to the first pixels of the row of blocks. `reduction` must
-// be a constant in each call, so that the compiler unrolls the sum over a block.
+// Computes one row of the integral image from a row of blocks, which starts at `block_row`. `reduction` must be a
+// constant in each call, so that the compiler unrolls the sum over a block.
 static inline __attribute__((always_inline)) void sum_row(const uint32_t* above, uint32_t* row,
                                                           const uint8_t* block_row, int blocks, int pitch,
                                                           int reduction) {
-  // The mean over the 1, 4, 9 or 16 pixels of a block is rounded: half of their number is added before the division.
+  // The mean over a block is rounded, because half the number of pixels is added before the division.
   const uint32_t area = (uint32_t)(reduction * reduction);
   uint32_t sum = 0;
   row[0] = 0;

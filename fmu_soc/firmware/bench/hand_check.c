@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares the kernels that are scheduled by hand with those that the compiler schedules, on eight cores, with noise as
-// input. For each kernel, prints a line that contains the cluster's cycles of both versions. The exit code is 1 if the
-// bytes of the versions differ, or if the version scheduled by hand is not faster.
+// Compares the kernels scheduled by hand with those scheduled by the compiler, on eight cores, with noise as input.
+// Prints the cluster's cycles of both versions of each kernel. The exit code is 1 if the bytes of the versions differ,
+// or if the version scheduled by hand is not faster.
 #include <stdint.h>
 
 #include "drivers/timer.h"
@@ -42,7 +42,7 @@ static void hand_first(nn_share_t share) {
   nn_hand_first(&arena, share);
 }
 
-// Fills the arena and its borders with noise. Does not change the weights.
+// Fills the arena and its borders, but not the weights, with noise.
 static void prepare(nn_share_t share) {
   if (share.core == 0) {
     uint32_t noise = 1;
@@ -72,7 +72,7 @@ static uint32_t run(void (*what)(nn_share_t)) {
   return ((uint32_t)timer_now_ns() - begin_ns) * CLUSTER_MHZ / 1000;
 }
 
-// Calls a kernel twice. Returns the cycles of the second call, during which the instruction cache is warm.
+// Calls a kernel twice. Returns the cycles of the second call, which has a warm instruction cache.
 static uint32_t measured(void (*what)(nn_share_t), uint32_t* bytes) {
   run(prepare);
   run(what);

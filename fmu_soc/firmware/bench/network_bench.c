@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs inferences without pause, for mebots-network-bench. For each number of cores, prints a line before and a line
-// after the inferences. The second line contains their time [ns].
+// Runs inferences without pause, for mebots-network-bench. For each number of cores, prints a line before the
+// inferences, and a line with their time [ns] after them.
 #include <stdint.h>
 
 #include "drivers/timer.h"
@@ -24,7 +24,7 @@ int main(void) {
       print("no cluster\n");
       return 1;
     }
-    // One inference runs before the measurement, so that the instruction caches are filled.
+    // The first inference fills the instruction caches.
     nn_cluster_infer(frame, WIDTH, HEIGHT, cores);
     const uint32_t begin_ns = (uint32_t)timer_now_ns();
     print("begin %u %u\n", cores, (uint32_t)INFERENCES);

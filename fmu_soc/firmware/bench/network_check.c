@@ -64,8 +64,8 @@ static void check_alone(void) {
   print("\n");
 }
 
-// Checks a picture of the network's size. Switches the cluster off and on for each picture, so that L1 has no data of
-// the previous picture.
+// Checks a picture of the network's size. Switches the cluster off and on, so that L1 has no data of the previous
+// picture.
 static void check_cluster(unsigned cores) {
   cluster_on();
   print("cluster%u", cores);

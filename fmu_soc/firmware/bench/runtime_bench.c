@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures the runtime's services on a board, in picoseconds: switching the cluster on and off, a fork and its wait, a
-// barrier, and a copy of the DMA and its wait. Prints one line for one core and one line for all cores.
+// Measures the runtime's services on a board [ps]: switching the cluster on and off, a fork, a barrier, and a copy of
+// the DMA, each with its wait. Prints one line for one core and one line for all cores.
 #include <stdbool.h>
 
 #include "drivers/timer.h"
@@ -25,7 +25,7 @@ static void meet(void* argument) {
   }
 }
 
-// Core 0 starts a copy and waits for it; the other cores of the team return.
+// Core 0 starts a copy and waits for its end; the other cores return.
 static void copy(void* argument) {
   if (cluster_core_id() != 0) {
     return;
@@ -46,7 +46,7 @@ static uint32_t fork_of(cluster_entry_t entry, unsigned cores, uintptr_t argumen
   return each(begin_ns, TURNS);
 }
 
-// Prints a line for a team of `cores` cores. Returns false if one of its forks is refused.
+// Prints a line for a team of `cores` cores. Returns false if a fork is refused.
 static bool measure(unsigned cores) {
   const int64_t begin_ns = timer_now_ns();
   for (int i = 0; i < TURNS; ++i) {

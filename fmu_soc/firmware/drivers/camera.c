@@ -13,14 +13,13 @@
 #define BUFFER_BYTES (324 * 324)
 
 static uint8_t buffers[2][BUFFER_BYTES] __attribute__((aligned(4), section(".noinit.camera")));
-// Index of the buffer for the requested picture. If no picture is requested, index of the buffer that contains the last
-// picture.
+// Index of the buffer for the requested picture. Without a request, index of the buffer with the last picture.
 static unsigned filling;
 static bool is_requested;
-// Bits READY and REFUSED that interrupts have reported since the last request.
+// Status bits READY and REFUSED of interrupts since the last request.
 static volatile uint32_t outcome;
 
-// Handles the interrupt. Either a picture has arrived, or a picture was dropped because it does not fit in the buffer.
+// Handles the interrupt: a picture has arrived, or was dropped because it does not fit into the buffer.
 static void on_camera(void) {
   const uint32_t status = CAMERA_STATUS & (STATUS_READY | STATUS_REFUSED);
   CAMERA_STATUS = status;  // clears the interrupt

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Drives the chip's camera device with a Himax HM01B0: requests a picture, and sleeps until the picture is in memory.
-// There are two buffers: while the program works on one picture, the next picture is exposed and read out.
+// Requests pictures of an HM01B0 from the chip's camera device. With two buffers, the next picture is exposed and read
+// out while the program works on the last picture.
 #pragma once
 
 #include <stdbool.h>
@@ -11,8 +11,8 @@ extern "C" {
 #endif
 
 typedef enum {
-  PICTURE_TAKEN,  // a new picture is in the buffer
-  // The device has refused the request: the buffer is too small or not in L2, or the device was busy.
+  PICTURE_TAKEN,
+  // The device refused the request: the buffer is too small or not in L2, or the device was busy.
   PICTURE_REFUSED,
   PICTURE_LATE  // no picture has arrived before the deadline
 } camera_result_t;
@@ -32,11 +32,9 @@ void camera_init(void);
 bool camera_ask(void);
 
 // Sleeps until the requested picture has arrived, or until `deadline_ns`. At the deadline, the request stays open. Uses
-// the timer's alarm. The pixels stay valid while the next picture is requested and received. They become invalid at the
-// request after that.
+// the timer's alarm. The pixels stay valid during the next request, and become invalid at the request after that.
 camera_result_t camera_wait(picture_t* picture, int64_t deadline_ns);
 
-// Requests a picture and waits for it.
 static inline camera_result_t camera_take(picture_t* picture, int64_t deadline_ns) {
   return camera_ask() ? camera_wait(picture, deadline_ns) : PICTURE_REFUSED;
 }

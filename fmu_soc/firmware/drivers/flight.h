@@ -9,9 +9,9 @@
 #include "drivers/setpoint.h"
 
 #ifdef UART_DATA
-// Sends a frame that contains the set-points by UART (drivers/flight_uart.c).
+// Sends the set-points in a frame by UART (drivers/flight_uart.c).
 void flight_send(const setpoint_t* setpoint);
-// Sends the last set-points again, because a frame can get lost.
+// Sends the last set-points again, because a frame may have been lost.
 void flight_repeat(void);
 #else
 static inline void flight_send(const setpoint_t* setpoint) {
@@ -20,7 +20,7 @@ static inline void flight_send(const setpoint_t* setpoint) {
 static inline void flight_repeat(void) {}
 #endif
 
-// Sends all set-points at the same time: to the variables of the FMU, and by UART if the board has one.
+// Sends all set-points at once: to the FMU's variables, and by UART if the board has one.
 static inline void flight_command(const setpoint_t* setpoint) {
   FLIGHT_MODE = setpoint->mode;
   FLIGHT_VELOCITY_X = (uint32_t)setpoint->velocity_x_um_s;
@@ -44,7 +44,7 @@ static inline int32_t flight_yaw_urad(void) {
   return (int32_t)FLIGHT_YAW;
 }
 
-// True if the world has reported that the drone has crossed the gate's opening.
+// Returns true if the world has reported that the drone has crossed the gate.
 static inline bool flight_gate_crossed(void) {
   return FLIGHT_GATE_CROSSED != 0;
 }

@@ -7,8 +7,8 @@
 static setpoint_t last;
 static uint8_t number;
 
-// Reports a transmit FIFO that is smaller than a frame. The FIFO is empty if the UART transmits nothing. If a frame
-// does not fit in the empty FIFO, it never fits.
+// Reports a transmit FIFO that is too small for a frame. While the UART transmits nothing, the FIFO is empty; a frame
+// that does not fit then never fits.
 static void report_small_fifo(unsigned places) {
   static bool reported;
   if (reported || (UART_STATUS & UART_STATUS_TRANSMITS) != 0) {
@@ -27,7 +27,7 @@ void flight_send(const setpoint_t* setpoint) {
 void flight_repeat(void) {
   const unsigned places = uart_places();
   if (places < SETPOINT_FRAME_BYTES) {
-    ++number;  // the receiver then counts the frame as lost
+    ++number;  // the receiver counts the frame as lost
     report_small_fifo(places);
     return;
   }

@@ -9,8 +9,8 @@
 #define RAD_S_PER_COUNT (2000.0F * 3.14159265F / 180.0F / 32768.0F)
 #define LEVEL_MASK 0xFFU
 
-// The interrupt is active while the FIFO contains a sample. Its only effect is to end the sleep in imu_wait().
-// imu_wait() switches the interrupt on, and this handler switches it off.
+// The interrupt is active while the FIFO contains a sample. It only ends the sleep in imu_wait(), which enables the
+// interrupt again.
 static void on_imu(void) {
   IMU_THRESHOLD = 0;
 }

@@ -15,5 +15,5 @@ typedef struct {
 
 // Starts measurements with a period of `period_us`. Must be called once, with interrupts off.
 void imu_init(uint32_t period_us);
-// Sleeps until the FIFO contains a sample, and removes the oldest one. Returns the number of samples that remain.
+// Sleeps until the FIFO contains a sample, and removes the oldest sample. Returns the number of remaining samples.
 unsigned imu_wait(imu_sample_t* sample);

@@ -6,7 +6,7 @@
 
 #include "board.h"
 
-// Number of ticks in a period, as on a Crazyflie with brushed motors: 8 bits at 328 kHz.
+// Ticks in a period, as on a Crazyflie with brushed motors: 8 bits at 328 kHz.
 #define ROTOR_TICKS 256
 
 static inline void rotors_init(void) {

@@ -3,7 +3,6 @@
 
 #include <stdint.h>
 
-// Contains the set-points for the flight controller.
 typedef struct {
   uint32_t mode;            // FLIGHT_MODE_...
   int32_t velocity_x_um_s;  // forward

@@ -46,7 +46,7 @@ static bool is_valid(const uint8_t* frame) {
   return frame[CHECKED_BYTES] == (uint8_t)sum && frame[CHECKED_BYTES + 1] == (uint8_t)(sum >> 8);
 }
 
-// Removes at least one byte, and continues until the first byte is a mark.
+// Removes bytes, at least one, until the first byte is a mark.
 static void find_next_mark(setpoint_reader_t* reader) {
   unsigned first = 1;
   while (first < reader->count && reader->bytes[first] != MARK) {

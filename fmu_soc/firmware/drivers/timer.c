@@ -7,7 +7,7 @@
 static volatile bool alarm_came;
 
 static void set_compare(uint64_t time_ns) {
-  // The high word is first set to its maximum, so that no intermediate value of the comparison matches.
+  // The first store prevents a match with an intermediate value.
   TIMER_COMPARE_HI = UINT32_MAX;
   TIMER_COMPARE_LO = (uint32_t)time_ns;
   TIMER_COMPARE_HI = (uint32_t)(time_ns >> 32);

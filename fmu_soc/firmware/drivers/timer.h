@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Drives the nanosecond timer: reads the present time, and sleeps until a time.
+// Drives the nanosecond timer.
 #pragma once
 
 #include <stdbool.h>
@@ -18,13 +18,12 @@ void timer_init(void);
 // Returns the time since reset [ns].
 int64_t timer_now_ns(void);
 
-// Sets the timer's interrupt to `time_ns`. If that time has already passed, the interrupt is raised at once.
+// Sets the alarm to `time_ns`. If that time has passed, the interrupt is raised at once.
 void timer_set_alarm(int64_t time_ns);
 
-// True if the time of the last alarm has passed.
+// Returns true if the time of the last alarm has passed.
 bool timer_alarm_came(void);
 
-// Sleeps until `time_ns`.
 void timer_sleep_until(int64_t time_ns);
 
 #ifdef __cplusplus

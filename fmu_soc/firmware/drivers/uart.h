@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sends and receives bytes by UART to and from another chip.
+// Exchanges bytes with another chip by UART.
 #pragma once
 
 #include <stdint.h>
@@ -13,7 +13,7 @@
 static inline unsigned uart_received(void) {
   return UART_STATUS & UART_STATUS_RECEIVED;
 }
-// Returns the number of free bytes in the transmit FIFO.
+// Returns the number of bytes that the transmit FIFO can still take.
 static inline unsigned uart_places(void) {
   return (UART_STATUS >> UART_STATUS_PLACES_SHIFT) & UART_STATUS_RECEIVED;
 }

@@ -22,7 +22,7 @@ static void follow(const setpoint_t* setpoint) {
 void companion_update(uint32_t time_us) {
   for (unsigned left = uart_received(); left > 0; --left) {
     setpoint_t setpoint;
-    // Another program may send a valid frame with a mode that does not exist.
+    // A valid frame of another program may have an unknown mode.
     if (setpoint_reader_take(&reader, (uint8_t)UART_DATA, &setpoint) && setpoint.mode <= FLIGHT_MODE_LAND) {
       last_frame_us = time_us;
       follow(&setpoint);

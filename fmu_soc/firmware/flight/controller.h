@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Declares the interface of a flight controller. To write your own controller, define the two functions at the end of
-// this file in a C file. The rest of the firmware (main.c) reads the sensors, estimates the state, follows the
-// set-points and sets the rotors.
+// this file in a C file. main.c reads the sensors, estimates the state, follows the set-points and sets the rotors.
 //
-// Frames: the world's x axis is the drone's heading at the start. The y axis points left, and the z axis points up. The
-// origin is on the ground where the drone started. The body has x forward, y left, z up. Angles are right-handed: roll
-// about x (positive = right side down), pitch about y (positive = nose down), yaw about z (positive = left).
+// Frames: in the world, x is the drone's heading at the start, y points left, and z points up. The origin is on the
+// ground where the drone started. In the body, x points forward, y left, z up. Angles are right-handed: roll about x
+// (positive = right side down), pitch about y (positive = nose down), yaw about z (positive = left).
 #pragma once
 
 #include <stdbool.h>
@@ -26,32 +25,31 @@ typedef struct {
   float z;
 } flight_vector_t;
 
-// Contains the estimated state.
 typedef struct {
-  uint32_t tick;             // number of loops since the start
+  uint32_t tick;             // loops since the start
   flight_vector_t position;  // [m]
   flight_vector_t velocity;  // [m/s], world frame
   float roll;                // [rad]
   float pitch;
-  float yaw;                     // without jumps: a full turn to the left adds 2 pi
+  float yaw;                     // continuous: a full turn to the left adds 2 pi
   flight_vector_t rate;          // angular velocity in the body frame [rad/s]
   flight_vector_t acceleration;  // specific force in the body frame [m/s2]
 } flight_state_t;
 
-// Contains the desired state, which moves with the set-points.
+// The desired state, which moves with the set-points.
 typedef struct {
   flight_vector_t position;  // [m]
   flight_vector_t velocity;  // [m/s], world frame
-  float yaw;                 // [rad], without jumps
+  float yaw;                 // [rad], continuous
   float yaw_rate;            // [rad/s]
 } flight_goal_t;
 
 // Called once at the start.
 void controller_init(void);
 
-// Called in each loop while the motors are on. `first` is true in the first loop of a flight. Sets `command` to the
-// fraction of the full command for each motor, from 0 to 1. The order is front right, rear right, rear left, front
-// left. Values outside this range are limited.
+// Called in each loop while the motors are on. `first` is true in the first loop of a flight. Must set `command` to
+// each motor's fraction of the full command: front right, rear right, rear left, front left. Values are limited to 0 to
+// 1.
 void controller_update(const flight_goal_t* goal, const flight_state_t* state, bool first, float command[ROTORS]);
 
 #ifdef __cplusplus

@@ -5,8 +5,7 @@
 //   z' = w + L1 e,  w' = a_z + b + L2 e,  b' = L3 e                       height; e = z_range - z
 //   yaw' = rate
 //
-// A tilt error of d changes the computed acceleration by g d. Therefore the poles of the velocity's error are the
-// solutions of
+// A tilt error of d causes an acceleration error of g d. Therefore the poles of the velocity error are the solutions of
 //
 //   s^3 + Lv s^2 + Lt s + Lb = 0
 //
@@ -27,9 +26,9 @@ static const uint32_t kFlowPeriod_ms = 10;
 static const float kRangePeriod_s = 0.025F;
 static const uint32_t kRangePeriod_ms = 25;
 static const uint32_t kBarometerPeriod_ms = 40;
-// Distance above which the barometer measures the height.
+// Above this distance, the barometer measures the height.
 static const float kLongestRange_m = 3.5F;
-// Difference between measured and estimated height above which the surface below has an edge.
+// If measured and estimated height differ by more than this, the surface below has an edge.
 static const float kEdge_m = 0.25F;
 // Slope of the standard atmosphere at the ground: 101325 Pa * 5.25588 * 0.0065 K/m / 288.15 K.
 static const float kPascalPerMetre = 12.013F;
@@ -64,7 +63,7 @@ static void correct_level(float forward_error, float left_error, float dt) {
   const float bias_gain = kTiltPole * kTiltPole * kTiltPole * dt / kGravity;
   forward_m_s += velocity_gain * forward_error;
   left_m_s += velocity_gain * left_error;
-  // With the nose down, the drone accelerates forward. With the right side down, it accelerates to the right.
+  // With the nose down, the drone accelerates forward; with the right side down, to the right.
   state.pitch += tilt_gain * forward_error;
   state.roll -= tilt_gain * left_error;
   bias_pitch += bias_gain * forward_error;
@@ -77,8 +76,7 @@ static void correct_height(float error, float dt) {
   bias_up += kHeightPole * kHeightPole * kHeightPole * dt * error;
 }
 
-// Uses a sample of the flow sensor. Flow is the motion of the picture of the ground: velocity / distance, minus the
-// rotation of the body, along both axes.
+// Uses a sample of the flow sensor. The flow along each axis is velocity / distance minus the body's rotation.
 static void use_flow(bool flying) {
   if (DECK_FLOW_SEEN != 0) {
     const float forward = range_m * ((float)(int32_t)DECK_FLOW_X * kRadPerCount + pitch_turn) / kFlowPeriod_s;
@@ -100,7 +98,7 @@ static void use_range(void) {
   float error = surface_m + height - state.position.z;
   if (fabsf(error) > kEdge_m) {
     surface_m -= error;
-    // A surface that differs from the ground by less than kEdge_m is the ground itself.
+    // A surface within kEdge_m of the ground is the ground.
     if (fabsf(surface_m) < kEdge_m) {
       surface_m = 0.0F;
     }
@@ -109,8 +107,8 @@ static void use_range(void) {
   correct_height(error, kRangePeriod_s);
 }
 
-// Uses a sample of the barometer. While the range sensor measures the height, the sample updates the stored pressure at
-// the ground.
+// Uses a sample of the barometer. While the range sensor measures the height, the sample updates the pressure at the
+// ground.
 static void use_barometer(void) {
   if ((BAROMETER_STATUS & 1U) == 0) {
     return;
@@ -128,8 +126,7 @@ static void use_barometer(void) {
   }
 }
 
-// Converts the rates of the body to rates of roll, pitch and yaw, and the forces to the heading frame. Then integrates
-// them over `dt`.
+// Converts body rates to rates of roll, pitch and yaw, and forces to the heading frame. Integrates them over `dt`.
 static void predict(float dt) {
   const float sin_roll = sinf(state.roll);
   const float cos_roll = cosf(state.roll);

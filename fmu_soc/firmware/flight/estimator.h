@@ -8,8 +8,7 @@
 #include "flight/controller.h"
 
 void estimator_init(void);
-// Advances the estimate by one sample of the IMU. `flying` must be false while the drone is on the ground with its
-// motors off.
+// Advances the estimate by one IMU sample. `flying` must be false while the drone is on the ground with its motors off.
 void estimator_update(const imu_sample_t* sample, bool flying);
 const flight_state_t* estimator_state(void);
 // Returns the last reading of the range sensor [m].

@@ -9,7 +9,7 @@ static const float kClimb_m_s = 0.5F;
 static const float kDescent_m_s = 0.3F;
 // Greatest distance of the desired position from the drone. If the drone cannot follow, the desired position stops.
 static const float kLeash_m = 0.5F;
-// Measured distance to the ground below which a landing drone switches its motors off.
+// Below this distance to the ground, a landing drone switches its motors off.
 static const float kTouchDown_m = 0.05F;
 
 static flight_goal_t goal;

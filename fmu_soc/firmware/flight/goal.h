@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the desired state from the set-points (mode, velocity along the heading, yaw rate, altitude), and decides
-// when the motors run.
+// Computes the desired state from the set-points, and decides when the motors run.
 #pragma once
 
 #include <stdbool.h>

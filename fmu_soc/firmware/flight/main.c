@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the flight controller. The loop runs once for each sample of the IMU, every millisecond.
+// Runs the flight controller. One loop takes a millisecond, the period of the IMU's samples.
 #include "board.h"
 #include "drivers/imu.h"
 #include "drivers/rotors.h"
@@ -10,8 +10,8 @@
 #include "runtime/console.h"
 #include "runtime/interrupt.h"
 
-// Time in which the command increases to its full size [loops]. Four motors that started at full command would pull the
-// supply down until the cell's protection opens.
+// Loops in which the command increases to its full size. If four motors started at full command, the supply voltage
+// would fall until the cell's protection opens.
 #define SOFT_START_LOOPS 200
 
 static void soften(float command[ROTORS], unsigned loops) {

@@ -2,13 +2,13 @@
 // Implements a cascade of PID controllers: position -> velocity -> tilt and thrust at 100 Hz; angle -> rate -> rotors
 // in each loop.
 //
-// The gains of angle and rate are those that Bitcraze publishes for the Crazyflie 2.x (platform_defaults_cf2.h, commit
-// 2a18fc29), in radians and shares of the full command. The gains of the velocity have a faster integral.
+// Gains of angle and rate: Bitcraze, Crazyflie 2.x (platform_defaults_cf2.h, commit 2a18fc29), in radians and fractions
+// of the full command. The gains of the velocity have a faster integral.
 #include <math.h>
 
 #include "flight/controller.h"
 
-#define POSITION_LOOPS 10  // number of loops from one position control to the next
+#define POSITION_LOOPS 10  // loops between two position controls
 
 typedef struct {
   float kp;
@@ -45,8 +45,8 @@ static float limited(float value, float most) {
   return value < -most ? -most : value > most ? most : value;
 }
 
-// Returns the output of a controller. The derivative is computed from `measured`, so that a step of the desired value
-// causes no peak.
+// Returns the output of a controller. The derivative uses `measured`, so that a step of the desired value causes no
+// peak.
 static float pid(const gains_t* gains, memory_t* memory, float error, float measured, float dt) {
   memory->integral = limited(memory->integral + error * dt, gains->most_integral);
   const float slope = (measured - memory->last) / dt;
@@ -72,15 +72,15 @@ static void control_position(const flight_goal_t* goal, const flight_state_t* st
   const float error_y = wanted_y - state->velocity.y;
   const float sin_yaw = sinf(state->yaw);
   const float cos_yaw = cosf(state->yaw);
-  // With the nose down, the drone accelerates forward. With the right side down, it accelerates to the right.
+  // With the nose down, the drone accelerates forward; with the right side down, to the right.
   wanted_pitch = limited(pid(&kVelocity, &forward, cos_yaw * error_x + sin_yaw * error_y, 0.0F, dt), kMostTilt);
   wanted_roll = limited(-pid(&kVelocity, &left, cos_yaw * error_y - sin_yaw * error_x, 0.0F, dt), kMostTilt);
   thrust = kHoverThrust + pid(&kClimb, &climb, wanted_z - state->velocity.z, 0.0F, dt);
   thrust = thrust < kLeastThrust ? kLeastThrust : thrust > 1.0F ? 1.0F : thrust;
 }
 
-// Computes the command of each rotor. If the command of a rotor exceeds the full command, the excess is subtracted from
-// all commands, so that the torques do not change.
+// Computes the rotors' commands. If a command exceeds the full command, the excess is subtracted from all commands, so
+// that the torques do not change.
 static void mix(float u_roll, float u_pitch, float u_yaw, float command[ROTORS]) {
   const float r = 0.5F * u_roll;
   const float p = 0.5F * u_pitch;

@@ -1,27 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-// Products of four patches with the weights of four output channels.
+// Computes products of four patches with the weights of four output channels.
 #pragma once
 
 #include <stddef.h>
 
 #include "kernels/requantise.h"
 
-// A block of four output positions and four channels. compute_bytes() in assembly uses the places of the fields.
+// A block of four output positions and four channels. The assembly of compute_bytes() depends on the offsets of the
+// fields.
 typedef struct {
   int32_t runs;   // ranges of contiguous bytes in a patch
-  int32_t words;  // of a run
+  int32_t words;  // words in a run
   int32_t step;   // bytes from the end of a run to the start of the next one
   int32_t low;
   int32_t high;
   int32_t to_next;  // bytes from one output position to the next
   const layer_group_t* group;
   uint8_t* to;       // first output position
-  int32_t sums[16];  // four channels of the first position, then of the second one ...
+  int32_t sums[16];  // four channels of the first position, then of the second position, and so on
 } block_t;
 
 #ifdef __riscv
 
-// The byte at which the biases of a group start, counted from the group's weights.
+// Offset of a group's biases from the group's weights [bytes].
 #define BIAS(scaling) \
   ((int)offsetof(layer_group_t, bias) - (int)sizeof(layer_group_t) - ((scaling) == SCALING_EXACT ? 16 : 0))
 
@@ -32,7 +33,7 @@ typedef struct {
 #define FIELD(name) "%[" #name "](%[block])\n\t"
 
 // Computes the sums of a block in s0 to s11 and a4 to a7. Eight loads provide the operands of sixteen dot products. The
-// weights are word by word, each for four channels.
+// weights are interleaved: one word for each of four channels.
 #define COMPUTE_SUMS \
   "lw s0, %[bias](%[w])\n\tlw s1, %[bias]+4(%[w])\n\tlw s2, %[bias]+8(%[w])\n\tlw s3, %[bias]+12(%[w])\n\t"            \
   "lw t4, " FIELD(runs)                                                                                                \
@@ -56,13 +57,14 @@ typedef struct {
   KEEP("s0", "s1", "s2", "s3", "0") \
   KEEP("s4", "s5", "s6", "s7", "16") KEEP("s8", "s9", "s10", "s11", "32") KEEP("a4", "a5", "a6", "a7", "48")
 
-// The greatest sum of four positions. All multipliers are positive, so it gives the greatest byte.
+// Maximum of the sums of four positions. All multipliers are positive, so that the greatest sum gives the greatest
+// byte.
 #define LARGEST(a, b, c, d) XPULP_MAX(a, a, b) XPULP_MAX(c, c, d) XPULP_MAX(a, a, c)
 #define KEEP_LARGEST              \
   LARGEST("s0", "s4", "s8", "a4") \
   LARGEST("s1", "s5", "s9", "a5") LARGEST("s2", "s6", "s10", "a6") LARGEST("s3", "s7", "s11", "a7")
 
-// Multiply a sum by t0 (multiplier). EXACT adds the addend's lower word; p0 and p1 have no other use by then.
+// Multiply a sum by the multiplier in t0. EXACT adds the lower word of the addend. p0 and p1 are free at that time.
 #define NARROW(a) "mul " a ", " a ", t0\n\t"
 #define WIDE(a) "mulh " a ", " a ", t0\n\t"
 #define EXACT(a)                                                                               \
@@ -70,7 +72,7 @@ typedef struct {
   ", %[p1]\n\t"                                                                                \
   "add " a ", " a ", %[p0]\n\t"
 
-// Converts a sum of a channel to a byte: addend in t1, shift in t2, bounds in t3 and t4, group in t5.
+// Converts a channel's sum to a byte. Registers: addend t1, shift t2, bounds t3 and t4, group t5.
 #define CONVERT(product, a) product(a) XPULP_ADDNR(a, "t1", "t2") XPULP_MAX(a, a, "t3") XPULP_MIN(a, a, "t4")
 #define LOWER_OF_NARROW(channel) ""
 #define LOWER_OF_WIDE(channel) ""
@@ -109,7 +111,6 @@ typedef struct {
       : "s0", "s1", "s2", "s3", "s4", "s5", "s6", "s7", "s8", "s9", "s10", "s11", "t0", "t1", "t2", "t3", "t4", "t5",  \
         "a4", "a5", "a6", "a7", "memory")
 
-// Computes the sums of a block.
 static inline __attribute__((always_inline)) void compute_sums(block_t* block, const uint8_t* const patches[4],
                                                                int scaling) {
   const uint8_t *p0 = patches[0], *p1 = patches[1], *p2 = patches[2], *p3 = patches[3];
@@ -117,7 +118,8 @@ static inline __attribute__((always_inline)) void compute_sums(block_t* block, c
   RUN(KEEP_SUMS);
 }
 
-// Computes and stores the bytes of a whole block. Pooled: of the greatest sums.
+// Computes and stores the bytes of a whole block. If `is_pooled` is set, stores for each channel only the byte of the
+// greatest sum.
 static inline __attribute__((always_inline)) void compute_bytes(block_t* block, const uint8_t* const patches[4],
                                                                 int is_pooled, int scaling) {
   const uint8_t *p0 = patches[0], *p1 = patches[1], *p2 = patches[2], *p3 = patches[3];
@@ -137,7 +139,6 @@ static inline __attribute__((always_inline)) void compute_bytes(block_t* block, 
   }
 }
 
-// Computes the sums of the first position only.
 static inline __attribute__((always_inline)) void compute_first_sums(block_t* block, const uint8_t* patch,
                                                                      int scaling) {
   const int8_t* weights = weights_of(block->group, scaling);

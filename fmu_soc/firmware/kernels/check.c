@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs a deployed network. `mebots deploy` writes the picture and the request into this program. The program prints a
-// hash of each layer's output and the results, or only computes the first layers, so that they can be measured.
+// Runs a deployed network. `mebots deploy` writes the picture and the request into this program. The program prints the
+// results and a hash of each layer's output. For a measurement, it only computes the first layers.
 #include <stdint.h>
 
 #include "network.h"
@@ -15,10 +15,10 @@
 #endif
 
 typedef struct {
-  char mark[16];  // marks the position of the request in the file
+  char mark[16];  // marks the place of the request in the file
   int32_t cores;
   int32_t clock_hz;               // clock of the cluster
-  int32_t layers;                 // >= 0: only computes this number of layers; -1: checks all layers
+  int32_t layers;                 // >= 0: computes this number of layers; -1: checks all layers
   int32_t bytes[NETWORK_LAYERS];  // bytes of each layer's output
   uint8_t picture[NETWORK_PICTURE_BYTES];
 } request_t;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Convolutions with any kernel, stride, dilation and groups. They compute two output positions and four channels at a
-// time. convolve_blocks.c is faster, but has no groups.
+// Computes convolutions with any kernel, stride, dilation and groups: two output positions and four channels at a time.
+// convolve_blocks.c is faster, but supports no groups.
 #include "kernels/products.h"
 #include "kernels/requantise.h"
 #include "kernels/work.h"

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Convolutions without groups, and dense layers, which are convolutions with one output position. A unit of work is
-// four output positions and four channels. Each core computes consecutive units.
+// Computes convolutions without groups, and dense layers, which are convolutions with one output position. A unit of
+// work is four output positions and four channels. Each core computes consecutive units.
 #include "kernels/block.h"
 #include "kernels/work.h"
 
-// Copies `count` ranges of bytes to contiguous bytes. A copied word may exceed a range; the next range then overwrites
-// the extra bytes.
+// Copies `count` ranges of bytes to contiguous bytes. The last copied word may exceed a range; the next range
+// overwrites the extra bytes.
 static inline __attribute__((always_inline)) void copy_ranges(uint8_t* to, const uint8_t* from, int32_t count,
                                                               int32_t bytes, int32_t step) {
   for (; count > 0; --count, from += step, to += bytes) {
@@ -30,7 +30,7 @@ static inline __attribute__((always_inline)) void copy_ranges(uint8_t* to, const
 #define LOAD_TWO_WORDS(lower, upper, from) "lw " upper ", 4(" from ")\n\t" XPULP_LW_POST_REG(lower, "%[step]", from)
 #define STORE_TWO_WORDS(lower, upper, to) "sw " upper ", 4(" to ")\n\t" XPULP_SW_POST_REG(lower, "%[bytes]", to)
 
-// Copies the rows of four patches. A row has at most 8 bytes. Copies are `size` bytes apart.
+// Copies the rows of four patches. Rows have at most 8 bytes. Patches are copied to addresses `size` bytes apart.
 static inline __attribute__((always_inline)) void gather_short_rows(const layer_t* layer,
                                                                     const uint8_t* const patches[4], uint8_t* to) {
   const int32_t size = layer->gathered_bytes;
@@ -50,7 +50,7 @@ static inline __attribute__((always_inline)) void gather_short_rows(const layer_
 
 #endif
 
-// Copies four patches to contiguous bytes, `gathered_bytes` apart.
+// Copies four patches to addresses `gathered_bytes` apart.
 static inline __attribute__((always_inline)) void gather(const layer_t* layer, const uint8_t* const patches[4],
                                                          uint8_t* to) {
   const int32_t rows = layer->gather_rows, runs = layer->gather_runs, bytes = layer->gather_bytes;
@@ -91,7 +91,7 @@ static void fill_outside(const layer_t* layer, int32_t x, int32_t columns, int i
   }
 }
 
-// Columns of first positions from which four positions are inside the input, and in one row.
+// Columns at which a block of four positions may start, so that all patches are inside the input and in one row.
 typedef struct {
   int32_t first, last;
 } columns_t;
@@ -105,16 +105,16 @@ static columns_t columns_inside(const layer_t* layer, int32_t columns, int is_po
   return inside;
 }
 
-// The next output positions of a core. Pooled: the next pooled position.
+// Next output positions of a core, or next pooled position.
 typedef struct {
   int32_t x;
   int32_t columns;
   const uint8_t* row;  // patch of the first position of the row
-  int32_t to_next;     // bytes from patch to patch
+  int32_t to_next;     // bytes from patch to patch in a row
   int32_t to_lower;
 } places_t;
 
-// Sets the patches of the next four positions. After the last position, its patch is repeated.
+// Sets the patches of the next four positions. After the last position, repeats its patch.
 static void next_four(places_t* at, int32_t left, const uint8_t* patches[4]) {
   const uint8_t* patch = at->row + at->x * at->to_next;
   for (int i = 0; i < 4; ++i, --left) {
@@ -131,7 +131,7 @@ static void next_four(places_t* at, int32_t left, const uint8_t* patches[4]) {
   }
 }
 
-// Sets the patches of the 2 x 2 positions of the next pooled position.
+// Sets the patches of the four positions that are pooled next.
 static inline __attribute__((always_inline)) void next_pooled(places_t* at, const uint8_t* patches[4]) {
   const uint8_t* patch = at->row + 2 * at->x * at->to_next;
   patches[0] = patch;
@@ -144,8 +144,8 @@ static inline __attribute__((always_inline)) void next_pooled(places_t* at, cons
   }
 }
 
-// All multipliers are positive, so the greatest sum gives the greatest byte. Therefore only one of four sums is
-// requantised.
+// Reduces four sums to the greatest, so that only one sum must be requantised. All multipliers are positive, so that
+// the greatest sum gives the greatest byte.
 static inline __attribute__((always_inline)) void keep_largest(int32_t sums[16]) {
 #pragma GCC unroll 4
   for (int i = 0; i < 4; ++i) {
@@ -153,7 +153,7 @@ static inline __attribute__((always_inline)) void keep_largest(int32_t sums[16])
   }
 }
 
-// Computes a unit of `count` positions, which are stored at block->to.
+// Computes a unit of `count` positions, and stores the bytes at block->to.
 static inline __attribute__((always_inline)) void compute(const layer_t* layer, block_t* block,
                                                           const uint8_t* const patches[4], int32_t count, int is_pooled,
                                                           int scaling) {
@@ -192,7 +192,7 @@ static inline __attribute__((always_inline)) void convolve(const layer_step_t* s
   uint8_t* to = (layer->then != 0 ? step->unpooled : step->out) + place * channels;
   const int32_t y = place / columns;
   const int32_t to_lower = layer->stride_rows * step->in_pitch;
-  // Columns outside the input that the tile does not have are before its rows.
+  // Columns outside the input that are not in L1 are before the rows of the tile.
   const uint8_t* in = step->in - layer->outside_left * step->in_channels;
   places_t at = {place - y * columns, columns, in + y * (is_pooled ? 2 : 1) * to_lower,
                  layer->stride_columns * step->in_channels, to_lower};

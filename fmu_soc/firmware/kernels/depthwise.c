@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes depthwise convolutions, four channels at a time. The kernel's positions are processed in groups of four. One
-// word is loaded for each position. The four words are transposed, so that each word contains the four values of one
-// channel.
+// Computes depthwise convolutions, four channels and four kernel positions at a time. A word is loaded for each
+// position. The four words are transposed, so that each word contains the four values of one channel.
 #include "kernels/requantise.h"
 #include "kernels/work.h"
 
-// The transpose of four words: for each channel, its values at four positions.
+// Transpose of four words: for each channel, the values at four positions.
 typedef struct {
   uint32_t channel[4];
 } turned_t;
@@ -60,7 +59,7 @@ static int32_t add_products(int32_t sum, uint32_t values, const int8_t* weights)
 
 #endif
 
-// Adds the products of the values at four positions and their weights to the sum of each channel.
+// Adds the products of values and weights at four positions to the sum of each channel.
 static inline __attribute__((always_inline)) void add_four(int32_t sums[4], const uint8_t* patch,
                                                            const int32_t* offsets, const int8_t* weights) {
   const turned_t values = turn(word_at(patch + offsets[0]), word_at(patch + offsets[1]), word_at(patch + offsets[2]),
@@ -71,8 +70,8 @@ static inline __attribute__((always_inline)) void add_four(int32_t sums[4], cons
   }
 }
 
-// Computes the offsets of the kernel's positions in a patch. The last offset is repeated to complete a group; its
-// additional weights are zeros.
+// Computes the offsets of the kernel's positions in a patch. The last offset is repeated until the last group is full,
+// with weights of zero.
 static void fill_offsets(const layer_step_t* step, int32_t* offsets) {
   const layer_t* layer = step->layer;
   int32_t count = 0;

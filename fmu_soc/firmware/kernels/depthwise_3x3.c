@@ -2,24 +2,23 @@
 // Computes depthwise convolutions with a kernel of 3 x 3. A unit of work is four channels of one or two rows of output
 // positions.
 //
-// First, the core copies the unit's input rows to its buffer: a column is one word per channel, which contains the
-// values of up to four rows. Then it computes the output of each channel with three words of its buffer. The weights
-// and the numbers of the requantisation stay in registers. With a stride of one row, four input rows give two output
-// rows: the lower row uses the same words, and weights that are shifted by one byte.
+// First, the core copies the unit's input rows to its buffer. There, a column has one word per channel, with the values
+// of up to four rows. Then the core computes each channel's outputs, with three words for each output. Weights and
+// numbers of the requantisation stay in registers. With a stride of one row, four input rows give two output rows: the
+// lower row uses the same words with weights shifted by one byte.
 #include "kernels/requantise.h"
 #include "kernels/work.h"
 
 #define ROWS 4
 #define WORDS_PER_COLUMN 4  // one for each channel
 
-// The input rows that a unit of work reads. The step of a row outside the input is 0, and its pointer points to a
-// constant word.
+// Input rows of a unit of work. A row outside the input has step 0 and points to a constant word.
 typedef struct {
   const uint8_t* at[ROWS];
   int32_t step[ROWS];
 } rows_t;
 
-// A channel's outputs: `count` positions of one row, or of two rows. One row: `lower` is null.
+// Outputs of a channel: `count` positions of two rows, or of one row if `lower` is null.
 typedef struct {
   uint8_t* upper;
   uint8_t* lower;
@@ -29,7 +28,7 @@ typedef struct {
 
 #ifdef __riscv
 
-// Copies columns. The words of four rows (a to d) become the words of four channels.
+// Copies columns: transposes the words of four rows (a to d) to the words of four channels.
 static inline __attribute__((always_inline)) void turn_columns(const rows_t* rows, int32_t count, uint32_t* to) {
   const uint8_t *a = rows->at[0], *b = rows->at[1], *c = rows->at[2], *d = rows->at[3];
   // Selectors: 0 to 3 are the bytes of the first word, and 4 to 7 are those of the second word.
@@ -50,7 +49,7 @@ static inline __attribute__((always_inline)) void turn_columns(const rows_t* row
       : "t0", "t1", "t2", "t3", "t4", "t5", "memory");
 }
 
-// Three columns of a channel, in t0, t1 and t2.
+// Loads three columns of a channel into t0, t1 and t2.
 #define COLUMNS         \
   "lw t1, 16(%[p])\n\t" \
   "lw t2, 32(%[p])\n\t" XPULP_LW_POST_REG("t0", "%[step]", "%[p]")
@@ -59,7 +58,7 @@ static inline __attribute__((always_inline)) void turn_columns(const rows_t* row
   XPULP_ADDNR("t3", "%[addend]", "%[shift]") \
   XPULP_MAX("t3", "t3", "%[low]") XPULP_MIN("t3", "t3", "%[high]") XPULP_SB_POST_REG("t3", "%[to_next]", "%[" to "]")
 #define SUM(k) "mv t3, %[bias]\n\t" XPULP_SDOTUSP_B("t3", "t1", "%[" k "1]") PRODUCTS(k)
-// The addend includes the product of bias and multiplier. 8 instructions.
+// 8 instructions. The addend includes the product of bias and multiplier.
 #define NARROW(k, to) \
   XPULP_DOTUSP_B("t3", "t1", "%[" k "1]") PRODUCTS(k) "mul t3, t3, %[multiplier]\n\t" LIMIT_AND_STORE(to)
 #define WIDE(k, to) SUM(k) "mulh t3, t3, %[multiplier]\n\t" LIMIT_AND_STORE(to)  // 9 instructions
@@ -71,7 +70,7 @@ static inline __attribute__((always_inline)) void turn_columns(const rows_t* row
   "sltu t3, t3, %[more]\n\t"       \
   "add t3, t3, t4\n\t" LIMIT_AND_STORE(to)  // 13 instructions
 
-// The lower position is stored first, because in the last row of an odd number of rows, it is the upper position.
+// The lower position is stored first. For the last of an odd number of rows, the upper position then overwrites it.
 #define FILTER(length, outputs)                                                                                    \
   __asm__ volatile(                                                                                                \
       XPULP_LOOP("x0", "%[n]", length) COLUMNS outputs XPULP_LOOP_END                                              \
@@ -82,7 +81,6 @@ static inline __attribute__((always_inline)) void turn_columns(const rows_t* row
         [more] "r"(lower_addend(group, i, scaling)), [low] "r"(low), [high] "r"(high)                              \
       : "t0", "t1", "t2", "t3", "t4", "memory")
 
-// Computes the outputs of channel `i` of a group.
 static inline __attribute__((always_inline)) void filter(const layer_t* layer, const layer_group_t* group, int i,
                                                          const uint32_t* columns, const places_t* places, int scaling) {
   const uint32_t* k = (const uint32_t*)(const void*)weights_of(group, scaling) + i;
@@ -144,7 +142,8 @@ static void filter(const layer_t* layer, const layer_group_t* group, int i, cons
 
 #endif
 
-// Returns the input rows of the output row `y` and the next one. Rows that no output needs repeat the row before.
+// Returns the `count` input rows that the output row `y`, or the two rows from `y` on, need. Other rows repeat the last
+// needed row.
 static rows_t rows_of(const layer_step_t* step, const layer_group_t* group, int32_t y, int32_t count,
                       const uint32_t* outside) {
   const layer_t* layer = step->layer;
@@ -170,7 +169,7 @@ static inline __attribute__((always_inline)) void convolve(const layer_step_t* s
   const int is_pair = layer->stride_rows == 1 && layer->step_y == 1;
   const int32_t units = is_pair ? (step->rows + 1) / 2 : step->rows;
   const int32_t pitch = layer->out_columns * step->channels;
-  // The buffer: a constant word, and the columns. The columns outside the input never change.
+  // The buffer contains a constant word and the columns. Columns outside the input are filled only once.
   uint32_t* outside = (uint32_t*)(void*)step->gathered;
   uint32_t* columns = outside + 1;
   uint32_t* inside = columns + layer->outside_left * WORDS_PER_COLUMN;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Implements operators that access the network's memory without tiles.
+// Implements operators that access the network's memory directly, without tiles in L1.
 #include "kernels/machine.h"
 #include "kernels/work.h"
 

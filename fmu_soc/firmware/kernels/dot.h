@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines parts of kernels that several networks share: dot products for two output positions and four channels, and
-// the conversion of sums to bytes.
+// Parts of kernels that several networks share: dot products for two output positions and four channels, and the
+// conversion of sums to bytes.
 #pragma once
 
 #include "runtime/xpulp.h"
 
-// Adds dot products to the sums of two output positions (a0 to a3, b0 to b3). Loads `words` words from the patch of
-// each position (p0, p1) and from the weights of each channel (w0 to w3). Six loads provide the operands of eight dot
-// products.
+// Adds dot products to the sums of two output positions (a0 to a3, b0 to b3). Loads `words` words from each patch (p0,
+// p1) and from the weights of each channel (w0 to w3). Six loads provide the operands of eight dot products.
 #define ROW_OF_PATCH                                                                                             \
   __asm__ volatile(                                                                                              \
       XPULP_LOOP("x0", "%[n]", "14") XPULP_LW_POST("t0", "4", "%[w0]") XPULP_LW_POST("t1", "4", "%[w1]")         \
@@ -21,7 +20,7 @@
       : [n] "r"(words)                                                                                           \
       : "t0", "t1", "t2", "t3", "t4", "t5", "memory")
 
-// Adds dot products as ROW_OF_PATCH does, but only for the first output position (p0).
+// Like ROW_OF_PATCH, but only for the first output position (p0).
 #define ROW_OF_ONE_PATCH                                                                                             \
   __asm__ volatile(XPULP_LOOP("x0", "%[n]", "9") XPULP_LW_POST("t4", "4", "%[p0]") XPULP_LW_POST("t0", "4", "%[w0]") \
                        XPULP_LW_POST("t1", "4", "%[w1]") XPULP_LW_POST("t2", "4", "%[w2]")                           \

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Implements operators that compute each output byte from the input bytes at the same position. Each core computes a
+// Implements operators that compute an output byte from the input bytes at the same position. Each core computes a
 // contiguous part of the tile.
 #include "kernels/requantise.h"
 #include "kernels/work.h"

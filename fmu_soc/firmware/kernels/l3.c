@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Accesses weights in HyperRAM. GAP8's uDMA copies the weights to L2 while the cores compute. On another machine,
-// copies are immediate.
+// Copies weights from HyperRAM to L2 by GAP8's uDMA while the cores compute. On other machines, copies are immediate.
 #include "kernels/l3.h"
 
 #ifdef __riscv
@@ -8,7 +7,7 @@
 #include "runtime/registers.h"
 
 #define FLASH_BASE 0x1000000u  // reset value of MEM_CFG4
-#define MOST_BYTES 0x10000u    // bytes of one transfer; its size has 17 bits
+#define MOST_BYTES 0x10000u    // maximum bytes of a transfer, whose size has 17 bits
 
 static void transfer(uint32_t channel, void* memory, uint32_t outside, uint32_t bytes) {
   store(UDMA_BASE + UDMA_HYPER_OUTSIDE_OFFSET, outside);

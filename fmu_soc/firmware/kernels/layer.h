@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The layers of a network written by `mebots deploy`, and their arithmetic.
+// Layers of a network that `mebots deploy` has written, and their arithmetic.
 //
-// All tensors are unsigned bytes, row by row, column by column, channels together. A tensor has a scale and a zero
-// point: its real values are (byte - zero) x scale. Sums are 32 bits. A sum becomes a byte by
+// A tensor consists of unsigned bytes, row by row, column by column, with all channels of a position together. Its real
+// values are (byte - zero point) x scale. Sums have 32 bits. A sum becomes a byte by
 //
 //   clip((sum x multiplier + addend) >> shift, low, high)
 //
-// where the addend contains the zero point of the output and half of 1 << shift. `scaling` selects the width of the
-// product. master/python/mebots/deploy/layers.py computes the same with NumPy.
+// The addend contains the output's zero point and half of 1 << shift. `scaling` selects the width of the product.
+// master/python/mebots/deploy/layers.py has the same arithmetic in NumPy.
 #pragma once
 
 #include <stdint.h>
@@ -17,30 +17,29 @@ extern "C" {
 #endif
 
 enum {
-  SCALING_NARROW,  // everything fits into 32 bits
-  SCALING_WIDE,    // 64 bits; the addend's lower word is 0. Stored are addend >> 32 and shift - 32
-  SCALING_EXACT,   // the same with a lower word, which follows the group
-  SCALING_NONE     // the output has the sums, in four bytes each
+  SCALING_NARROW,  // all values fit in 32 bits
+  SCALING_WIDE,    // 64 bits; stored are the addend >> 32, whose lower word is 0, and shift - 32
+  SCALING_EXACT,   // as SCALING_WIDE, but the lower word of the addend follows the group
+  SCALING_NONE     // the output consists of the sums, four bytes each
 };
 
 enum {
-  LAYER_TILED,   // by steps that fit L1, with a kernel
-  LAYER_MOVE,    // copies bytes between places with any strides
-  LAYER_SOFTMAX  // over the channels of each place
+  LAYER_TILED,   // computed by a kernel in steps that fit in L1
+  LAYER_MOVE,    // copies bytes, with any strides
+  LAYER_SOFTMAX  // over the channels of each position
 };
 
-// Value that means the input picture. It is used instead of an offset in the network's memory.
+// Offset that selects the input picture instead of an address in the network's memory.
 #define LAYER_PICTURE UINT32_C(0xffffffff)
 
 #define LAYER_MOVE_DIMENSIONS 6
 
-// The number of a core, and the number of cores that share the work.
 typedef struct {
   int32_t core;
   int32_t cores;
 } layer_share_t;
 
-// A step of a layer, which a kernel computes (work.h). A program only contains the kernels that its network names.
+// A step of a layer, which a kernel computes (work.h). A program contains only the kernels of its network.
 typedef struct layer_step layer_step_t;
 typedef void layer_kernel_t(const layer_step_t* step, layer_share_t share);
 
@@ -58,72 +57,71 @@ layer_kernel_t layer_add;       // clip((a x factors[0] + b x factors[1] + adden
 layer_kernel_t layer_multiply;  // (a - zeros[0]) x (b - zeros[1]), requantised
 layer_kernel_t layer_table;     // table[a]
 
-// A block of output channels, and the weights of this block.
+// A block of output channels with its weights.
 typedef struct {
   uint32_t data;   // offset in the weights
-  uint32_t bytes;  // of the data; 0: none
-  int32_t first;   // first channel
+  uint32_t bytes;  // size of the data; 0 = no data
+  int32_t first;
   int32_t channels;
-  int32_t groups;  // of a convolution
+  int32_t groups;  // groups of channels in a convolution
 } layer_block_t;
 
-// The work of a layer is divided into steps. A step computes a block of channels of a tile of rows. Buffers in L1 are
-// given as offsets. There are two buffers of each kind, because the DMA fills one buffer while the cores work on the
-// other buffer.
+// A layer is computed in steps: a step is a block of channels of a tile of rows. Buffers in L1 are given by offsets.
+// Each buffer exists twice, because the DMA fills one while the cores work on the other.
 typedef struct {
   layer_kernel_t* kernel;
-  layer_kernel_t* then;  // null, or the pool of a convolution's output in l1_unpooled
+  layer_kernel_t* then;  // kernel that pools the convolution's output in l1_unpooled; null = no pool
   uint8_t kind;
   uint8_t operands;  // 1 or 2 inputs
   uint8_t low;
   uint8_t high;
-  uint8_t outside;  // value of places outside the input
+  uint8_t outside;  // value of positions outside the input
   uint8_t scaling;
   uint8_t element;     // bytes of an output value: 1, or 4 for sums
-  uint8_t by_tile;     // 1: all blocks of a tile, then the next tile; 0: all tiles of a block first
-  uint8_t sliced;      // 1: a block only needs the input of its own channels
-  uint8_t pool;        // a convolution's output is pooled: maximum of pool x pool
-  uint8_t outer_rows;  // 1: the input in L1 has rows outside the input. 0: the kernel provides their values
+  uint8_t by_tile;     // order of steps: 1 = all blocks of a tile, 0 = all tiles of a block
+  uint8_t sliced;      // 1: a block needs only the input of its own channels
+  uint8_t pool;        // maximum of pool x pool positions of a convolution's output
+  uint8_t outer_rows;  // 1: the input in L1 has rows outside the input; 0: the kernel provides them
   int32_t in_rows, in_columns, in_channels;
   int32_t out_rows, out_columns, out_channels;  // after pooling
-  int32_t kernel_rows, kernel_columns;          // with dilation
+  int32_t kernel_rows, kernel_columns;          // including dilation
   int32_t stride_rows, stride_columns;
-  int32_t pad_top, pad_left, pad_right;  // left and right: columns in L1
+  int32_t pad_top, pad_left, pad_right;  // pad_left and pad_right: columns in L1
   int32_t outside_left, outside_right;   // columns that the kernel provides
-  int32_t tile_rows, tiles;              // of the output
+  int32_t tile_rows, tiles;              // tiles of the output
   int32_t block_count;
   uint32_t in, other, out;  // offsets in the network's memory
   uint32_t blocks;          // offset of layer_block_t in the weights
   uint32_t l1_in[2], l1_other[2], l1_data[2], l1_out[2], l1_unpooled;
-  // Convolution: a run is a range of contiguous bytes in a patch; `run_words` is its length in words. The last word may
-  // exceed the run; the weights of the additional bytes are zero. Steps are bytes from the end of a run to the start of
-  // the next one. Depthwise: runs are positions of the kernel; `run_words` is the number of positions divided by four.
+  // Convolution: a run is a range of contiguous bytes in a patch. `run_words` is its length in words. If the last word
+  // exceeds the run, the weights of the extra bytes are zero. Steps are bytes from the end of a run to the start of the
+  // next run. Depthwise: runs are positions of the kernel, and `run_words` is the number of positions divided by four.
   // Steps are in rows and columns of the input.
   int32_t runs_y, runs_x, run_words;
   int32_t step_x, step_y;
   int32_t group_bytes;
   // Convolution in blocks: if gather_runs > 0, a core first copies the patches of four output positions to its part of
-  // l1_gathered. A patch has gather_rows rows. A row has gather_runs runs of gather_bytes bytes. gather_step is the
-  // distance in bytes from one run to the next, gather_row_step the distance from one row to the next.
+  // l1_gathered. A patch has gather_rows rows of gather_runs runs of gather_bytes bytes. gather_step is the distance
+  // between runs, gather_row_step between rows [bytes].
   int32_t gather_rows, gather_runs, gather_bytes;
   int32_t gather_step, gather_row_step;
-  int32_t gathered_bytes;   // of a patch, whole words
-  int32_t gathered_stride;  // from core to core; copies may exceed a patch
+  int32_t gathered_bytes;   // bytes of a copied patch, a whole number of words
+  int32_t gathered_stride;  // bytes from core to core; copies may exceed a patch
   uint32_t l1_gathered;
-  // Add, multiply
+  // Add and multiply.
   int32_t factors[2];
   int32_t zeros[2];
   int32_t addend;
   int32_t shift;
-  // For LAYER_MOVE, the data of each block are a layer_move_t. For softmax and for tables, the data are the table.
+  // LAYER_MOVE: the data of each block are a layer_move_t. Softmax and tables: the data are the table.
 } layer_t;
 
-// Four output channels of a convolution. If scaling is SCALING_EXACT, the lower words of the addends follow this
-// struct. Then the weights follow: runs_y x runs_x x run_words words for each channel. In blocks, the first words of
-// all channels are together, then the second words ...
+// Four output channels of a convolution. After this struct follow the lower words of the addends (SCALING_EXACT only),
+// and the weights: runs_y x runs_x x run_words words for each channel. For blocks, the words of the channels are
+// interleaved.
 typedef struct {
-  uint16_t in;   // offset of their input channels in a place
-  uint16_t out;  // offset of the first one in a place of the block's output
+  uint16_t in;   // offset of the input channels in a position
+  uint16_t out;  // offset of the first channel in a position of the block's output
   uint8_t shift[4];
   int32_t count;
   int32_t bias[4];
@@ -131,8 +129,7 @@ typedef struct {
   int32_t addend[4];
 } layer_group_t;
 
-// One entry of the table of a mean pool. The table has one entry for each possible number of a window's positions
-// inside the input, starting with 1.
+// Entry of the table of a mean pool. Entry n - 1 belongs to windows with n positions inside the input.
 typedef struct {
   int32_t multiplier;
   int32_t addend;
@@ -141,9 +138,9 @@ typedef struct {
 
 typedef struct {
   uint32_t source;  // offset of the input in the network's memory
-  int32_t fill;     // -1, or the byte with which the whole output is filled first
+  int32_t fill;     // byte with which the whole output is filled first; -1 = no fill
   int32_t fill_bytes;
-  int32_t table;  // 1: a table of 256 bytes follows, and changes each byte
+  int32_t table;  // 1: a table of 256 bytes follows, which maps each byte
   int32_t in;     // offset of the first byte in the input
   int32_t out;
   int32_t count[LAYER_MOVE_DIMENSIONS];
@@ -151,32 +148,32 @@ typedef struct {
   int32_t out_step[LAYER_MOVE_DIMENSIONS];
 } layer_move_t;
 
-// The weights of a layer in L3, given by their address.
+// Address and size of a layer's weights in L3.
 typedef struct {
   uint32_t from;
   uint32_t bytes;
 } layer_segment_t;
 
-// Reads weights from L3. One fetch runs at a time. Only core 0 calls these functions.
+// Functions that read weights from L3, one fetch at a time. Only core 0 calls them.
 typedef struct {
-  void (*fetch)(uint8_t* to, uint32_t from, uint32_t bytes);  // starts a fetch
-  void (*advance)(void);                                      // continues it, if it has several transfers
-  void (*wait)(void);                                         // returns after its end
+  void (*fetch)(uint8_t* to, uint32_t from, uint32_t bytes);
+  void (*advance)(void);  // continues a fetch of several transfers
+  void (*wait)(void);     // returns after the end of the fetch
 } layer_l3_t;
 
 typedef struct {
   const layer_t* layers;
   int32_t layer_count;
-  const uint8_t* weights;  // in L2; null if they are in L3
+  const uint8_t* weights;  // weights in L2; null = weights in L3
   uint8_t* memory;
   uint8_t* l1;
   const layer_l3_t* l3;             // null if the weights are in L2
-  const layer_segment_t* segments;  // of each layer
-  uint8_t* fetched[2];              // buffers in L2 for the weights of layers with even and odd numbers
+  const layer_segment_t* segments;  // one for each layer
+  uint8_t* fetched[2];              // buffers in L2: weights of layers with even and odd numbers
 } layer_network_t;
 
 // Computes `count` layers from `first` on. Every core of the cluster must call this function with its own number. On
-// another machine, one call computes everything. L1 starts with a copy of the present layer (LAYER_L1_RESERVED bytes).
+// other machines, one call is sufficient. L1 starts with a copy of the present layer (LAYER_L1_RESERVED bytes).
 void layers_run(const layer_network_t* network, const uint8_t* picture, int32_t first, int32_t count,
                 layer_share_t share);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Declares what the layers need of the machine: barrier and DMA of the cluster. On another machine, copies are
-// immediate, and one core computes everything.
+// Declares the barrier and the DMA of the cluster. On other machines, one core computes all layers, and copies are
+// immediate.
 #pragma once
 
 #include <stdint.h>

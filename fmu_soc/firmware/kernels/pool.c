@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Maximum and mean over the positions of a window, for each channel.
+// Computes the maximum and the mean of the positions in a window, for each channel.
 #include "kernels/requantise.h"
 #include "kernels/work.h"
 
 typedef struct {
   const uint8_t* in;
-  int32_t rows, columns;  // of the window
+  int32_t rows, columns;  // size of the window
   int32_t channels, pitch;
   int32_t first, end;  // channels to compute
 } window_t;
@@ -23,7 +23,7 @@ static uint8_t largest(const window_t* w, int32_t channel) {
 
 #ifdef __riscv
 
-// Computes four channels at a time. Returns the first channel that it has not computed.
+// Computes four channels at a time. Returns the first channel that was not computed.
 static inline __attribute__((always_inline)) int32_t largest_of_fours(const window_t* w, uint8_t* to) {
   const int32_t channels = w->channels, pitch = w->pitch, rows = w->rows, columns = w->columns;
   int32_t channel = w->first;
@@ -65,7 +65,7 @@ static int32_t largest_of_fours(const window_t* w, uint8_t* to) {
 void layer_max_pool(const layer_step_t* step, layer_share_t share) {
   const layer_t* layer = step->layer;
   const int32_t columns = layer->out_columns;
-  // A pool that is fused with a convolution has no pads, and its windows do not overlap.
+  // A pool that is fused with a convolution has no padding, and its windows do not overlap.
   const int is_fused = layer->then != 0;
   const int32_t stride = is_fused ? layer->pool : layer->stride_columns;
   const int32_t row_stride = is_fused ? layer->pool : layer->stride_rows;
@@ -127,7 +127,7 @@ void layer_average_pool(const layer_step_t* step, layer_share_t share) {
       }
     }
     const layer_mean_t* mean = means;
-    if (layer->zeros[0]) {  // the mean only of the places inside the input
+    if (layer->zeros[0]) {  // the mean excludes positions outside the input
       const int32_t row = (step->first_row + y) * layer->stride_rows - layer->pad_top;
       const int32_t column = x * layer->stride_columns - layer->pad_left;
       mean +=

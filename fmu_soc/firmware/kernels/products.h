@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Products of patches with the weights of four output channels.
+// Computes products of patches with the weights of four output channels.
 #pragma once
 
 #include "kernels/requantise.h"
 
 #ifdef __riscv
 
-// Adds the products of a patch, for one or two output positions and four channels.
+// Adds the products of one or two patches and four channels to the sums.
 static inline __attribute__((always_inline)) void add_products(const layer_t* layer, const layer_group_t* group,
                                                                const uint8_t* p0, int32_t to_next, int32_t sums[8],
                                                                int is_pair, int scaling) {

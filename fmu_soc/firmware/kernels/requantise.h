@@ -8,7 +8,6 @@
 #include "kernels/dot.h"
 #endif
 
-// Returns the upper 32 bits of the product.
 static inline __attribute__((always_inline)) int32_t upper_product(int32_t a, int32_t b) {
 #ifdef __riscv
   int32_t result;  // in C, the compiler would use several multiplications
@@ -19,7 +18,7 @@ static inline __attribute__((always_inline)) int32_t upper_product(int32_t a, in
 #endif
 }
 
-// Converts a sum into the value of a byte, before the value is limited. `wide` should be a constant.
+// Converts a sum to a value before clipping. For speed, `wide` should be a constant.
 static inline __attribute__((always_inline)) int32_t scaled(int32_t sum, int32_t multiplier, int32_t addend,
                                                             int32_t shift, int wide) {
   const int32_t product = wide ? upper_product(sum, multiplier) : sum * multiplier;
@@ -52,13 +51,12 @@ static inline __attribute__((always_inline)) void store_four(uint8_t* to, const 
 #endif
 }
 
-// Returns the lower word of an addend; 0 if the addend has one word.
+// Returns the lower word of an addend, or 0 if the addend has one word.
 static inline __attribute__((always_inline)) uint32_t lower_addend(const layer_group_t* group, int i, int scaling) {
   return scaling == SCALING_EXACT ? ((const uint32_t*)(const void*)(group + 1))[i] : 0;
 }
 
-// Converts a sum of channel `i` into the value of a byte, before the value is limited. `lower` is the addend's lower
-// word.
+// Converts a sum of channel `i` to a value before clipping. `lower` is the lower word of the addend.
 static inline __attribute__((always_inline)) int32_t byte_of(const layer_group_t* group, uint32_t lower, int i,
                                                              int32_t sum, int scaling) {
   if (scaling == SCALING_EXACT) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the layers of a network tile by tile: while the cores compute a step, the DMA fetches the next step's input and
-// stores the last step's output.
+// Runs the layers of a network in steps. While the cores compute a step, the DMA fetches the input of the next step and
+// stores the output of the previous step.
 #include "kernels/machine.h"
 #include "kernels/work.h"
 
 _Static_assert(sizeof(layer_t) <= LAYER_L1_RESERVED, "the description of a layer does not fit into its place");
 
-// GAP8's DMA has 16 copies at most; this program uses half of them.
+// Maximum number of running copies: half of the 16 copies of GAP8's DMA.
 #define COPIES 8
 
 typedef struct {
@@ -34,7 +34,7 @@ static void make_place(copies_t* copies) {
   }
 }
 
-// Position of a step in its layer, and the index of the buffers that the step uses. There are two buffers of each kind.
+// Position of a step in its layer, and the indices of its buffers.
 typedef struct {
   int32_t block, tile;
   int in, data, out;
@@ -83,7 +83,7 @@ static void fill(uint8_t* at, int32_t bytes, uint8_t value) {
   }
 }
 
-// Starts to fetch rows. The rows are contiguous in L1 and, except for channels that the block does not need, in L2.
+// Starts to fetch rows, which are contiguous in L1. In L2, channels that the block does not need may be between them.
 static void copy_in(copies_t* copies, uint8_t* to, const uint8_t* from, int32_t bytes, int32_t channels,
                     int32_t all_channels) {
   make_place(copies);
@@ -94,8 +94,7 @@ static void copy_in(copies_t* copies, uint8_t* to, const uint8_t* from, int32_t 
   }
 }
 
-// Fetches the rows of a tile of the input. If the tile has rows outside the input,
-// they get the value of `outside`.
+// Fetches the input rows of a tile. If the layer has `outer_rows`, rows outside the input get the value `outside`.
 static void fetch_rows(copies_t* copies, const layer_t* layer, const layer_block_t* block, const uint8_t* from,
                        uint8_t* to, int32_t tile) {
   const int32_t channels = in_channels_of(layer, block);
@@ -129,7 +128,6 @@ static void fetch_rows(copies_t* copies, const layer_t* layer, const layer_block
   }
 }
 
-// Tensors of a layer.
 typedef struct {
   const uint8_t* in;
   const uint8_t* other;
@@ -191,7 +189,7 @@ static void compute(const layer_network_t* n, const layer_t* layer, const cursor
   }
 }
 
-// Fills the columns to the left and right of the input in both buffers; copies never change them.
+// Fills the columns to the left and right of the input in both buffers, once: copies never change them.
 static void fill_sides(const layer_network_t* n, const layer_t* layer, layer_share_t share) {
   const layer_block_t* block = block_of(n, layer, 0);
   const int32_t channels = in_channels_of(layer, block);
@@ -254,7 +252,7 @@ static const uint8_t* input_of(const layer_network_t* n, const uint8_t* picture,
   return at == LAYER_PICTURE ? picture : n->memory + at;
 }
 
-// Copies the layer's description to L1, because the cores read L1 in one cycle.
+// Copies the layer's description to L1, which the cores read in one cycle.
 static const layer_t* fetch_layer(const layer_network_t* n, int32_t number, layer_share_t share) {
   if (share.core == 0) {
     machine_wait(machine_copy_in(n->l1, &n->layers[number], sizeof(layer_t)));
@@ -267,8 +265,8 @@ static void fetch_weights(const layer_network_t* n, int32_t number) {
   n->l3->fetch(n->fetched[number % 2], n->segments[number].from, n->segments[number].bytes);
 }
 
-// Waits for the weights of a layer, and fetches the weights of the next layer. The buffer for the next layer's weights
-// was last used by the previous layer, which all cores have finished.
+// Waits for the weights of a layer, and starts to fetch those of the next layer. The buffer for the next layer belonged
+// to the previous layer, which all cores have finished.
 static void change_weights(layer_network_t* n, int32_t number, int32_t end, layer_share_t share) {
   if (share.core == 0) {
     n->l3->wait();
@@ -276,7 +274,7 @@ static void change_weights(layer_network_t* n, int32_t number, int32_t end, laye
       fetch_weights(n, number + 1);
     }
   }
-  // Offsets of the layer count from the start of all weights.
+  // A layer's offsets are relative to the start of all weights.
   n->weights = (const uint8_t*)((uintptr_t)n->fetched[number % 2] - n->segments[number].from);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Interface between steps.c, which moves tiles, and the kernels, which compute them.
+// Interface between steps.c, which transfers tiles, and the kernels, which compute them.
 #pragma once
 
 #include "kernels/layer.h"
@@ -15,16 +15,16 @@ struct layer_step {
   const uint8_t* data;
   uint8_t* out;
   uint8_t* unpooled;
-  uint8_t* gathered;    // the core's own buffer
-  int32_t rows;         // of the output
-  int32_t channels;     // of the output
-  int32_t groups;       // of a convolution
-  int32_t in_channels;  // of a place of the input in L1
+  uint8_t* gathered;    // buffer of this core
+  int32_t rows;         // rows of the output
+  int32_t channels;     // channels of the output
+  int32_t groups;       // groups of channels in a convolution
+  int32_t in_channels;  // channels of the input in L1
   int32_t in_pitch;     // bytes from row to row of the input in L1
-  int32_t first_row;    // of the output
+  int32_t first_row;    // first row of the output
 };
 
-// These two functions access the network's memory directly.
+// These functions access the network's memory directly.
 void layer_move(const layer_move_t* move, const uint8_t* in, uint8_t* out, layer_share_t share);
 void layer_softmax(const layer_t* layer, const uint32_t* powers, const uint8_t* in, uint8_t* out, layer_share_t share);
 

@@ -6,8 +6,8 @@
 #include "nn/fast.h"
 #include "runtime/cluster.h"
 
-// Selects the kernels that reduce the picture and compute the first layer. The versions that are scheduled by hand
-// compute the same bytes in fewer cycles. CMakeLists.txt selects them for some programs and states the reason.
+// Selects the kernels that reduce the picture and compute the first layer. The versions scheduled by hand compute the
+// same bytes in fewer cycles.
 #ifdef NN_BY_HAND
 #include "nn/hand.h"
 #define SHRINK nn_hand_shrink
@@ -18,7 +18,7 @@
 #endif
 
 typedef struct {
-  const uint8_t* frame;  // null: the arena already contains the picture
+  const uint8_t* frame;  // null: the picture is already in the arena
   int width;
   int height;
   unsigned cores;
@@ -35,7 +35,7 @@ void nn_cluster_init(void) {
   nn_fast_make_small_weights(&small_weights);
 }
 
-// Starts to copy the camera's rows for a stripe. Returns the number of the copy.
+// Starts to copy the camera's rows for a stripe, and returns the number of the copy.
 static uint32_t fetch(const job_t* j, int stripe) {
   const int first = shrink_place(stripe * NN_STRIPE_ROWS, j->height);
   const int last = shrink_place(stripe * NN_STRIPE_ROWS + NN_STRIPE_ROWS - 1, j->height) + 1;

@@ -144,7 +144,7 @@ void nn_fast_shrink(nn_arena_t* arena, const uint8_t* source, int width, int hei
     const uint16_t* column = columns;
     int8_t* to = &arena->picture[(y + 2) * NN_PICTURE_PITCH + 2];
     const uint32_t ones = 0x01010101;
-    // Computes the sum of four pixels, plus 2 for rounding, minus 4 x 128.
+    // Sum of four pixels, plus 2 for rounding, minus 4 x 128.
 #pragma GCC unroll 8
     for (int x = 0; x < SHRUNK_EDGE; ++x) {
       const ptrdiff_t at = *column++;
@@ -157,18 +157,18 @@ void nn_fast_shrink(nn_arena_t* arena, const uint8_t* source, int width, int hei
 
 // --- First layer: 5 x 5 with stride 2, then the maximum of 2 x 2 -----------------------------------------------------
 //
-// The four output positions of a pool need a patch of 7 x 7 pixels: two words of each of seven rows, with one unused
-// byte. One position uses five rows of five pixels. The first four pixels of each row are one word. The fifth pixels of
-// the rows are gathered: four in one word, and the last one alone. So 25 products need seven dot products.
+// The four output positions of a pool share a patch of 7 x 7 pixels: two words of each of seven rows, with one unused
+// byte. A position needs five rows of five pixels. The first four pixels of a row are one word. The fifth pixels are
+// gathered: those of four rows in one word, and the last pixel alone. So 25 products need seven dot products.
 
 typedef struct {
-  uint32_t rows[7];   // four pixels of each row
+  uint32_t rows[7];   // first four pixels of each row
   uint32_t fifth[2];  // fifth pixels of rows 0 to 3, and of rows 2 to 5
-  // Fifth pixel of row 4, and of row 6, in the lowest byte; the other bytes are multiplied by zeros.
+  // Fifth pixels of row 4 and of row 6, in the lowest byte. The weights of the other bytes are zero.
   uint32_t last[2];
 } patch_t;
 
-// Returns the greater of the sums of two positions, one of which is above the other.
+// Returns the greater sum of two positions, one above the other.
 static inline __attribute__((always_inline)) int32_t upright_pair(const patch_t* p, const word_t* weights,
                                                                   int32_t bias) {
   int32_t upper = bias;
@@ -197,7 +197,7 @@ static inline __attribute__((always_inline)) int32_t to_byte(int32_t sum, int32_
   return xpulp_clipur(sum >> shift, 255);
 }
 
-// Computes four channels at a time, starting with `from`. A network with four channels needs no loop.
+// Computes four channels, starting with `from`. A network with four channels needs no loop.
 #if NN_CHANNELS_FIRST == 4
 #define FIRST_FROM 0
 void nn_fast_first(nn_arena_t* arena, nn_share_t share) {
@@ -211,8 +211,7 @@ static void first_four(nn_arena_t* arena, nn_share_t share, int from) {
   const int32_t b0 = layer.biases[0], b1 = layer.biases[1], b2 = layer.biases[2], b3 = layer.biases[3];
   const int32_t s0 = layer.shifts[0], s1 = layer.shifts[1], s2 = layer.shifts[2], s3 = layer.shifts[3];
   const word_t* const weights = arena->small.first + FIRST_FROM * NN_FIRST_WORDS;
-  // A unit of work is half a row. There are 42 rows. With whole rows, only two of eight cores would have work at the
-  // end.
+  // A unit of work is half a row. With whole rows, only two of eight cores would compute the last two of the 42 rows.
   const int parts = 2 * NN_POOLED_EDGE;
   for (int part = (int)share.core; part < parts; part += (int)share.cores) {
     const int y = part / 2;
@@ -261,7 +260,7 @@ void nn_fast_first(nn_arena_t* arena, nn_share_t share) {
 // --- Layers 1 to 6: 3 x 3 -------------------------------------------------------------------------------------------
 //
 // Computes two adjacent output positions for four output channels at a time: six loads provide the operands of eight
-// dot products of four products each. A row of a patch is contiguous in memory, and so are the row's weights.
+// dot products of four products each. Each row of a patch is contiguous in memory, like the row's weights.
 
 typedef struct {
   int words;          // words in a row of a patch

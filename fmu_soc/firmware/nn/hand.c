@@ -10,8 +10,8 @@ void nn_hand_shrink_pixels(const uint16_t* columns, const uint8_t* upper, const 
 void nn_hand_shrink(nn_arena_t* arena, const uint8_t* source, int width, int height, const uint16_t* columns, int first,
                     int count, nn_share_t share) {
   const int top = shrink_place(first, height);
-  // Each core begins at a different column. If all cores began at the same column, they could access the same bank: if
-  // `width` is a multiple of 64, a column of all rows is in one bank.
+  // Each core starts at another column, to avoid conflicts: if `width` is a multiple of 64, a column of all rows is in
+  // one bank.
   const int begin = SHRUNK_EDGE / 8 / 4 * 4 * (int)share.core;
   for (int y = first + (int)share.core; y < first + count; y += (int)share.cores) {
     const uint8_t* upper = source + (shrink_place(y, height) - top) * width;
@@ -24,8 +24,8 @@ void nn_hand_shrink(nn_arena_t* arena, const uint8_t* source, int width, int hei
   }
 }
 
-// Fills the table of nn_hand_row() for four channels of the first layer. It contains the words of nn_small_weights_t,
-// the last word a second time for pixels that are two bytes farther, the bias and the shift.
+// Fills the table of nn_hand_row() for four channels of the first layer: the words of nn_small_weights_t, the last word
+// again for pixels that are two bytes farther, the bias and the shift.
 static void make_table(uint32_t table[4 * NN_HAND_WORDS], const nn_arena_t* arena, int from) {
   const nn_layer_t layer = nn_layer(0);
   for (int c = from; c < from + 4; ++c, table += NN_HAND_WORDS) {
@@ -40,11 +40,10 @@ static void make_table(uint32_t table[4 * NN_HAND_WORDS], const nn_arena_t* aren
 }
 
 void nn_hand_first(nn_arena_t* arena, nn_share_t share) {
-  uint32_t table[4 * NN_HAND_WORDS];  // on the stack of the core, in L1
+  uint32_t table[4 * NN_HAND_WORDS];  // on the core's stack, in L1
   for (int from = 0; from < NN_CHANNELS_FIRST; from += 4) {
     make_table(table, arena, from);
-    // A unit of work is half a row. There are 42 rows. With whole rows, only two of eight cores would have work at the
-    // end.
+    // A unit of work is half a row. With whole rows, only two of eight cores would compute the last two of the 42 rows.
     const int parts = 2 * NN_POOLED_EDGE;
     for (int part = (int)share.core; part < parts; part += (int)share.cores) {
       const int y = part / 2;

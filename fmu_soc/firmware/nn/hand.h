@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Declares kernels that are scheduled by hand: the first layer, and the reduction of the picture. Arguments and results
-// are those of nn_fast_first() and nn_fast_shrink(). CMakeLists.txt selects the kernels for some programs.
+// Kernels scheduled by hand: the first layer, and the reduction of the picture. Arguments and results are those of
+// nn_fast_first() and nn_fast_shrink().
 #pragma once
 
 #include "nn/shape.h"
 
-// Size of a row of the network's picture [bytes], and number of words per channel in the table of nn_hand_row().
+// Bytes of a row of the network's picture, and words per channel in the table of nn_hand_row().
 #define NN_HAND_PITCH 172
 #define NN_HAND_WORDS 10
 

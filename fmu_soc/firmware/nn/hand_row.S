@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-# Computes the first layer (5 x 5 with stride 2, then 2 x 2 pooling): `count` pooled positions of a row, four channels.
+# Computes `count` pooled positions of a row of the first layer (5 x 5 with stride 2, then 2 x 2 pooling), for four
+# channels.
 #   void nn_hand_row(const uint8_t* at, uint8_t* to, const uint32_t* table, int count)
-# `at` points to the patch of the first position, in rows of NN_HAND_PITCH bytes. From one position to the next, `at`
-# moves by 4 bytes, and `to` by NN_CHANNELS_FIRST bytes. `table` has NN_HAND_WORDS words per channel (see make_table).
+# `at` points to the patch of the first position, in rows of NN_HAND_PITCH bytes. For each position, `at` advances by 4
+# bytes and `to` by NN_CHANNELS_FIRST bytes. `table` has NN_HAND_WORDS words per channel (see make_table).
 #
-# The four positions of a pool share a patch of 7 x 7 pixels, which is in 20 registers. For each row, there are pixels 0
-# to 3 (for the left positions) and pixels 2 to 5 (for the right positions). The fifth pixels of the rows are gathered.
-# Two registers contain rows 4 and 6 from pixel 4 on; bytes 0 and 2 are the last pixels. So each weight is loaded once
-# for four dot products, and no register is spilled.
+# The four positions of a pool share a patch of 7 x 7 pixels in 20 registers. For each row, there are pixels 0 to 3 (for
+# the left positions) and pixels 2 to 5 (for the right positions). The fifth pixels of the rows are gathered. Two
+# registers contain rows 4 and 6 from pixel 4 on; bytes 0 and 2 are the last pixels. So each weight is loaded once for
+# four dot products, and no register is spilled.
 #include "nn/hand.h"
 
 # Pixels 0 to 3 of rows 0 to 6
@@ -76,7 +77,7 @@
     \product RU, \right_upper, \w
     \product RL, \right_lower, \w
 .endm
-# Loads from the table overlap with the products of the previous word.
+# Loads a word of the table while the products of the previous word are computed.
 .macro channel number
     p.lw W0
     p.lw W1
@@ -107,7 +108,7 @@
     sb LU, \number(TO)
 .endm
 
-    .equ kTurn, 211                # instructions of the loop
+    .equ kTurn, 211                # instructions in the loop
 
     .text
     .balign 16

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-# Computes pixels of a row of the network's picture, four per iteration, without waits for loads:
+# Computes pixels of a row of the network's picture, four per iteration, without stalls after loads:
 #   void nn_hand_shrink_pixels(const uint16_t* columns, const uint8_t* upper, const uint8_t* lower, int8_t* to, int fours)
-# Each pixel is the rounded mean of two pixels of the upper row and two of the lower row from its column on, minus 128.
+# Each pixel is the rounded mean of two pixels of the upper row and two of the lower row, starting at its source column,
+# minus 128.
 
 .macro p.lhu_post rd, step, rs
     .insn i 0x0b, 5, \rd, \rs, \step

@@ -11,8 +11,8 @@ const nn_shape_t nn_shapes[NN_CONVOLUTIONS] = {
     {6, NN_CHANNELS_FOURTH, 6, NN_CHANNELS_FOURTH, 3, 1},
 };
 
-// weights.S includes the file that training has written. It contains biases, shifts and weights of each layer. Each
-// part is padded with zeros to whole words.
+// Contents of the file that training has written (see weights.S): biases, shifts and weights of each layer, each padded
+// with zeros to whole words.
 extern const uint8_t nn_weights_file[];
 
 static int words(int bytes) {

@@ -7,10 +7,9 @@
 //                            -> [3x3/2, 3x3] 32 -> dense 1152 -> 1 or 4
 //
 // A convolution's output is clip((sum of weight x input + bias) >> shift, 0, 255) with zeros around the picture and one
-// bias and shift for each output channel. The bias already contains half of 1 << shift, so the shift rounds half up.
-// The output of the dense layer is clip((sum + bias) >> shift, -127, 127). A tensor is stored row by row. A row is
-// stored position by position, and a position is stored channel by channel. examples/paper/training produces the
-// weights and defines the same arithmetic in Python.
+// bias and shift for each output channel. The bias contains half of 1 << shift, so that the shift rounds half up. The
+// output of the dense layer is clip((sum + bias) >> shift, -127, 127). A tensor is stored row by row, with all channels
+// of a position together. examples/paper/training produces the weights and defines the same arithmetic in Python.
 #pragma once
 
 #include <stdint.h>
@@ -35,7 +34,7 @@ typedef struct {
   uint8_t stride;
 } nn_shape_t;
 
-// Shapes of the convolutions. The output of the first convolution is pooled: maximum of each 2 x 2 positions.
+// Shapes of the convolutions. The first output is pooled: maximum of 2 x 2 positions.
 extern const nn_shape_t nn_shapes[NN_CONVOLUTIONS];
 #define NN_POOLED_EDGE 42
 #define NN_FEATURES (6 * 6 * NN_CHANNELS_FOURTH)
@@ -46,15 +45,15 @@ typedef struct {
   const int8_t* weights;  // sorted by output channel, row, column, input channel
 } nn_layer_t;
 
-// Returns the parameters of layer 0 to NN_CONVOLUTIONS - 1. NN_CONVOLUTIONS means the dense layer. Each part is aligned
-// to a word.
+// Returns the parameters of a layer: 0 to NN_CONVOLUTIONS - 1, or NN_CONVOLUTIONS for the dense layer. Each part is
+// aligned to a word.
 nn_layer_t nn_layer(int index);
 
-// Returns the hash of a tensor's bytes in their order (FNV-1a, 32 bits). It serves to compare layers between machines.
+// Returns the hash of a tensor's bytes (FNV-1a, 32 bits), to compare layers between machines.
 uint32_t nn_checksum(const void* bytes, int count, uint32_t hash);
 #define NN_CHECKSUM_START 2166136261U
 
-// Stores the outputs of all convolutions. The output of the first convolution is pooled.
+// Outputs of all convolutions. The first output is pooled.
 typedef struct {
   uint8_t pooled[NN_POOLED_EDGE * NN_POOLED_EDGE * NN_CHANNELS_FIRST];
   uint8_t second[21 * 21 * NN_CHANNELS_SECOND];
@@ -65,8 +64,7 @@ typedef struct {
   uint8_t seventh[NN_FEATURES];
 } nn_activations_t;
 
-// Contains the outputs of the network. Each is in [-127, 127], where 127 means 1. If there is only one output, the type
-// is a number instead of a struct.
+// Outputs of the network, each in [-127, 127], where 127 means 1. A single output is a number instead of a struct.
 #if NN_OUTPUTS == 1
 typedef int8_t nn_output_t;
 #define NN_OUTPUT(output, index) (output)

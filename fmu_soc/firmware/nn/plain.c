@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the network exactly as network.h defines it, without packed words or stored borders. Tests compare the other
-// kernels with this code.
+// Computes the network as network.h defines it, without packed words or stored borders. Tests compare the other kernels
+// with this code.
 #include "nn/network.h"
 
 static int clip(int value, int low, int high) {
   return value < low ? low : value > high ? high : value;
 }
 
-// Returns the sum of one output channel at one output position, including the bias. Only the first layer has signed
-// input.
+// Returns the sum of one output channel at one output position, including the bias. `is_signed` must be true only for
+// the first layer.
 static int32_t sum_at(const nn_shape_t* shape, const nn_layer_t* layer, const uint8_t* input, int is_signed, int y,
                       int x, int channel) {
   const int edge = shape->in_edge;
@@ -44,7 +44,7 @@ static void convolve(int index, const uint8_t* input, uint8_t* output) {
   }
 }
 
-// Computes the first layer and pools it. Pools before the shift, because the greatest sum gives the greatest output.
+// Computes and pools the first layer. Pools before the shift, because the greatest sum gives the greatest output.
 static void convolve_and_pool(const int8_t* picture, uint8_t* output) {
   const nn_shape_t* shape = &nn_shapes[0];
   const nn_layer_t layer = nn_layer(0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Selects the network for which this folder is compiled: the navigator network or, with NN_SIGHT, the sight network.
-// Both have the same layers, but different numbers of channels and outputs.
+// Selects the network: the navigator network or, with NN_SIGHT, the sight network. Both have the same layers, but
+// different numbers of channels and outputs.
 #pragma once
 
 #ifdef NN_SIGHT

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reduces the camera's picture to the size of the network's input. Each of its 168 x 168 pixels is the rounded mean of
-// 2 x 2 camera pixels, minus 128. The camera pixels are spread evenly from edge to edge. In a picture of 320 pixels,
-// they are 40/21 pixels apart.
+// Reduces the camera's picture to 168 x 168 pixels, the network's input. Each pixel is the rounded mean of 2 x 2 camera
+// pixels, minus 128. The camera pixels are evenly spaced from edge to edge, for example 40/21 pixels apart in a picture
+// of 320 pixels.
 #pragma once
 
 #include <stdint.h>
@@ -10,11 +10,10 @@
 extern "C" {
 #endif
 
-// Edge of the network's picture [px].
 #define SHRUNK_EDGE 168
 
-// Returns the first of the two source rows (or columns) for network row (or column) `index`. `length` is the number of
-// source rows (or columns), and must be at least SHRUNK_EDGE.
+// Returns the first of the two source rows (or columns) for network row (or column) `index`. `length`, the number of
+// source rows (or columns), must be at least SHRUNK_EDGE.
 static inline int shrink_place(int index, int length) {
   return index * (length - 2) / (SHRUNK_EDGE - 1);
 }

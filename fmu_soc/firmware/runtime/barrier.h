@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines the address that a core of the cluster loads to wait at a barrier. This file is for boards with MEbots' event
-// unit.
+// Address that a cluster core loads to wait at a barrier, on boards with MEbots' event unit.
 #pragma once
 
 #include "board.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Implements the functions that picolibc calls: output of characters, and the end of the program. Only the fabric
-// controller may use the library, because it supports one thread. The heap is the rest of L2. Standard input is empty.
+// Implements the functions that picolibc calls: output of characters, and the end of the program. The library supports
+// one thread, so that only the fabric controller may use it. The heap is the rest of L2. Standard input is empty.
 #include <stdio.h>
 #include <unistd.h>
 
@@ -24,7 +24,7 @@ FILE* const stdin = &console;
 FILE* const stdout = &console;
 FILE* const stderr = &console;
 
-// Ends the program. exit() and abort() call this function.
+// Called by exit() and abort().
 void _exit(int code) {
   firmware_exit(code);
   __builtin_unreachable();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints the characters of print(). This file is for boards with MEbots' console.
+// Prints the characters of print(), on boards with MEbots' console.
 #pragma once
 
 #include <stdint.h>
@@ -10,5 +10,4 @@ static inline void put_char(char c) {
   CONSOLE_PUTCHAR = (uint8_t)c;
 }
 
-// Waits until all characters are printed.
 static inline void flush_characters(void) {}

@@ -13,14 +13,14 @@
 
 void cluster_start(void);
 
-// Unmasks only `events`, waits for one of them, and clears it. Other events stay in the buffer.
+// Waits for one of `events`, and clears this event. Other events stay in the buffer.
 static void wait_for(uint32_t events) {
   EVENT_UNIT_EVENT_MASK = events;
   event_load(EVENT_UNIT_BASE + EVENT_UNIT_EVENT_WAIT_OFFSET);
   EVENT_UNIT_EVENT_MASK = 0;
 }
 
-// Returns 0 if the last request was granted, and -1 if it was refused.
+// Returns 0 if the last request was granted, otherwise -1.
 static int granted(void) {
   const uint32_t status = POWER_MANAGER_STATUS;
   POWER_MANAGER_STATUS = POWER_REFUSED;

@@ -16,29 +16,27 @@
 extern "C" {
 #endif
 
-// Places an uninitialised object in L1. The object exists only while the cluster is on.
+// Places an uninitialised object in L1, where it exists only while the cluster is on.
 #define CLUSTER_L1 __attribute__((section(".l1")))
 
 typedef void (*cluster_entry_t)(void* argument);
 
-// Functions that only the fabric controller may call.
+// Only the fabric controller may call these functions.
 
-// Switches the cluster on. Its cores then wait for work. Returns 0, or -1 if the chip has no cluster.
+// Switches the cluster on. Returns 0, or -1 if the chip has no cluster.
 int cluster_on(void);
-// Switches the cluster off. Work that is not complete is lost.
+// Switches the cluster off. Unfinished work is lost.
 void cluster_off(void);
-// Sets the clock of the cluster [Hz]. If the chip's voltage does not allow this clock, returns -1 without effect.
-// Otherwise returns 0.
+// Sets the clock of the cluster [Hz]. Returns 0. If the voltage does not allow this clock, returns -1 without effect.
 int cluster_clock_set(uint32_t hz);
-// Returns the number of cores in the cluster.
 unsigned cluster_core_count(void);
-// Calls entry(argument) on cores 0 to cores - 1, and returns at once. Returns 0, or -1 if the cluster has fewer cores
-// or some of them are still working.
+// Calls entry(argument) on cores 0 to cores - 1, and returns at once. Returns 0. If the cluster has fewer cores, or if
+// some of them are still working, returns -1.
 int cluster_fork(cluster_entry_t entry, unsigned cores, void* argument);
 // Sleeps until all cores of the fork have returned.
 void cluster_wait(void);
 
-// Functions that the cluster's cores call.
+// Only the cluster's cores may call these functions.
 
 // Returns the number of the core, 0 to 7.
 static inline unsigned cluster_core_id(void) {
@@ -52,21 +50,21 @@ static inline void cluster_barrier(void) {
   event_load(BARRIER_ADDRESS);
 }
 
-// Functions of the DMA, for the fabric controller and for the cluster's cores. A copy runs in parallel to the cores,
-// after all earlier copies. The result is the number of the copy, which must be passed to dma_wait(). The core that
-// started the copy must call dma_wait() exactly once. If 16 copies are running, the next start waits for the end of one
-// of them. With GAP8's own DMA, at most 16 copies of all cores together may be unfinished; otherwise the program may
-// stop. A copy there has at most 65535 bytes. For invalid addresses or sizes, the result is DMA_REFUSED, and dma_wait()
-// returns at once.
+// The fabric controller and the cluster's cores may call these functions. A copy by the DMA runs in parallel to the
+// cores, after all earlier copies. The result is the number of the copy; the core that started the copy must pass it to
+// dma_wait() exactly once. If 16 copies are running, the next start waits until one of them ends. For invalid addresses
+// or sizes, the result is DMA_REFUSED, and dma_wait() returns at once.
+//
+// On GAP8's own DMA, at most 16 copies of all cores together may be unfinished; otherwise the program may stop. A copy
+// has at most 65535 bytes there.
 #define DMA_REFUSED 0xffffffffu
 
 uint32_t dma_copy_in(void* l1, const void* l2, uint32_t bytes);
 uint32_t dma_copy_out(void* l2, const void* l1, uint32_t bytes);
-// Copy rows of `row` bytes. The rows are `stride` bytes apart in L2, and contiguous in L1. `bytes` is the total size of
-// all rows.
+// Copy rows of `row` bytes, which are `stride` bytes apart in L2 and contiguous in L1. `bytes` is the total size.
 uint32_t dma_copy_in_2d(void* l1, const void* l2, uint32_t bytes, uint32_t row, uint32_t stride);
 uint32_t dma_copy_out_2d(void* l2, const void* l1, uint32_t bytes, uint32_t row, uint32_t stride);
-// Sleeps until the copy `copy` has ended.
+// Sleeps until the copy has ended.
 void dma_wait(uint32_t copy);
 
 #ifdef __cplusplus

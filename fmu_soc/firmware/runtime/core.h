@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Controls the fabric controller's clock, sleep and end, which differ between chips. This file is for boards with
-// MEbots' power manager.
+// Controls clock, sleep and end of the fabric controller, on boards with MEbots' power manager.
 #pragma once
 
 #include <stdint.h>
@@ -11,7 +10,6 @@
 extern "C" {
 #endif
 
-// Returns the present clock frequency [Hz].
 static inline uint32_t core_clock_hz(void) {
   return POWER_MANAGER_CLOCK_HZ;
 }
@@ -19,18 +17,17 @@ static inline void core_clock_set(uint32_t hz) {
   POWER_MANAGER_CLOCK_HZ = hz;
 }
 
-// Enables interrupt `number`. An enabled interrupt ends a sleep. If interrupts are on, its handler is called.
+// Enables interrupt `number`. An enabled interrupt ends a sleep and, if interrupts are on, calls its handler.
 static inline void core_enable_interrupt(unsigned number) {
   const uint32_t bit = UINT32_C(1) << number;
   __asm__ volatile("csrs mie, %0" ::"r"(bit) : "memory");
 }
 
-// Sleeps until an enabled interrupt is pending, also with interrupts off.
+// Sleeps until an enabled interrupt is pending. Interrupts may be off.
 static inline void core_sleep(void) {
   __asm__ volatile("wfi" ::: "memory");
 }
 
-// Ends the program with an exit code.
 static inline void core_end(int code) {
   POWER_MANAGER_EXIT = (uint32_t)code;
 }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Executes the first instructions after reset: sets stack and trap vector, clears variables, calls main(), and exits.
+# First instructions after reset: set stack and trap vector, clear variables, call main(), and exit.
 #include "runtime/start.h"
 
     .section .text.start, "ax"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines those functions of cluster.h that start copies of the DMA. The source file of each chip must define start()
-// before it includes this file.
+// Defines the functions of cluster.h that start copies of the DMA. A chip's source file must define start() before it
+// includes this file.
 
 static uint32_t word(const volatile void* address) {
   return (uint32_t)(uintptr_t)address;

@@ -6,9 +6,9 @@
 extern "C" {
 #endif
 
-// Exit codes of the flight application. The output core.exit_code of the chip has this value.
+// Exit codes of the flight application, which are the values of the chip's output core.exit_code.
 enum {
-  EXIT_GATE_CROSSED = 0,    // landed after it had, by its own estimate, crossed the gate
+  EXIT_GATE_CROSSED = 0,    // landed after the gate was crossed, according to the state estimate
   EXIT_LANDED_EARLY = 1,    // landed at the landing charge, without crossing the gate
   EXIT_CRASHED = 2,         // the flight controller has reported a crash
   EXIT_TOO_LOW_CHARGE = 3,  // did not take off, because the charge was too low
@@ -16,7 +16,6 @@ enum {
   EXIT_EXCEPTION = 255      // an exception had no handler
 };
 
-// Ends the program with an exit code. The core does not run again.
 __attribute__((noreturn)) void firmware_exit(int code);
 
 #ifdef __cplusplus

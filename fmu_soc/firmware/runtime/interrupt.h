@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Controls interrupts and sleep of the fabric controller.
 //
-// An interrupt handler should only store a note of the event. The main program does the work after its sleep. To lose
-// no wake-up, the main program switches interrupts off, checks the note, and sleeps. A pending interrupt ends the sleep
-// even with interrupts off. Then the program switches interrupts on briefly, so that the handler runs, and checks the
-// note again.
+// A handler should only set a flag, for which the main program waits. To lose no wake-up, the main program must switch
+// interrupts off, check the flag, and sleep. A pending interrupt ends the sleep even with interrupts off. Then the
+// program switches interrupts on briefly, so that the handler runs, and checks the flag again.
 #pragma once
 
 #include <stdint.h>
@@ -13,7 +12,7 @@
 extern "C" {
 #endif
 
-// Handles an interrupt. A handler runs with interrupts off, and must clear the request of its device.
+// An interrupt handler runs with interrupts off, and must clear the request of its device.
 typedef void (*interrupt_handler_t)(void);
 
 // Sets the handler of interrupt `number` and enables the interrupt. The number is the bit in mie and mip, below 32.
@@ -26,10 +25,10 @@ static inline void interrupts_on(void) {
   __asm__ volatile("csrsi mstatus, 8" ::: "memory");
 }
 
-// Sets the core's clock during a sleep [Hz]. If this clock is not lower than the core's present clock, or if it was
-// never set, a sleep does not change the clock.
+// Sets the core's clock during a sleep [Hz]. Without this call, or if this clock is not lower than the present clock, a
+// sleep does not change the clock.
 void sleep_clock_set(uint32_t hz);
-// Sets the clock for a sleep if it is lower than the present clock. Returns the clock before this call [Hz].
+// Sets the clock for a sleep, if it is lower than the present clock. Returns the clock before this call [Hz].
 uint32_t sleep_clock_lower(void);
 
 // Sleeps until an attached interrupt is pending, and then runs its handler. Interrupts must be off at the call, and are

@@ -10,7 +10,7 @@ void sleep_clock_set(uint32_t hz) {
 
 uint32_t sleep_clock_lower(void) {
   const uint32_t awake_clock_hz = core_clock_hz();
-  // The power of the clock tree is proportional to the clock, also during a sleep.
+  // During a sleep, the clock tree still needs power, which is proportional to the clock.
   if (sleep_clock_hz < awake_clock_hz) {
     core_clock_set(sleep_clock_hz);
   }

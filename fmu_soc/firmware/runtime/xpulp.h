@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The Xpulp v2 instructions of RI5CY (GAP8's cores) that kernels need, for a compiler that does not support them. Each
+// Xpulp v2 instructions of RI5CY (GAP8's cores) that kernels need, for a compiler that does not support them. Each
 // function is one instruction of one cycle. On a core without Xpulp, the instruction is illegal.
 //
 // A word contains two halves or four bytes; part 0 is the lowest. The names are those of the manual: xpulp_sdotsp_b is
@@ -64,7 +64,7 @@
 #define XPULP_PACK_H(rd, rs1, rs2) ".insn r 0x57, 0, 0x68, " rd ", " rs1 ", " rs2 "\n\t"
 
 // --- Post-increment loads and stores --------------------------------------------------------------------------------
-// `pointer` is a pointer variable. It is incremented by `step` bytes (-2048 to 2047), whatever its type.
+// `pointer` must be a pointer variable. It is incremented by `step` bytes (-2048 to 2047), independent of its type.
 
 typedef uint32_t __attribute__((may_alias)) xpulp_word;
 typedef uint16_t __attribute__((may_alias)) xpulp_half;
@@ -114,7 +114,7 @@ typedef uint8_t __attribute__((may_alias)) xpulp_byte;
     __asm__(".insn r " #opcode ", " #funct3 ", " #funct7 ", %0, %1, %2" : "=r"(d) : "r"(a), "r"(b)); \
     return d;                                                                                        \
   }
-/// The argument `into` is also an operand: its old value is used.
+/// `into` is an operand as well as the result.
 #define XPULP_INTO_(name, type, opcode, funct3, funct7)                                                 \
   static inline type xpulp_##name(type into, uint32_t a, uint32_t b) {                                  \
     __asm__(".insn r " #opcode ", " #funct3 ", " #funct7 ", %0, %1, %2" : "+r"(into) : "r"(a), "r"(b)); \
@@ -137,12 +137,12 @@ XPULP_BINARY_(ror, 0x33, 5, 0x04)
 XPULP_INTO_(mac, int32_t, 0x33, 0, 0x21)  // into + a * b
 XPULP_INTO_(msu, int32_t, 0x33, 1, 0x21)  // into - a * b
 
-// These functions return (into + a) >> b. addRNr rounds the result.
+// Return (into + a) >> b. addRNr rounds.
 XPULP_INTO_(addNr, int32_t, 0x5b, 2, 0x20)
 XPULP_INTO_(addRNr, int32_t, 0x5b, 6, 0x20)
 
 // Dot products of bytes (b) and halves (h). Operands are unsigned (u), signed (s), or `a` unsigned and `b` signed (us).
-// sdot adds the result to `into`.
+// sdot adds the product to `into`.
 XPULP_BINARY_(dotup_b, 0x57, 1, 0x40)
 XPULP_BINARY_(dotup_h, 0x57, 0, 0x40)
 XPULP_BINARY_(dotusp_b, 0x57, 1, 0x44)
@@ -156,7 +156,7 @@ XPULP_INTO_(sdotusp_h, int32_t, 0x57, 0, 0x54)
 XPULP_INTO_(sdotsp_b, int32_t, 0x57, 1, 0x5c)
 XPULP_INTO_(sdotsp_h, int32_t, 0x57, 0, 0x5c)
 
-// Operations on each pair of parts. With _sc, the second operand is the low part of `b` for all parts.
+// Operations on pairs of parts. With _sc, the second operand is the lowest part of `b` for all parts.
 XPULP_BINARY_(add_b, 0x57, 1, 0x00)
 XPULP_BINARY_(add_h, 0x57, 0, 0x00)
 XPULP_BINARY_(sub_b, 0x57, 1, 0x04)
@@ -179,10 +179,10 @@ XPULP_BINARY_(srl_sc_b, 0x57, 5, 0x20)
 XPULP_BINARY_(shuffle_b, 0x57, 1, 0x60)  // each part of b selects a part of a
 XPULP_BINARY_(shuffle_h, 0x57, 0, 0x60)
 XPULP_INTO_(shuffle2_b, uint32_t, 0x57, 1, 0x64)  // b selects parts of into (0 to 3) and a (4 to 7)
-XPULP_INTO_(shuffle2_h, uint32_t, 0x57, 0, 0x64)  // the same with 0, 1 and 2, 3
+XPULP_INTO_(shuffle2_h, uint32_t, 0x57, 0, 0x64)  // halves: 0 and 1 of into, 2 and 3 of a
 XPULP_BINARY_(pack, 0x57, 0, 0x68)                // low half of a in the upper half, that of b in the lower half
 XPULP_INTO_(packhi_b, uint32_t, 0x57, 1, 0x6c)    // low bytes of a and b in the upper half of into
-XPULP_INTO_(packlo_b, uint32_t, 0x57, 1, 0x70)    // the same in the lower half
+XPULP_INTO_(packlo_b, uint32_t, 0x57, 1, 0x70)    // low bytes of a and b in the lower half of into
 
 // With constants
 #define XPULP_CONSTANT_(type, opcode, funct3, funct7, a, rs2)                                                     \

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the cluster's runtime on the chip: fork, barrier, DMA, several jobs, and switching off and on. The exit code is
-// 0 after success, or the number of the failed check.
+// Tests the cluster's runtime: fork, barrier, DMA, several jobs, and switching off and on. The exit code is 0, or the
+// number of the check that failed.
 #include "runtime/cluster.h"
 #include "runtime/console.h"
 
@@ -20,7 +20,7 @@ struct job {
   int32_t factor;
 };
 
-// Each core computes a part of the result. Core 0 copies the data to L1 and back.
+// Computes a part of the result on each core. Core 0 copies the data to L1 and back.
 static void scale(void* argument) {
   const struct job* job = argument;
   const unsigned core = cluster_core_id();
@@ -37,7 +37,7 @@ static void scale(void* argument) {
   }
 }
 
-// Tests that after a barrier, every core sees all stores that other cores made before it.
+// Tests that after a barrier, every core sees the stores of all cores before the barrier.
 static void meet(void* argument) {
   const unsigned cores = (unsigned)(uintptr_t)argument;
   const unsigned core = cluster_core_id();
@@ -87,7 +87,6 @@ int main(void) {
   if (dma_copy_in(tile, (const void*)0x1000, 4) != DMA_REFUSED) return 10;
   dma_wait(DMA_REFUSED);
 
-  // Starts the maximum number of copies.
   uint32_t copies[COPIES];
   for (int i = 0; i < COPIES; ++i) copies[i] = dma_copy_in(&tile[i], &source[COPIES - i], 4);
   for (int i = 0; i < COPIES; ++i) dma_wait(copies[i]);

@@ -34,7 +34,6 @@ auto read_place() {
 constexpr std::uint32_t kMostLatencyCycles = 1000;
 constexpr std::uint32_t kMostPmpEntries = 16;
 
-/// Sets the options of the core from its ISA string. A core with user mode also has physical memory protection.
 void set_isa(BoardDescription& board, std::string_view text) {
   board.isa = read_isa(text);
   board.pmp_entries = board.isa.has(Extension::user) ? kMostPmpEntries : 0;
@@ -117,7 +116,6 @@ void read_instruction_cache(const Node& node, BoardInstructionCaches& caches) {
   taken = cache;
 }
 
-/// Describes a range of addresses that an entry of the board file occupies.
 struct Span {
   std::string name;
   std::uint64_t base;
@@ -144,8 +142,8 @@ void check_overlaps(const Node& root, const BoardDescription& board) {
   for (std::size_t i = 0; i < board.memories.size(); ++i) {
     const auto& memory = board.memories[i];
     take(memories[i], {memory.name, memory.base, memory.size});
-    // The alias of a memory is only visible to the cores in the memory's location. Therefore the other cores may have
-    // another memory at the same address.
+    // Only cores in the memory's location see its alias. Therefore the other cores may have another memory at the same
+    // address.
     if (memory.alias && memory.place == Place::fabric_controller) {
       take(memories[i], {memory.name, *memory.alias, memory.size});
     }
@@ -159,8 +157,8 @@ void check_overlaps(const Node& root, const BoardDescription& board) {
   }
 }
 
-/// Reports an interrupt line that two devices share, because firmware could not distinguish them, and each device would
-/// clear the request of the other. Also reports an interrupt controller that is not a device of the board.
+/// Reports interrupt lines that two devices share, because firmware could not determine the device. Also
+/// reports an interrupt controller that is not a device of the board.
 void check_interrupts(const Node& root, const BoardDescription& board) {
   std::map<std::pair<std::string, int>, std::string> taken;
   std::vector<std::string> names;
@@ -182,8 +180,8 @@ void check_interrupts(const Node& root, const BoardDescription& board) {
   }
 }
 
-/// Checks that parts are attached to devices. The kind of each device checks the names of its connection points. The
-/// loads of a regulator must be listed before the regulator in the file, so that no regulator supplies itself.
+/// Checks that parts are attached to devices, and that a regulator's loads are listed before the regulator. Names of
+/// connection points are checked by the devices.
 void check_parts(const Node& root, const BoardDescription& board) {
   const auto entries = root.at("devices").elements();
   std::vector<std::string> on_bus;
@@ -248,8 +246,8 @@ BoardSupply read_supply(const Node& node, const BoardDescription& board) {
   return supply;
 }
 
-/// Reads the name of the sender of set-points: a device, or a peripheral that counts its transactions in a variable of
-/// the board.
+/// Reads the name of the sender of set-points: a device, or a peripheral of the uDMA with a variable that counts
+/// transactions.
 std::string read_decisions(const Node& node, const BoardDescription& board) {
   Object object(node);
   std::string sender;
@@ -275,7 +273,7 @@ std::string read_decisions(const Node& node, const BoardDescription& board) {
   return sender;
 }
 
-/// Reads a file name without folders. Folders are not allowed, because a board is moved together with its libraries.
+/// Reads a file name without folders, because a board and its libraries must be in one folder.
 std::string read_file_name(const Node& node) {
   auto name = node.readable_text();
   if (name.find('/') != std::string::npos || name == "." || name == "..") {
@@ -287,7 +285,7 @@ std::string read_file_name(const Node& node) {
   return name;
 }
 
-/// Calls `set()`. If it throws Error, reports the error as a mistake at the node.
+/// Calls `set()`. If the function throws Error, reports the error with the node's place in the file.
 template <typename Set>
 void set_from(const Node& node, Set set) {
   try {
@@ -297,7 +295,6 @@ void set_from(const Node& node, Set set) {
   }
 }
 
-/// Reads the core and its options.
 void read_core(Object& object, BoardDescription& board) {
   object.visit_if("core", [&](const Node& member) {
     const auto name = member.text();
@@ -386,7 +383,7 @@ void set_core(BoardDescription& board, const std::string& name) {
 }
 
 std::string_view other_chip_of(std::string_view elf_bytes) {
-  // Folders that contain the headers of the SDKs. The names are so long that they do not occur by chance.
+  // Folders with the headers of the SDKs. The names are long enough not to occur by chance.
   constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kFolders{{
       {"pmsis/chips/gap9", "GAP9"},
       {"vendors/gwt/gap9", "GAP9"},

@@ -20,12 +20,11 @@
 namespace mebots::soc {
 namespace {
 
-/// Limits the energy of an instruction relative to the reference, so that a block's sum fits in 32 bits of femtojoules.
+/// Greatest energy of an instruction relative to the reference. A block's sum then fits in 32 bits of femtojoules.
 constexpr double kMostWeight = 100;
 
-/// Returns the class of instructions that has the same energy as the operation. A floating-point operation has the
-/// energy of the most similar integer operation, because no values are published: GAP8's cores have no floating-point
-/// unit.
+/// Returns the class of instructions with the energy of this operation. GAP8's cores have no floating-point unit, so
+/// that a floating-point operation has the energy of a similar integer operation.
 std::string_view class_of(Op op) {
   const auto kind = traits_of(op).kind;
   if (kind == OpKind::float_multiply || kind == OpKind::float_multiply_add) return "multiply";
@@ -196,7 +195,6 @@ const Chip& gap8_silicon() {
 
 namespace {
 
-/// Returns the chip with these energies, or null for an unknown name.
 const Chip* chip_named(std::string_view energies) {
   if (energies == "gap8") return &gap8();
   return energies == "gap8_silicon" ? &gap8_silicon() : nullptr;

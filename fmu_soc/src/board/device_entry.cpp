@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Reads the entries of a board's devices: registers, states, variables, and the references between them.
+// Reads the devices of a board file: registers, states, variables, and the references between them.
 #include "board/readers.hpp"
 
 #include "board/settings.hpp"
@@ -26,8 +26,8 @@ using data::Object;
 /// Specification 1.0.0.
 constexpr std::int64_t kMostSources = 1023;
 
-/// Reads an interrupt number. With an interrupt controller, this is a source of the controller. Otherwise it is a line
-/// of RI5CY and CV32E40P: software, timer, external, or one of 16 fast ones.
+/// Reads an interrupt number. With an interrupt controller, the number is a source of the controller. Otherwise it is
+/// an interrupt line of RI5CY and CV32E40P: software, timer, external, or one of 16 fast lines.
 int read_interrupt(const Node& node, bool has_controller) {
   if (has_controller) return static_cast<int>(node.whole_number(1, kMostSources));
   const auto line = static_cast<int>(node.whole_number(0, 31));
@@ -95,7 +95,7 @@ std::vector<BoardRegister> read_registers(const Node& node) {
   return registers;
 }
 
-/// Reads each member of an object with `read`. The key of a member becomes the name of the result.
+/// Returns a reader that reads each member of an object with `read`, and names the results by the keys.
 template <typename T, typename Read>
 auto by_name(Read read) {
   return [read](const Node& node) {
@@ -106,7 +106,7 @@ auto by_name(Read read) {
         found.push_back(read(key, member));
       });
     }
-    // Sorts alphabetically, so that the result does not depend on the order in the file.
+    // Sorts by name, so that the result does not depend on the order in the file.
     std::ranges::stable_sort(found, {}, &T::name);
     return found;
   };
@@ -143,16 +143,14 @@ BoardEnumeration read_enumeration(const std::string& name, const Node& node) {
       enumeration.items.push_back({checked_name(member, item), read_signed_word(member)});
     });
   }
-  // Sorts the items by value, and items of equal value by name.
   std::ranges::sort(enumeration.items, {}, [](const BoardValue& item) { return std::tie(item.value, item.name); });
   return enumeration;
 }
 
-/// Minimum delay of a state in a described device. With shorter delays, a cycle of states could keep the simulation at
-/// one moment.
+/// Minimum delay of a state. With shorter delays, a cycle of states could keep the simulation at one time.
 constexpr double kLeastDelayS = 1e-6;
 
-/// Returns the node at the longest prefix of these keys that exists. Error messages point to this node.
+/// Returns the node of the longest prefix of the keys that exists, for error messages.
 Node nearest(const Node& node, std::initializer_list<std::string_view> keys) {
   Node found = node;
   for (const auto key : keys) {
@@ -163,7 +161,7 @@ Node nearest(const Node& node, std::initializer_list<std::string_view> keys) {
   return found;
 }
 
-/// Returns the node of a register in the board file. Error messages point to this node.
+/// The node is for error messages.
 Node entry_of(const Node& device, const BoardRegister& reg) {
   const auto entries = device.at("registers").elements();
   const auto found =
@@ -171,7 +169,7 @@ Node entry_of(const Node& device, const BoardRegister& reg) {
   return found == entries.end() ? device : *found;
 }
 
-/// Returns the names of the variables that a register may show or send.
+/// Returns the names of a device's numeric inputs, which registers may show, or outputs, which registers may send.
 std::vector<std::string> numbers_of(const BoardDevice& device, bool inputs) {
   std::vector<std::string> names;
   for (const auto& variable : device.variables) {
@@ -180,7 +178,7 @@ std::vector<std::string> numbers_of(const BoardDevice& device, bool inputs) {
   return names;
 }
 
-/// Checks a register that sends a variable. The variable must be an output, and a store into the register must have no
+/// Checks a register that sends a variable. This variable must be an output, and a store into the register must have no
 /// other effect.
 void check_sender(const Node& node, const BoardDevice& device, const BoardRegister& reg) {
   const auto entry = entry_of(node, reg);
@@ -197,8 +195,7 @@ void check_sender(const Node& node, const BoardDevice& device, const BoardRegist
   }
 }
 
-/// Checks a register that shows a variable. The variable must be a parameter or an input of the device, or a parameter
-/// of the chip.
+/// Checks a register that shows a variable: an input or parameter of the device, or a parameter of the chip.
 void check_display(const Node& node, const BoardDevice& device, const BoardRegister& reg) {
   const auto entry = entry_of(node, reg);
   auto known = numbers_of(device, true);
@@ -213,7 +210,7 @@ void check_display(const Node& node, const BoardDevice& device, const BoardRegis
   }
 }
 
-/// Checks that each output of a described device is sent by exactly one register, or is its power or energy.
+/// Checks that exactly one register sends each output of a described device, except its power and energy.
 void check_outputs(const Node& node, const BoardDevice& device) {
   for (const auto& variable : device.variables) {
     if (variable.is_input()) continue;
@@ -228,7 +225,7 @@ void check_outputs(const Node& node, const BoardDevice& device) {
   }
 }
 
-/// Checks a register that commits. At least one other register must send a variable, and this register must have no
+/// Checks a register that commits. Another register must send a variable, and a store into this register must have no
 /// other effect.
 void check_commit(const Node& node, const BoardDevice& device, const BoardRegister& reg) {
   const auto entry = entry_of(node, reg);
@@ -264,8 +261,6 @@ void check_opcodes(const Node& node, const BoardDevice& device) {
   }
 }
 
-/// Checks that all names refer to existing entries. Applies to described devices and to devices that are implemented in
-/// C++.
 void check_names(const Node& node, const BoardDevice& device) {
   check_opcodes(node, device);
   for (const auto& state : device.states) {
@@ -302,8 +297,7 @@ void check_description(const Node& node, const BoardDevice& device) {
   check_outputs(node, device);
 }
 
-/// Reads the start value of a number. The generator of model descriptions (modeldesc) checks all other properties of
-/// variables.
+/// Reads the start value of a number. modeldesc checks all other properties of variables.
 double start_of(const Node& node) {
   if (!node.has("start")) return 0;
   const auto start = node.at("start");
@@ -360,13 +354,11 @@ BoardRegulator read_regulator(const Node& node) {
   return regulator;
 }
 
-/// Returns the kind that the key of an entry without an address selects.
 std::string_view kind_without_address(const Object& object) {
   return object.has("part") ? "part" : "regulator";
 }
 
-/// Checks a part of the board, which has no address. The entry must not have keys that describe registers or other
-/// things that a program could access.
+/// Checks a part of the board, which must not have keys for accesses by a program.
 void check_part(const Node& node, const Object& object, const BoardDevice& device) {
   for (const auto* key :
        {"base", "also_at", "span", "interrupt", "interrupt_controller", "registers", "opcodes", "enumerations"}) {
@@ -434,7 +426,7 @@ BoardDevice read_device(const Node& node, std::set<std::string>& names) {
   object.read_if("variables", device.variables,
                  data::list_of([&](const Node& member) { return read_variable(member, described); }));
   object.read_if("enumerations", device.enumerations, by_name<BoardEnumeration>(&read_enumeration));
-  object.allow({"terminals"});  // the FMU uses this key; the chip does not
+  object.allow({"terminals"});  // only the FMU uses this key
   object.finish();
   if (!on_bus) check_part(node, object, device);
   if (!object.sound()) return device;

@@ -15,7 +15,7 @@
 namespace mebots::soc {
 namespace {
 
-/// Contains the member `flight` of network.json.
+/// The member `flight` of network.json.
 struct Flight {
   std::string none;  ///< reason why there is no program; empty if there is a program
   std::string program;
@@ -30,8 +30,8 @@ std::vector<std::string> texts(const data::Node& list) {
   return result;
 }
 
-/// Returns the name of a file in the folder. Rejects a path, because a path could name a file that is not among the
-/// mission's inputs.
+/// Returns the name of a file in the folder. Rejects a path, because only files in this folder are inputs of the
+/// mission.
 std::string file_name(const data::Node& node) {
   auto name = node.readable_text();
   if (std::filesystem::path(name).filename() != name || name == "." || name == "..") {

@@ -10,8 +10,8 @@
 namespace mebots::soc {
 
 /// Returns the path of the firmware that `mebots deploy` wrote into a folder together with its network. `firmware` is
-/// the name of the firmware that the mission uses. Throws Error if the folder has no program, or if that program
-/// replaces another firmware or was built for another board. Throws data::Mistakes if network.json has mistakes.
+/// the name of the mission's firmware. Throws Error if the folder has no program, or if that program replaces another
+/// firmware or was built for another board. Throws data::Mistakes if network.json has mistakes.
 std::filesystem::path program_with_network(const std::filesystem::path& folder, std::string_view firmware,
                                            const BoardDescription& board);
 

@@ -12,10 +12,9 @@
 #include <string>
 #include <string_view>
 
-/// Reads types of values that occur often in a board file. Each reader reports an invalid value.
 namespace mebots::soc {
 
-/// Reads a 32-bit number from a text, which may be hexadecimal (0x...). Error messages call the number `what`.
+/// Reads a 32-bit number from a decimal or hexadecimal (0x...) text. Error messages call the number `what`.
 std::uint32_t read_number(const data::Node& node, std::string_view what);
 std::uint32_t read_address(const data::Node& node);
 /// Reads a size in bytes: a multiple of 4, at most 1 GiB.
@@ -39,7 +38,7 @@ inline auto power_of_two(std::uint32_t least, std::uint32_t most) {
   };
 }
 
-/// Returns a reader for a name that must be unique in its list. `taken` collects the names already read.
+/// Returns a reader for names that must be unique in a list. `taken` collects the names of this list.
 inline auto new_name(std::set<std::string>& taken) {
   return [&taken](const data::Node& node) {
     auto name = read_name(node);
@@ -50,8 +49,8 @@ inline auto new_name(std::set<std::string>& taken) {
   };
 }
 
-/// Reads an entry that describes a device or a part. Reports keys that such an entry cannot have. `names` collects the
-/// names already read.
+/// Reads an entry of a device or a part. Reports keys that such an entry cannot have. `names` collects the names of the
+/// list.
 BoardDevice read_device(const data::Node& node, std::set<std::string>& names);
 
 }  // namespace mebots::soc

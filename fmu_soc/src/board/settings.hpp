@@ -11,26 +11,25 @@
 
 namespace mebots::soc {
 
-/// Stores the settings with which a chip starts.
 struct Settings {
   double clock_hz = 100e6;
   double cluster_clock_hz = 87e6;
-  // Number of cores in the cluster; must not exceed the number of the board.
+  // Number of cores in the cluster, at most the board's number.
   unsigned cluster_cores = kMostClusterCores;
   double temperature_c = 25;
   double voltage_v = 1.2;
-  /// Lists folders that are searched for the board's libraries, after the folder of the board file.
+  /// Folders that are searched for the board's libraries, after the folder of the board file.
   std::vector<std::filesystem::path> library_folders = {};
-  std::vector<std::uint8_t> flash = {};  // bytes that the board's flash contains at the start
-  /// Stores the pictures that the board's camera takes, in this order. If the list is empty, the camera takes the
-  /// pictures of the FMU's camera input.
+  std::vector<std::uint8_t> flash = {};  // initial contents of the board's flash
+  /// Pictures that the board's camera takes, in this order. If the list is empty, the camera takes pictures from the
+  /// FMU's input.
   std::vector<std::vector<std::uint8_t>> pictures = {};
-  bool translate = true;  // if true, hot code is translated; cycle counts and results do not depend on this setting
-  /// Sets HartSettings::keeps_written_mtvec of the fabric controller.
+  bool translate = true;  // true: hot code is translated; results do not depend on this setting
+  /// HartSettings::keeps_written_mtvec of the fabric controller.
   bool keeps_written_mtvec = false;
 };
 
-/// Describes a parameter of the chip that firmware can read through a register of a described device.
+/// A parameter of the chip that firmware can read through a register of a described device.
 struct ChipSetting {
   std::string_view variable;
   double Settings::*value;

@@ -107,7 +107,7 @@ std::optional<char> Connection::next_byte() {
   return unread_[read_++];
 }
 
-/// Reads more data into the buffer. If no data has arrived, or if the debugger has disconnected, returns false.
+/// Returns false if no data has arrived, or if the debugger has disconnected.
 bool Connection::read_more(int flags) {
   char buffer[4096];
   ssize_t count = 0;
@@ -143,7 +143,7 @@ void Connection::refuse_others() {
     const auto answer = "+" + framed(kBusy);
     ::send(caller.descriptor(), answer.data(), answer.size(), MSG_NOSIGNAL);
     ::shutdown(caller.descriptor(), SHUT_WR);
-    // Reads all remaining data before closing. If the connection were closed with unread data, the reply might be lost.
+    // Closing a connection with unread data may lose the reply.
     while (is_readable(caller, kRefusalMs) && ::recv(caller.descriptor(), ignored, sizeof ignored, 0) > 0) continue;
   }
 }
@@ -183,7 +183,7 @@ void Connection::send(std::string_view content) {
     escaped += is_special ? static_cast<char>(c ^ 0x20) : c;
   }
   const auto packet = framed(escaped);
-  // TCP loses no packets, but the debugger may reject a packet. A rejected packet is sent again.
+  // Sends the packet again if the debugger rejects it.
   while (write_all(packet) && acknowledges_) {
     auto answer = next_byte();
     while (answer && *answer != '+' && *answer != '-') answer = next_byte();

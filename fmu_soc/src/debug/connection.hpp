@@ -25,7 +25,7 @@ class Socket {
   int descriptor_ = -1;
 };
 
-/// Connects one debugger on this machine over TCP. Packets have the format of gdb's remote serial protocol. Source:
+/// Accepts one debugger on this machine over TCP. Packets have the format of gdb's remote serial protocol. Source:
 /// Debugging with GDB, appendix "GDB Remote Serial Protocol".
 class Connection {
  public:
@@ -34,8 +34,8 @@ class Connection {
 
   int port() const { return port_; }
   bool connected() const { return client_.open(); }
-  /// Accepts a debugger. If `wait` is true, waits until a debugger connects. Returns true if a new debugger is
-  /// connected.
+  /// Accepts a debugger. If `wait` is true, waits until a debugger connects. Returns true if a debugger has connected
+  /// during this call.
   bool accept(bool wait);
   void disconnect() { client_ = Socket(); }
 
@@ -45,12 +45,11 @@ class Connection {
   /// Sends a packet. If acknowledgements are on, waits for the acknowledgement. If no debugger is connected, has no
   /// effect.
   void send(std::string_view content);
-  /// Accepts waiting connections of further debuggers, sends them a message, and closes them. Returns at once if there
-  /// are none.
+  /// Rejects all further debuggers that wait for a connection, with a message to each of them.
   void refuse_others();
-  /// Returns true if an interrupt (Ctrl-C) has arrived or the debugger has disconnected. Does not wait.
+  /// Returns true if Ctrl-C or a packet has arrived, or if the debugger has disconnected. Does not wait.
   bool interrupted();
-  /// Stops sending acknowledgements, and stops waiting for those of the debugger.
+  /// Ends the acknowledgement of packets in both directions.
   void stop_acknowledging() { acknowledges_ = false; }
 
  private:

@@ -174,7 +174,7 @@ std::string GdbServer::answer(const std::string& packet) {
       return change_point(rest, false);
     case 'H': {
       const auto number = threads_.parse(rest.substr(std::min<std::size_t>(1, rest.size())));
-      // vCont selects the threads to resume.
+      // "Hc" has no effect, because vCont selects the threads to resume.
       if (number && rest.starts_with('g')) threads_.choose(*number);
       return number ? "OK" : std::string(kError);
     }
@@ -273,7 +273,7 @@ bool GdbServer::write_register(unsigned number, std::uint32_t value) {
     if (hart.reg(number) == before) return true;
   } else if (number == kPcNumber) {
     if (value == hart.pc()) return true;
-    if (threads_.chosen() != 0) return false;  // a core of the cluster is in the middle of a block, which continues
+    if (threads_.chosen() != 0) return false;  // a cluster core cannot move, because it is in the middle of a block
     hart.set_pc(value);
   } else if (number < kFirstCsrNumber || !hart.set_csr(number - kFirstCsrNumber, value)) {
     return false;
@@ -295,7 +295,7 @@ std::string GdbServer::read_memory(std::string_view text) const {
   if (!range || range->size > kLongestRead) return std::string(kError);
   std::string bytes(range->size, '\0');
   if (!soc_.memory().read(range->address, {reinterpret_cast<std::uint8_t*>(bytes.data()), bytes.size()})) {
-    return std::string(kError);  // also for registers of devices, because a read may change them
+    return std::string(kError);  // device registers cannot be read, because a read may change them
   }
   return to_hex(bytes);
 }
@@ -336,7 +336,6 @@ std::string GdbServer::change_point(std::string_view text, bool insert) {
   return "OK";
 }
 
-/// Reports a fault to gdb, and answers packets until gdb resumes.
 void GdbServer::hold_at_fault() {
   if (std::exchange(ended_, true) || !connection_.connected()) return;
   const auto number = soc_.cluster() == nullptr ? kFabricControllerHart : hart_of_core(soc_.cluster()->faulted_core());

@@ -19,29 +19,31 @@
 
 namespace mebots::soc::debug {
 
-/// Serves gdb, which can stop, inspect and change the cores. Each core appears as a thread. While a core is stopped,
-/// the simulation waits, because the thread that runs the chip waits in the observer's before(). If gdb changes
-/// nothing, results are the same as without gdb.
+/// Lets gdb stop, inspect and change the cores. Each core appears as a thread. While gdb holds a core, the simulation
+/// does not advance, because Observer::before() blocks the thread that runs the chip. If gdb changes nothing, the
+/// results are the same as without gdb.
 class GdbServer {
  public:
-  /// Selects the effect of gdb's command `kill`: the run ends, or the run continues without the debugger.
+  /// Selects whether gdb's command `kill` ends the run, or only disconnects the debugger.
   enum class Kill : std::uint8_t { ends_run, detaches };
 
-  /// Listens on 127.0.0.1 and passes the address to `announce`. The chip waits for a debugger before its first
-  /// instruction. Throws Error if the port cannot be opened. If `history` is not null, gdb can return to earlier
-  /// instructions. In this case, the caller must divide the run into pieces, and must call checkpoint() before each
-  /// piece. If rewind() returns true after the end of the run, the caller must continue the run.
+  /// Listens on 127.0.0.1 and reports the port through `announce`. The chip waits for a debugger before its first
+  /// instruction. Throws Error if the port cannot be opened.
+  ///
+  /// If `history` is not null, gdb can return to earlier instructions. The caller must then divide the run into pieces
+  /// and call checkpoint() before each piece. After each end of the run, the caller must call rewind(), and continue
+  /// the run if rewind() returns true.
   GdbServer(int port, Soc& soc, Kill kill, std::function<void(std::string_view)> announce, History* history = nullptr);
 
-  /// Returns the observer that must be attached to the hart `number`.
+  /// Returns the observer to attach to the hart `number`.
   Observer& hart(unsigned number) { return harts_[number]; }
 
-  /// Saves the state of the chip, if there is a history. gdb can later return to this state.
+  /// Saves the chip's state, so that gdb can return to it. Without a history, has no effect.
   void checkpoint() {
     if (history_ != nullptr) history_->record(soc_);
   }
-  /// Restores an earlier state and returns true if gdb has requested an earlier instruction. If the run has ended with
-  /// a fault, first waits for gdb's commands.
+  /// If gdb has requested an earlier instruction, restores a saved state and returns true. If the run has ended with a
+  /// fault, first waits for gdb's commands.
   bool rewind();
 
   /// Reports the end of the program to gdb. If the end is a fault, gdb can inspect the chip before the run ends.
@@ -57,14 +59,14 @@ class GdbServer {
   enum class Resume : std::uint8_t { no, run, step, end, rewind };
   static constexpr std::string_view kTrap = "T05";
   static constexpr std::string_view kAtBreakpoint = "swbreak:;";
-  static constexpr std::uint64_t kUnreachable = 0;  // position that is earlier than every saved state
+  static constexpr std::uint64_t kUnreachable = 0;  // position before every saved state
 
-  /// Describes how an earlier instruction is reached by running again from a saved state; see reverse.cpp.
+  /// Describes a replay, which runs from a saved state to an earlier instruction. See reverse.cpp.
   struct Replay {
     enum class Phase : std::uint8_t { searching, seeking, restarting };
     struct Place {
-      std::uint64_t position = 0;         // instruction at which to stop; 0 = none
-      std::string why = {};               // reason that the stop reply contains
+      std::uint64_t position = 0;  // instruction at which to stop; 0 = none
+      std::string why = {};
       std::optional<unsigned> hart = {};  // hart that stops; empty = the hart that begins the instruction
     };
 
@@ -84,7 +86,7 @@ class GdbServer {
     void retired(const Hart& hart, const Retired& instruction) override;
     void trapped(const Hart& /*hart*/, const Trapped& /*trap*/) override { was_held_ = false; }
     void switched(const Hart& hart, bool on) override;
-    /// Discards the last stop. Called after an earlier state was restored.
+    /// Discards the last stop. Must be called after an earlier state was restored.
     void forget() { was_held_ = false; }
 
    private:
@@ -93,15 +95,15 @@ class GdbServer {
 
     GdbServer& server_;
     unsigned number_;
-    // Store the state at which this hart stopped last. If the state is unchanged, the hart has returned to the same
-    // instruction, for example after other harts ran or after a sleep.
+    // State of the hart at its last stop. If the hart still has this state, before() was called again for the same
+    // instruction, for example after a sleep.
     bool was_held_ = false;
     std::uint32_t held_pc_ = 0;
     std::uint64_t held_instructions_ = 0;
   };
 
   bool accept_debugger();
-  /// Returns true while the run is being ended so that rewind() can restore a state.
+  /// Returns true if the run must end so that rewind() can restore a state.
   bool leaves() const { return history_ != nullptr && history_->leaves(); }
   void hold_at_fault();
   std::optional<std::size_t> state_before(std::uint64_t position) const;
@@ -139,7 +141,7 @@ class GdbServer {
   std::optional<unsigned> stepping_;  // hart that gdb is single-stepping
   QuietCode step_range_;  // addresses in which a single step continues; empty = the step ends after one instruction
   std::optional<unsigned> only_hart_;  // if set, gdb expects stops of this hart only
-  bool awaited_ = true;                // true until a debugger has connected before the first instruction
+  bool awaited_ = true;                // true until the first debugger has connected
   bool held_ = false;                  // true while gdb assumes that the program is stopped
   bool killed_ = false;
   bool ended_ = false;

@@ -20,7 +20,6 @@ void History::record(const Soc& soc) {
   while (snapshots_.size() > 2 && (snapshots_.size() > kMost || bytes() > most_bytes_)) thin();
 }
 
-/// Returns the size of all saved states.
 std::size_t History::bytes() const {
   const auto add = [](std::size_t sum, const Snapshot& one) { return sum + one.state.size(); };
   return std::accumulate(snapshots_.begin(), snapshots_.end(), start_.state.size(), add);

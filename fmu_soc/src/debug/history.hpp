@@ -13,10 +13,9 @@ namespace mebots::soc::debug {
 
 /// Stores states of a debugged run. A replay from one of these states can reach any earlier instruction.
 ///
-/// A position is the number of instructions that all harts have begun since the start, counted by calls of
-/// Observer::before(). A replay from a saved state makes these calls in the same order, because the run is divided into
-/// the same pieces. The output of the program is not printed again. The input is read again from a log, at the same
-/// calls.
+/// A position is the number of instructions that all harts have begun since the start. A replay begins the instructions
+/// in the same order, because the run is divided into the same pieces. A replay prints no output, and takes its input
+/// from a log.
 class History {
  public:
   struct Snapshot {
@@ -26,33 +25,29 @@ class History {
     std::vector<std::byte> state;
   };
 
-  /// @param most_bytes  limit of the total size of all states. The first and the newest state are kept even if they
-  /// exceed it.
+  /// @param most_bytes  limit of the total size of all states; the first and the newest state are always kept
   explicit History(std::size_t most_bytes = kMostBytes) : most_bytes_(most_bytes) {}
 
-  /// Saves the state at the start of a piece of the run, unless a replay is in progress. Keeps at most kMost states
-  /// with a total of at most `most_bytes`. The first and the newest state are always kept.
+  /// Saves the state at the start of a piece of the run. Does nothing during a replay. If the states exceed kMost or
+  /// `most_bytes`, deletes every second state, and saves later states at twice the distance.
   void record(const Soc& soc);
-  /// Restores the saved state with the index `snapshot`.
   void restore(Soc& soc, std::size_t snapshot);
   /// Restores the start of the program, and discards all later states. has_start() must be true.
   void restart(Soc& soc);
   /// Returns false if the start of the program was not recorded, or was discarded by clear().
   bool has_start() const { return !start_.state.empty(); }
-  /// Discards all states except the start. Called after a change by gdb: a replay would not reach the present state.
+  /// Discards all states except the start. Must be called after a change by gdb, which a replay would not repeat.
   void cut();
-  /// Discards all states including the start, because the co-simulation has restored a state that may belong to another
-  /// run.
+  /// Discards all states including the start. Must be called after the co-simulation has restored a state.
   void clear();
 
-  /// Counts an instruction that a hart begins. Returns the position of the instruction.
+  /// Counts an instruction, and returns its position.
   std::uint64_t advance() {
     ++position_;
     frontier_ = std::max(frontier_, position_);
     return position_;
   }
-  /// Marks all instructions before `position` as executed. Called if gdb has stopped the program after an instruction
-  /// and before the next one.
+  /// Marks all instructions before `position` as executed.
   void reach(std::uint64_t position) { frontier_ = std::max(frontier_, position); }
   std::uint64_t position() const { return position_; }
   const std::vector<Snapshot>& snapshots() const { return snapshots_; }
@@ -62,9 +57,9 @@ class History {
   /// Sets whether the run must end so that a saved state can be restored.
   void set_leaves(bool leaves) { leaves_ = leaves; }
   bool leaves() const { return leaves_; }
-  /// Returns the next byte of input, or the reason why no byte is available (ConsolePort). In a replay, returns the
-  /// result that the same call returned before. Otherwise returns the result of `read`. After a change by gdb, first
-  /// returns the bytes that were read before the change.
+  /// Returns the next byte of input, or kNothingYet or kEnded (ConsolePort). In a replay, returns the same result as in
+  /// the first run. Otherwise returns the result of `read`. After a change by gdb, first returns the bytes that were
+  /// read before the change.
   int input(const std::function<int()>& read);
 
  private:

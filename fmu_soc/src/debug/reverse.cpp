@@ -102,7 +102,6 @@ bool GdbServer::rewind() {
   return true;
 }
 
-/// Chooses the replay that follows a search.
 void GdbServer::next_replay() {
   auto& replay = *replay_;
   if (replay.place.position != 0) {
@@ -136,9 +135,9 @@ std::optional<bool> GdbServer::replay_before(unsigned number, std::uint32_t pc, 
   return true;
 }
 
-/// Records a stop after an access to a watched word, and the hart that has made the access. gdb assumes that a RISC-V
-/// core stops before the access. Therefore gdb makes one more step in the same direction before it compares the values.
-/// The hart is recorded because another hart may execute the next instruction.
+/// Records a stop after an access to a watched word. gdb assumes that a RISC-V core stops before the access. Therefore
+/// gdb makes one more step in the same direction before it compares the values. The hart is recorded because another
+/// hart may execute the next instruction.
 void GdbServer::replay_retired(unsigned number, const Retired& instruction) {
   auto& replay = *replay_;
   if (replay.phase != Replay::Phase::searching || replay.by_step) return;

@@ -16,7 +16,6 @@ constexpr std::string_view kInterrupted = "T02";
 
 }  // namespace
 
-/// Builds the stop reply for gdb.
 void GdbServer::stop(unsigned number, std::string_view signal, std::string_view why) {
   threads_.choose(number);
   stop_reply_ = fmt::format("{}thread:{:x};{}", signal, number + 1, why);
@@ -53,8 +52,8 @@ bool GdbServer::HartObserver::before(const Hart& hart) {
   return hold(hart, position);
 }
 
-/// Ends a step and reports a watchpoint before any other hart continues. gdb expects that only one thread runs during a
-/// step, and uses only one thread to step over a breakpoint.
+/// Ends a step and reports a watchpoint before any other hart continues, because gdb expects only one thread to run
+/// during a step.
 void GdbServer::HartObserver::retired(const Hart& hart, const Retired& instruction) {
   if (server_.replay_) return server_.replay_retired(number_, instruction);
   if (server_.leaves() || !server_.connection_.connected() || !reports_to_gdb()) return;

@@ -9,7 +9,6 @@
 #include <string_view>
 #include <utility>
 
-/// Converts numbers and bytes to and from the format of gdb's remote protocol.
 namespace mebots::soc::debug {
 
 struct Range {
@@ -17,25 +16,25 @@ struct Range {
   std::uint32_t size = 0;
 };
 
-/// Parses a hexadecimal number such as "1c000000". Returns nullopt if the text is empty, not a number, or longer than
-/// 32 bits.
+/// Parses a hexadecimal number such as "1c000000". Returns nullopt if the text is not a number of at most 32 bits.
 std::optional<std::uint32_t> parse_hex(std::string_view text);
 /// Parses an address and a size in hexadecimal digits, such as "1c000000,4". Returns nullopt if one of them is invalid.
 std::optional<Range> parse_range(std::string_view text);
-/// Parses a word that is written as four bytes in the order of memory. Returns nullopt if the text is not such a word.
+/// Parses a 32-bit word from eight hexadecimal digits, least significant byte first. Returns nullopt for any other
+/// text.
 std::optional<std::uint32_t> parse_little_endian(std::string_view text);
 std::string little_endian(std::uint32_t value);
 
 std::string to_hex(std::string_view bytes);
 std::optional<std::string> from_hex(std::string_view text);
 
-/// Presents the chip's harts to gdb as threads: thread n + 1 is hart n. Harts of a cluster that is off are included, so
-/// that thread numbers never change.
+/// Presents the chip's harts to gdb as threads: thread n + 1 is hart n. Harts of a cluster that is off keep their
+/// thread numbers.
 class Threads {
  public:
   explicit Threads(Soc& soc) : soc_(soc) {}
 
-  /// Returns the hart that gdb inspects. If gdb has chosen no hart, this is the hart that stopped last.
+  /// Returns the number of the hart that gdb inspects: the hart that gdb has chosen or that stopped last.
   unsigned chosen() const { return chosen_; }
   Hart& hart() { return soc_.hart(chosen_); }
   const Hart& hart() const { return std::as_const(soc_).hart(chosen_); }
@@ -48,8 +47,7 @@ class Threads {
   std::string list() const;
   /// Returns the text that `info threads` shows after the number.
   std::string describe(unsigned number) const;
-  /// Returns the time at which the next instruction or the sleep of the chosen hart starts. If that hart is off,
-  /// returns the time of the fabric controller.
+  /// Returns the time of the chosen hart. If that hart is off, returns the time of the fabric controller.
   Picoseconds time() const { return soc_.core_time(soc_.is_on(chosen_) ? chosen_ : kFabricControllerHart); }
 
  private:

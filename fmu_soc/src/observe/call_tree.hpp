@@ -9,7 +9,7 @@
 
 namespace mebots::soc::observe {
 
-/// Stores the counts of a profile. All counts are integers, so that a sum of parts is exact.
+/// Stores the counts of a profile as integers, so that sums are exact.
 struct Cost {
   std::int64_t cycles = 0;
   std::int64_t instructions = 0;
@@ -40,7 +40,7 @@ class CallTree {
     Cost self;
   };
 
-  /// The root represents the whole run. It is neither a function nor a state.
+  /// The root represents the whole run.
   CallTree() : nodes_(1) {}
   static constexpr std::uint32_t kRoot = 0;
 
@@ -58,7 +58,7 @@ class CallTree {
 
   /// Returns the cost of each node, including the costs of its descendants.
   std::vector<Cost> inclusive() const;
-  /// Returns a list with the children of each node, in the order of their creation.
+  /// Returns the children of each node, in the order of their creation.
   std::vector<std::vector<std::uint32_t>> children() const;
 
  private:

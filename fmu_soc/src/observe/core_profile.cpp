@@ -16,7 +16,7 @@ bool is_link(unsigned reg) {
   return reg == 1 || reg == 5;
 }
 
-/// Rounds like std::llround, without the call of a library function.
+/// Rounds like std::llround, but is inlined.
 std::int64_t rounded(double value) {
   return static_cast<std::int64_t>(value < 0 ? value - 0.5 : value + 0.5);
 }
@@ -95,9 +95,9 @@ void CoreProfile::retired(const Hart& hart, const Retired& instruction) {
   step({decoded.op, decoded.rd, decoded.rs1, instruction.pc + decoded.length, hart.pc()}, [this] { return now(); });
 }
 
-/// Adds the costs of steps of translated code. Between these steps, only this hart's counts have changed. The time of a
-/// step is computed from the hart's cycles, rounded as in now(), so rounding errors do not accumulate. Energy is linear
-/// in the counts, so the energy at a step is computed from the energy at the previous step.
+/// Adds the costs of steps that translated code has recorded. Between these steps, only this hart's counts change. The
+/// time of a step is computed from the hart's cycles and rounded as in now(), so that rounding errors do not
+/// accumulate. The energy of a step is linear in the counts.
 void CoreProfile::flowed(const Hart& hart, std::span<const Flow> steps) {
   const auto last = now();
   const auto per_count = soc_.power().energy_per_count(number_);
@@ -140,7 +140,8 @@ void CoreProfile::step(const Step& step, Now now) {
   }
 }
 
-/// Returns the code of the function at the top of the stack. While it continues, its cost need not be updated.
+/// Returns the code of the function at the top of the stack. In this code, costs need not be added after each
+/// instruction.
 QuietCode CoreProfile::quiet() const {
   return stack_.back().kind == Kind::function ? functions_.code(stack_.back().place) : QuietCode{};
 }

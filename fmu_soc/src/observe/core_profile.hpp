@@ -18,9 +18,8 @@ namespace mebots::soc::observe {
 /// present function (tail call). A trap or interrupt has a frame until its mret. Sleep and time without supply also
 /// have frames.
 ///
-/// Energy: a core of the cluster gets the energy of its instructions and accesses beyond that of its gated clock. The
-/// fabric controller gets all other energy of the chip (other parts, leakage, clock trees, DMA, refills of the
-/// cluster's cache). The sum over the harts is therefore the energy of the chip.
+/// Energy: a cluster core gets the energy of its instructions and memory accesses, without that of its gated clock. The
+/// fabric controller gets all other energy of the chip. The sum over the harts is therefore the energy of the chip.
 class CoreProfile final : public Observer {
  public:
   /// `number` is the number of the hart in the chip. All harts share `functions`.
@@ -39,13 +38,12 @@ class CoreProfile final : public Observer {
   void restored() { start(); }
   /// Adds all costs up to now. Must be called between two steps of a run.
   void settle();
-  /// Adds all costs since the last step, up to the present time and energy of the chip. If the last block of a cluster
-  /// core ended later, adds its costs up to that end. Must be called at the end of a run.
+  /// Adds all costs up to the end of the run. If the last block of a cluster core ends after the chip's time, that
+  /// core's costs end with the block.
   void finish();
 
   unsigned number() const { return number_; }
   const CallTree& tree() const { return tree_; }
-  /// Returns the sum over the call tree, which is exactly the cost of the run.
   Cost total() const { return tree_.inclusive()[CallTree::kRoot]; }
 
  private:
@@ -57,7 +55,6 @@ class CoreProfile final : public Observer {
     Kind kind = Kind::function;
   };
 
-  /// Describes a step from one instruction to the next.
   struct Step {
     Op op;
     unsigned rd;

@@ -10,7 +10,7 @@
 
 namespace mebots::soc::observe {
 
-/// Stores the counts of a source file. Source of the format: geninfo(1) of LCOV 1.16, "TRACEFILE FORMAT".
+/// Stores the counts of a source file. Source of the file format: geninfo(1) of LCOV 1.16, "TRACEFILE FORMAT".
 struct Coverage::File {
   struct Branch {
     std::uint32_t line = 0;

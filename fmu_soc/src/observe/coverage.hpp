@@ -26,13 +26,13 @@ class Coverage {
 
   /// Returns the observer, which may be attached to any hart.
   Observer& observer() { return observer_; }
-  /// Writes the file. Throws Error if the file cannot be written.
+  /// Throws Error if the file cannot be written.
   void finish();
 
  private:
   struct Count {
     std::uint64_t executed = 0;
-    std::uint64_t taken = 0;  // how often the branch was taken
+    std::uint64_t taken = 0;
     bool branch = false;
   };
   static constexpr unsigned kPageBits = 12;

@@ -23,7 +23,6 @@ CoreStack::CoreStack(const Soc& soc, unsigned number, Functions& functions, std:
       banks_(banks),
       last_{.counters = soc.hart(number).counters()} {}
 
-/// Returns the cost of the function that contains `pc`.
 StackCost& CoreStack::at(std::uint32_t pc) {
   if (current_ != nullptr && functions_.inside(place_, pc)) return *current_;
   place_ = current_ == nullptr ? functions_.entered(pc) : functions_.reached(pc, place_);

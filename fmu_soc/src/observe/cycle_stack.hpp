@@ -17,7 +17,7 @@ namespace mebots::soc::observe {
 struct StackCost {
   std::array<std::int64_t, kCycleCauses> causes{};
   std::int64_t instructions = 0;
-  Picoseconds asleep = 0;  // time of waiting for an interrupt or event; no active cycles belong to it
+  Picoseconds asleep = 0;  // time of sleep, which is not part of the cycles
 
   std::int64_t cycles() const;
   StackCost& operator+=(const StackCost& other);
@@ -26,8 +26,8 @@ struct StackCost {
 /// Counts the accesses of all observed cores to one bank of their first memory.
 struct BankUse {
   std::uint64_t accesses = 0;
-  std::uint64_t conflicts = 0;        // number of accesses that had to wait
-  std::uint64_t conflict_cycles = 0;  // number of cycles that these accesses waited
+  std::uint64_t conflicts = 0;
+  std::uint64_t conflict_cycles = 0;
 };
 
 /// Counts the cycles of one hart for each function and cause. An instruction counts for the function that contains it.
@@ -44,8 +44,7 @@ class CoreStack final : public Observer {
   void woke(const Hart& hart) override;
   void switched(const Hart& hart, bool on) override;
   void trapped(const Hart& hart, const Trapped& trap) override;
-  /// Adds the sleep of a sleeping hart up to now, and assigns causes to the cycles after the last instruction. Must be
-  /// called at the end of the run.
+  /// Adds the costs since the last instruction, including a present sleep. Must be called at the end of the run.
   void finish();
 
   unsigned number() const { return number_; }
@@ -53,7 +52,7 @@ class CoreStack final : public Observer {
   StackCost total() const;
 
  private:
-  /// Stores the counts of the hart after the last instruction, and the events that have occurred since.
+  /// Counts of the hart at the last instruction, and events since then.
   struct Last {
     Counters counters;
     bool jump = false;
@@ -76,7 +75,6 @@ class CoreStack final : public Observer {
   Picoseconds asleep_since_ = -1;  // start of the present sleep; negative = the hart is awake
 };
 
-/// Counts the cycles of all harts for each function and cause.
 class CycleStack {
  public:
   explicit CycleStack(const Soc& soc);

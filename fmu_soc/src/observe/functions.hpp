@@ -25,14 +25,13 @@ class Functions final : public FlowMap {
   /// Returns the function that a call of `address` enters. If no symbol contains the address, the address is used as
   /// the name.
   std::uint32_t entered(std::uint32_t address);
-  /// Returns the function that contains the code at `address`. The function `current` has reached this code without a
-  /// call. If no symbol contains the address, returns `current`.
+  /// Returns the function at `address` after a step from `current` that is not a call. If no symbol contains the
+  /// address, returns `current`.
   std::uint32_t reached(std::uint32_t address, std::uint32_t current);
   /// Returns the number of a place that is not code, such as "asleep".
   std::uint32_t named(std::string_view name);
 
-  /// Returns true if `address` is certainly inside `function`. May return false although it is inside. This is a fast
-  /// check.
+  /// Returns true if `address` is certainly inside `function`. This fast check may return false for an address inside.
   bool inside(std::uint32_t function, std::uint32_t address) const { return code(function).holds(address); }
   /// Returns a range of code that certainly belongs to the function.
   QuietCode code(std::uint32_t function) const { return {places_[function].begin, places_[function].size}; }

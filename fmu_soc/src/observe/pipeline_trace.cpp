@@ -10,7 +10,7 @@
 namespace mebots::soc::observe {
 namespace {
 
-/// Is added to all cycle numbers, so that the fetch of the first instruction does not start before cycle 0.
+/// Offset of all cycle numbers. It keeps the fetch of the first instruction from starting before cycle 0.
 constexpr std::int64_t kStagesBeforeExecute = 2;
 constexpr std::string_view kStageNames[] = {"F", "D", "X", "W"};
 

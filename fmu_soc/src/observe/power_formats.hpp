@@ -24,11 +24,9 @@ class PowerWriter {
   PowerWriter& operator=(const PowerWriter&) = delete;
   virtual ~PowerWriter() = default;
 
-  /// Sets the state of a track from `time` on.
   virtual void state(Picoseconds time, std::size_t track, std::string_view name) = 0;
-  /// Sets the value of a channel from `time` on.
   virtual void value(Picoseconds time, std::size_t channel, double value) = 0;
-  /// Completes the file. Throws Error if a part of it could not be written.
+  /// Throws Error if a part of the file could not be written.
   virtual void finish(Picoseconds time) = 0;
 };
 

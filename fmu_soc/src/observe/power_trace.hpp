@@ -23,10 +23,10 @@ class PowerTrace final : public StateListener {
   PowerTrace(const std::string& option, const std::string& path, const Soc& soc);
 
   void changed(Picoseconds time) override;
-  /// Must be called after the chip was restored to an earlier state. Power is computed from that state on. Because time
-  /// in the file cannot decrease, nothing is written until the chip reaches the last time of the file again.
+  /// Must be called after the chip was restored to an earlier state. Writes nothing until the chip has reached the last
+  /// time in the file again, because times in the file must not decrease.
   void restored();
-  /// Writes all data up to now. Throws Error if the file could not be written.
+  /// Throws Error if a part of the file could not be written.
   void finish();
 
  private:
@@ -43,7 +43,7 @@ class PowerTrace final : public StateListener {
   const Soc& soc_;
   std::unique_ptr<PowerWriter> writer_;
   std::vector<std::string_view> states_;  // state that was written last, for each track
-  std::vector<Change> waiting_;           // changes of state that belong to the span that is not written yet
+  std::vector<Change> waiting_;           // changes of state in the span that is not written yet
   Picoseconds span_start_ = 0;
   std::vector<double> span_energies_j_;
   double span_clock_hz_ = 0;

@@ -18,8 +18,8 @@ namespace mebots::soc::observe {
 /// Stores the counts of a profile in consecutive windows of time. The sum over all windows is equal to the sum over the
 /// call trees.
 ///
-/// A window is a whole number of the caller's steps. If there are too many windows, pairs of neighbours are joined, and
-/// later windows are twice as long. Therefore the memory does not grow with the length of the run.
+/// A window contains a whole number of the caller's steps. If there are kMost windows, neighbours are joined in pairs,
+/// and later windows are twice as long.
 class ProfileWindows {
  public:
   static constexpr std::size_t kMost = 1024;
@@ -57,8 +57,8 @@ class ProfileWindows {
   std::vector<Window> windows_;
 };
 
-/// Writes a profile file. It contains the time and energy of the chip for each hart, function and call stack, both for
-/// the whole run and for windows of time.
+/// Writes a profile file: time and energy for each hart, function and call stack, both for the whole run and for
+/// windows of time.
 class Profile {
  public:
   /// `option` is the command-line option for error messages. The extension of `path` selects the format: .json for
@@ -66,7 +66,7 @@ class Profile {
   /// be written.
   Profile(const std::string& option, const std::string& path, const Soc& soc);
 
-  /// Returns the observer that must be attached to the hart `number` of the chip.
+  /// Returns the observer to attach to the hart `number`.
   CoreProfile& hart(unsigned number) { return harts_[number]; }
   const Functions& functions() const { return functions_; }
 

@@ -37,8 +37,8 @@ class Observers final : public Observer {
     for (auto* observer : list_) observer->retired(hart, instruction);
   }
   QuietCode quiet() const override { return list_.size() == 1 ? list_.front()->quiet() : QuietCode{}; }
-  /// Returns null if there are several observers, because only a single observer can receive steps between functions.
-  /// Then no code is translated.
+  /// Returns null if there are several observers, because only a single observer can receive recorded steps. Code is
+  /// then not translated.
   const FlowMap* flow() const override { return list_.size() == 1 ? list_.front()->flow() : nullptr; }
   void flowed(const Hart& hart, std::span<const Flow> steps) override {
     for (auto* observer : list_) observer->flowed(hart, steps);
@@ -60,7 +60,6 @@ class Observers final : public Observer {
   std::vector<Observer*> list_;
 };
 
-/// Combines several listeners, which are called in the order in which they were added.
 class StateListeners final : public StateListener {
  public:
   void add(StateListener& listener) { list_.push_back(&listener); }
@@ -93,7 +92,7 @@ struct Requests {
   unsigned pipeline_hart = kFabricControllerHart;
   std::optional<int> gdb_port;
   debug::GdbServer::Kill gdb_kill = debug::GdbServer::Kill::ends_run;
-  /// Lets gdb return to earlier instructions; must outlive the session; null = it cannot.
+  /// Lets gdb return to earlier instructions; may be null; must outlive the session.
   debug::History* history = nullptr;
   std::function<void(std::string_view)> announce;  // prints the port on which gdb can connect
 
@@ -105,13 +104,13 @@ struct Requests {
 /// Contains all observers of a run. The chip must outlive the session.
 class Session {
  public:
-  /// Creates the requested observers. Throws Error if a file cannot be written or a port cannot be opened.
+  /// Throws Error if a file cannot be written or a port cannot be opened.
   Session(const Requests& requests, Soc& soc);
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
   ~Session();
 
-  /// Adds an observer to the fabric controller. It must be removed before it is destroyed.
+  /// Adds an observer of the fabric controller. Before the destruction of an observer, the caller must remove it.
   void add(Observer& observer);
   void remove(Observer& observer);
   /// Adds a listener, which must outlive the session.

@@ -10,8 +10,7 @@
 
 namespace mebots::soc::observe {
 
-/// Writes a text file during a run. The file is opened before the run. Error messages name the option that requested
-/// it.
+/// Writes a text file during a run. Error messages name the option that requested the file.
 class TextFile {
  public:
   /// Throws Error if the file cannot be written.
@@ -27,7 +26,7 @@ class TextFile {
     if (buffer_.size() > kFull) flush();
   }
 
-  /// Closes the file. Throws Error if any part of it could not be written.
+  /// Throws Error if a part of the file could not be written.
   void close();
 
   const std::string& path() const { return path_; }

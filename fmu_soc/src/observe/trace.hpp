@@ -12,9 +12,9 @@ namespace mebots::soc::observe {
 
 /// Writes a line for every instruction that a hart retires, in the format of Spike's `--log-commits`: `core 0: 3
 /// 0x80000008 (0x00c5a603) x12 0x00000007 mem 0x80001100`. The columns are privilege mode, pc, instruction word,
-/// written register, written CSR, address of a load, address and value of a store. A post-increment of Xpulp, which
-/// Spike does not have, lists the address register as a second register. Harts have the chip's numbers. The lines of
-/// each hart are in the order of time; lines of different harts may be out of order.
+/// written register, written CSR, address of a load, address and value of a store. For a post-increment of Xpulp, the
+/// address register is listed as a second register. Lines of one hart are in the order of time; lines of different
+/// harts may be out of order.
 class Trace {
  public:
   struct Columns {
@@ -22,7 +22,7 @@ class Trace {
   };
   Trace(const std::string& option, const std::string& path, Columns columns, unsigned harts);
 
-  /// Returns the observer that must be attached to the hart `number`.
+  /// Returns the observer to attach to the hart `number`.
   Observer& hart(unsigned number) { return harts_[number]; }
   void close() { file_.close(); }
 

@@ -12,10 +12,10 @@ struct Series {
   const char* name;
   const char* unit;
   std::int64_t Cost::*part;
-  int decimals;  // number of decimal places
+  int decimals;
 };
 
-/// Writes an integer with a decimal point. The function does not use double, because double would round the value.
+/// Writes an integer with a decimal point. A double would round the value.
 void put_value(TextFile& file, std::int64_t value, int decimals) {
   std::int64_t scale = 1;
   for (int i = 0; i < decimals; ++i) scale *= 10;
@@ -33,7 +33,7 @@ class Writer {
   Writer(const CallTree& tree, TextFile& file)
       : tree_(tree), inclusive_(tree.inclusive()), children_(tree.children()), file_(file) {}
 
-  /// `whose` is the name of the hart. It is empty if there is only one hart.
+  /// `whose` is the name of the hart, or empty if there is only one hart.
   void write(const Series& series, const std::string& whose) {
     file_.print(R"({{"type":"evented","name":"{}{}{}","unit":"{}","startValue":0,"endValue":)", series.name,
                 whose.empty() ? "" : ", ", whose, series.unit);

@@ -26,22 +26,20 @@ struct DecodedCode {
   DecodedCode(const DecodedCode&) = delete;
   DecodedCode& operator=(const DecodedCode&) = delete;
 
-  bool translates;  // hot code, if translation is possible
+  bool translates;  // hot code is translated
   BlockCache blocks;
   const bool loose_limit;
   InstructionCache* const instruction_cache;          // null = none
-  Banks* const banks;                                 // null = one user
-  std::unique_ptr<translate::Translator> translator;  // made when the first block is hot
+  Banks* const banks;                                 // null = only one core uses the memory
+  std::unique_ptr<translate::Translator> translator;  // created when the first block is hot
   const FlowMap* flow = nullptr;                      // null = steps between functions are not recorded
   std::uint64_t times_dropped = 0;                    // number of discarded translations
 
-  /// True if translated code continues after a rare instruction. If the limit is loose, a core's turn ends there. If
-  /// steps between functions are recorded, they are reported there.
+  /// Returns true if translated code continues after a rare instruction. It does not continue if the limit is loose, or
+  /// if steps between functions are recorded.
   bool performs_rare() const { return !loose_limit && flow == nullptr; }
-  /// True if translated code exists for this decoded code.
   bool is_translated() const { return translator != nullptr; }
-  /// Returns the number of instructions translated since construction. If an instruction is translated again, it is
-  /// counted again.
+  /// Returns the number of translated instructions. A repeated translation of an instruction is counted again.
   std::uint64_t instructions_translated() const { return is_translated() ? translator->translated() : 0; }
 
   void drop_translations() {

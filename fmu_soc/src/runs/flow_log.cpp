@@ -35,7 +35,7 @@ void FlowLog::report(const ObservedRun& observed) {
   e.host.flow = steps_.get();
   if (observed.observer() == nullptr) return;
   make_absolute(steps);
-  // During the call, the hart's counters have their values after the last step.
+  // During the observer's call, the hart's counters have their values after the last step.
   const auto at_end = e.counters;
   const auto& last = steps.back();
   e.counters.instructions = last.instructions;
@@ -57,8 +57,8 @@ void FlowLog::make_absolute(std::span<Flow> steps) const {
   const auto* banks = decoded_.banks;
   for (auto& step : steps) {
     // Computes the cycles from the step to the end of the run. The recorded count decreases by one per cycle. If banks
-    // are shared, the recorded value is an address instead, which increases by one row per cycle. If execution has left
-    // a block before its end, the difference is negative, because the cycles of the block are not counted yet.
+    // are shared, the recorded value is an address instead, which increases by one row per cycle. If translated code
+    // has left a block before its end, the difference is negative, because the cycles of the block are not counted yet.
     auto left = static_cast<std::int64_t>(step.cycles - host.position);
     if (banks != nullptr) left = -left / static_cast<std::int64_t>(banks->count());
     step.cycles = counters.cycles - static_cast<std::uint64_t>(left);

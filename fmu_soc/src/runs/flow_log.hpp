@@ -13,8 +13,7 @@ namespace mebots::soc {
 
 class ObservedRun;
 
-/// Records the steps between functions that translated code makes in a run. The observer receives these steps after the
-/// run.
+/// Records the steps between functions in translated code, and reports them to the observer after the run.
 class FlowLog {
  public:
   /// Maximum number of cycles of a run that records steps. No block takes more cycles.
@@ -22,9 +21,9 @@ class FlowLog {
 
   FlowLog(Execution& execution, const DecodedCode& decoded) : execution_(execution), decoded_(decoded) {}
 
-  /// Reduces the limit of a run, so that the log has room for all steps of the run. Returns the new limit.
+  /// Returns the number of cycles that a run may take without overflowing the log: `cycles` or less.
   std::uint64_t make_room(std::uint64_t cycles);
-  /// Passes the steps of the last run to the observer. If there is no observer, has no effect.
+  /// Reports the steps of the last run to the observer, if there is one.
   void report(const ObservedRun& observed);
 
  private:

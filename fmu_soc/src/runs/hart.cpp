@@ -31,8 +31,7 @@ Hart::Hart(Memory& memory, Bus& bus, DecodedCode& decoded, const HartSettings& s
 }
 
 void Hart::connect(std::span<const MemoryPort> ports) {
-  // Translated code contains all properties of the fast memories, with two exceptions: other users of a memory and, if
-  // a memory is shared, its wait cycles.
+  // Translated code contains constants of the fast memories.
   if (data_path_.connect(ports)) decoded_.drop_translations();
   blocks_.set_longest_wait(data_path_.longest_wait());
 }
@@ -120,7 +119,7 @@ Stop Hart::continue_run(std::uint64_t limit, bool left_translated) {
   }
 }
 
-/// Determines at the start of a run whether the hart is awake or wakes now. Returns false if the hart stays asleep.
+/// Wakes a sleeping hart if an enabled interrupt is pending. Returns false if the hart stays asleep.
 bool Hart::stays_awake() {
   if (sleeping_) {
     if (!wakes()) return false;
@@ -130,11 +129,11 @@ bool Hart::stays_awake() {
   return true;
 }
 
-/// Returns the block at the pc. If possible, uses the link of the last instruction. Returns 0 if the pc cannot be
-/// fetched. Also returns 0 if no block begins at this pc and the hart is there because of a limit or a return from a
-/// trap. A limit may be at any instruction, and blocks from all these addresses would fill the cache. If the limit is
-/// loose, a block is always decoded. The reason is that blocks determine where a core stops, and this place must not
-/// depend on earlier decoding.
+/// Returns the block at the pc, by the link of the last instruction if possible. Returns 0 if the pc cannot be fetched.
+///
+/// Also returns 0 if the hart is at this pc because of a limit or a return from a trap, and no block begins there. Such
+/// a pc may be any instruction, and blocks at all of them would fill the cache. With a loose limit, a block is always
+/// decoded: blocks determine where a core stops, and this place must not depend on earlier decoding.
 inline std::uint32_t Hart::following() {
   const auto* link = execution_.link;
   if (link == nullptr) {
@@ -334,7 +333,7 @@ void Hart::take_interrupt() {
 void Hart::visit(state::Visitor& v) {
   MEBOTS_ASSERT(execution_.x[0] == 0, "writes to x0 go to the last one");
   auto registers = execution_.x;
-  registers.back() = 0;  // it has no meaning
+  registers.back() = 0;  // scratch register for writes to x0
   v("x", std::span(registers).first<kFirstFloat>());
   v("f", std::span(registers).subspan<kFirstFloat, kRegisters - kFirstFloat>());
   v("frm", execution_.rounding);

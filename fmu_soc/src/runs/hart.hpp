@@ -24,21 +24,20 @@ namespace mebots::soc {
 
 class Observer;
 
-/// The reason why `Hart::run` returned.
 enum class Stop : std::uint8_t {
   limit,     // the next instruction starts at or after the limit
-  device,    // access to a device register: its schedule may have changed
-  turn,      // an access outside the RAM must wait for other cores: run again after them
+  device,    // a device register was accessed; the device's next event may have changed
+  turn,      // an access outside the RAM must wait for other cores; run the hart again after them
   sleeping,  // WFI or an event load, and no enabled interrupt is pending
-  watch,     // a store to a watched word, and the bus ended the run
+  watch,     // a watched word was stored, and the bus ended the run
   fault,     // the core cannot continue
   observer,  // the observer wants the run to end before the next instruction
 };
 
-/// A RISC-V hardware thread (hart): RV32IMC_Zicsr_Zifencei in machine mode, with the extensions in Timing. The cycles
-/// are those of RI5CY, which also has Xpulp v2, or of CV32E40P. Code is decoded once into blocks. A block runs only if
-/// all its instructions start before the limit. If some would start later, the hart runs one instruction at a time,
-/// with the same counts.
+/// A RISC-V hardware thread (hart): RV32IMC_Zicsr_Zifencei in machine mode, with the extensions in Timing. Cycles are
+/// those of RI5CY, which also has Xpulp v2, or of CV32E40P. Code is decoded once into blocks. If all instructions of a
+/// block start before the limit, the whole block runs at once. Otherwise the hart runs single instructions, with the
+/// same counts.
 class Hart {
  public:
   /// At first, the hart accesses all regions of the memory without waiting, and the first two regions are on the fast
@@ -70,9 +69,8 @@ class Hart {
     bool ran = false;           // that hart continued in the interpreter
     Stop stop = Stop::limit;    // its reason to stop
   };
-  /// Runs a round: runs `first` and the next harts of the round in translated code. Each hart runs up to the same tick
-  /// (active cycle + offset). The round ends when a hart leaves translated code. The harts must share banks and decoded
-  /// code.
+  /// Runs `first` and the next harts of its round in translated code, each up to the same tick (active cycle + offset).
+  /// The round ends when a hart leaves translated code. The harts must share banks and decoded code.
   static RoundEnd run_round_robin(Hart& first, std::uint64_t limit_tick);
   /// Sets the next hart of a round; null if there is none. run() resets the next hart to null.
   void set_next(Hart* next) { execution_.set_next(next == nullptr ? nullptr : &next->execution_); }
@@ -94,8 +92,8 @@ class Hart {
     sleeping_ = false;
     waits_for_event_ = false;
   }
-  /// True if an enabled interrupt is pending, which ends a sleep. During an event load, mstatus must also allow the
-  /// interrupt. If it did not, the load would sleep again.
+  /// Returns true if an enabled interrupt is pending, which ends a sleep. During an event load, mstatus must also allow
+  /// the interrupt, because the load would otherwise sleep again.
   bool wakes() const { return waits_for_event_ ? csrs_.interrupt_ready() : csrs_.pending() != 0; }
   /// True if the hart is in an endless jump to itself that no interrupt can end.
   bool spins() const;
@@ -106,16 +104,16 @@ class Hart {
   const Counters& counters() const { return execution_.counters; }
 
   std::uint32_t pc() const { return execution_.pc; }
-  /// Moves the pc. For debuggers, between instructions.
+  /// Sets the pc. Only debuggers may call this function, between two instructions.
   void set_pc(std::uint32_t pc);
   /// Reads or writes a CSR like an instruction, but adds no cycles. Returns false if the CSR or this access does not
   /// exist.
   bool csr(unsigned number, std::uint32_t& value) const { return csrs_.read(number, value); }
   bool set_csr(unsigned number, std::uint32_t value);
-  /// CSR accesses of the program that would have another effect on most other cores. Not part of a state.
+  /// Returns the program's CSR accesses that have another effect on most other cores. Not part of a state.
   const CsrRemarks& csr_remarks() const { return csrs_.remarks(); }
   Mode mode() const { return csrs_.mode(); }
-  /// Registers of F follow x31: see kFirstFloat.
+  /// Indices: x0 to x31, then the registers of F from kFirstFloat on.
   std::uint32_t reg(unsigned index) const { return execution_.x[index]; }
   void set_reg(unsigned index, std::uint32_t value) {
     if (index != 0) execution_.x[index] = value;
@@ -126,7 +124,6 @@ class Hart {
   /// Executes a rare instruction for translated code: see translate::Perform.
   [[gnu::sysv_abi]] static const std::uint8_t* perform(Execution& execution, std::uint64_t exit) noexcept;
 
-  /// The decoded code that this hart executes.
   const DecodedCode& code() const { return decoded_; }
 
  private:
@@ -145,7 +142,7 @@ class Hart {
 
   Bus& bus_;
   DecodedCode& decoded_;
-  BlockCache& blocks_;  // of the decoded code
+  BlockCache& blocks_;  // = decoded_.blocks
   Execution execution_;
   RunLimit limit_;
   Csrs csrs_;
@@ -157,9 +154,9 @@ class Hart {
   ObservedRun observed_;
   TranslatedRun translated_;
   bool at_access_ = false;   // the next instruction has waited for other cores: translated code cannot start with it
-  Stop stop_ = Stop::limit;  // the reason of Leave::stopped
+  Stop stop_ = Stop::limit;  // reason to stop, if Execution::leave is Leave::stopped
   bool sleeping_ = false;
-  bool waits_for_event_ = false;  // the sleep is that of an event load
+  bool waits_for_event_ = false;  // true during a sleep in an event load
 };
 
 }  // namespace mebots::soc

@@ -24,8 +24,8 @@ Access access_of(const Decoded& decoded, const Hart& hart) {
           .writes = store || (is_atomic(decoded.op) && !only_reserves)};
 }
 
-/// Returns the number of cycles that a misaligned load hides of the jump after it. These cycles were already subtracted
-/// at the load.
+/// Returns the cycles of a jump that overlap with the misaligned load before the jump. These cycles were already
+/// subtracted at the load.
 std::uint32_t hidden_by(const Execution& e, const Instruction* at) {
   const auto& next = at[1];
   const bool hides = e.slow_load == at && overlaps_slow(executed(*at, true), {next.op, next.rd, next.rs1});

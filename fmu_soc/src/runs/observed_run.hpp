@@ -12,9 +12,9 @@
 
 namespace mebots::soc {
 
-/// Runs a core with an observer. The results are the same as without an observer, but the observer is called after each
-/// instruction that it needs. This class also runs a core whose program counts events, because it must analyse each
-/// instruction.
+/// Runs a core and calls its observer after each instruction that the observer needs. The results are the same as
+/// without an observer. This class also runs a core whose program counts events, because each instruction must be
+/// analysed.
 class ObservedRun final : private BlockWalk {
  public:
   ObservedRun(const Hart& hart, Execution& execution, DecodedCode& decoded, Interpreter& interpreter,
@@ -30,20 +30,19 @@ class ObservedRun final : private BlockWalk {
   void observe(Observer* observer, bool sleeping);
   /// Starts or stops the counting of events. While events are counted, no code is translated.
   void count_events(bool counts);
-  /// True if this class must run the instructions instead of the interpreter or translated code.
+  /// Returns true if this class, and not the interpreter or translated code, must run the instructions.
   bool is_on() const { return observer_ != nullptr || counts_; }
-  /// Returns the observer, or null if no observer is set.
   Observer* observer() const { return observer_; }
   /// True if there is an observer that needs a call for each instruction.
   bool wants_all() const { return observer_ != nullptr && flow_ == nullptr; }
-  /// True if code may be translated: the program counts no events, and there is no observer, or the observer only needs
-  /// recorded steps. Translated code does not call before(), and does not record all steps.
+  /// Returns true if code may be translated. Translated code counts no events, does not call before(), and records only
+  /// steps between functions.
   bool allows_translation() const {
     if (counts_) return false;
     return observer_ == nullptr || (flow_ != nullptr && flow_ == decoded_.flow);
   }
 
-  /// Calls the observer's before(). Returns true if the run continues with the instruction at the pc.
+  /// Calls the observer's before(). Returns true if the run continues. An observer must be set.
   bool continues() { return observer_->before(hart_); }
   /// Runs a block. If the block may reach the limit, or if `alone` is set, runs only its first instruction.
   void run_block(const Block& block, std::uint32_t stall, bool alone);

@@ -11,11 +11,10 @@
 namespace mebots::soc {
 namespace {
 
-/// A block is translated after this many interpreted runs within an epoch. Code that runs less often is not worth a
-/// translation.
+/// Number of interpreted runs within an epoch after which a block is translated.
 constexpr std::uint16_t kHot = 64;
 constexpr unsigned kEpochBits =
-    26;  // in cycles; in one epoch, a program of a megabyte that is hot everywhere runs 64 times
+    26;  // in cycles; a program of a megabyte that is hot everywhere runs 64 times in an epoch
 /// Maximum cycles of a run in translated code, whose counts have 32 bits.
 constexpr std::uint64_t kLongestRun = std::uint64_t{1} << 30;
 
@@ -39,7 +38,7 @@ const translate::Entry* TranslatedRun::translate_when_hot(std::uint32_t number, 
   if (++block.heat < kHot) return nullptr;
   const auto first = blocks.instructions(block)->op;
   if (!decoded_.performs_rare() && ends_block(first) && !translate::has_translation(first)) {
-    cool(block);  // its translation would only leave
+    cool(block);  // translated code would return at once
     return nullptr;
   }
   if (translator == nullptr) {
@@ -56,7 +55,6 @@ const translate::Entry* TranslatedRun::translate_when_hot(std::uint32_t number, 
   return &entry;
 }
 
-/// Sets the limit of translated code.
 void TranslatedRun::set_budget() {
   auto& host = execution_.host;
   const auto cycles = flow_log_.make_room(limit_.cycles_from(execution_.counters.cycles));
@@ -74,8 +72,8 @@ void TranslatedRun::set_budget() {
 bool TranslatedRun::finish(const translate::Exit& exit) {
   auto& e = execution_;
   auto& host = e.host;
-  // The state of the pipeline before the next instruction. This state is empty if a jump from another block led to this
-  // block.
+  // Sets the state of the pipeline before the next instruction. This state is empty if a jump from another block led to
+  // this block.
   if ((host.instructions & 0xffffffffU) != 0) {
     e.pipeline = {};
   }
@@ -116,7 +114,7 @@ void TranslatedRun::resume_interpreter(const translate::Exit& exit) {
   auto& e = execution_;
   const auto* at = exit.at;
   std::uint32_t stall = 0;
-  if (at->index == 0 && is_load(e.pipeline.before.op)) {  // its stall is counted, but has not happened yet
+  if (at->index == 0 && is_load(e.pipeline.before.op)) {  // the stall after the load is counted, but not executed yet
     stall = decoded_.blocks.block(decoded_.blocks.known(at->pc)).stall_after(e.pipeline.before);
     e.counters.cycles -= stall;
   }

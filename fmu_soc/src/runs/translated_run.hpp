@@ -29,10 +29,10 @@ class TranslatedRun {
         limit_(limit),
         flow_log_(execution, decoded) {}
 
-  /// True if hot code is translated.
   bool is_on() const { return decoded_.translates; }
 
-  /// Returns the code to start this block, or null if the interpreter must run it. Translates a hot block.
+  /// Returns the translated code of this block. If the block has just become hot, translates it first. Returns null if
+  /// the interpreter must run the block.
   const translate::Entry* entry(std::uint32_t number, const Block& block, std::uint32_t stall);
   /// Runs from this entry on. Returns true if the next block can begin at once. Returns false if the interpreter has
   /// finished a block, because the result must then be checked.
@@ -49,9 +49,8 @@ class TranslatedRun {
   void chain(const Block& block, const translate::Entry& entry, std::uint32_t stall) {
     decoded_.translator->chain_last_exit(block, entry, stall != 0);
   }
-  /// Patches the exit of the last run to jump to the block at the pc, if that block is translated. This is needed for
-  /// exits at the limit. Without this function, a block that is as long as the time between two limits would never be
-  /// chained.
+  /// If the block at the pc is translated, patches the exit of the last run to jump to that block. Without this
+  /// function, a block that is as long as the time between two limits would never be chained.
   void chain_to_here();
   /// Returns the block at the pc after an exit from translated code; 0 = unknown.
   std::uint32_t next_block() const {
@@ -71,7 +70,7 @@ class TranslatedRun {
   translate::RunEnd run_round(std::uint64_t limit_tick);
   /// Passes the steps between functions of the last run to the observer.
   void report_flow() { flow_log_.report(observed_); }
-  /// Handles an exit from translated code. The result has the meaning of the result of `run`.
+  /// Handles an exit from translated code. Returns the same as run().
   bool finish(const translate::Exit& exit);
 
  private:
@@ -97,9 +96,9 @@ class TranslatedRun {
   std::uint64_t next_generation_ = 0;  // generation of blocks for which Execution::next_block is valid
 };
 
-/// True if all instructions of the block start before the limit, even if all lines must be fetched. Translated code
-/// fetches lines when it reaches them. The first instruction's lines must be present if the cache is shared, or if a
-/// stall follows.
+/// Returns true if the block may start in translated code: all its instructions start before the limit, even if all
+/// cache lines must be fetched. Translated code fetches lines when it reaches them. The first instruction's lines must
+/// be present if the cache is shared, or if a stall follows.
 inline bool TranslatedRun::may_begin(const Block& block, std::uint32_t stall) const {
   if (!is_on() || !observed_.allows_translation()) return false;
   const auto bound = std::uint64_t{decoded_.blocks.fetch_bound(block)} + stall;

@@ -17,7 +17,7 @@ namespace {
 
 constexpr unsigned kCallNumber = 17;  // a7
 
-/// Returns a list of those boards of this installation that have a device at an address, such as "uart of board virt".
+/// Returns the devices at an address on boards of this installation, such as "uart of board virt".
 std::vector<std::string> devices_at(std::uint32_t address) {
   std::vector<std::string> found;
   for (const auto& path : own_boards()) {

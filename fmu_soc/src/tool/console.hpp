@@ -5,13 +5,12 @@
 
 namespace mebots::soc::tool {
 
-/// Transfers bytes between the console and a program that calls the host.
 class Console {
  public:
   virtual ~Console() = default;
 
   virtual void write(std::span<const char> bytes) = 0;
-  /// Reads input into `into`. Returns the number of bytes read, 0 at the end of the input, or -errno after an error.
+  /// Reads input into `into`. Returns the number of bytes, 0 at the end of the input, or -errno after an error.
   virtual long read(std::span<char> into) = 0;
 };
 

@@ -20,9 +20,9 @@
 namespace mebots::soc::tool {
 namespace {
 
-/// Interval of simulated time at which a run checks whether the program has printed the text.
+/// Simulated time between two checks whether the program has printed the text.
 constexpr std::int64_t kLookNs = 10'000;
-/// Longest time of one command. Beyond it, a double cannot represent all nanoseconds.
+/// Longest time of one command. A double cannot represent all nanoseconds of longer times.
 constexpr double kLongestS = 1e6;
 constexpr std::uint32_t kLongestRead = 1U << 20;
 
@@ -32,7 +32,7 @@ std::string hex(const std::vector<std::uint8_t>& bytes) {
   return text;
 }
 
-/// Throws Error unless the value is a whole number of 32 bits. `what` names the value in the message, such as "an
+/// Throws Error unless the value is a 32-bit whole number. `what` describes the value in the message, such as "an
 /// address".
 std::uint32_t whole_number(std::string_view what, const nlohmann::ordered_json& value) {
   constexpr std::uint32_t kMost = std::numeric_limits<std::uint32_t>::max();
@@ -93,8 +93,8 @@ Control::Json Control::obey(const Json& command) {
   throw Error(fmt::format("unknown command {}; there are run, send, read, get, set and report", name));
 }
 
-/// Executes the command {"run": seconds, "until": text}. The run ends early if the program prints the text or ends.
-/// Output that an earlier reply has already returned does not count.
+/// Executes the command {"run": seconds, "until": text}. The run ends early if the program ends or prints the text.
+/// Output in earlier replies does not count.
 Control::Json Control::run(const Json& command) {
   const auto duration = command.at("run").get<double>();
   if (!(duration >= 0 && duration <= kLongestS)) {

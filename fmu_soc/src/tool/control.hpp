@@ -16,16 +16,15 @@
 
 namespace mebots::soc::tool {
 
-/// Provides the console of a program that a test controls. It collects the program's output, and stores the input for
-/// the program. Input arrives in simulated time, so that a run does not depend on the host's time.
+/// Console of a program that a test controls. Input arrives in simulated time, so that a run does not depend on the
+/// host's time.
 class ControlledConsole final : public Console {
  public:
   void write(std::span<const char> bytes) override { printed_.append(bytes.data(), bytes.size()); }
   void send(std::string_view bytes) { input_.insert(input_.end(), bytes.begin(), bytes.end()); }
-  /// Removes and returns the next input byte, like ConsolePort::read_console().
+  /// Removes and returns the next input byte. See ConsolePort::read_console().
   int read_byte();
-  /// If the test has sent no input, returns -EAGAIN. The program cannot wait for input, because a call takes no
-  /// simulated time.
+  /// If the test has sent no input, returns -EAGAIN. A call cannot wait for input, because it takes no simulated time.
   long read(std::span<char> into) override;
   const std::string& printed() const { return printed_; }
 
@@ -34,9 +33,8 @@ class ControlledConsole final : public Console {
   std::deque<char> input_;
 };
 
-/// Controls a program by commands that it reads from standard input. Each command is a JSON object on one line. The
-/// reply to each command is one line on standard output. docs/chip/testing.md lists the commands. The Python module
-/// mebots.testing sends them.
+/// Controls a program by commands from standard input. A command is a JSON object on one line, and its reply is one
+/// line on standard output. docs/chip/testing.md lists the commands. The Python module mebots.testing sends them.
 class Control {
  public:
   /// `report` must return the report of the run up to now, as JSON. `host_code` must return the exit code of a program

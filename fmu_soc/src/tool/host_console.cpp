@@ -22,8 +22,7 @@
 namespace mebots::soc::tool {
 namespace {
 
-/// Stores the mode of standard input's terminal before this process changed it. The variable is global because signal
-/// handlers use it.
+/// Original mode of the terminal on standard input. Signal handlers restore this mode, which is therefore global.
 termios saved_mode{};
 
 void restore_terminal() {
@@ -63,7 +62,7 @@ int open_terminal() {
     throw Error(fmt::format("--console pty: no pseudo terminal: {}", std::strerror(errno)));
   }
   const std::string name = ::ptsname(master);
-  // The slave is opened and closed once. Afterwards, the master can report whether a program has the slave open.
+  // Opens the slave once. Afterwards, poll() on the master reports whether a program has the slave open.
   if (const int other = ::open(name.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC); other >= 0) {
     termios mode{};
     ::tcgetattr(other, &mode);
@@ -115,7 +114,7 @@ void HostConsole::end_line() {
   in_line_ = false;
 }
 
-/// Waits for input while the buffer is empty, at most `timeout_ms` (-1: without limit). Returns true if input is
+/// If the buffer is empty, waits for input, at most `timeout_ms` (-1: without limit). Returns true if input is
 /// available.
 bool HostConsole::fill(int timeout_ms) {
   if (next_ < end_) return true;
@@ -134,7 +133,7 @@ bool HostConsole::fill(int timeout_ms) {
   return end_ != 0;
 }
 
-/// Returns the number of whole milliseconds by which the chip's time is ahead of the wall clock.
+/// Returns how far the chip's time is ahead of the wall clock, in whole milliseconds.
 int HostConsole::milliseconds_ahead(Picoseconds now) {
   const std::chrono::nanoseconds chip(now / kPsPerNs);
   if (!start_) start_ = Clock::now() - chip;

@@ -15,7 +15,7 @@
 
 namespace mebots::soc::tool {
 
-/// Connects a program's console to standard output with or without standard input, or to a pseudo terminal.
+/// Connects a program's console to standard input and output, or to a pseudo terminal.
 class HostConsole final : public Console {
  public:
   enum class Kind : std::uint8_t {
@@ -25,7 +25,7 @@ class HostConsole final : public Console {
     pty,     // a pseudo terminal, whose name is printed on standard error
   };
 
-  /// Throws Error if a pseudo terminal is needed and cannot be opened.
+  /// Throws Error if a pseudo terminal cannot be opened.
   explicit HostConsole(Kind kind);
   HostConsole(const HostConsole&) = delete;
   HostConsole& operator=(const HostConsole&) = delete;
@@ -35,15 +35,14 @@ class HostConsole final : public Console {
   /// Writes to standard output or to the pseudo terminal. If no program has the pseudo terminal open, the bytes are
   /// lost.
   void write(std::span<const char> bytes) override;
-  /// `repeats` must return true while a debugger repeats a part of the run. The console then writes nothing.
+  /// `repeats` must return true while a debugger repeats a part of the run, in which the console writes nothing.
   void mute_while(std::function<bool()> repeats) { repeats_ = std::move(repeats); }
   /// Ends an unfinished line on standard output. Must be called before other text is printed.
   void end_line();
-  /// Removes and returns the next input byte, like ConsolePort::read_console(). A file on standard input returns its
-  /// next byte at once. For other input, if `waits` is true, waits for a byte until the wall clock has advanced as far
-  /// as `now`.
+  /// Removes and returns the next input byte. See ConsolePort::read_console(). A file on standard input returns its
+  /// next byte at once. For other input, if `waits` is true, waits for a byte until the wall clock reaches `now`.
   int read_byte(Picoseconds now, bool waits);
-  /// Waits for input and reads it into `into`. Returns the number of bytes read, or 0 at the end of the input.
+  /// Waits for input and reads it into `into`. Returns the number of bytes, or 0 at the end of the input.
   long read(std::span<char> into) override;
 
  private:
@@ -55,7 +54,7 @@ class HostConsole final : public Console {
   std::function<bool()> repeats_;
   Kind kind_;
   int input_ = -1;        // file descriptor of the input; -1 = no input
-  bool is_file_ = false;  // input is a file, which can be read without waiting
+  bool is_file_ = false;  // input is a file, so that reading never waits
   bool ended_ = false;
   bool in_line_ = false;  // the last byte on standard output was not the end of a line
   std::array<char, 4096> buffer_{};

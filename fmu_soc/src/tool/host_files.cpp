@@ -17,11 +17,10 @@ namespace mebots::soc::tool {
 namespace {
 
 constexpr std::string_view kConsole = ":tt";
-/// Name of the file that lists the semihosting extensions of a host. This host has two extensions: exit with a code,
-/// and separate stdout and stderr.
+/// File that lists the semihosting extensions of this host: exit with a code, and separate stdout and stderr.
 constexpr std::string_view kFeatures = ":semihosting-features";
 constexpr std::string_view kFeatureBytes = "SHFB\x03";
-/// Limits the number of open files, because a program may forget to close them.
+/// Maximum number of open files, because a program may forget to close them.
 constexpr std::size_t kMostFiles = 256;
 
 }  // namespace
@@ -35,7 +34,7 @@ HostFiles::HostFiles(const std::optional<std::string>& folder, Console& console)
   }
 }
 
-/// Returns the path of a file, or nullopt if the file is outside the folder. Follows links.
+/// Returns the path of a file with all links resolved, or nullopt if the file is outside the folder.
 std::optional<std::filesystem::path> HostFiles::inside(const std::string& name) const {
   if (!folder_ || name.empty()) return std::nullopt;
   std::error_code error;
@@ -61,7 +60,7 @@ int HostFiles::open(const std::string& name, int flags) {
   if (!path) return -EACCES;
   std::error_code error;
   if (std::filesystem::is_directory(*path, error)) return -EISDIR;
-  // O_NOFOLLOW is needed because the canonical path does not contain a link to a file that does not exist yet.
+  // The canonical path may still end with a link to a file that does not exist yet.
   const int descriptor = ::open(path->c_str(), flags | O_NOFOLLOW | O_CLOEXEC, 0666);
   if (descriptor < 0) return errno == ELOOP ? -EACCES : -errno;
   const auto* const mode = is_read ? "rb" : (flags & O_ACCMODE) == O_WRONLY ? "wb" : "r+b";
@@ -70,7 +69,7 @@ int HostFiles::open(const std::string& name, int flags) {
   return keep(file);
 }
 
-/// Returns the number of a newly opened file, or -errno if `file` is null.
+/// Stores an open file and returns its number. If `file` is null, returns -errno.
 int HostFiles::keep(std::FILE* file) {
   if (file == nullptr) return -errno;
   File kept(file);

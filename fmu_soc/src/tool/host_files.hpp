@@ -14,20 +14,20 @@
 
 namespace mebots::soc::tool {
 
-/// Gives a program access to files of the host: 0 and 1 are the console, and 2 is standard error. Other files must be
-/// inside one folder. Negative results are -errno.
+/// Lets a program access files of the host. Numbers 0 and 1 are the console, and 2 is standard error. Other files must
+/// be inside one folder. Negative results are -errno.
 class HostFiles {
  public:
-  /// If `folder` is empty, a program can use only the console. The console must outlive this object.
+  /// If `folder` is empty, the program can use only the console. The console must outlive this object.
   HostFiles(const std::optional<std::string>& folder, Console& console);
 
-  /// Opens a file. `flags` has the values of POSIX's open(). The name ":tt" opens the console.
+  /// Opens a file. `flags` are those of POSIX's open(). The name ":tt" opens the console.
   int open(const std::string& name, int flags);
   int close(int file);
-  /// Reads into `into`. Returns the number of bytes read, or 0 at the end of the file.
+  /// Reads into `into`. Returns the number of bytes, or 0 at the end of the file.
   long read(int file, std::span<char> into);
   long write(int file, std::span<const char> bytes);
-  /// Changes the position in a file and returns the new one. `origin` has the values of fseek().
+  /// Changes the position in a file, and returns the new position. `origin` is that of fseek().
   long seek(int file, long offset, int origin);
   long length(int file);
   int remove(const std::string& name);

@@ -13,7 +13,7 @@
 namespace mebots::soc::tool {
 namespace {
 
-/// Lists the operation numbers of "Semihosting for AArch32 and AArch64".
+/// Operation numbers. Source: "Semihosting for AArch32 and AArch64".
 enum class Operation : std::uint32_t {
   open = 0x01,
   close = 0x02,
@@ -45,8 +45,7 @@ constexpr std::uint32_t kApplicationExit = 0x20026;  // ADP_Stopped_ApplicationE
 constexpr std::uint64_t kCentiseconds = 100;
 constexpr std::uint64_t kTicks = 1'000'000;
 
-/// Flags of open() for each mode of SYS_OPEN. The modes are those of fopen(), each as text and as binary. On this host,
-/// text and binary are the same.
+/// Flags of open() for each mode of SYS_OPEN. These are the modes of fopen(). Text and binary mode are the same.
 constexpr std::array kModes{O_RDONLY,
                             O_RDWR,
                             O_WRONLY | O_CREAT | O_TRUNC,
@@ -66,7 +65,7 @@ std::optional<HostServices::Block> HostServices::words_at(std::uint32_t address)
   return words;
 }
 
-/// Returns the result of an operation. If it failed, stores its errno for SYS_ERRNO and returns -1.
+/// Returns `result`. If `result` is -errno, stores the error for SYS_ERRNO and returns -1 instead.
 HostReply HostServices::answer(long result) {
   if (result >= 0) return {static_cast<std::uint32_t>(result)};
   errno_ = static_cast<int>(-result);
@@ -76,7 +75,7 @@ HostReply HostServices::answer(long result) {
 HostReply HostServices::open(const Block& block) {
   const auto name = calls_.text_at(block[0], block[2]);
   if (!name) return answer(-EFAULT);
-  const auto mode = block[1] / 2;  // the lowest bit selects binary mode, which is the same
+  const auto mode = block[1] / 2;  // the lowest bit selects binary mode
   if (mode >= kModes.size()) return answer(-EINVAL);
   return answer(files_.open(*name, kModes[mode]));
 }
@@ -178,9 +177,8 @@ HostReply HostServices::semihosting(std::uint32_t operation, std::uint32_t param
   return answer(-ENOSYS);
 }
 
-/// Serves a system call. If openat is called through `tohost`, the arguments contain the length of the name before the
-/// flags.
-/// Source: riscv-isa-sim, fesvr/syscall.cc.
+/// Serves a system call. In an openat through `tohost`, the length of the name precedes the flags. Source:
+/// riscv-isa-sim, fesvr/syscall.cc.
 HostReply HostServices::system_call(std::uint32_t number, std::span<const std::uint32_t> arguments) {
   if (number == SystemCalls::kOpenAt) {
     return calls_.serve(number, std::array{arguments[0], arguments[1], arguments[3], arguments[4]});
@@ -188,8 +186,7 @@ HostReply HostServices::system_call(std::uint32_t number, std::span<const std::u
   return calls_.serve(number, arguments);
 }
 
-/// Executes a command. The device numbers are those of riscv-isa-sim, where fesvr/htif.cc registers the console after
-/// the system calls.
+/// Executes a command. The device numbers are those of riscv-isa-sim (fesvr/htif.cc).
 void HostServices::device_command(unsigned device, unsigned command, std::uint64_t payload) {
   constexpr unsigned kConsoleDevice = 1;
   constexpr unsigned kWriteCharacter = 1;

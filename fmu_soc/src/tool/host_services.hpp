@@ -16,14 +16,13 @@
 
 namespace mebots::soc::tool {
 
-/// Serves a program that runs without FMI. It provides console, files, simulated time and exit through semihosting or
-/// system calls.
+/// Serves a program that runs without FMI: console, files, simulated time and exit, by semihosting or system calls.
 class HostServices final : public HostCalls {
  public:
   HostServices(Soc& soc, HostFiles& files, std::string program)
       : soc_(soc), files_(files), calls_(soc, files), program_(std::move(program)) {}
 
-  /// Calls SystemCalls::begin_program(). The name of the program is inserted as the first argument.
+  /// Calls SystemCalls::begin_program() with the program's name as first argument.
   void begin_program(const std::string& name, std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), name);
     calls_.begin_program(arguments);

@@ -28,8 +28,7 @@ namespace {
 
 constexpr std::uint64_t kPage = 4096;
 constexpr std::uint64_t kMiB = 1U << 20;
-/// Distance above which two address ranges get separate memories. For example, flash and RAM of a chip are farther
-/// apart.
+/// Address ranges that are farther apart get separate memories, such as flash and RAM of a chip.
 constexpr std::uint64_t kFar = 64 * kMiB;
 constexpr std::uint64_t kMost = 2048 * kMiB;
 constexpr std::uint64_t kAddressSpace = std::uint64_t{1} << 32;
@@ -40,7 +39,7 @@ struct Range {
   std::uint64_t end = 0;
 };
 
-/// Returns the address ranges of the program's segments: load addresses and run addresses.
+/// Returns the load addresses and the run addresses of the program's segments.
 std::vector<Range> ranges_of(const Elf& program) {
   std::vector<Range> ranges;
   for (const auto& segment : program.segments()) {
@@ -53,7 +52,6 @@ std::vector<Range> ranges_of(const Elf& program) {
   return ranges;
 }
 
-/// Merges ranges that are near each other.
 std::vector<Range> merged(const std::vector<Range>& ranges) {
   std::vector<Range> groups;
   for (const auto& range : ranges) {
@@ -66,7 +64,7 @@ std::vector<Range> merged(const std::vector<Range>& ranges) {
   return groups;
 }
 
-/// Rounds a range to pages and adds space after the program for its heap and stack.
+/// Rounds a range to pages, and adds space for heap and stack.
 Range with_margin(const Range& range, std::uint64_t heap) {
   const auto begin = range.begin / kPage * kPage;
   const auto end = std::max(begin + 4 * kMiB, (range.end + heap + kPage - 1) / kPage * kPage);
@@ -190,8 +188,7 @@ std::filesystem::path board_file(const std::string& asked) {
     if (known.back() == asked) return path;
   }
   std::ranges::sort(known);
-  // std::ranges::unique() cannot be used, because clang 14, which builds the fuzzers, does not accept libstdc++'s
-  // subrange.
+  // clang 14, which builds the fuzzers, does not accept std::ranges::unique() of libstdc++.
   known.erase(std::unique(known.begin(), known.end()), known.end());
   throw Error(
       fmt::format("--board {}: there is no such board or file. MEbots has the boards {}; name a board file of "
@@ -201,14 +198,14 @@ std::filesystem::path board_file(const std::string& asked) {
 
 namespace {
 
-/// Upper limit of the number of pixels of a picture. Every camera has fewer pixels.
+/// Maximum number of pixels of a picture. No camera has more pixels.
 constexpr std::uint32_t kMostPixels = 1U << 24;
 
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& why) {
   throw Error(fmt::format("--pictures: {}: {}", path.string(), why));
 }
 
-/// Reads the next number of a PGM header. Skips white space and comments before it.
+/// Reads the next number of a PGM header. Skips white space and comments.
 std::uint32_t number_of_head(std::istream& file) {
   file >> std::ws;
   while (file.peek() == '#') {
@@ -221,7 +218,7 @@ std::uint32_t number_of_head(std::istream& file) {
   return number;
 }
 
-/// Reads a picture in Netpbm's binary 8-bit greymap format.
+/// Reads a file of Netpbm's binary 8-bit greymap format.
 GreyPicture read_pgm(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   std::string magic(2, '\0');

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Implements mebots-soc run PROGRAM.elf [options], which runs a bare-metal program outside any FMU. Exit code: tohost
-// >> 1, or the low 8 bits of the value that the firmware passed to EXIT; 101 after a fault or at a limit; 102 for
-// invalid input.
+// Implements mebots-soc run PROGRAM.elf [options], which runs a bare-metal program without FMI. Exit code: tohost >> 1,
+// or the low 8 bits of the value in EXIT; 101 after a fault or at a limit; 102 for invalid input.
 #include "command_line/command.hpp"
 #include "tool/run.hpp"
 
@@ -16,19 +15,19 @@
 
 int main(int argc, char** argv) {
   using namespace mebots::soc::tool;
-  std::signal(SIGXFSZ, SIG_IGN);  // if a file reaches its size limit, a write fails with an error, as on a full disk
+  std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the size limit of a file fails with an error, as on a full disk
   CLI::App app{"Runs bare-metal RISC-V programs on the simulated chip"};
   app.set_version_flag("--version", "mebots-soc " MEBOTS_VERSION);
   app.require_subcommand(1);
-  // Each printed line is written at once, so that it is not lost if the run is killed.
+  // Writes each line at once, so that no line is lost if the run is killed.
   std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
   Options options;
   auto* command = app.add_subcommand("run", "Run a program until it stores to tohost, exits or faults");
   add_options(*command, options);
   app.name("mebots-soc");
   if (const auto code = mebots::command_line::handle_hidden_options(app, MEBOTS_VERSION, argc, argv)) return *code;
-  // CLI11 does not pass arguments after -- to a subcommand whose positional options are complete. Therefore these
-  // arguments are removed before CLI11 parses the others.
+  // CLI11 does not pass arguments after -- to a subcommand with complete positional options. Therefore these arguments
+  // are removed first.
   auto** const last = argv + argc;
   auto** const mark = std::find_if(argv, last, [](const char* text) { return std::string_view(text) == "--"; });
   try {

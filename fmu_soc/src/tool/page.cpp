@@ -25,7 +25,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostLines = 5000;
-/// Names of the states, in the order of ChipState.
+/// State names, in the order of ChipState.
 constexpr std::array<std::string_view, StateTimes::kCounted> kStates{"asleep", "waiting", "cluster", "controller"};
 constexpr std::array<std::string_view, StateTimes::kCounted> kStateLabels{"asleep", "waiting for a picture",
                                                                           "cluster on", "only the controller awake"};
@@ -44,13 +44,12 @@ std::filesystem::path page_folder() {
       "-DMEBOTS_PAGES=ON");
 }
 
-/// Returns a name of the report as words.
 std::string spaced(std::string name) {
   std::ranges::replace(name, '_', ' ');
   return name;
 }
 
-/// Returns a column of the page that consists of a name, a unit and a value for each point.
+/// Returns a column of the page: name, unit, and a value for each point.
 Json column(std::string_view name, std::string_view unit, std::vector<double> values) {
   Json json = {{"name", name}, {"unit", unit}};
   const bool still = std::ranges::adjacent_find(values, std::ranges::not_equal_to()) == values.end();
@@ -88,7 +87,7 @@ class Columns {
     if (!text.empty()) variables[name] = {{"type", "Real"}, {"causality", "output"}, {"unit", unit}, {"text", text}};
   }
 
-  /// Adds the parts of the chip to the stacked chart. The part with the greatest energy is at the bottom.
+  /// Adds the parts of the chip to the stacked chart, starting with the greatest energy.
   void add_parts(const ChipReport& report) {
     std::vector<std::size_t> order(report.parts.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -154,7 +153,7 @@ Json clock_json(const ClockRange& clock) {
   return {{"least_hz", clock.least_hz()}, {"most_hz", clock.most_hz()}, {"mean_hz", clock.mean_hz()}};
 }
 
-/// Returns the content of the page's tables: the report, clocks, and a sentence about each part.
+/// Returns the data of the page's tables: the report, clocks, and a description of each part.
 Json tables_of(const ChipReport& report, const PowerCourse& course) {
   auto chip = Json::parse(json_text(report));
   for (const auto* list : {&report.parts, &report.devices}) {
@@ -168,7 +167,7 @@ Json tables_of(const ChipReport& report, const PowerCourse& course) {
   return chip;
 }
 
-/// Returns the data of the page: the length of the header in 32 bits (little-endian), the header, and the columns.
+/// Returns the data of the page: length of the header (32 bits, little-endian), header, columns.
 /// web/src/data/payload.ts reads this format.
 std::string payload_of(const Json& run) {
   const Json header = {{"format", 1}, {"runs", Json::array({run})}};

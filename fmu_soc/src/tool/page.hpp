@@ -15,7 +15,7 @@
 
 namespace mebots::soc::tool {
 
-/// Owns a file in the folder for temporary files. The destructor deletes the file.
+/// Owns a temporary file, which the destructor deletes.
 class ScratchFile {
  public:
   /// `ending` is the end of the file name, such as .json. Throws Error if the file cannot be created.
@@ -29,12 +29,12 @@ class ScratchFile {
   std::string path_;
 };
 
-/// Writes the page of a run: energy of each part, counts, functions, and power over time. It uses the page of `mebots
-/// report` and shows the chip in place of a system.
+/// Writes the page of a run: energy of each part, counts, functions, and power over time. The page is that of `mebots
+/// report`, and shows the chip in place of a system.
 class RunPage {
  public:
-  /// Throws Error if the file cannot be written, or if this installation has no pages. `profile` is the file of the
-  /// profile that the user has requested, if any.
+  /// `profile` is the path of the profile that the user has requested, if any. Throws Error if the page cannot be
+  /// written, or if this installation lacks the files of the page.
   RunPage(const std::string& path, const std::optional<std::string>& profile);
 
   /// Returns the path at which the profile must be written, in speedscope's format.
@@ -42,9 +42,9 @@ class RunPage {
 
   /// Starts to record the chip, which must outlive the page.
   void follow(const Soc& soc, observe::Session& session);
-  /// Adds a line that the program has printed to the page.
+  /// Adds a line of the program's output to the page.
   void printed(std::string_view line);
-  /// Adds a byte that the program has sent to a serial port.
+  /// Adds a byte of the program's serial output to the page.
   void sent(char byte);
   /// Writes the page. `outcome` describes how the program ended. The profile must be complete.
   void write(const ChipReport& report, const std::string& program, const std::string& outcome);
@@ -57,7 +57,7 @@ class RunPage {
   const Soc* soc_ = nullptr;
   std::optional<PowerCourse> course_;
   std::string log_;
-  std::string sent_;  // last line from the serial port, which is not complete yet
+  std::string sent_;  // last line of the serial output, not complete yet
   std::size_t lines_ = 0;
 };
 

@@ -11,16 +11,14 @@
 
 namespace mebots::soc::tool {
 
-/// Computes minimum, maximum and mean of a core's clock over the time in which the core has power.
+/// Minimum, maximum and mean of a core's clock over the time in which the core has power.
 class ClockRange {
  public:
-  /// Adds a span of time in which the clock was `hz`.
   void add(double hz, Picoseconds span);
-  /// Returns true if the core has had power for some time. Otherwise the functions below must not be called.
+  /// Returns true if the core has had power. Otherwise the functions below must not be called.
   bool has_run() const { return span_ > 0; }
   double least_hz() const { return least_hz_; }
   double most_hz() const { return most_hz_; }
-  /// Returns the mean of the clock over time.
   double mean_hz() const { return ticks_ / span_; }
 
  private:
@@ -30,11 +28,10 @@ class ClockRange {
   double span_ = 0;
 };
 
-/// Records in memory how the energy of each part and device, the time in each state, and the clocks change during a
-/// run.
+/// Records over time: energy of each part and device, time in each state, and clocks.
 ///
 /// An event adds a point, but at most one point per interval. If there are too many points, every second point is
-/// deleted, and the interval is doubled. Values are totals since the start, so that differences between points remain
+/// deleted, and the interval is doubled. Values are totals since the start, so that differences between points are
 /// exact.
 class PowerCourse final : public StateListener {
  public:
@@ -51,7 +48,7 @@ class PowerCourse final : public StateListener {
   explicit PowerCourse(const Soc& soc);
 
   void changed(Picoseconds time) override;
-  /// Adds the last point at the end of the run.
+  /// Must be called at the end of the run.
   void finish();
 
   /// Returns the names of the devices that have states with power.
@@ -68,10 +65,10 @@ class PowerCourse final : public StateListener {
   const Soc& soc_;
   std::vector<std::string> devices_;
   std::vector<Point> points_;
-  Picoseconds spacing_ = 1'000'000;  // interval between two points; starts with 1 us
+  Picoseconds spacing_ = 1'000'000;  // interval between two points, at first 1 us
   ClockRange controller_clock_;
   ClockRange cluster_clock_;
-  // Clocks that add_clocks() has read at its last call. The clock of a core without power is 0.
+  // Clocks at the last call of add_clocks(). The clock of a core without power is 0.
   Picoseconds clocks_since_ = 0;
   double controller_hz_ = 0;
   double cluster_hz_ = 0;

@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Describes the parts of the chip's energy, in the order of kPartNames.
+/// Descriptions of the parts, in the order of kPartNames.
 constexpr std::array<std::string_view, kParts> kPartTexts{
     "instructions of the fabric controller, and its gated clock while it sleeps",
     "instructions of the cluster's cores, and their gated clocks while they sleep",
@@ -61,7 +61,7 @@ std::string quantity_text(double value, std::string_view unit) {
 
 using Row = std::vector<std::string>;
 
-/// Prints a table. Columns whose entry in `left` is true are aligned to the left, all others to the right.
+/// Prints a table. Columns with `left` are aligned to the left, all others to the right.
 void print_table(const std::vector<Row>& rows, const std::vector<bool>& left) {
   std::vector<std::size_t> widths(left.size());
   for (const auto& row : rows) {
@@ -151,8 +151,7 @@ Row energy_row(const ChipReport::Part& part, const ChipReport& report, bool has_
   return {part.name, quantity_text(part.energy_j, "J"), mean, share, part.text};
 }
 
-/// Prints the parts that consumed energy, starting with the greatest. Then prints their sum, and the energy of the
-/// board's devices.
+/// Prints the energy of each part, in descending order, then the sum, then the energy of the board's devices.
 void print_energy(const ChipReport& report) {
   std::vector<Row> rows = {{"part", "energy", "mean power", "share", ""}};
   auto parts = report.parts;
@@ -230,7 +229,7 @@ Json json_of(const observe::StackCost& cost) {
           {"causes", std::move(causes)}};
 }
 
-/// Returns the cycles of each function as JSON, starting with the function that has the most.
+/// Returns the cycles of each function as JSON, in descending order.
 Json json_of(const observe::CoreStack& core, const observe::Functions& names) {
   auto json = json_of(core.total());
   std::vector<std::pair<std::uint32_t, observe::StackCost>> functions(core.functions().begin(), core.functions().end());

@@ -11,31 +11,30 @@
 
 namespace mebots::soc::tool {
 
-/// Contains counts, times and energies of a run.
 struct ChipReport {
   struct Cores {
     std::string name;
     unsigned cores = 1;
     std::uint64_t instructions = 0;  ///< sum over these cores, like `cycles`
     std::uint64_t cycles = 0;
-    std::optional<std::uint64_t> refills;  ///< of their instruction cache, if they have one
-    std::uint64_t waited_cycles = 0;       ///< for it
+    std::optional<std::uint64_t> refills;  ///< refills of the instruction cache, if there is one
+    std::uint64_t waited_cycles = 0;       ///< cycles of waiting for refills
   };
   struct Part {
     std::string name;
     double energy_j = 0;
-    std::string text;  ///< a sentence that describes it
+    std::string text;
   };
 
   std::vector<Cores> cores;  ///< the fabric controller, then the cluster if there is one
   double time_s = 0;
   double asleep_s = 0;
   double chip_j = 0;
-  std::vector<Part> parts;  ///< of the chip; their sum is chip_j
-  std::size_t checks = 0;   ///< measured programs with which the energies were compared
-  double least_j = 0;       ///< chip_j, corrected by the deviations of the checks
+  std::vector<Part> parts;  ///< parts of the chip, whose sum is chip_j
+  std::size_t checks = 0;   ///< number of programs with measured energies
+  double least_j = 0;       ///< chip_j times the least ratio of measured to modelled energy
   double most_j = 0;
-  std::vector<Part> devices;  ///< of the board; a regulator holds the energy of its loads
+  std::vector<Part> devices;  ///< devices of the board; a regulator contains the energy of its loads
   double host_mips = 0;
   std::optional<std::uint32_t> tohost;
   std::optional<int> exit_code;
@@ -43,11 +42,10 @@ struct ChipReport {
 
 ChipReport report_of(const Soc& soc, double host_mips, std::optional<std::uint32_t> tohost);
 
-/// Prints tables of counts and energies.
 void print(const ChipReport& report);
 /// Returns the report as JSON, in SI units.
 std::string json_text(const ChipReport& report);
-/// Returns this report together with the cycles of each core and function by cause, and the use of the banks.
+/// Returns the report as JSON, with the cycles of each core and function by cause, and the use of the banks.
 std::string json_text(const ChipReport& report, const observe::CycleStack& cycles);
 
 }  // namespace mebots::soc::tool

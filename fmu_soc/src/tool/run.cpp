@@ -33,18 +33,17 @@
 namespace mebots::soc::tool {
 namespace {
 
-/// Number of cycles after which a run without a limit checks whether it can still make progress.
+/// Cycles after which a run without a limit checks whether the program can still make progress.
 constexpr std::uint64_t kSlice = 1U << 26;
-/// Replaces kSlice if power over time is recorded. At 100 MHz, there is then at least one point per millisecond.
+/// Replaces kSlice if power over time is recorded: at 100 MHz, at least one point per millisecond.
 constexpr std::uint64_t kFineSlice = 100'000;
-/// Number of cycles between two saved states, from which gdb can return to earlier instructions.
+/// Cycles between two saved states of a debugged run.
 constexpr std::uint64_t kDebugSlice = 500'000;
 
 bool has_kind(const BoardDescription& board, std::string_view kind) {
   return std::ranges::find(board.devices, kind, &BoardDevice::kind) != board.devices.end();
 }
 
-/// Kind of the device that has a flash and a camera.
 constexpr std::string_view kFlashKind = "gap8_udma";
 
 /// Returns the bytes of a file, or nullopt if it is not a readable regular file.
@@ -61,7 +60,7 @@ std::vector<std::uint8_t> read_flash(const std::string& path) {
   return {bytes->begin(), bytes->end()};
 }
 
-/// Returns the active cycles of the core that has the most.
+/// Returns the greatest number of active cycles of a core.
 std::uint64_t busiest_cycles(const Soc& soc) {
   const auto* cluster = soc.cluster();
   return std::max(soc.hart().counters().cycles, cluster == nullptr ? 0 : cluster->longest_cycles());
@@ -83,11 +82,10 @@ struct Limits {
   std::optional<Picoseconds> wall_time;
 };
 
-/// Names the limit at which a run has ended.
 enum class Reached : std::uint8_t { none, instructions, time, wall_time };
 
-/// Runs the chip in pieces up to a limit. The limit counts the instructions of the fabric controller. Every instruction
-/// takes at least one cycle. Therefore, with N instructions left, a piece of N cycles does not exceed the limit.
+/// Runs the chip in pieces up to a limit of the fabric controller's instructions. Every instruction takes at least one
+/// cycle. Therefore, with N instructions left, a piece of N cycles does not exceed the limit.
 class LimitedRun {
  public:
   /// @param spin_cycles  the run ends after this many cycles in an endless loop
@@ -114,7 +112,7 @@ class LimitedRun {
   }
 
  private:
-  /// Length of a piece if the run has a limit of the host's time.
+  /// Length of a piece if the host's time is limited.
   static constexpr std::uint64_t kShortSlice = 1U << 22;
   static constexpr Picoseconds kTimeSlice = 10'000'000'000;
 
@@ -138,8 +136,7 @@ class LimitedRun {
     return limits_.wall_time && wall_time() >= *limits_.wall_time ? Reached::wall_time : Reached::none;
   }
 
-  /// Returns the time at which the next piece ends at the latest. While a core sleeps, time passes, but its cycles do
-  /// not increase.
+  /// Returns the latest end of the next piece. This time also limits a piece in which all cores sleep.
   Picoseconds piece_end() const {
     const auto end = limits_.wall_time ? soc_.now() + kTimeSlice : Soc::kWithoutEnd;
     return limits_.time ? std::min(end, *limits_.time) : end;
@@ -168,8 +165,8 @@ std::optional<std::uint32_t> tohost_of(const Soc& soc) {
   return value;
 }
 
-/// Returns the hart that a message about the end of the run describes. This is the core at which a debugger ended the
-/// run, or else the fabric controller.
+/// Returns the hart to name in a message about the end of the run: the core at which a debugger ended the run, or else
+/// the fabric controller.
 unsigned last_hart(const Soc& soc) {
   const auto* cluster = soc.cluster();
   return cluster == nullptr ? kFabricControllerHart : hart_of_core(cluster->core_stopped_by_observer());
@@ -179,7 +176,7 @@ bool has_reported_end(const Soc& soc) {
   return soc.end() == End::host || soc.end() == End::exited || soc.end() == End::faulted;
 }
 
-/// Returns the reason why the run stopped. The program must not have ended itself.
+/// Returns the reason why the run stopped before the program ended.
 std::string reason_text(const Soc& soc, const Options& options, Reached reached) {
   switch (reached) {
     case Reached::instructions:
@@ -216,14 +213,13 @@ std::string missing_end_text(const Soc& soc, const Options& options, Reached rea
   return text;
 }
 
-/// Returns a text for the page of the run that describes how the program ended.
 std::string outcome_text(const Soc& soc, const Options& options, Reached reached, int code) {
   if (soc.end() == End::faulted) return "fault: " + soc.fault_text();
   return code == kFaultOrLimit && !has_reported_end(soc) ? missing_end_text(soc, options, reached)
                                                          : fmt::format("exit {}", code);
 }
 
-/// True if the program has received all pictures and waits for another one.
+/// Returns true if the program has received all pictures and waits for another picture.
 bool has_seen_all(const Soc& soc, const Options& options) {
   return options.pictures && soc.hart().sleeping() && soc.devices().wait_for_picture();
 }
@@ -233,7 +229,7 @@ int exit_code(const Soc& soc, std::optional<std::uint32_t> tohost) {
   return soc.end() == End::exited ? soc.exit_code() & 0xff : kFaultOrLimit;
 }
 
-/// Reports each behaviour of the core that the program may not expect. Reports each of them once.
+/// Prints each behaviour of the core that the program may not expect.
 void print_remarks(const Soc& soc, bool is_alone) {
   const auto& remarks = soc.hart().csr_remarks();
   const auto print = [](std::string_view text) {
@@ -266,8 +262,7 @@ observe::Requests requests_of(const Options& options, const std::optional<RunPag
   return requests;
 }
 
-/// Size of heap and stack for a program that uses system calls. Only pages that the program accesses take memory of the
-/// host.
+/// Size of heap and stack for a program that uses system calls. The host provides memory only for accessed pages.
 constexpr std::uint64_t kUserHeap = std::uint64_t{128} << 20;
 constexpr std::uint64_t kHeap = std::uint64_t{1} << 20;
 
@@ -292,9 +287,9 @@ HostConsole::Kind console_kind(const Options& options) {
   return options.user ? HostConsole::Kind::lines : HostConsole::Kind::output;
 }
 
-/// Returns true if gdb can return to earlier instructions. It cannot if the program may use files of the host, because
-/// changes of these files cannot be undone. It also cannot if there are other observers, because their files would then
-/// contain repeated instructions.
+/// Returns true if gdb can return to earlier instructions. Excludes programs that may change files of
+/// the host, because these changes cannot be undone. Excludes other observers, whose files would contain repeated
+/// instructions.
 bool is_reversible(const Options& options, const observe::Requests& requests) {
   return requests.gdb_port && !options.user && !options.host_files && !options.page && !requests.writes();
 }
@@ -336,7 +331,6 @@ Listeners listeners_of(ControlledConsole& console) {
   return listeners;
 }
 
-/// Writes the reports that the user has requested in addition to the printed report.
 void write_reports(const ChipReport& report, std::optional<observe::TextFile>& json,
                    std::optional<observe::TextFile>& long_report, const observe::Session& session) {
   if (json) {
@@ -357,7 +351,7 @@ Limits limits_of(const Options& options) {
   return limits;
 }
 
-/// Restores a saved state before the run. Throws Error if a limit of the run was already exceeded in this state.
+/// Restores a saved state. Throws Error if this state already exceeds a limit of the run.
 void load_state(const std::string& path, const StateFile& file, Soc& soc, const Limits& limits) {
   file.load(path, soc);
   const auto instructions = soc.hart().counters().instructions;

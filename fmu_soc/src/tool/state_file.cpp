@@ -45,7 +45,6 @@ std::string checksum_of_folder(const std::optional<std::string>& folder) {
   return checksum_of(all);
 }
 
-/// Returns a checksum of the board's libraries, which implement devices.
 std::string checksum_of_libraries(const Options& options, const BoardDescription& board) {
   const std::vector<std::filesystem::path> folders(options.device_folders.begin(), options.device_folders.end());
   std::string all;
@@ -55,7 +54,6 @@ std::string checksum_of_libraries(const Options& options, const BoardDescription
   return checksum_of(all);
 }
 
-/// Removes the first line from the text and returns it.
 std::string_view take_line(std::string_view& text) {
   const auto end = text.find('\n');
   const auto line = text.substr(0, end);

@@ -15,9 +15,9 @@ namespace mebots::soc::tool {
 
 /// Writes a chip's state to a file (`--save-state`) and reads it back (`--load-state`).
 ///
-/// The file begins with lines of text. They contain the version of the format, a checksum of each input of the run and
-/// of this program, and the layout of the state. When a state is loaded, these lines must be equal to those of the
-/// present run. The checksum of the state and the bytes of the state follow.
+/// The file begins with text lines: the version of the format, a checksum of each input of the run and of this program,
+/// and the layout of the state. A state can be loaded only if these lines are the same in the present run. The checksum
+/// and the bytes of the state follow.
 class StateFile {
  public:
   /// Computes the checksums of the run's inputs. Throws Error if an input cannot be read.
@@ -26,12 +26,11 @@ class StateFile {
   /// Restores the chip's state. Throws Error if the file cannot be read, is damaged, or contains the state of another
   /// program, board or build. If the function throws, the chip must not be used.
   void load(const std::string& path, Soc& soc) const;
-  /// Writes the chip's state. If the program has ended or an observer has stopped it, the state cannot be resumed. In
-  /// this case, deletes the file and throws Error.
+  /// Writes the chip's state. If the program has ended, or if an observer has stopped the run, deletes the file and
+  /// throws Error.
   void save(observe::TextFile& file, const Soc& soc) const;
 
  private:
-  /// Stores the name and the value of each text line before the state.
   std::vector<std::pair<std::string_view, std::string>> lines_;
 };
 

@@ -19,7 +19,6 @@
 namespace mebots::soc::tool {
 namespace {
 
-/// Lists the system calls that are served.
 enum class Call : std::uint32_t {
   openat = SystemCalls::kOpenAt,
   close = 57,
@@ -45,7 +44,7 @@ struct Name {
   std::string_view name;
 };
 
-/// Names of system calls, for messages. Only rv32emu has the last of these calls (src/syscall.c).
+/// Names of system calls, for messages. The last call exists only in rv32emu (src/syscall.c).
 constexpr auto kNames = std::to_array<Name>({
     {56, "openat"},
     {57, "close"},
@@ -122,20 +121,18 @@ constexpr auto kNames = std::to_array<Name>({
 });
 
 constexpr std::uint32_t kLongestText = 1U << 20;
-constexpr std::uint32_t kMostParts = 1024;  // maximum number of parts of a writev
+constexpr std::uint32_t kMostParts = 1024;
 constexpr std::uint64_t kPsPerSecond = 1'000'000'000'000;
 constexpr std::uint64_t kMicroseconds = 1'000'000;
 constexpr std::uint64_t kNanoseconds = 1'000'000'000;
 constexpr std::uint32_t kAlignment = 16;  // alignment of the stack
 constexpr unsigned kStackPointer = 2;
-/// Limits the space that is kept free for the stack: a quarter of the RAM after the program, but at most Linux's
-/// default.
+/// Maximum space for the stack. The stack gets a quarter of the RAM after the program, but at most Linux's default.
 constexpr std::uint32_t kMostStack = 8U << 20;
-/// Exit code of a program that a signal ended. A shell adds the number of the signal to it.
+/// Exit code of a program that a signal ended, minus the number of the signal.
 constexpr std::uint32_t kSignalled = 128;
 
-/// Contains the numbers that a program's C library uses for flags of open(). O_RDONLY, O_WRONLY and O_RDWR are not
-/// listed, because they are the same on the host.
+/// Values of open()'s flags in a program's C library. O_RDONLY, O_WRONLY and O_RDWR are the same on the host.
 struct OpenFlags {
   std::uint32_t append, create, truncate, exclusive;
 
@@ -146,7 +143,7 @@ struct OpenFlags {
   }
 };
 constexpr OpenFlags kLinuxFlags{.append = 02000, .create = 0100, .truncate = 01000, .exclusive = 0200};
-/// Values of newlib's sys/_default_fcntl.h: newlib's _open() passes them to call 1024 unchanged.
+/// Values of newlib's sys/_default_fcntl.h, which newlib's _open() passes to call 1024 unchanged.
 constexpr OpenFlags kNewlibFlags{.append = 0x8, .create = 0x200, .truncate = 0x400, .exclusive = 0x800};
 
 std::uint32_t end_of(const Elf& program) {
@@ -162,9 +159,8 @@ std::string_view system_call_name(std::uint32_t number) {
   return found == kNames.end() ? std::string_view() : found->name;
 }
 
-/// Writes the start values of the stack: the number of arguments, their addresses, a zero, no environment and no
-/// auxiliary vector. The texts are above these values. Source: RISC-V ELF psABI 1.0; System V ABI, "Process
-/// initialization".
+/// Initialises the stack: the number of arguments, their addresses, a zero, an empty environment and an empty auxiliary
+/// vector. The texts are above these values. Source: RISC-V ELF psABI 1.0; System V ABI, "Process initialization".
 void SystemCalls::begin_program(const std::vector<std::string>& arguments) {
   const auto& program = soc_.program();
   least_break_ = (end_of(program) + kAlignment - 1) / kAlignment * kAlignment;
@@ -236,7 +232,7 @@ long SystemCalls::open(std::uint32_t name, int flags) {
   return text ? files_.open(*text, flags) : -EFAULT;
 }
 
-/// Serves writev. `parts` is the address of a list of `count` parts, each of which has an address and a length.
+/// Serves writev. `parts` is the address of `count` pairs of address and length.
 long SystemCalls::write_parts(int file, std::uint32_t parts, std::uint32_t count) {
   if (count > kMostParts) return -EINVAL;
   long total = 0;
@@ -250,15 +246,15 @@ long SystemCalls::write_parts(int file, std::uint32_t parts, std::uint32_t count
   return total;
 }
 
-/// Serves fstat. Sets only the kind and the size of the file. Source: newlib, libgloss/riscv/kernel_stat.h.
+/// Serves fstat. Sets only type and size of the file. Source: newlib, libgloss/riscv/kernel_stat.h.
 long SystemCalls::status(int file, std::uint32_t address) {
   constexpr std::uint64_t kCharacterDevice = 0020620;
   constexpr std::uint64_t kRegularFile = 0100644;
   constexpr std::uint64_t kBlock = 1024;
   const auto length = files_.length(file);
   if (length < 0) return length;
-  // The structure has 104 bytes: device and inode; mode and links; owner and group; device; padding; size; block size;
-  // blocks; times.
+  // The fields are: device and inode; mode and links; owner and group; device; padding; size; block size; blocks;
+  // times.
   std::array<std::uint64_t, 13> words{};
   words[2] = (HostFiles::is_console(file) ? kCharacterDevice : kRegularFile) | std::uint64_t{1} << 32;
   words[6] = static_cast<std::uint64_t>(length);
@@ -266,13 +262,13 @@ long SystemCalls::status(int file, std::uint32_t address) {
   return poke(address, words) ? 0 : -EFAULT;
 }
 
-/// Serves brk. Returns the new end of the heap. If the heap cannot extend to `address`, returns the old end.
+/// Serves brk. Returns the end of the heap, which is unchanged if the heap cannot end at `address`.
 long SystemCalls::move_break(std::uint32_t address) {
   if (address >= least_break_ && address <= most_break_) break_ = address;
   return static_cast<long>(break_);
 }
 
-/// Stores the simulated time as two words of 64 bits: the seconds, and the rest in units of 1 / `per_second`.
+/// Stores the simulated time as two 64-bit words: seconds, and the remainder in units of 1 / `per_second`.
 long SystemCalls::tell_time(std::uint32_t address, std::uint64_t per_second) {
   const auto time = time_in(per_second);
   return poke(address, std::array{time / per_second, time % per_second}) ? 0 : -EFAULT;

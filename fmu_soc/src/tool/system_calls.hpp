@@ -14,24 +14,24 @@
 
 namespace mebots::soc::tool {
 
-/// Implements the subset of Linux's system calls that C libraries without an operating system use. A program calls them
-/// through ecall or `tohost`. Results are 0 or more, or -errno. Numbers: Linux, include/uapi/asm-generic/unistd.h; from
-/// 1024 on newlib, libgloss/riscv/machine/syscall.h.
+/// Implements the Linux system calls that C libraries for bare-metal programs use. A program calls them through ecall
+/// or `tohost`. Negative results are -errno. Numbers: Linux, include/uapi/asm-generic/unistd.h; from 1024 on newlib,
+/// libgloss/riscv/machine/syscall.h.
 class SystemCalls {
  public:
   static constexpr std::uint32_t kOpenAt = 56;
 
   SystemCalls(Soc& soc, HostFiles& files) : soc_(soc), files_(files) {}
 
-  /// Prepares the fabric controller for a program that expects an operating system. The stack is at the end of the RAM
-  /// that contains the program, and contains the arguments in Linux's form. The heap starts after the program. Throws
-  /// Error if the RAM is too small.
+  /// Prepares the fabric controller for a program that expects an operating system. The stack, with the arguments in
+  /// Linux's form, is at the end of the program's RAM. The heap starts after the program. Throws Error if the RAM is
+  /// too small.
   void begin_program(const std::vector<std::string>& arguments);
 
   HostReply serve(std::uint32_t number, std::span<const std::uint32_t> arguments);
 
   std::optional<std::string> text_at(std::uint32_t address, std::uint32_t length) const;
-  /// Reads a text from memory up to its final zero. If the text is too long or not in memory, returns nullopt.
+  /// Reads a zero-terminated text from memory. Returns nullopt if the text is too long or not in memory.
   std::optional<std::string> text_at(std::uint32_t address) const;
   /// Reads from or writes to a file. Returns the number of bytes, or -errno.
   long transfer(bool is_read, int file, std::uint32_t address, std::uint32_t count);
@@ -41,7 +41,7 @@ class SystemCalls {
 
  private:
   bool poke(std::uint32_t address, std::span<const std::uint64_t> words);
-  /// Opens the file whose name is at address `name`. `flags` has the values of the host's open().
+  /// Opens the file whose name is at address `name`. `flags` are those of the host's open().
   long open(std::uint32_t name, int flags);
   long write_parts(int file, std::uint32_t parts, std::uint32_t count);
   long status(int file, std::uint32_t address);
@@ -52,12 +52,12 @@ class SystemCalls {
   Soc& soc_;
   HostFiles& files_;
   std::uint32_t break_ = 0;        // end of the heap, which the program can move
-  std::uint32_t least_break_ = 0;  // end of the program, below which the heap cannot end
+  std::uint32_t least_break_ = 0;  // end of the program, where the heap starts
   std::uint32_t most_break_ = 0;
-  std::set<std::string> reported_;  // unknown requests that were already reported
+  std::set<std::string> reported_;  // unknown requests that were reported
 };
 
-/// Returns the name of a system call, such as "futex". If the number is unknown, the name is empty.
+/// Returns the name of a system call, such as "futex", or an empty text if the number is unknown.
 std::string_view system_call_name(std::uint32_t number);
 
 }  // namespace mebots::soc::tool

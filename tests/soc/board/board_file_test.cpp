@@ -18,7 +18,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Returns the reader's error for a board with these memories and devices; empty if it accepts the board.
+/// Returns the error of read_board(); empty if it accepts the board.
 std::string complaint(std::string_view memories, std::string_view devices, std::string_view more = "") {
   const auto path = std::filesystem::temp_directory_path() / fmt::format("mebots-board-{}.json", getpid());
   std::ofstream(path) << fmt::format(R"({{"name": "b", {} "memories": [{}], "devices": [{}]}})", more, memories,
@@ -48,9 +48,8 @@ TEST(BoardFile, OfTheRepositoryAreGood) {
   }
 }
 
-/// A program for a real GAP8 must not access MEbots' own devices by mistake. Therefore the addresses of these devices
-/// must differ from those of all devices of GAP8, including the devices that board gap8 does not model: programs write
-/// into their registers, too.
+/// A program for a real GAP8 must not access MEbots' own devices by mistake. Programs also access devices of GAP8 that
+/// board gap8 does not model.
 TEST(BoardFile, KeepsOurDevicesAtAddressesThatGap8LeavesFree) {
   const auto board = [](std::string_view path) { return read_board(fmt::format("{}/{}", MEBOTS_SOURCE_DIR, path)); };
   const auto gap8 = board("configs/boards/gap8.json");

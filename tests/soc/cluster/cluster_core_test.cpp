@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests a cluster core without a cluster: the order of accesses to shared devices.
+// Tests the order of accesses to shared devices, with a cluster core that has no cluster.
 #include "assembler.hpp"
 #include "cluster/core.hpp"
 

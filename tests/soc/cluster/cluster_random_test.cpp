@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs random programs of fabric controller and cluster in all ways that must give the same bits.
+// Runs random programs of fabric controller and cluster in four ways. All must give the same bits.
 #include "board_system.hpp"
 #include "hart/observer.hpp"
 #include "random_cluster_program.hpp"
@@ -17,7 +17,6 @@
 namespace mebots::soc::test {
 namespace {
 
-/// Observes a hart without any effect.
 class Onlooker final : public Observer {
  public:
   void retired(const Hart& /*hart*/, const Retired& /*instruction*/) override { ++count_; }
@@ -26,7 +25,7 @@ class Onlooker final : public Observer {
   std::uint64_t count_ = 0;
 };
 
-/// Observes only some steps, so that hot code is translated. Checks the order of these steps.
+/// Observes only the steps of its FlowMap; hot code is translated. Checks the order of these steps.
 class StepCounter final : public Observer, private FlowMap {
  public:
   const FlowMap* flow() const override { return this; }
@@ -75,7 +74,7 @@ class Comparison {
     settings_.translate = true;
   }
 
-  /// Advances all runs to about `end_ns` in `stops` pieces, and compares them after each piece. Ends early if the
+  /// Advances all runs to about `end_ns` in `stops` pieces, and compares them after each piece. Returns early if the
   /// program ends with a repeated trap.
   void run(std::int64_t end_ns, unsigned stops) {
     watch(true);
@@ -149,7 +148,7 @@ unsigned number_from(const char* variable, unsigned otherwise) {
   return text != nullptr ? static_cast<unsigned>(std::stoul(text)) : otherwise;
 }
 
-/// scripts/random_cluster.sh runs any number of programs.
+/// scripts/random_cluster.sh runs this test with other programs.
 TEST(ClusterRandom, ProgramsHaveTheSameBitsInAllRuns) {
   const auto first = number_from("MEBOTS_CLUSTER_FIRST", 1);
   const auto end = first + number_from("MEBOTS_CLUSTER_PROGRAMS", 24);

@@ -19,8 +19,7 @@ namespace {
 
 constexpr double kClusterHz = 87e6;  // clock at the start
 
-/// Checks two runs of one program at the same time. Their states and energies must be equal at every step up to
-/// `end_ns`.
+/// Runs both up to `end_ns`. Their states and energies must be equal after each step.
 void expect_same_bits(Soc& one, Soc& other, std::int64_t step_ns, std::int64_t end_ns) {
   for (auto t = one.now() / 1000 + step_ns; t < end_ns; t += step_ns) {
     one.advance(t);
@@ -158,7 +157,7 @@ TEST(ClusterBanks, ATreeServesCoresInTurn) {
   }
 }
 
-/// With the tree, two of eight cores take turns, also while the other cores sleep.
+/// With the tree, two cores take turns even if the cluster has eight.
 TEST(ClusterBanks, ATreeServesTwoOfEightCoresInTurn) {
   const auto body = "li t0, 2\nblt s0, t0, 4f\n3: wfi\nj 3b\n4:\n" + hammer(64);
   const auto rotating = cycles_of(body, 8, BoardSystem::without_caches());
@@ -176,8 +175,8 @@ BoardDescription with_quantum(std::uint32_t quantum) {
   return board;
 }
 
-/// 256 loads fit into a quantum, so the first core of a quantum never waits. In short quanta, it waits in every second
-/// iteration.
+/// If all 256 loads fit into one quantum, the first core of this quantum never waits. In shorter quanta, it waits in
+/// every second iteration.
 TEST(ClusterBanks, TheBoardSetsTheLengthOfAQuantum) {
   const auto difference = [](std::uint32_t quantum) {
     const auto cycles = cycles_of(hammer(16), 2, with_quantum(quantum));
@@ -195,8 +194,8 @@ TEST(ClusterCore, AddsTheLatencyOfL2) {
   EXPECT_EQ(far, near + 20 * 14) << "14 cycles each: cluster router 2, AXI 12";
 }
 
-/// Returns how long a job on two cores takes, in nanoseconds of the timer. The fabric controller forks `body` on two
-/// cores, and sleeps until both are done. Registers for the body: a0 = argument, s2 = event unit, s3 = DMA, s1 = L1.
+/// Returns the time [ns] of a job on two cores. The fabric controller forks `body` on both cores, and sleeps until they
+/// are done. Registers for the body: a0 = argument, s2 = event unit, s3 = DMA, s1 = L1.
 std::uint32_t job_ns(std::string_view body, std::uint32_t argument, std::uint32_t cluster_hz = 87'000'000) {
   Settings settings;
   settings.cluster_clock_hz = cluster_hz;
@@ -306,8 +305,8 @@ TEST(Dma, TakesTwoCyclesForAShortRow) {
   EXPECT_NEAR(longer, 128 / kClusterHz * 1e9, 10 + 1);
 }
 
-/// Contains the busy cycles of core 1 and of the DMA. Core 1 loads 256 words from one bank, while core 0 waits for a
-/// copy of 16 KiB into L1.
+/// Busy cycles of core 1 and of the DMA. Core 1 loads 256 words from one bank, while core 0 waits for a copy of 16 KiB
+/// into L1.
 struct Rivals {
   std::uint32_t core_cycles = 0;
   std::uint64_t dma_cycles = 0;
@@ -341,8 +340,8 @@ Rivals core_beside_dma(bool copies) {
 }
 
 TEST(Dma, TakesCyclesOfTheBanksFromTheCores) {
-  // The DMA transfers two words per cycle over 16 banks, so it uses an eighth of the cycles of each bank. If a core
-  // uses one bank in every cycle, it conflicts with the DMA every 8 cycles, and one of the two waits a cycle.
+  // The DMA transfers two words per cycle, so it uses each of the 16 banks in every 8th cycle. A core that uses one
+  // bank in every cycle conflicts with the DMA every 8 cycles. Then one of the two waits for a cycle.
   const auto alone = core_beside_dma(false);
   const auto beside = core_beside_dma(true);
   EXPECT_EQ(alone.core_cycles, 256U + 2U);
@@ -354,7 +353,7 @@ TEST(Dma, TakesCyclesOfTheBanksFromTheCores) {
   EXPECT_NEAR(static_cast<double>(core_waited + dma_waited), 256.0 / 8, 4) << "a cycle shifts which words meet";
 }
 
-/// Two cores poll for each other's stores. Each core sees a store of the other core one quantum later.
+/// Each core waits in a loop for a store of the other core, and sees it one quantum later.
 TEST(Cluster, SharesStoresOncePerQuantum) {
   constexpr std::uint32_t kTimes = 30;
   const auto body = fmt::format(R"(
@@ -454,7 +453,6 @@ _start: li s0, POWER_MANAGER_BASE
   EXPECT_EQ(system.result(0), 1U) << "refused";
 }
 
-/// Names a board, and the program of the runtime's self-test for this board.
 struct RuntimeOn {
   std::string_view board;
   std::string_view program;
@@ -510,9 +508,9 @@ TEST_P(ClusterRuntimeOn, ContinuesWithTheSameBitsFromAStateDuringAJob) {
   EXPECT_TRUE(mebots::test::same_state(other.soc, straight.soc));
 }
 
-/// A program for eight cores that use one bank. Its code has different blocks in different runs. A block may begin in
-/// the middle of straight code, at the target of a jump directly after other code, or after the return from a trap. It
-/// may also cover the end of a former hardware loop.
+/// A program for eight cores that use one bank. The boundaries of its translated blocks differ between runs: a block
+/// may begin in the middle of straight code, at the target of a jump, or after the return from a trap, and may contain
+/// the end of a former hardware loop.
 constexpr std::string_view kMixed = R"(
     mv a0, s1
     la s2, late
@@ -563,7 +561,7 @@ handler: csrr a5, mepc
 )";
 
 /// Compares a run of `cores` on `board` with an interpreted run, and with runs that continue from its saved states. All
-/// must have the same bits.
+/// runs must have the same bits.
 void expect_same_turns(unsigned cores, const BoardDescription& board) {
   auto straight = cores_run(kMixed, cores, true, board);
   auto interpreted = cores_run(kMixed, cores, false, board);
@@ -586,9 +584,9 @@ TEST(ClusterRuntime, HasTheSameOrderWithAndWithoutDecodedCode) {
   for (const unsigned cores : {2, 3, 8}) expect_same_turns(cores, with_tree(BoardSystem::without_caches()));
 }
 
-/// Saves the network on 1, 2, 4 and 8 cores repeatedly, mostly in the middle of a layer. Each saved state continues in
-/// another system, which has decoded and translated other code. The bits must equal those of the run without
-/// interruption.
+/// Saves the state repeatedly while the network runs on 1, 2, 4 and 8 cores, mostly in the middle of a layer. Another
+/// system, which has translated other code, continues from each state. Its bits must equal those of the uninterrupted
+/// run.
 TEST(ClusterRuntime, ContinuesWithTheSameBitsFromStatesDuringAnInference) {
   const auto program = Elf::read(MEBOTS_BINARY_DIR "/firmware/network_bench.elf");
   BoardSystem straight(program);
@@ -605,8 +603,7 @@ TEST(ClusterRuntime, ContinuesWithTheSameBitsFromStatesDuringAnInference) {
   }
 }
 
-/// In this program, eight cores run a loop. In every 997th iteration, one of them changes an instruction, and changes
-/// it back.
+/// Eight cores run a loop. In every 997th iteration, core 0 exchanges an instruction of the loop.
 constexpr std::string_view kPatching = R"(
     la s2, patched
     lw s3, 0(s2)
@@ -649,8 +646,8 @@ TEST(ClusterRuntime, TranslatedCoresFollowStoresIntoCode) {
   EXPECT_TRUE(translated.faults.empty());
 }
 
-/// In this test, blocks of 64 divisions and of loads from L2 run for thousands of ticks past the end of a quantum,
-/// where other cores use banks.
+/// Blocks of divisions and of loads from L2 run for thousands of ticks past the end of a quantum. Meanwhile, other
+/// cores use the banks.
 TEST(ClusterRuntime, TranslatedCoresWaitAsInterpretedInTheLongestBlocks) {
   std::string body = "mv a0, s1\nli a1, 0x1C050000\nli a2, 0x7fffffff\nadd a3, s0, s0\nadd a3, a3, s1\nagain:\n";
   for (int i = 0; i < 60; ++i) body += "divu a4, a2, s0\n";
@@ -663,7 +660,6 @@ TEST(ClusterRuntime, TranslatedCoresWaitAsInterpretedInTheLongestBlocks) {
   EXPECT_EQ(translated.soc.cluster()->hart(0).code().is_translated(), translate::can_translate());
 }
 
-/// Observes every instruction of every hart, without any effect.
 class Watcher final : public Observer {
  public:
   explicit Watcher(Soc& soc) {
@@ -676,8 +672,7 @@ class Watcher final : public Observer {
   std::uint64_t retired_ = 0;
 };
 
-/// Checks that an observer does not change the bits. Both systems run the same program up to `end_ns`; only `watched`
-/// is observed.
+/// Both systems run the same program up to `end_ns`, and must have the same bits; only `watched` is observed.
 void expect_same_bits_watched(Soc& plain, Soc& watched, std::int64_t step_ns, std::int64_t end_ns) {
   const auto unseen = watched.instructions();
   const Watcher watcher(watched);
@@ -708,7 +703,7 @@ TEST(ClusterRuntime, KeepsItsBitsWithAnObserverDuringAnInference) {
   EXPECT_GT(first.instructions - on_four, last.instructions + 100'000U) << "some of them on four cores";
 }
 
-/// The whole network on 1, 2, 4 and 8 cores: banks, instruction caches, barriers, DMA.
+/// Runs the network on 1, 2, 4 and 8 cores, with bank conflicts, instruction caches, barriers and DMA.
 TEST(ClusterRuntime, TranslatedCoresKeepTheInterpretersBits) {
   const auto program = Elf::read(MEBOTS_BINARY_DIR "/firmware/network_bench.elf");
   Settings settings;

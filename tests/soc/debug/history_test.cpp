@@ -21,7 +21,7 @@ using testing::ElementsAre;
 constexpr int kNo = ConsolePort::kNothingYet;
 constexpr int kEnd = ConsolePort::kEnded;
 
-/// Creates a chip whose time does not advance, the history of the chip, and a console whose input arrives late.
+/// Creates a chip whose time does not advance, its history, and a console on which input arrives late.
 class HistoryTest : public testing::Test {
  protected:
   /// Calls input() `count` times and returns the results.
@@ -105,7 +105,7 @@ TEST_F(HistoryTest, ARestartReadsTheLogThenTheHost) {
   EXPECT_THAT(poll(3), ElementsAre(kNo, 'a', 'b'));
 }
 
-/// If a run is being stopped, its state is discarded. A byte that the run reads at that time would be lost.
+/// The state of a run that is being stopped is discarded. A byte that this run reads would be lost.
 TEST_F(HistoryTest, ReadsNothingWhileTheRunIsBeingStopped) {
   live_ = {'a'};
   history_.record(soc_);
@@ -127,7 +127,7 @@ TEST_F(HistoryTest, AStopBehindAnInstructionMakesItARepetition) {
   EXPECT_FALSE(history_.repeats());
 }
 
-/// Every state beyond two exceeds this limit. So the first and the newest remain, and the distance doubles.
+/// Two states always remain. Any further state exceeds the limit of one byte, and doubles the distance.
 TEST_F(HistoryTest, KeepsTheFirstAndTheNewestStateWithinALimitOfBytes) {
   History history(1);
   history.record(soc_);
@@ -156,7 +156,7 @@ TEST_F(HistoryTest, StaysBelowItsLimitOfBytes) {
   EXPECT_GE(history.snapshots().size(), 3U) << "no more are dropped than needed";
 }
 
-/// The way back to a state identifies the state by its number, which must not change during the replay.
+/// A replay identifies its target state by its number, so the numbers must not change during the replay.
 TEST_F(HistoryTest, AReplaySavesNoStates) {
   history_.record(soc_);
   for (int i = 0; i < 3; ++i) history_.advance();

@@ -67,8 +67,7 @@ TEST(Elf, GivesSegmentsEntryAndSymbols) {
   EXPECT_GE(in_memory, 100U + 8U) << "what the file does not give, too";
 }
 
-/// Assembles a function of four instructions on lines 7, 9, 9 and 12 of power.c. Its line numbers are in a version of
-/// DWARF.
+/// Assembles a function of four instructions on lines 7, 9, 9 and 12 of power.c. `version` is the version of DWARF.
 std::vector<std::uint8_t> program_with_lines(int version) {
   return assemble_file(
       fmt::format(".section .text\n.file 1 \"app/power.c\"\n.option norvc\n_start: .type _start, @function\n"
@@ -94,7 +93,7 @@ TEST(Elf, HasNoLinesIfTheLineTableIsBroken) {
   int without = 0;
   for (int i = 0; i < 3000; ++i) {
     auto bytes = whole;
-    // After segments and program headers come sections, first those with line numbers.
+    // The sections follow the program headers and segments; those of the line numbers are first.
     for (int k = 0; k < 4; ++k) bytes[0x80 + random() % (bytes.size() - 0x80)] = static_cast<std::uint8_t>(random());
     try {
       if (Elf::parse(bytes, "fw.elf").where(0x80000004).find("power.c:9") == std::string::npos) ++without;
@@ -134,8 +133,7 @@ TEST(Elf, TruncatedAtAnyLengthIsAnErrorOrWhole) {
 }
 
 TEST(Elf, IsRefusedIfSegmentsOverlap) {
-  // A second program header with the content of the first. It is needed because GNU ld writes code and data of this
-  // program as one segment.
+  // Adds a copy of the first program header, because GNU ld writes only one segment for this program.
   auto bytes = program();
   std::uint32_t table = 0;
   std::uint16_t count = 0;

@@ -39,7 +39,6 @@ TEST(EnergyTable, InterpolatesLinearlyAndRefusesPointsOutside) {
 }
 
 TEST(Energy, IsInstructionsAccessesBackgroundAndLeakageForAWorkingCore) {
-  // Runs iterations of one load, one store, one addition and one jump.
   BoardSystem system(
       BoardSystem::assembled("_start: li s0, 0x1C060000\n1: lw a0, 0(s0)\nsw a1, 4(s0)\naddi a2, a2, 1\nj 1b\n"), {},
       BoardSystem::without_caches());
@@ -61,9 +60,8 @@ TEST(Energy, IsInstructionsAccessesBackgroundAndLeakageForAWorkingCore) {
 }
 
 TEST(Energy, GivesTheCurrentsOfTheCalibrationOnSilicon) {
-  // A GAPuino at 1.2 V and 250 MHz, in reset and with its cluster off: 1.3 and 9.3 mA of a 1.8 V rail
-  // (bench/silicon/points.json). L2, the fabric controller's memory and its core have leakage; a sleeping core has a
-  // gated clock.
+  // Measured on a GAPuino at 1.2 V and 250 MHz, in reset and with its cluster off: 1.3 and 9.3 mA from a rail of 1.8 V
+  // (bench/silicon/points.json).
   constexpr double kRailV = 1.8;
   auto board = read_board(MEBOTS_SOURCE_DIR "/configs/boards/gap8.json");
   EXPECT_EQ(board.energy, "gap8_silicon");
@@ -174,7 +172,7 @@ core: wfi
   EXPECT_EQ(system.soc.energy()[Part::cluster_background], ledger[Part::cluster_background]);
 }
 
-/// Adds the counts of one core at some time to those of the cluster.
+/// Adds the counts of one core to those of the cluster.
 void add(Activity& all, unsigned core, const CoreActivity& one) {
   auto& sum = all.of_cores[core];
   sum.instruction_fj += one.instruction_fj;
@@ -197,7 +195,7 @@ TEST(Energy, AddsUpOverTheClustersCoresToTheLedgerAtAllSettings) {
   const auto before_j = meter.core_j(1, now.of_cores[1]);
   add(now, 0, {5'000'000, 170, 30, 2});
   EXPECT_EQ(meter.core_j(1, now.of_cores[1]), before_j) << "it did nothing";
-  // No time has passed, so gated clocks contribute only the part that awake cores replace.
+  // No time has passed, so gated clocks contribute only what is subtracted for the cycles of awake cores.
   const auto ledger = meter.at(now);
   const auto all_j = ledger[Part::cluster_cores] + ledger[Part::l1] + ledger[Part::l2] + ledger[Part::interconnect];
   EXPECT_NEAR(meter.core_j(0, now.of_cores[0]) + before_j, all_j, kRounding * all_j);

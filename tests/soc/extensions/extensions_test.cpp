@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests programs with the options of a core: A, F, Zfinx, Zba, Zbb, Zbc, Zbs. Expected values come from the manual's
-// definitions, bit by bit. The programs come from Debian's assembler, so that a wrong encoding is found, too.
+// Tests programs with the options of a core: A, F, Zfinx, Zba, Zbb, Zbc, Zbs. Expected values are computed by the
+// definitions in the manual. Debian's assembler encodes the programs, so the tests also find wrong encodings.
 #include "hart/csr_numbers.hpp"
 #include "machine.hpp"
 
@@ -17,7 +17,7 @@
 namespace mebots::soc::test {
 namespace {
 
-/// Runs a program that stores its result in a0. The core has the options that `isa` names.
+/// Runs a program on a core with the options of `isa`.
 std::unique_ptr<Machine> run(const std::string& isa, const std::string& body) {
   const auto text = fmt::format("_start:\n{}\n{}", body, kEnd);
   const auto march = isa.find('u') == std::string::npos ? isa : std::string(isa).erase(isa.find('u'), 1);
@@ -139,7 +139,7 @@ TEST(Atomics, StoreTheResultAndReturnTheOldWord) {
     const char* name;
     std::uint32_t result;
   };
-  // Results for the word 0x80000005 in memory and the value 12 in the register.
+  // The word in memory is 0x80000005, and the register's value is 12.
   const std::vector<Case> cases{{"amoswap.w", 12}, {"amoadd.w", 0x80000011}, {"amoxor.w", 0x80000009},
                                 {"amoand.w", 4},   {"amoor.w", 0x8000000d},  {"amomin.w", 0x80000005},
                                 {"amomax.w", 12},  {"amominu.w", 12},        {"amomaxu.w", 0x80000005}};
@@ -223,7 +223,7 @@ TEST(Floats, HaveRegistersFlagsAndCompressedAccesses) {
   EXPECT_EQ(machine->reg(kFirstFloat + 15), 0x40700000U) << "fa5 = 3.75";
 }
 
-/// Returns the first illegal instruction of the program; 0 if the program ends.
+/// Returns the word of the program's first illegal instruction; 0 if all instructions are legal.
 std::string illegal_at(const std::string& isa, const std::string& body) {
   const auto machine = run(isa, "li a0, 0\n la a0, handler\n csrw mtvec, a0\n" + body +
                                     "\nli a0, 0\n j finish\n.balign 4\nhandler: csrr a0, mtval\nfinish:");

@@ -24,7 +24,7 @@ constexpr std::uint32_t kLargestSubnormal = 0x007fffff;
 constexpr std::uint32_t kLeast = 1;
 constexpr std::uint32_t kSignaling = 0x7f800001;
 
-/// Contains a result and its flags in each rounding mode, in the order of Rounding.
+/// A result and its flags. Outcomes contains one for each rounding mode, in the order of Rounding.
 struct Outcome {
   std::uint32_t bits;
   unsigned flags;
@@ -112,7 +112,7 @@ TEST(Float32, RoundsAProductAndSumOnce) {
   Context context;
   EXPECT_EQ(multiply_add(0x3f800001, 0x3f800001, 0xbf800002, context), 0x28800000U);
   EXPECT_EQ(context.flags, 0);
-  // A product far below the sum affects only the rounding of the sum.
+  // If the product is much smaller than the summand, it affects only the rounding.
   EXPECT_EQ(all([](Context& c) { return multiply_add(kLeast, kLeast | kSign, kOne, c); }),
             (Outcomes{{{kOne, 1}, {kOne - 1, 1}, {kOne - 1, 1}, {kOne, 1}, {kOne, 1}}}));
 }

@@ -106,8 +106,8 @@ TEST(Pmp, ForbidsAllInUserModeWithoutAnEntry) {
   EXPECT_EQ(machine->reg(kEpc), 0U);
 }
 
-/// Entry 1 covers `data`, with the given configuration; entry 2 gives U mode all rights elsewhere. `address` sets
-/// pmpaddr1.
+/// PMP entry 1 has `configuration` and covers `data`. Entry 2 gives U mode all rights elsewhere. The code `address`
+/// sets pmpaddr1.
 std::string guarded_data(unsigned configuration, const std::string& address) {
   return fmt::format(
       "li t0, -1\n csrw pmpaddr2, t0\n la t1, data\n srli t1, t1, 2\n {}\n li t0, 0x1f{:02x}00\n"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs random programs with the options of a core: translated code and the interpreter must agree in all registers,
-// flags and counts at every limit.
+// Runs random programs on cores with options. Translated code and the interpreter must agree in all registers, flags
+// and counts after each of many short runs.
 #include "machine.hpp"
 #include "support/same_state.hpp"
 

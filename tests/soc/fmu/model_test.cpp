@@ -21,7 +21,7 @@ using testing::HasSubstr;
 
 constexpr std::int64_t kMs = 1'000'000;
 
-/// Creates a resources folder as in the FMU, with the board and the gate firmware of the build, and returns its path.
+/// Returns the path of a folder with the FMU's resources: the board and the gate firmware.
 std::filesystem::path resources() {
   static const auto folder = [] {
     const auto path = std::filesystem::temp_directory_path() / fmt::format("mebots-soc-model-{}", getpid());
@@ -135,7 +135,7 @@ TEST(Model, PowerIsTheMeanOverTheStepSoThatItSumsToTheEnergy) {
   EXPECT_NEAR(parts_j, variables.outputs.energy_total_j, 1e-15 * 12 * parts_j) << "rounding of eleven sums";
 }
 
-/// Creates a resources folder whose board file names other energies. Returns its path.
+/// Returns the path of a resources folder whose board has other energies.
 std::filesystem::path resources_with(std::string_view energies) {
   const auto path = resources() / energies;
   std::filesystem::create_directories(path);
@@ -241,7 +241,7 @@ TEST(Model, PictureByPointerAndByBase64GiveTheSame) {
         answered_at.push_back(static_cast<double>(t + 2 * kMs));
       }
       if (variables.outputs.camera_trigger != variables.inputs.camera_frame_id) {
-        // Acts as the world: provides the picture one step after the request.
+        // Like the world, provides the picture one step after the request.
         variables.inputs.camera_frame_id = variables.outputs.camera_trigger;
         if (by_pointer) {
           variables.inputs.camera_frame = fmu::BinaryRef::to(picture);
@@ -257,8 +257,8 @@ TEST(Model, PictureByPointerAndByBase64GiveTheSame) {
     EXPECT_FALSE(variables.outputs.core_running);
     EXPECT_FALSE(variables.outputs.core_faulted);
   }
-  // The picture is requested in the first step, visible to the world at 2 ms, provided in the step that starts then,
-  // and complete 16.6667 ms later, so it is visible at 20 ms.
+  // The request in the first step is visible to the world at 2 ms. The picture arrives at 2 ms and is complete 16.6667
+  // ms later, so the answer is visible at 20 ms.
   EXPECT_THAT(answered_at, testing::ElementsAre(20e6, 20e6));
 }
 
@@ -304,7 +304,7 @@ TEST(Model, NamesTheParameterIfTheFirmwareIsMissing) {
   }
 }
 
-/// Returns a folder as `mebots deploy` writes it. Its network.json has the member `flight`.
+/// Returns a folder like that of `mebots deploy`, with `flight` in its network.json.
 std::filesystem::path network_folder(std::string_view flight) {
   const auto folder = resources() / "network";
   std::filesystem::create_directories(folder);
@@ -313,7 +313,7 @@ std::filesystem::path network_folder(std::string_view flight) {
   return folder;
 }
 
-/// Returns the error of a chip that has this network, and this firmware.
+/// Returns the error of a chip with this network and firmware.
 std::string network_error(const std::filesystem::path& folder, std::string_view firmware) {
   Variables variables;
   variables.parameters.firmware = firmware;

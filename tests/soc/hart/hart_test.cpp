@@ -194,7 +194,7 @@ end: {}
   EXPECT_EQ(machine.hart().csr_remarks().read_stopped_counter, csr::kMinstret);
 }
 
-/// Returns a program whose handler leaves without mret, `count` times, after executing `step`.
+/// Returns a program whose handler executes `step` and leaves without mret, `count` times.
 std::string leaves_without_mret(unsigned count, std::string_view step) {
   return fmt::format(R"(
 _start: la t0, handler
@@ -246,7 +246,7 @@ TEST(Csr, ReadOfAReadOnlyRegisterBySetWithX0IsNoWrite) {
   EXPECT_EQ(machine.reg(11), 4U);
 }
 
-/// Transcribes the manuals a second time: the numbers of a core's registers, and the registers with slow accesses.
+/// The CSRs of a core, copied from the manuals independently of the product's code.
 struct CsrSet {
   std::vector<std::pair<unsigned, unsigned>> there;  // first and last number of each range
   std::vector<std::pair<unsigned, unsigned>> slow;
@@ -363,7 +363,7 @@ TEST(Code, RunsAsWrittenAfterAStoreIntoTheNextInstruction) {
 }
 
 TEST(Code, LargerThanTheBlockCacheRuns) {
-  // Executes 80000 consecutive instructions twice. They do not fit into a segment of the decode cache.
+  // 80000 instructions do not fit into a segment of the decode cache.
   Machine machine(
       fmt::format("_start: li s0, 2\n2: .option norvc\n.rept 80000\naddi a0, a0, 1\n.endr\naddi s0, s0, -1\n"
                   "beqz s0, 3f\nla t0, 2b\njr t0\n3: {}",
@@ -372,8 +372,8 @@ TEST(Code, LargerThanTheBlockCacheRuns) {
   EXPECT_EQ(machine.reg(10), 160000U);
 }
 
-/// Returns a program with 1500 functions of a branch, an if with else, and a loop. All are called `turns` times: 25,501
-/// instructions.
+/// Returns a program of 25,501 instructions. It calls 1500 functions `turns` times. Each function contains a branch, an
+/// if with else, and a loop.
 std::string branchy_program(int turns) {
   return fmt::format(R"(
 _start: .option norvc
@@ -421,7 +421,7 @@ TEST(Code, IsDecodedAndTranslatedAtMostTwice) {
 }
 
 TEST(Code, StaysDecodedWhenOtherCodeChanges) {
-  // Runs 200 functions many times, and changes one of them each time.
+  // Runs 200 functions many times, and changes one of them before each time.
   Machine machine(fmt::format(R"(
 _start: .option norvc
     li s0, 500
@@ -475,7 +475,8 @@ TEST(Run, EndsAtTheStoreIntoTohost) {
   EXPECT_EQ(machine.reg(10), 3U) << "nothing later is executed";
 }
 
-/// Compares a run of a program without interruption with runs in pieces. In small pieces, most instructions run alone.
+/// Compares an uninterrupted run with runs in pieces. In small pieces, most instructions are executed alone, outside of
+/// blocks.
 void expect_the_same_in_pieces(const Elf& program, CoreKind kind) {
   Machine straight(program, kind);
   ASSERT_EQ(straight.run(), Stop::watch);
@@ -493,8 +494,8 @@ void expect_the_same_in_pieces(const Elf& program, CoreKind kind) {
 }
 
 TEST(Run, CountsTheSameForAllSplits) {
-  // The code contains every kind of delay: loads, dependent jumps, branches, divisions, misaligned accesses, calls. A
-  // jump overlaps with a misaligned load directly before it, also if the limit is between the two.
+  // The code contains every kind of delay. A jump overlaps with a misaligned load directly before it, also if a piece
+  // ends between the two.
   const auto program = assemble(fmt::format(R"(
 _start: la s0, data
     li s1, 40
@@ -539,8 +540,8 @@ data: .word 77, 0, 0, 0, 0, 0
 }
 
 TEST(Run, InPiecesFollowsChangedCodeAndLoopEnds) {
-  // Eight iterations of the same instructions. Every second iteration stores an instruction over `patch`; from the
-  // fourth iteration on, a hardware loop ends at `last`.
+  // Every second iteration stores an instruction over `patch`. From the fourth of eight iterations on, a hardware loop
+  // ends at `last`.
   const auto program = assemble(fmt::format(R"(
 _start: .option norvc
     la s0, patch

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the cycles of each class of instructions. The expected values come from the table in hart/timing.hpp and
-// README.md, not from the model.
+// Tests the cycles of each class of instructions against the table in hart/timing.hpp and README.md.
 #include "machine.hpp"
 
 #include <fmt/format.h>
@@ -150,7 +149,7 @@ TEST(Timing, FollowsTheTableOfRi5cy) {
 }
 
 TEST(Timing, StallsALoadAfterALoadIntoTheSameRegisterOnRi5cyOnly) {
-  // 16 loads in a row have 15 pairs.
+  // 16 consecutive loads form 15 pairs.
   EXPECT_EQ(cycles_of("lw t0, 4(a0)", CoreKind::ri5cy) * kRepeats, 16 + 15);
   EXPECT_EQ(cycles_of("lw t0, 4(a0)\nlw t1, 4(a0)", CoreKind::ri5cy), 2);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests Xpulp v2 by examples: values calculated by hand from the RI5CY user manual, and special cases of hardware
-// loops. The words come from Debian's assembler through .insn, with the numbers of the manual's tables.
+// Tests Xpulp v2 with examples that were calculated by hand from the RI5CY user manual, and with special cases of
+// hardware loops. Because Debian's assembler does not know Xpulp, the words are encoded by .insn with the numbers of
+// the manual's tables.
 #include "hart/observer.hpp"
 #include "machine.hpp"
 #include "mebots/state/save.hpp"
@@ -216,7 +217,7 @@ room: .word 0, 0, 0, 0
   EXPECT_EQ(machine.reg(18), 0x818283f4U);
 }
 
-/// An observed instruction is decoded alone for the present pipeline; all others are in a block.
+/// An observed instruction is decoded alone, and depends on the pipeline's state. Other instructions are in a block.
 TEST(Xpulp, JumpAfterAMisalignedLoadTakesTheSameTimeWithAnObserver) {
   // t4 points to the jump's target; p.lw a3, 0(t4!) writes it, too.
   constexpr std::string_view kLoads[] = {".insn i 0x0b, 2, a3, t4, 0", "lw a3, 0(t4)", "lw ra, 0(t4)"};
@@ -386,7 +387,7 @@ last:
 }
 
 TEST(HardwareLoop, EndMayMoveIntoDecodedCode) {
-  // The function is first decoded straight, then run as a loop's body with two different ends.
+  // The function is first executed without a loop, and then as a loop's body with two different ends.
   auto machine = finished(R"(
     call f
     la t0, body
@@ -505,8 +506,8 @@ TEST(HardwareLoop, CountsTheSameWhenItIsStoppedAtEveryCycle) {
   EXPECT_EQ(pieces.reg(11), 35U);
 }
 
-/// The cycles of a jump after a loop's end depend on the last instructions of the body. An instruction decoded alone
-/// uses the pipeline; blocks and translated code must give the same cycles.
+/// The cycles of a jump after a loop's end depend on the last instructions of the body. Single instructions, blocks and
+/// translated code must give the same cycles.
 TEST(HardwareLoop, JumpDirectlyAfterItTakesTheSameTimeInAllRuns) {
   constexpr std::string_view kLoops[] = {"lp_setupi 0, 3, 16\n nop\n", "lp_setupi 1, 2, 16\n lp_setupi 0, 2, 8\n"};
   constexpr std::string_view kBefore[] = {"nop", "lw t4, 0(s2)", "lw ra, 0(s2)"};
@@ -598,7 +599,7 @@ TEST(EventCounter, CountsWhileEnabledWithoutItsOwnRead) {
   ASSERT_EQ(machine.run(), Stop::watch);
   EXPECT_EQ(machine.reg(10), 0U);
   EXPECT_EQ(machine.reg(12), machine.reg(11));       // a read replaces its own count
-  EXPECT_EQ(machine.reg(13), machine.reg(12) + 0U);  // and the instruction that switches it off, too
+  EXPECT_EQ(machine.reg(13), machine.reg(12) + 0U);  // so does the instruction that switches the counter off
   EXPECT_EQ(machine.reg(14), machine.reg(11));
 }
 

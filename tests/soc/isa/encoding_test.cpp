@@ -37,8 +37,7 @@ TEST(EncodingTable, HasOneRowPer32BitWord) {
       if (!core_of(table[i]).has(table[j].extension) || !core_of(table[j]).has(table[i].extension)) continue;
       const auto common = table[i].mask & table[j].mask;
       if ((table[i].match & common) != (table[j].match & common)) continue;
-      // The encoding of one row may be a special case of another row's encoding, if the other row reserves these
-      // operands.
+      // A row's encoding may be a special case of another row's encoding if that other row reserves these operands.
       const bool special =
           table[i].mask != common ? is_reserved(table[j], table[i].match) : is_reserved(table[i], table[j].match);
       EXPECT_TRUE(special) << full_name(table[i]) << " overlaps " << full_name(table[j]);
@@ -90,8 +89,8 @@ TEST(EncodingTable, NamesEachRowOnceAndCoversEveryOperation) {
   EXPECT_EQ(ops.size(), static_cast<std::size_t>(kOpCount) - 3) << "all but illegal, end_of_block, loop_end";
 }
 
-/// Makes equivalent texts equal: "addi sp, sp, -16" and "addi sp,sp,-16", "0x10" and "16", "2a <.data+0x2a>" and
-/// "0x0000002a".
+/// Makes equal texts from equivalent ones: "addi sp, sp, -16" and "addi sp,sp,-16", "0x10" and "16", "2a <.data+0x2a>"
+/// and "0x0000002a".
 std::string normal(const std::string& line, bool target_is_hex) {
   auto text = line.substr(0, line.find(" <"));
   text = text.substr(0, text.find(" #"));
@@ -133,8 +132,8 @@ TEST(Disassembly, AgreesWithBinutilsForEveryCompressedWord) {
   for (std::size_t i = 0; i < words.size(); ++i) {
     const auto decoded = decode(words[i]);
     auto line = lines[i];
-    // Not in RV32IMFC: double precision, and names of binutils without an instruction. Shifts by 32 and more are for 64
-    // bits; binutils prints them here, too.
+    // Not in RV32IMFC: double precision, and words that are no instruction. Binutils also prints shifts by 32 and more,
+    // which only exist for 64 bits.
     const bool long_shift =
         line.starts_with("c.s") && line.find(",0x") != std::string::npos && (words[i] & 0x1000U) != 0;
     // The manual reserves this word (table 16.6), although binutils prints a text.
@@ -156,7 +155,7 @@ TEST(Disassembly, AgreesWithBinutilsForRandomWords) {
   std::mt19937 random(1);  // NOLINT: the same words each time
   std::vector<std::uint32_t> words;
   for (const auto& row : encodings()) {
-    // If binutils gets raw words, it disassembles only these extensions.
+    // For raw words, binutils disassembles only these extensions.
     const bool is_known =
         row.extension == Extension::standard || row.extension == Extension::a || row.extension == Extension::f;
     if (is_compressed(row.format) || !is_known) continue;

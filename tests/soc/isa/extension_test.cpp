@@ -34,7 +34,7 @@ TEST(IsaString, NamesTheOptionsOfACore) {
   }
 }
 
-/// Each message names the mistake and what to write.
+/// Each message names the mistake and the correction.
 TEST(IsaString, RefusesByName) {
   using testing::HasSubstr;
   EXPECT_THAT(refusal("rv64imac"), HasSubstr("write rv32"));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the results of each instruction: compares them with a second formulation, bit by bit, or in arithmetic wider
-// than 64 bits. The programs come from Debian's assembler, so that a wrong encoding is found, too.
+// Compares the results of each instruction with a second implementation, bit by bit or in wider integers. Debian's
+// assembler encodes the programs, so the tests also find wrong encodings.
 #include "machine.hpp"
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs random programs on the platform and on QEMU's RISC-V virt machine, whose RAM is a file. Registers stored by the
-// program every few instructions, traps and data must be equal. MEBOTS_LOCKSTEP_INSTRUCTIONS is the number of random
-// instructions; scripts/lockstep.sh runs many.
+// Runs random programs on the simulated hart and on QEMU's RISC-V virt machine, whose RAM is a file. The programs store
+// their registers every few instructions and their traps. These records and the data must be equal.
+// MEBOTS_LOCKSTEP_INSTRUCTIONS is the number of random instructions (scripts/lockstep.sh).
 #include "program.hpp"
 
 #include "runs/hart.hpp"
@@ -28,7 +28,7 @@ std::uint64_t wanted_instructions() {
   return text == nullptr ? 200'000 : std::strtoull(text, nullptr, 10);
 }
 
-/// Simulates a platform with 16 MiB of RAM, and a word that ends the run.
+/// A hart with 16 MiB of RAM, and a word that ends the run.
 class Platform : public Bus {
  public:
   explicit Platform(std::span<const std::uint8_t> ram)

@@ -202,7 +202,7 @@ class Maker {
   }
 
   void finish() {
-    // The next iteration starts with a jump, because a jump reaches farther than a branch.
+    // The way back to the next iteration is a jump, because a branch does not reach as far.
     emit(jal(0, turn_at_ - here()));
     overwrite(leave_at_, branch(4, 31, 28, 8));                // blt turn, turns: skips the next instruction
     overwrite(leave_at_ + 4, jal(0, here() - leave_at_ - 4));  // end of the program
@@ -215,7 +215,6 @@ class Maker {
     emit(jal(0, 0));
   }
 
-  /// Writes the functions. Each consists of some instructions, and a return.
   void functions() {
     for (const auto at : calls_) {
       while (here() % 2 != 0) code_.push_back(0);
@@ -245,8 +244,7 @@ class Maker {
       const bool access = is_load(row.op) || is_store(row.op);
       if (access && decoded.rs1 != kSp && decoded.rs1 != kPointer && decoded.rs1 != kOtherPointer) {
         if (is_compressed(row.format)) continue;
-        // Sometimes causes an access fault. The access is aligned, because the fault address of a misaligned access may
-        // differ.
+        // Sometimes causes an access fault, but never of a misaligned access, whose fault address may differ in QEMU.
         const bool faults = below(16) == 0;
         value = (value & ~(31U << 15)) | (faults ? kNowhere : kPointer + below(2)) << 15;
         if (faults) value &= is_store(row.op) ? 0xfffff07fU : 0xff0fffffU;
@@ -345,8 +343,8 @@ class Maker {
   }
 
   void csr_access() {
-    // Leaves out mstatus, because after an mret QEMU reports user mode, which neither machine has. The handler stores
-    // mstatus instead.
+    // Does not read mstatus, because QEMU's value after an mret contains user mode, which neither machine has. The
+    // handler stores mstatus.
     constexpr std::array<std::uint32_t, 3> kReadOnly{kMtvec, kMisa, kMhartid};
     constexpr std::array<std::uint32_t, 3> kMissing{0x5c0, 0x180, 0x7c5};
     auto rd = below(32);

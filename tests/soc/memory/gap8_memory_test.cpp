@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests GAP8's memories for its cores: latencies of L2, banks of L1, test and set.
+// Tests GAP8's memories: latency of L2, banks of L1, test-and-set.
 #include "gap8_system.hpp"
 #include "support/same_state.hpp"
 
@@ -65,12 +65,12 @@ std::uint64_t cycles_of_core(std::uint32_t who, const Factors& factors, unsigned
   return system.soc.hart(1 + core).counters().cycles;
 }
 
-/// kLoopCycles is the number of cycles of an addition, a taken branch and the load, without the wait of the load.
+/// kLoopCycles are the cycles of an addition, a taken branch, and a load without its latency.
 constexpr std::uint64_t kLoads = 256;
 constexpr std::uint64_t kLoopCycles = 5;
 
 TEST(Gap8Cluster, CountsTheLatencyOfL2InTheClocksOfClusterAndSoc) {
-  // The cycles of start and end, and of the refills of the instruction cache. A refill waits as long as a load.
+  // Tolerance for the cycles of start, end and cache refills. A refill has the latency of a load.
   const auto around = [](double way) { return 20 + 10 * way; };
   const auto expect_way = [&](const Factors& factors, std::uint64_t way) {
     EXPECT_NEAR(static_cast<double>(cycles_of_core(1, factors, 0)), static_cast<double>(kLoads * (kLoopCycles + way)),
@@ -84,8 +84,8 @@ TEST(Gap8Cluster, CountsTheLatencyOfL2InTheClocksOfClusterAndSoc) {
 }
 
 TEST(Gap8Cluster, LetsOneCoreAtATimeThroughToL2) {
-  // A cycle of the SoC is 8 cycles of the cluster, in which an access occupies the port. With this latency, eight
-  // accesses fit into the time of one.
+  // An access occupies the port for one cycle of the SoC, which is 8 cycles of the cluster. The latency is so long that
+  // the accesses of eight cores overlap.
   const Factors factors{600, 4800};
   EXPECT_LT(cycles_of_core(0xff, factors, 7), cycles_of_core(1, factors, 0) * 5 / 4);
   auto board = Gap8System::gap8();
@@ -96,7 +96,7 @@ TEST(Gap8Cluster, LetsOneCoreAtATimeThroughToL2) {
   EXPECT_GE(cycles_of_core(0xff, factors, 7, board), kLoads * 8 * 8 * 9 / 10) << "eight loads take 64 cycles";
 }
 
-/// Straight code that accesses L2 until the end of the table of banks, and then L1, which other cores use, too.
+/// The code accesses L2 until the end of the table of banks, and then L1, which other cores use, too.
 TEST(Gap8Cluster, TranslatedCodeSupportsAnyWaitForL2) {
   struct Mix {
     unsigned far;
@@ -175,8 +175,8 @@ _start: li s1, {}
   EXPECT_EQ(cycles_from("L2_BASE + 0x40000") - cycles_from("FC_TCDM_BASE"), kLoads * 8);
 }
 
-/// Each core adds 1 to a word of L1, 20 times, while it has a lock by test and set. The last core stores characters,
-/// byte by byte, to the address at which programs for simulators print.
+/// Each core adds 1 to a word of L1, 20 times, while it holds a lock (test-and-set). The last core prints characters by
+/// storing them to the address for output.
 constexpr std::string_view kLocks = R"(
 2:  wfi
     j 2b

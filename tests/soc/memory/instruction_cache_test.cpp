@@ -10,7 +10,7 @@
 namespace mebots::soc::test {
 namespace {
 
-/// Describes a cache with 64 sets of 4 ways and lines of 16 bytes, as in GAP8.
+/// A cache with 64 sets of 4 ways and lines of 16 bytes, as in GAP8.
 constexpr InstructionCacheSettings kGap8{4096, 16, 4, 9};
 
 TEST(InstructionCache, MissesOnceAndThenHits) {
@@ -45,7 +45,7 @@ TEST(InstructionCache, ALineHasArrivedForAllWhenAllCoresArePastItsArrival) {
   EXPECT_TRUE(arrived(5));
   EXPECT_FALSE(arrived(6));
   EXPECT_TRUE(cache.holds(6));
-  // The only user of the cache has waited for the line. A second core that starts now has not waited.
+  // While one core alone uses the cache, it waits for line 7. A second core that starts afterwards has not waited.
   cache.settle(200);
   cache.set_alone(true);
   cache.fetch(7, 200);
@@ -86,7 +86,7 @@ TEST(InstructionCache, PrefersInvalidWaysIfTheBoardRequestsIt) {
   for (std::uint32_t line = 1; line <= 4; ++line) cache.fetch(line, 0);
   for (std::uint32_t line = 1; line <= 4; ++line) EXPECT_TRUE(cache.holds(line)) << line;
   EXPECT_EQ(cache.state().shift_register, 0U) << "no refill yet";
-  cache.fetch(5, 0);  // bits 2 and 1 of the value 1
+  cache.fetch(5, 0);  // way 0, from bits 2 and 1 of the value 1
   EXPECT_FALSE(cache.holds(1));
   EXPECT_TRUE(cache.holds(5));
   cache.flush();
@@ -153,7 +153,7 @@ TEST(Fetch, FenceOfInstructionsEmptiesTheCache) {
 }
 
 TEST(Fetch, MissesInEveryIterationOfALoopThatDoesNotFit) {
-  // 8 KiB of straight code run with a cache of 4 KiB.
+  // The loop has 8 KiB, and the cache 4 KiB.
   const auto program = assemble(R"(
     .option norvc
 _start: li s0, 50
@@ -173,8 +173,6 @@ _start: li s0, 50
   EXPECT_LT(refills, 50U * 513U);
 }
 
-/// Contains a program with branches over cold code, calls, loads and stores to memory, and 32-bit instructions across
-/// lines.
 constexpr std::string_view kWanderer = R"(
 _start: li s0, 30
     la s1, data

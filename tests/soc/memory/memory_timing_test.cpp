@@ -105,7 +105,7 @@ TEST(MemoryPort, BanksWithoutOtherUsersCostNothing) {
 }
 
 TEST(MemoryPort, LimitStopsAtTheSameInstructionWithWaits) {
-  // For any limit, the instructions that start before the limit must be the same as in a run without a limit.
+  // A run must execute exactly those instructions that start before its limit.
   const auto program = assemble(std::string(kTwentyWords) + std::string(kEnd) + ".data\n.balign 64\ndata: .zero 64\n");
   for (std::uint64_t limit = 1; limit < 120; ++limit) {
     Machine cut(program);

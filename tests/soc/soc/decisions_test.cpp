@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the time of a program from a picture to set-points, and its parts.
+// Tests the time from a picture to the set-points, and its parts.
 #include "board_system.hpp"
 #include "support/same_state.hpp"
 
@@ -97,8 +97,8 @@ TEST(Decisions, RefuseTimesOutOfOrder) {
   }
 }
 
-/// This program requests a picture and sleeps until it arrives. Then the fabric controller runs 20,000 iterations, and
-/// two cores of the cluster run 40,000 while it sleeps. Then the program sends.
+/// Requests a picture and sleeps until it arrives. Then the fabric controller executes 20,000 iterations. While it
+/// sleeps, two cores of the cluster execute 40,000 iterations. Then the program sends set-points.
 constexpr std::string_view kDecides = R"(
 _start: li s0, CAMERA_BASE
     li s2, FLIGHT_BASE

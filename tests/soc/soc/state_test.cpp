@@ -68,8 +68,7 @@ handler: csrr a4, mcause
 
 const std::vector<std::uint8_t> kPicture(64UL * 30, 7);
 
-/// Runs in steps of h to the end. A requested picture arrives at the next communication point, which is the same time
-/// for every h that divides 10 ms.
+/// Runs to the end in steps of `h_ns`, which must divide 10 ms. Pictures arrive at multiples of 10 ms.
 void run(BoardSystem& system, std::int64_t h_ns, std::int64_t end_ns) {
   for (auto t = system.soc.now() / kPsPerNs; t < end_ns; t += h_ns) {
     auto& camera = system.camera();
@@ -130,8 +129,8 @@ TEST(StepSize, DoesNotChangeTheRun) {
   }
 }
 
-/// A load directly before an access to a device costs a cycle, even if a new block begins between the two. Limits cut
-/// blocks, and so do 64 instructions.
+/// A load directly before an access to a device costs a cycle, even if a block ends between the two. Limits end blocks,
+/// and a block has at most 64 instructions.
 TEST(StepSize, DoesNotChangeTheTimeOfADeviceAccessAfterALoad) {
   for (int before = 60; before < 68; ++before) {
     const auto program = BoardSystem::assembled(fmt::format(R"(

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares translated code with the interpreter: registers, memory, cycles, instructions, energy and accesses must be
-// the same at every limit.
+// Compares translated code with the interpreter: both must have the same state and counts at every limit.
 #include "board_system.hpp"
 #include "machine.hpp"
 #include "random_program.hpp"
@@ -31,7 +30,7 @@ std::string text_of(Machine& machine) {
   return text;
 }
 
-/// Returns settings of a cache that is so small that lines are often evicted.
+/// The cache is small, so lines are often evicted.
 InstructionCacheSettings small_cache(std::uint32_t bytes) {
   return {bytes, 16, 2, 7};
 }
@@ -48,11 +47,11 @@ struct Pair {
     }
   }
 
-  /// Compares two runs. Returns false if they differ, or have ended.
+  /// Continues and compares both runs. Returns false if they differ, or have ended.
   bool run(std::uint64_t limit) {
     const auto stop = translated.run(limit);
     EXPECT_EQ(stop, interpreted.run(limit));
-    // The memory is large, and a difference in it is permanent, so it is rarely compared.
+    // The memory is compared rarely: it is large, and differences in it remain.
     const bool with_memory = stop != Stop::limit || ++stops_ % 256 == 0;
     const bool same = state_of(translated, with_memory) == state_of(interpreted, with_memory);
     EXPECT_TRUE(same) << "translated: " << text_of(translated) << "\ninterpreted: " << text_of(interpreted);
@@ -141,7 +140,7 @@ TEST_P(RandomProgram, CountsTheSameForAllLimits) {
 
 INSTANTIATE_TEST_SUITE_P(Translation, RandomProgram, testing::Range(1U, 41U));
 
-/// The interpreter executes only rare rows. A new row needs a translation, or an entry here.
+/// Only rare instructions have no translation. Each new instruction needs a translation or an entry here.
 TEST(Translation, ExistsForEveryCommonInstruction) {
   if (!translate::can_translate()) GTEST_SKIP() << "this build or host translates nothing";
   const std::set<Op> rare{Op::illegal, Op::ecall, Op::ebreak, Op::fence_i, Op::mret,
@@ -179,8 +178,7 @@ _start: la s0, data
     .balign 4
 data: .word 0
 )");
-  // The hart is a core of a cluster: a block that starts before the limit is not cut, so the core can stop after the
-  // store.
+  // Like a core of a cluster, the hart completes a block that starts before the limit, so it can stop after the store.
   Pair pair(program, {.kind = CoreKind::ri5cy, .loose_limit = true});
   std::mt19937 random(7);
   bool same = true;
@@ -223,7 +221,7 @@ done:
 }
 
 TEST(Translation, FollowsStoresIntoCode) {
-  // A hot loop whose body changes in every iteration of the outer loop.
+  // The outer loop changes the body of a hot inner loop.
   Pair pair(assemble(std::string(R"(
 _start: li s0, 40
     la s1, patch
@@ -257,7 +255,7 @@ done:
 }
 
 TEST(Translation, LeavesFaultsToTheInterpreter) {
-  // The load in the hot loop reaches the end of the memory, and then faults.
+  // In the hot loop, the address of the load increases until it is beyond the memory. Then the load faults.
   Pair pair(assemble(R"(
 _start: li s0, 0x800f0000
 1:  lw a0, 0(s0)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs random Xpulp programs on the platform and on a second description of the instruction set (reference.hpp).
-// MEBOTS_LOCKSTEP_INSTRUCTIONS is the number of executed instructions; scripts/lockstep.sh runs many.
+// Runs random Xpulp programs on a hart and on a second implementation of the instruction set (reference.hpp).
+// MEBOTS_LOCKSTEP_INSTRUCTIONS is the number of executed instructions (scripts/lockstep.sh).
 #include "random_xpulp.hpp"
 #include "reference.hpp"
 
@@ -122,7 +122,7 @@ TEST(Xpulp, EncodingsAreThoseOfASecondDescription) {
     if (random.below(2) == 0) word &= 0xc1ffffffU;  // produces more words with few free bits
     if (random.below(2) == 0) word &= 0xfe0fffffU;
     if (random.below(2) == 0) word &= 0xfffff0ffU;
-    // Every access is inside the RAM: all registers point there, or are 0 if they are added.
+    // All registers are addresses in the RAM, or 0 if they are added to an address. So every access is inside the RAM.
     reference.x.fill(kRam + 16);
     const auto decoded = decode(word);
     const bool xpulp = decoded.encoding != nullptr && decoded.encoding->extension == Extension::xpulp;
@@ -134,7 +134,7 @@ TEST(Xpulp, EncodingsAreThoseOfASecondDescription) {
         if (((word >> 15 ^ word >> 20) & 31U) == 0 || ((word >> 15 ^ word >> 7) & 31U) == 0) continue;
       }
       if (decoded.op == Op::p_elw) word &= 0x000fffffU;
-      if ((word >> 15 & 31U) == 0) continue;  // these accesses would start at address 0
+      if ((word >> 15 & 31U) == 0) continue;  // this access would start at address 0
     }
     reference.x[0] = 0;
     reference.pc = kRam;

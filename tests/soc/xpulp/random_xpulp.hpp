@@ -59,8 +59,8 @@ class Random {
 /// Generates instruction words from the rows of the encoding table, with operands that keep accesses inside the RAM.
 class Generator {
  public:
-  /// With `mostly_dots`, half of the instructions are dot products, on registers that other instructions seldom use;
-  /// standard arithmetic instructions may use them. `left_out` are words that programs must not contain.
+  /// With `mostly_dots`, half of the instructions are dot products. Other instructions seldom use their registers.
+  /// Programs contain no word for which `left_out` returns true.
   explicit Generator(Random& random, bool mostly_dots = false, std::function<bool(std::uint32_t)> left_out = {})
       : random_(random), mostly_dots_(mostly_dots), left_out_(std::move(left_out)) {
     for (const auto& row : encodings()) {
@@ -154,7 +154,7 @@ class Generator {
            !is_store(row.op) && !is_branch(row.op) && !is_csr(row.op);
   }
 
-  /// Returns the word with another register in the field whose lowest bit is `low`.
+  /// Returns the word with `value` in the register field at bit `low`.
   static std::uint32_t with(std::uint32_t word, unsigned low, std::uint32_t value) {
     return (word & ~(31U << low)) | value << low;
   }
@@ -234,7 +234,7 @@ class Generator {
   std::vector<const Encoding*> dots_;
 };
 
-/// Defines a hart whose run ends at a store to an address without memory.
+/// A hart whose run ends at a store to an address without memory.
 class Platform : public Bus {
  public:
   explicit Platform(bool translate = true)
@@ -264,7 +264,6 @@ class Platform : public Bus {
   Hart hart_;
 };
 
-/// Returns the disassembly of the words as text.
 inline std::string listing(const std::vector<std::uint32_t>& words) {
   std::string text;
   for (std::size_t i = 0; i < words.size(); ++i) {

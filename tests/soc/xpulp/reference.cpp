@@ -209,17 +209,17 @@ bool XpulpReference::alu(std::uint32_t word) {
       if (field2 != 0) return false;
       std::uint32_t result = 32;
       switch (kind) {
-        case 0:  // finds the position of the lowest one
+        case 0:
           for (unsigned i = 32; i-- > 0;) {
             if (bits_of(a, i, i) == 1) result = i;
           }
           break;
-        case 1:  // finds the position of the highest one
+        case 1:
           for (unsigned i = 0; i < 32; ++i) {
             if (bits_of(a, i, i) == 1) result = i;
           }
           break;
-        case 2:  // counts the leading bits that repeat the sign
+        case 2:  // number of bits directly below the sign that equal it
           result = 0;
           if (a != 0) {
             while (result < 31 && bits_of(a, 30 - result, 30 - result) == bits_of(a, 31, 31)) ++result;
@@ -246,7 +246,7 @@ bool XpulpReference::alu(std::uint32_t word) {
       return true;
     }
     case 0b0001010: {
-      // Returns the bound of the immediate forms: 2^(n-1) - 1, and 0 for n = 0.
+      // The bound of the immediate forms is 2^(n-1) - 1, or 0 for n = 0.
       const auto bound = kind == 1 || kind == 2 ? (field2 == 0 ? 0 : (std::int64_t{1} << (field2 - 1)) - 1) : sb;
       if (kind == 1 || kind == 5) {
         d = word_of(sa > bound ? bound : sa < -bound - 1 ? -bound - 1 : sa);

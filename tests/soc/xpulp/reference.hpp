@@ -8,9 +8,8 @@
 
 namespace mebots::soc::test {
 
-/// Implements Xpulp v2 a second time, for comparison with the platform. The implementation follows the tables of the
-/// RI5CY user manual 4.45 in the order of its opcodes, decodes field by field, and computes with 64-bit numbers part by
-/// part. It shares no code with the platform's encoding table, decoder or operations.
+/// A second implementation of Xpulp v2. It follows the tables of the RI5CY user manual 4.45, and shares no code with
+/// the simulator's encoding table, decoder and operations.
 class XpulpReference {
  public:
   struct Loop {

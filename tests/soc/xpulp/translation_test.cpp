@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares Xpulp in translated code with the interpreter: the same state at every limit, for all rows of the table.
+// Compares Xpulp in translated code with the interpreter: both must have the same state at every limit.
 #include "random_xpulp.hpp"
 
 #include "hart/csr_numbers.hpp"
@@ -139,7 +139,7 @@ TEST(XpulpTranslation, RunsCallsThatWriteAnOperandOfDotProducts) {
   EXPECT_EQ(states[0], states[1]);
 }
 
-/// Operands of dot products are loaded from both memories, also with a step that the load itself writes.
+/// Loads operands of dot products from both memories. One load writes its own step.
 TEST(XpulpTranslation, LoadsOperandsOfDotProductsAsInterpreted) {
   constexpr std::array<std::uint32_t, 10> kWords{0x20e5770bU,  // p.lw x14, x14(x10!): the next step, 4 or 8
                                                  0x20e5f783U,  // p.lw x15, x14(x11), in the small memory

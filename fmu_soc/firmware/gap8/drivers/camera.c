@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Drives an HM01B0 at I2C master 1 and the camera interface of GAP8's uDMA. The sensor has 324 x 324 pixels, and the
-// interface passes only the pixels in the middle. On a request, the sensor takes one frame and then enters standby.
-// Therefore each picture is new, and no frame remains unused. A real sensor also needs values of integration, black
-// level and gain from its manufacturer.
+// Drives an HM01B0 at I2C master 1 and the camera interface of GAP8's uDMA. The interface passes only the middle of the
+// sensor's 324 x 324 pixels. On a request, the sensor takes one frame and then enters standby, so that each picture is
+// new. A real sensor also needs its manufacturer's values of integration, black level and gain.
 #include "drivers/camera.h"
 
 #include "drivers/timer.h"
@@ -26,12 +25,11 @@ _Static_assert(MARGIN >= 0 && MARGIN % 2 == 0 && CAMERA_EDGE % 2 == 0, "the inte
 #define ROW_SHIFT 16
 
 // Addresses and values of the sensor's registers.
-#define SENSOR_WRITE 0x48  // address of the sensor on the bus, for writes
+#define SENSOR_WRITE 0x48  // I2C address of the sensor, for writes
 #define MODE_SELECT 0x0100
 #define SOME_FRAMES 3
 #define FRAME_COUNT 0x3020
 
-// Commands of the I2C master.
 #define I2C_START 0x00
 #define I2C_STOP 0x20
 #define I2C_BYTE 0x80
@@ -39,15 +37,14 @@ _Static_assert(MARGIN >= 0 && MARGIN % 2 == 0 && CAMERA_EDGE % 2 == 0, "the inte
 #define I2C_HZ 400000
 
 static uint8_t buffers[2][CAMERA_EDGE * CAMERA_EDGE] __attribute__((aligned(4), section(".noinit.camera")));
-// Index of the buffer for the requested picture. If no picture is requested, index of the buffer that contains the last
-// picture.
+// Index of the buffer for the requested picture. Without a request, index of the buffer with the last picture.
 static unsigned filling;
 static bool is_requested;
 static uint32_t count;
 static volatile bool stored;
 static volatile unsigned is_sent;  // true after the last transfer to the sensor
 static uint8_t commands[13];
-static uint32_t divider;  // divides the SoC's clock to the bit rate on the bus
+static uint32_t divider;  // from the SoC's clock to the bit rate
 
 static void on_picture(void) {
   stored = true;
@@ -57,7 +54,7 @@ static void on_sent(void) {
   is_sent = 1;
 }
 
-// Stores a value into a register of the sensor. Returns before the transfer has ended; the next call waits for its end.
+// Stores a value into a register of the sensor. Returns before the end of the transfer, for which the next call waits.
 static void write_sensor(uint32_t at, uint32_t value) {
   soc_event_wait(&is_sent);
   is_sent = 0;
@@ -94,7 +91,7 @@ bool camera_ask(void) {
   }
   stored = false;
   filling ^= 1;
-  // The transfer must start before the sensor: the camera interface skips a frame whose start it has missed.
+  // The transfer must start before the sensor, because the interface skips frames that have already started.
   udma_start(UDMA_CAMERA_OFFSET, buffers[filling], sizeof buffers[filling]);
   write_sensor(MODE_SELECT, SOME_FRAMES);
   is_requested = true;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Drives GAP8's timer. The two 32-bit counters form one counter, which counts the reference clock. The time increases
-// in steps of 30.5 us.
+// Drives GAP8's timer. Its two 32-bit counters form one counter of the reference clock, with a period of 30.5 us.
 #include "drivers/timer.h"
 
 #include "runtime/interrupt.h"
@@ -39,14 +38,14 @@ int64_t timer_now_ns(void) {
 }
 
 void timer_set_alarm(int64_t time_ns) {
-  // The count is computed in two parts, because the product of time and 2^COUNTS_LOG2 does not fit in 64 bits.
+  // Two parts, because the product of time and 2^COUNTS_LOG2 may exceed 64 bits.
   const uint64_t groups = time_ns <= 0 ? 0 : (uint64_t)time_ns / NS;
   const uint32_t rest_ns = time_ns <= 0 ? 0 : (uint32_t)((uint64_t)time_ns - groups * NS);
   alarm_count = (groups << COUNTS_LOG2) + ((rest_ns << COUNTS_LOG2) + NS - 1) / NS;
   alarm_came = false;
   store(TIMER_BASE + TIMER_COMPARE_LO_OFFSET, (uint32_t)alarm_count);
   store(TIMER_BASE + TIMER_COMPARE_HI_OFFSET, (uint32_t)(alarm_count >> 32));
-  check_alarm();  // needed because the timer only raises an event if count and alarm are equal
+  check_alarm();  // the timer raises an event only if count and alarm are equal
 }
 
 #include "drivers/timer_alarm.inc"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines the address that a core of the cluster loads to wait at a barrier. This file is for GAP8's event unit.
+// Address that a cluster core loads to wait at a barrier of GAP8's event unit.
 #pragma once
 
 #include "runtime/registers.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sends the characters of print(). This file is for GAP8's UART, which sends a line at a time.
+// Sends the characters of print() to GAP8's UART, line by line.
 #pragma once
 
 #include "runtime/uart.h"
@@ -8,7 +8,6 @@ static inline void put_char(char c) {
   uart_put(c);
 }
 
-// Waits until all characters are sent.
 static inline void flush_characters(void) {
   uart_flush();
 }

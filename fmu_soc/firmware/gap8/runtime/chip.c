@@ -10,7 +10,7 @@
 #define MULTIPLIER_MASK 0xFFFFu
 #define DIVIDER_SHIFT 26
 #define DIVIDER_MASK 0xFu
-// The frequency of the loop's oscillator is set near this power of two, as in gap_sdk.
+// The loop's oscillator runs near this power of two, as in gap_sdk.
 #define OSCILLATOR_LOG2_HZ 29
 #define REFERENCE_LOG2_HZ 15
 
@@ -31,13 +31,13 @@ static uint32_t voltage_mv(void) {
 }
 
 #ifdef MISSION_BASE
-// Sets the mission's voltage, which must be one of the voltages that the chip supports.
+// Sets the mission's voltage, which the chip must support.
 static void voltage_start(void) {
   const uint32_t others = SOC_CONTROL_SAFE_PMU_RAR & ~VOLTAGE_MASK;
   SOC_CONTROL_SAFE_PMU_RAR = others | (MISSION_SUPPLY_VOLTAGE - VOLTAGE_LOWEST_MV) / VOLTAGE_STEP_MV;
 }
 #else
-// Keeps the voltage that the chip has after reset. Used on a board without a mission device.
+// Keeps the chip's voltage after reset, on a board without a mission device.
 static void voltage_start(void) {}
 #endif
 
@@ -52,9 +52,8 @@ uint32_t loop_hz(unsigned loop) {
   return (uint32_t)(divider > 1 ? undivided >> (divider - 1) : undivided);
 }
 
-// Returns the highest clock at a voltage. For the SoC, this is 150 MHz at 1.0 V and 250 MHz at 1.2 V. For the cluster,
-// it is 87 MHz and 175 MHz. Between these voltages, the clock is interpolated linearly. Source: FLL_SOC_MIN_FREQUENCY
-// and similar constants in GreenWaves' gap_sdk.
+// Returns the highest clock at a voltage, interpolated linearly: SoC 150 MHz at 1.0 V and 250 MHz at 1.2 V, cluster 87
+// MHz and 175 MHz. Source: FLL_SOC_MIN_FREQUENCY and similar constants in GreenWaves' gap_sdk.
 static uint32_t highest_hz(unsigned loop, uint32_t millivolts) {
   const uint32_t above = millivolts > 1000 ? millivolts - 1000 : 0;
   return loop == LOOP_SOC ? 150000000 + above * 500000 : 87000000 + above * 440000;
@@ -93,7 +92,7 @@ void chip_start(void) {
   voltage_start();
   loop_set(LOOP_SOC, START_CLOCK_HZ);
   loop_set(LOOP_CLUSTER, START_CLUSTER_CLOCK_HZ);
-  // The timer counts the reference clock, which does not depend on the other clocks.
+  // The timer counts the reference clock, because other clocks may change.
   store(TIMER_BASE + TIMER_COMPARE_LO_OFFSET, UINT32_MAX);
   store(TIMER_BASE + TIMER_COMPARE_HI_OFFSET, UINT32_MAX);
   store(TIMER_BASE + TIMER_CONFIG_LO_OFFSET,

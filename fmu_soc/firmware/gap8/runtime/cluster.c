@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Controls the cluster through GAP8's own registers. A fork is a software event for the cores of the team, which read
-// their job from L1. At the end, core 0 waits for all cores of the team at a second barrier. Then it raises an event of
-// the fabric controller.
+// Controls the cluster through GAP8's registers. A fork raises a software event for the team's cores, which read their
+// job from L1. At the end, core 0 waits for the team at a second barrier, and raises an event of the fabric controller.
 #include "runtime/cluster.h"
 
 #include <stdbool.h>
@@ -14,7 +13,7 @@
 #define JOB_DONE (UINT32_C(1) << FABRIC_EVENT_JOB_DONE)
 #define BARRIER_OF(number) (EU_OF_CLUSTER_BASE + EU_LONG_BARRIER_OFFSET + (number)*BARRIER_BYTES)
 
-// Interrupt vectors of the cores. The cores start at the address after these vectors.
+// Interrupt vectors of the cores, which start at the address after these vectors.
 extern const char cluster_vectors[];
 
 struct {
@@ -24,7 +23,7 @@ struct {
 
 static volatile unsigned power_changed;
 static volatile unsigned clock_changed;
-static uint32_t clock_hz;  // 0 = the clock at the start of the program
+static uint32_t clock_hz;  // 0 = initial clock
 static uint32_t team;
 static bool works;
 
@@ -53,13 +52,13 @@ static bool is_on(void) {
   return (SOC_CONTROL_CL_BYPASS & BYPASS_CLUSTER_ON) != 0;
 }
 
-// Switches the cluster on. The order is the same as in gap_sdk (kernel/gap/maestro.c): power, isolation, reset, clock.
+// Order as in gap_sdk (kernel/gap/maestro.c): power, isolation, reset, clock.
 int cluster_on(void) {
   const unsigned cores = cluster_core_count();
   if (cores == 0) {
     return -1;
   }
-  // If the cluster is already on, the chip would raise no event.
+  // If the cluster is already on, the chip raises no event.
   if (is_on()) {
     return 0;
   }

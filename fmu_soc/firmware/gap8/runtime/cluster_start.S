@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Starts the cluster's cores. Each core sets its stack to the end of L1. Then, in an endless loop, it waits for work,
-# does the work and reports the end. The cores take no interrupts. An exception ends the program.
+# Starts the cluster's cores. Each core takes its stack at the end of L1. In an endless loop, it waits for a job, runs
+# the job and reports the end. The cores take no interrupts. An exception ends the program.
 #include "runtime/cluster_stack.inc"
 #include "runtime/registers.h"
 #include "runtime/vectors.inc"

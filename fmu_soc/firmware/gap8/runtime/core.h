@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Controls the fabric controller's clock, sleep and end, which differ between chips. This file is for GAP8's
-// frequency-locked loops, event unit and SoC control.
+// Controls clock, sleep and end of GAP8's fabric controller, by its frequency-locked loop, event unit and SoC control.
 #pragma once
 
 #include <stdint.h>
@@ -12,21 +11,20 @@
 extern "C" {
 #endif
 
-// Returns the present clock frequency [Hz].
 uint32_t core_clock_hz(void);
-// Sets the loop as loop_set() does (runtime/chip.h). If a peripheral is sending at a bit rate that is derived from this
-// clock, ignores a lower frequency. The interrupt at the end of the transfer wakes the core. The end of the last byte
-// raises no interrupt, so that the clock stays unchanged until the next sleep.
+// Sets the loop as loop_set() does (runtime/chip.h). While a peripheral sends at a bit rate derived from this clock,
+// ignores a lower frequency: the end of the transfer wakes the core, but the end of the last byte raises no interrupt.
+// The clock then stays unchanged until the next sleep.
 void core_clock_set(uint32_t hz);
 
-// Enables interrupt `number`. An enabled interrupt ends a sleep. If interrupts are on, its handler is called.
+// Enables interrupt `number`. An enabled interrupt ends a sleep and, if interrupts are on, calls its handler.
 static inline void core_enable_interrupt(unsigned number) {
   const uint32_t bit = UINT32_C(1) << number;
   store(EU_BASE + EU_MASK_OR_OFFSET, bit);
   store(EU_BASE + EU_MASK_IRQ_OR_OFFSET, bit);
 }
 
-// Sleeps until an enabled interrupt is pending, also with interrupts off.
+// Sleeps until an enabled interrupt is pending. Interrupts may be off.
 static inline void core_sleep(void) {
   event_load(EU_BASE + EU_WAIT_OFFSET);
 }
@@ -39,7 +37,6 @@ static inline void core_sleep_until(unsigned event) {
   store(EU_BASE + EU_MASK_OFFSET, mask);
 }
 
-// Ends the program with an exit code.
 void core_end(int code);
 
 #ifdef __cplusplus

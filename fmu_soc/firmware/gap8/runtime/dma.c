@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Controls the cluster's DMA through MCHAN's registers. The number of a copy is the number of its counter.
+// Controls the cluster's DMA through MCHAN's registers. A copy is identified by its counter.
 #include <stdbool.h>
 
 #include "runtime/cluster.h"
@@ -16,7 +16,7 @@
 #define TAKEN_SHIFT 16
 #define ALL_TAKEN 0xFFFFu
 #define COUNTERS 16
-#define FABRIC_CONTROLLER 32u  // any core number above is that of another cluster
+#define FABRIC_CONTROLLER 32u  // higher numbers belong to cores of other clusters
 
 static bool is_core(void) {
   uint32_t id;
@@ -35,7 +35,7 @@ static inline __attribute__((always_inline)) bool fits(uint32_t l1, uint32_t l2,
          stride <= MOST_ROW && in_l1 && outside;
 }
 
-// Starts a copy. This function is inlined, because most copies have no rows.
+// Starts a copy. Inlined, because most copies have no rows.
 static inline __attribute__((always_inline)) uint32_t start(uint32_t direction, uint32_t l1, uint32_t l2,
                                                             uint32_t bytes, uint32_t row, uint32_t stride) {
   if (!fits(l1, l2, bytes, row, stride)) {
@@ -56,8 +56,8 @@ static inline __attribute__((always_inline)) uint32_t start(uint32_t direction, 
 
 #include "runtime/dma_copies.h"
 
-// Waits for the end of a copy. A core sleeps until the copy ends. The fabric controller receives no event of the DMA
-// and polls.
+// Waits for the end of a copy. A cluster core sleeps, but the fabric controller polls, because it receives no event of
+// the DMA.
 void dma_wait(uint32_t copy) {
   if (copy >= COUNTERS) {  // DMA_REFUSED
     return;

@@ -33,12 +33,12 @@
 #define BARRIER_ARRIVE_WAIT_OFFSET 0x1C
 
 /* Events of the cluster's cores. */
-#define CLUSTER_EVENT_JOB 0 /* of software: ours */
+#define CLUSTER_EVENT_JOB 0 /* software event of this runtime */
 #define CLUSTER_EVENT_DMA 8
 #define CLUSTER_EVENT_BARRIER 16
 
 /* Events of the fabric controller. */
-#define FABRIC_EVENT_JOB_DONE 0 /* of software: ours */
+#define FABRIC_EVENT_JOB_DONE 0 /* software event of this runtime */
 #define FABRIC_EVENT_TIMER 10
 #define FABRIC_EVENT_SOC 27
 
@@ -49,32 +49,32 @@
 #define SOC_EVENT_CLUSTER_POWER 31
 #define SOC_EVENT_CLUSTER_CLOCK 35
 #define SOC_EVENTS 64
-#define SOC_EVENT_MASKS_OFFSET 0x04 /* of the fabric controller: events 32 to 63, then 0 to 31; 1 = not let through */
+#define SOC_EVENT_MASKS_OFFSET 0x04 /* fabric controller's masks: events 32 to 63, then 0 to 31; 1 = masked */
 
 /* Frequency-locked loops: the first belongs to the SoC, and the second to the cluster. */
 #define FLL_BYTES 0x10
 #define FLL_CONFIG1_OFFSET 0x4
 #define REFERENCE_CLOCK_HZ 32768
 
-/* Power of the cluster, SOC_CONTROL_CL_BYPASS. */
+/* Bits of SOC_CONTROL_CL_BYPASS. */
 #define BYPASS_POWER_UNIT 0x1
 #define BYPASS_CLUSTER_ON 0x8
 #define BYPASS_CLOCK 0x200
 #define BYPASS_CLOCK_GATE 0x400
 #define BYPASS_CLUSTER_RESET 0x2000
 
-/* Control of the cluster. */
+/* Registers of the cluster's control unit and instruction cache. */
 #define CLUSTER_FETCH_ENABLE_OFFSET 0x08
 #define CLUSTER_BOOT_OFFSET 0x40
 #define CLUSTER_CACHE_ENABLE_OFFSET 0x1400
 
-/* DMA of the cluster: its address for the fabric controller, and its address in a core's demultiplexed range. */
+/* DMA of the cluster: address on the bus, and address in a core's demultiplexed range. */
 #define DMA_LONG_BASE (CLUSTER_BASE + 0x1800)
 #define DMA_BASE 0x00204400
 #define DMA_QUEUE_OFFSET 0x0
 #define DMA_STATUS_OFFSET 0x4
 
-/* Registers of the timer. Its two counters are used as one counter. */
+/* Registers of the timer, whose two counters are used as one counter. */
 #define TIMER_CONFIG_LO_OFFSET 0x00
 #define TIMER_CONFIG_HI_OFFSET 0x04
 #define TIMER_COUNT_LO_OFFSET 0x08
@@ -85,7 +85,7 @@
 /* Channels of the uDMA. A channel runs one transfer and queues another. */
 #define UDMA_HYPER_RECEIVE_OFFSET 0x180
 #define UDMA_HYPER_SEND_OFFSET 0x190
-#define UDMA_HYPER_OUTSIDE_OFFSET 0x1A0 /* address of the next transfer in the outside memory */
+#define UDMA_HYPER_OUTSIDE_OFFSET 0x1A0 /* address of the next transfer on the HyperBus */
 #define UDMA_UART_SEND_OFFSET 0x210
 #define UDMA_UART_STATUS_OFFSET 0x220
 #define UDMA_UART_SENDS 0x1
@@ -113,7 +113,6 @@ static inline uint32_t load(uint32_t address) {
   return *register_at(address);
 }
 
-// Starts a transfer on a channel of the uDMA.
 static inline void udma_start(uint32_t channel, const volatile void* memory, uint32_t bytes) {
   store(UDMA_BASE + channel + UDMA_ADDRESS_OFFSET, (uint32_t)(uintptr_t)memory);
   store(UDMA_BASE + channel + UDMA_SIZE_OFFSET, bytes);

@@ -33,8 +33,8 @@ void soc_event_attach(unsigned number, interrupt_handler_t handler) {
   store(mask, load(mask) & ~(UINT32_C(1) << number % 32));
 }
 
-// Switches interrupts off during the wait. Otherwise an interrupt between the check of `note` and the sleep would clear
-// the event that ends the sleep. The event ends the wait of p.elw even with interrupts off.
+// Interrupts are off during the wait. Otherwise an interrupt between the check of `note` and the sleep would clear the
+// event that ends the sleep. p.elw also returns with interrupts off.
 void soc_event_wait(const volatile unsigned* note) {
   uint32_t status;
   __asm__ volatile("csrrci %0, mstatus, 8" : "=r"(status)::"memory");

@@ -19,8 +19,7 @@ static unsigned filled;
 
 static volatile unsigned sent = 1;
 
-// Handles the end of a transfer by the uDMA. The event also ends a sleep during which the clock stayed high only for
-// the transmitter.
+// Handles the end of a uDMA transfer. This event also ends a sleep in which the clock stayed high for the transmitter.
 static void on_sent(void) {
   sent = 1;
 }
@@ -31,8 +30,8 @@ void uart_start(void) {
   soc_event_attach(SOC_EVENT_UART_SENT, on_sent);
 }
 
-// Returns true until the bits of the last byte are sent. The transfer of the uDMA ends earlier, when it has passed the
-// last byte to the transmitter.
+// Returns true until the bits of the last byte are sent. The uDMA transfer ends when the transmitter takes the last
+// byte.
 bool uart_sends(void) {
   return udma_runs(UDMA_UART_SEND_OFFSET) || (load(UDMA_BASE + UDMA_UART_STATUS_OFFSET) & UDMA_UART_SENDS) != 0;
 }

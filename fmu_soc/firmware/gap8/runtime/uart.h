@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Transmits text by UART. Collects the characters of a line. The uDMA sends the line while the program continues.
+// Transmits text by UART, line by line. The uDMA sends a line while the program continues.
 #pragma once
 
 #include <stdbool.h>
 
 void uart_start(void);
-// Adds a character to the line. If the previous line is still being sent, waits for its end.
+// Adds a character to the line. Waits while the previous line is being sent.
 void uart_put(char c);
-// Sends the collected characters, and waits until they are sent.
+// Sends the unfinished line, and waits until all characters are sent.
 void uart_flush(void);
 bool uart_sends(void);

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Defines the vectors of the fabric controller. All traps have the same entry, which reads mcause.
+# Vectors of the fabric controller. All traps have the same entry, which reads mcause.
 #include "runtime/vectors.inc"
 
     .section .text.trap_vectors, "ax"

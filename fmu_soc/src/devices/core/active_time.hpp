@@ -29,7 +29,6 @@ class ActiveTime {
     return true;
   }
 
-  /// Returns the energy [J] from reset to `now`.
   double energy_j(Picoseconds now) const {
     const auto active = total_ + (active_ ? now - since_ : 0);
     return (static_cast<double>(active) * active_w_ + static_cast<double>(now - active) * idle_w_) / kPsPerS;

@@ -10,14 +10,14 @@
 
 namespace mebots::soc {
 
-/// Models a part of the board that has no address. Its energy depends on the time that it spends in each of its states,
-/// and on the number of bytes that are transferred through it:
+/// Models a part of the board that has no address. Its energy depends on the time in each of its states, and on the
+/// number of transferred bytes:
 ///
 /// energy = supply_voltage (sum over states of current x time + charge_per_byte x bytes)
 ///
-/// The device to which the part is attached changes the part's state and counts the bytes (PartPort). A part without
-/// attachment stays in its initial state. The energy is computed from integer picoseconds and bytes, so that it does
-/// not depend on the times at which it is read.
+/// The device that uses the part changes the part's state and counts the bytes (PartPort). Without such a device, the
+/// part stays in its initial state. The energy is computed from integers, so that reading it more often does not change
+/// it.
 class AttachedPart final : public Device {
  public:
   explicit AttachedPart(const BoardDevice& entry);
@@ -42,8 +42,8 @@ class AttachedPart final : public Device {
   std::uint64_t bytes_ = 0;
 };
 
-/// Connects a device to a part of the board. The part is active while the device uses it, and idle at all other times.
-/// If no part is attached, all calls have no effect.
+/// Connects a device to a part of the board. The part is active while the device uses it, and otherwise idle. If no
+/// part is attached, all calls have no effect.
 class PartPort {
  public:
   PartPort() = default;

@@ -12,15 +12,12 @@
 #include <string_view>
 #include <vector>
 
-/// Declares the services of the chip for the kinds of devices that are part of MEbots. They supplement those of
-/// DeviceHost.
 namespace mebots::soc {
 
 namespace gap8_devices {
 struct Signals;
 }
 
-/// Stores the settings of the chip that the firmware can change.
 struct PowerSettings {
   std::uint32_t clock_hz = 0;
   std::uint32_t cluster_clock_hz = 0;
@@ -39,7 +36,6 @@ struct PowerSettings {
   }
 };
 
-/// Provides the power settings and the clocks of the chip.
 class PowerSource {
  public:
   virtual ~PowerSource() = default;
@@ -50,7 +46,6 @@ class PowerSource {
   virtual double clock_hz() const = 0;
 };
 
-/// Provides the parts of the board that are attached to devices, and the energy of loads.
 class PartSource {
  public:
   virtual ~PartSource() = default;
@@ -63,7 +58,7 @@ class PartSource {
   virtual double load_energy_j(std::string_view load, Picoseconds now) const = 0;
 };
 
-/// Provides pictures for a camera on a board that is simulated without a world.
+/// Provides the pictures of a camera if the board is simulated without a world.
 class PictureRoll {
  public:
   virtual ~PictureRoll() = default;
@@ -73,11 +68,10 @@ class PictureRoll {
   virtual std::span<const std::uint8_t> picture(std::size_t number) const = 0;
 };
 
-/// Provides the contents of the files with which the board starts.
 class ImageSource {
  public:
   virtual ~ImageSource() = default;
-  /// Returns the bytes that the board's flash contains at the start.
+  /// Returns the initial contents of the board's flash.
   virtual std::span<const std::uint8_t> flash() const = 0;
   virtual const PictureRoll& pictures() const = 0;
 };
@@ -94,14 +88,13 @@ class DeviceSource {
     }
     return nullptr;
   }
-  /// Returns the signals between GAP8's devices.
   virtual gap8_devices::Signals& signals() = 0;
 
  protected:
   virtual std::vector<Device*> made_devices() const = 0;
 };
 
-/// Reads and writes the console of a stand-alone program byte by byte.
+/// Reads and writes a program's console byte by byte.
 class ConsolePort {
  public:
   static constexpr int kNothingYet = -1;
@@ -115,14 +108,13 @@ class ConsolePort {
   virtual int read_console(Picoseconds now) = 0;
 };
 
-/// Ends the program of the fabric controller.
 class ProgramEnd {
  public:
   virtual ~ProgramEnd() = default;
   virtual void end_program(std::int32_t exit_code) = 0;
 };
 
-/// Combines all services of the chip. The code of a kind passes to its device only those that the device needs.
+/// Combines all services of the chip for MEbots' own devices. A device receives only those services that it needs.
 class ChipHost : public DeviceHost,
                  public PowerSource,
                  public PartSource,
@@ -131,14 +123,13 @@ class ChipHost : public DeviceHost,
                  public ConsolePort,
                  public ProgramEnd {};
 
-/// Collects the interrupts of other devices and has one interrupt line to the core. The key `interrupt` in the
-/// controller's entry of the board file selects this line.
+/// Collects the interrupts of several devices into one line to the core. The key `interrupt` in the controller's entry
+/// of the board file selects this line.
 class InterruptController {
  public:
   virtual ~InterruptController() = default;
   /// Returns the highest source number. The lowest source number is 1.
   virtual unsigned last_source() const = 0;
-  /// Sets the level of a source's line.
   virtual void set_source(unsigned source, bool level) = 0;
 };
 

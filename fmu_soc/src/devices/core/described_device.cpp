@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::string_view kStatus = "status";
 
-/// Returns the index of a variable among the inputs or among the outputs of the entry.
+/// Returns the position of a variable among the entry's inputs, or among its outputs.
 std::size_t place_of(const BoardDevice& entry, std::string_view name, bool is_input) {
   std::size_t place = 0;
   for (const auto& variable : entry.variables) {
@@ -119,8 +119,8 @@ bool DescribedDevice::store(std::uint32_t offset, Picoseconds now, std::uint32_t
   return true;
 }
 
-/// Handles an access at an offset without a register. If the entry has a `span`, reports the offset once and returns
-/// true. Without a `span`, returns false.
+/// Handles an access to an offset without a register. If the entry has no `span`, returns false. Otherwise returns
+/// true, and reports each offset once.
 bool DescribedDevice::pass_over(std::uint32_t offset, std::string_view access) {
   if (entry_.span == 0) return false;
   if (std::ranges::find(warned_, offset) != warned_.end()) return true;
@@ -133,8 +133,8 @@ bool DescribedDevice::pass_over(std::uint32_t offset, std::string_view access) {
   return true;
 }
 
-/// Sends the values of the registers from `first` to before `last`. Skips registers that do not send. If one of the
-/// values is invalid, sends none of them.
+/// Sends the values of the registers in [first, last). Skips registers that do not send. If a value is invalid, sends
+/// none of them.
 void DescribedDevice::send(std::size_t first, std::size_t last, Picoseconds now) {
   for (auto i = first; i < last; ++i) {
     if (const auto fault = fault_of(i); !fault.empty()) {

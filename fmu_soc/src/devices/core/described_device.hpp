@@ -11,24 +11,23 @@
 
 namespace mebots::soc {
 
-/// Models a device that the board file describes completely. The board file lists the variables that the registers show
-/// and send, the opcodes, and the states with their current, delay and next state.
+/// Models a device that the board file describes completely: registers with their variables, opcodes, and states with
+/// current, delay and next state.
 ///
-/// - If an opcode is stored, the device enters the opcode's state. The device refuses a value that is not an opcode.
-///   While a delay runs, it also refuses the opcode of a state with a delay.
-/// - After the delay, registers that show an input take the present value of that input. The ready bit is set, the
-///   interrupt line goes up, and the next state begins.
+/// A store of an opcode enters the opcode's state. The device refuses any other value. During a delay, it also refuses
+/// opcodes of states with a delay. At the end of a delay, registers that show an input take its present value, the
+/// ready bit is set, the interrupt line is raised, and the next state begins.
 ///
-/// A register that shows "status" has three bits. Bit 0 is busy (a delay runs). Bit 1 is ready; writing 1 clears this
+/// A register that shows "status" has three bits. Bit 0 is busy (during a delay). Bit 1 is ready; writing 1 clears this
 /// bit and the interrupt. Bit 2 is refused; writing 1 clears this bit.
 ///
 /// A register that shows a parameter always has the parameter's present value. If the device has no delays, the same
 /// applies to inputs. A register that shows no variable keeps the last stored value; after reset, it has the value
-/// `reset`. If the device has a `span`, the first access at an offset without a register is reported, and loads there
-/// return 0.
+/// `reset`. If the device has a `span`, loads from offsets without a register return 0, and the first access to each of
+/// these offsets is reported.
 ///
-/// If no register commits, a stored value becomes an output at once. If a register commits, the values become outputs
-/// at a store into that register. If a value is outside the limits of its register, or not an item of its variable's
+/// If no register commits, a stored value becomes an output at once. Otherwise, all stored values become outputs at a
+/// store into a register that commits. If a value exceeds the limits of its register, or is not in its variable's
 /// enumeration, the device reports the value and sends nothing.
 class DescribedDevice final : public Device {
  public:
@@ -39,7 +38,7 @@ class DescribedDevice final : public Device {
   DescribedDevice(const BoardDevice& entry, DeviceHost& host);
 
   double* input(std::string_view variable) override;
-  /// Returns the value of a variable that a register sends. Before the first store, it is the variable's start value.
+  /// Returns the value that a register sends to a variable: before the first store, the variable's start value.
   const double* output(std::string_view variable) const override;
   double energy_j(Picoseconds now) const override;
 
@@ -49,20 +48,19 @@ class DescribedDevice final : public Device {
   Picoseconds next_event() const override { return done_at_; }
   bool interrupt() const override { return (status_ & kReady) != 0; }
   std::string_view state_name() const override;
-  /// Reports each parameter that differs from its start value and that the program has never read.
+  /// Reports parameters that differ from their start values, but that the program has never read.
   void program_ended() override;
   void visit(state::Visitor& v) override;
 
  private:
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
-  /// Stores the properties of a register. Variables are stored as indices.
   struct Register {
     std::size_t input = kNone;   // index of the variable that a load returns
     std::size_t output = kNone;  // index of the variable that a store sets
-    bool is_live = false;        // a load returns the present value, not the value at the end of the last delay
+    bool is_live = false;  // a load returns the present value of the input, not the value at the end of the last delay
     bool takes_opcodes = false;
-    const BoardEnumeration* items = nullptr;  // items of the enumeration whose values a store may send
+    const BoardEnumeration* items = nullptr;  // enumeration of the values that a store may send; null = no enumeration
   };
 
   std::size_t register_at(std::uint32_t offset) const;
@@ -70,7 +68,7 @@ class DescribedDevice final : public Device {
   void enter(std::size_t state, Picoseconds now);
   void obey(std::size_t reg, std::uint32_t value, Picoseconds now);
   void measure();
-  /// Returns the reason why the value of the register cannot be sent. If it can be sent, returns an empty text.
+  /// Returns the reason why the register's value cannot be sent, or an empty text if it can be sent.
   std::string fault_of(std::size_t reg) const;
   bool pass_over(std::uint32_t offset, std::string_view access);
   void send(std::size_t first, std::size_t last, Picoseconds now);
@@ -83,7 +81,7 @@ class DescribedDevice final : public Device {
   std::vector<double> inputs_;         // values of inputs and parameters, in the order of the board entry
   std::vector<double> outputs_;        // values of outputs, in the order of the board entry
   std::vector<std::uint32_t> values_;  // words of the registers, in the order of registers_
-  /// 1 if the program has read the register, otherwise 0; in the order of registers_.
+  /// Elements are 1 if the program has read the register, otherwise 0. In the order of registers_.
   std::vector<std::uint32_t> was_read_;
   std::vector<Picoseconds> spent_;  // time spent in each state, up to the last change of state
   std::uint64_t state_ = 0;

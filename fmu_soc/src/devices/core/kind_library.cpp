@@ -12,7 +12,7 @@
 namespace mebots::soc {
 
 KindLibrary::KindLibrary(const std::filesystem::path& path) : path_(path) {
-  // The path is made absolute, because the loader would search a name without folder in the system's folders.
+  // If the path has no folder, the loader searches only the system's folders.
   const auto file = std::filesystem::absolute(path);
   handle_ = open_library(file);
   using Function = const DeviceLibrary* (*)();

@@ -16,7 +16,7 @@
 
 namespace mebots::soc {
 
-/// Describes a kind that is part of MEbots. The macro MEBOTS_CHIP_KIND defines it in the source file of its device.
+/// Describes a kind of device that is part of MEbots. MEBOTS_CHIP_KIND defines a kind in the device's source file.
 struct ChipKind {
   std::string_view name;
   /// Registers that an entry must list; empty = an entry may list any registers.
@@ -25,21 +25,19 @@ struct ChipKind {
   std::unique_ptr<Device> (*make)(const BoardDevice& entry, ChipHost& host);
 };
 
-/// Creates a device whose constructor takes only the entry and the host.
 template <typename T>
 std::unique_ptr<Device> make_of_entry(const BoardDevice& entry, ChipHost& host) {
   return std::make_unique<T>(entry, host);
 }
 
-/// Names GAP8's event unit of the fabric controller. On a board with this device, the fabric controller has GAP8's
-/// interrupts.
+/// Kind of GAP8's event unit. If a board has this device, the fabric controller has GAP8's interrupts.
 inline constexpr std::string_view kGap8EventUnitKind = "gap8_event_unit";
-/// Name the devices that the cluster creates itself. The board file defines only their addresses.
+/// Kinds of the devices that the cluster creates itself. The board file defines only their addresses.
 inline constexpr std::string_view kEventUnitKind = "event_unit";
 inline constexpr std::string_view kClusterDmaKind = "cluster_dma";
 inline constexpr std::string_view kGap8ClusterKind = "gap8_cluster";
 
-/// Contains all kinds that a board can name: those of MEbots, and those of the board's libraries.
+/// Contains all kinds of devices that a board can name: those of MEbots and those of the board's libraries.
 class Kinds {
  public:
   /// Opens the board's libraries, which are in the folder of the board file or in one of `folders`. Throws Error if a
@@ -58,8 +56,8 @@ class Kinds {
 
 }  // namespace mebots::soc
 
-/// Defines the kind NAME: its registers and the function that creates its device. Must be used at global scope. The
-/// build finds the kinds in the files of devices/ (fmu_soc/list_kinds.cmake), so that a new kind is one new file.
+/// Defines the kind NAME with its registers and the function that creates its device. Must be used at global scope, in
+/// a file of devices/, where the build (fmu_soc/list_kinds.cmake) finds the kinds.
 #define MEBOTS_CHIP_KIND(NAME, REGISTERS, ...)                                                      \
   namespace mebots::soc::kinds {                                                                    \
   extern const ChipKind kKind_##NAME;                                                               \

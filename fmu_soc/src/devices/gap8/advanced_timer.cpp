@@ -38,9 +38,8 @@ constexpr unsigned kPwmFirstEvent = 38;
 constexpr unsigned kPwmEventEnableShift = 16;
 constexpr unsigned kPwmEvents = 4;
 
-/// Lists the operations of a channel. The channel performs the first part of an operation at its threshold. A combined
-/// operation has a second part. If the counter is a sawtooth, the second part is performed at the end of the period. If
-/// the counter counts up and down, it is performed at the threshold during the count down.
+/// Operations of a channel at its threshold. A combined operation, such as "set, clear", has a second part: at the end
+/// of the period if the counter is a sawtooth, otherwise at the threshold during the count down.
 enum PwmOperation : std::uint32_t {
   kPwmSet,
   kPwmToggleClear,
@@ -122,8 +121,7 @@ std::uint64_t AdvancedTimer::ticks_at(std::size_t timer, Picoseconds now) const 
   if (!counts(timer)) return counter.ticks;
   const auto passed = static_cast<double>(now - counter.since) * tick_hz(counter) / kPsPerS;
   const auto ticks = counter.ticks + static_cast<std::uint64_t>(counter.fraction + passed);
-  // Both this function and time_of() round. Their results must agree: a tick has elapsed from the time that time_of()
-  // returns for this tick.
+  // Corrects a rounding error, so that a tick has elapsed exactly from the time that time_of() returns for the tick.
   return ticks > counter.ticks && time_of(counter, ticks) > now ? ticks - 1 : ticks;
 }
 
@@ -135,8 +133,8 @@ Picoseconds AdvancedTimer::time_of(const Counter& counter, std::uint64_t ticks) 
   return counter.since + static_cast<Picoseconds>(std::ceil(missing * kPsPerS / tick_hz(counter)));
 }
 
-/// Counts the ticks of a counter up to `now`. Must be called before its rate changes and when it starts. The elapsed
-/// part of a tick is kept.
+/// Counts the ticks of a counter up to `now`. Must be called before the counter's rate changes, and when the counter
+/// starts. Keeps the elapsed part of a tick.
 void AdvancedTimer::settle(std::size_t timer, Picoseconds now) {
   auto& counter = counters_[timer];
   if (counts(timer)) {
@@ -174,7 +172,7 @@ bool AdvancedTimer::store(std::uint32_t offset, Picoseconds now, std::uint32_t v
   }
   if (offset == kPwmEventConfig) {
     events_ = value;
-    // Rising edges up to now raise no event, because the configuration of the events has changed only now.
+    // Earlier rising edges raise no events of the new configuration.
     for (std::size_t i = 0; i < kTimers; ++i) counters_[i].raised = std::max(counters_[i].raised, ticks_at(i, now));
     return true;
   }
@@ -222,7 +220,7 @@ std::optional<std::size_t> AdvancedTimer::chosen(unsigned event) const {
   return events_ >> 4 * event & 0xfU;
 }
 
-/// Returns the tick of the next rising edge of the output that is selected for this event. Excludes edges that have
+/// Returns the tick of the next rising edge of the output that is selected for this event. Skips edges that have
 /// already raised the event.
 std::optional<std::uint64_t> AdvancedTimer::next_rising_edge(unsigned event) const {
   const auto channel = chosen(event);

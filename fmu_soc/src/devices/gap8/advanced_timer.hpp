@@ -11,13 +11,13 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// Models GAP8's advanced timer (PWM). It has four 16-bit counters. Each counter has four channels that set, clear or
-/// toggle an output when the counter reaches their threshold. A counter counts from its low to its high limit, and then
-/// starts again or reverses. No pad is connected, so only the counters and up to four SoC events at rising outputs are
-/// visible.
+/// Models GAP8's advanced timer (PWM): four 16-bit counters with four channels each. A channel sets, clears or toggles
+/// its output when the counter reaches the channel's threshold. A counter counts from its low to its high limit, and
+/// then starts again or counts down. Outputs are not connected to pads, but up to four of them raise SoC events at
+/// their rising edges. Counting at edges of input pads is not modelled; a program that uses it is reported.
 ///
 /// Sources: archi/pwm/pwm_v1.h of GreenWaves' gap_sdk; bits of commands, configuration and events: pulp-platform's
-/// apb_adv_timer. Counting at edges of input pads is not modelled; its use is reported.
+/// apb_adv_timer.
 class AdvancedTimer final : public Device {
  public:
   /// `clock_hz` returns the present clock of the SoC. `complain` receives reports about features that are not modelled.
@@ -91,8 +91,7 @@ class AdvancedTimer final : public Device {
   std::array<Counter, kTimers> counters_;
   std::uint32_t events_ = 0;
   std::uint32_t enabled_ = 0;
-  /// True for counters whose use of an input pad was reported; not part of a state, so that a restored run reports
-  /// again.
+  /// True for counters whose use of an input pad was reported. Not part of a state.
   std::array<bool, kTimers> warned_pads_{};
 };
 

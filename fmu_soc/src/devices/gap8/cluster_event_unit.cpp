@@ -23,7 +23,7 @@ BusReply load_only(std::uint32_t value, const std::uint32_t* stored) {
   return stored == nullptr ? BusReply::done(value) : BusReply{};
 }
 
-/// Accesses a mask, either directly or through a register that clears or sets some bits of the mask.
+/// Accesses a mask, either directly (`which` = 0) or through its register that clears (4) or sets bits.
 BusReply mask_register(std::uint32_t& mask, std::uint32_t which, const std::uint32_t* stored) {
   if (stored == nullptr) return which == 0 ? BusReply::done(mask) : BusReply{};
   mask = which == 0 ? *stored : which == 4 ? mask & ~*stored : mask | *stored;
@@ -252,8 +252,8 @@ void ClusterEventUnit::raise(std::uint32_t cores, unsigned event) {
   }
 }
 
-/// Must be called after the masks or the buffer of a core have changed. Records that the core wakes, if an event ends
-/// its wait, and that its interrupt lines may have changed.
+/// Must be called after the masks or the buffer of a core have changed. Marks the core as woken if an event ends its
+/// wait, and marks its interrupt lines as changed.
 void ClusterEventUnit::update(unsigned core) {
   const auto& self = of_[core];
   if (self.waits_for != Wait::nothing && (self.buffer & self.event_mask) != 0) woken_ |= 1U << core;

@@ -90,8 +90,7 @@ BusReply ClusterPeripherals::access_at(std::uint32_t offset, const ClusterAccess
   } else if (offset >= kEventUnit && offset < kEventUnit + kEventUnitBytes) {
     reply = events_.shared(offset - kEventUnit, access.stored);
   } else if (offset >= kCacheControl && offset < kCacheControl + kCacheControlBytes) {
-    // The modelled cache is always enabled and always contains the same bytes as memory. Therefore its commands have no
-    // effect.
+    // Commands of the instruction cache have no effect, because the modelled cache is always enabled and coherent.
     reply = BusReply::done(0);
   } else if (offset >= kDma && offset < kDma + kDmaBytes) {
     return mchan_.access(access.who, offset - kDma, access.stored, access.tick);
@@ -113,8 +112,7 @@ BusReply ClusterPeripherals::control(std::uint32_t offset, const std::uint32_t* 
   switch (offset) {
     case kFetchEnable:
       if (stored == nullptr) return BusReply::done(fetching_);
-      // A store has no effect on a core whose fetch enable is already set. Such a core stops only when the cluster
-      // stops.
+      // A running core stops only when the cluster stops.
       started_ |= *stored & ~fetching_ & ((1U << cores_) - 1);
       fetching_ |= started_;
       return BusReply::done();
@@ -138,7 +136,7 @@ BusReply ClusterPeripherals::timer(std::uint32_t offset, const ClusterAccess& ac
   return timer_.store(offset, access.tick, *access.stored) ? BusReply::done() : BusReply{};
 }
 
-/// Replies to an access to registers that are not modelled, and reports it once. The reply of silicon is not known.
+/// Reports an access to a register that is not modelled. Only the first access to each register is reported.
 BusReply ClusterPeripherals::pass_over(std::uint32_t offset, const ClusterAccess& access) {
   warn_once(offset, access, "this register, or this kind of access to it, is not modelled; it reads 0");
   return BusReply::done();

@@ -15,11 +15,11 @@
 namespace mebots::soc::gap8_devices {
 
 /// Models the registers of GAP8's cluster, from 0x10200000 on: control unit (boot addresses, fetch enable), timer,
-/// event unit, control of the instruction cache, DMA. A core also has them at 0x00200000, and its own registers of
-/// event unit and DMA at +0x4000 and +0x4400. A register that is not modelled is reported once, and reads 0.
+/// event unit, control of the instruction cache, DMA. A core can also access them at 0x00200000, and its own registers
+/// of event unit and DMA at 0x00204000 and 0x00204400. A register that is not modelled is reported once, and reads 0.
 ///
-/// 1 MiB above L1, each word of L1 appears again for test-and-set. A load there returns the word and sets all its bits,
-/// so only one core gets a lock. Sources: archi/chips/gap/memory_map.h, properties.h (ARCHI_L1_TAS_BIT),
+/// A word of L1 has a second address, 1 MiB above, for test-and-set: a load returns the word and sets all its bits, so
+/// that only one core gets a lock. Sources: archi/chips/gap/memory_map.h, properties.h (ARCHI_L1_TAS_BIT),
 /// archi/cluster_ctrl/cluster_ctrl_v2.h.
 class ClusterPeripherals final : public soc::ClusterPeripherals {
  public:
@@ -69,7 +69,7 @@ class ClusterPeripherals final : public soc::ClusterPeripherals {
   std::array<std::uint32_t, kMostClusterCores> boot_{};
   std::uint32_t fetching_ = 0;  // cores whose fetch is enabled
   std::uint32_t started_ = 0;   // cores that the present access starts; cleared by take_started()
-  /// Offsets that were reported because they are not modelled; not part of a state.
+  /// Reported offsets of registers that are not modelled. Not part of a state.
   std::vector<std::uint32_t> warned_;
 };
 

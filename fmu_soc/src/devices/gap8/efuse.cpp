@@ -11,10 +11,9 @@
 namespace mebots::soc::gap8_devices {
 namespace {
 
-/// Models GAP8's fuses: 128 registers of eight bits, which are 0 at the start. A programmed bit stays 1. First, a
-/// command selects one of the modes read, program and sleep. In program mode, a store into a register programs one of
-/// its bits. The time that silicon needs to program a bit is not modelled.
-/// Source: archi/efuse/efuse_v1.h, hal/efuse/efuse_v1.h.
+/// Models GAP8's fuses: 128 registers of eight bits, which are 0 at the start. A programmed bit stays 1. A command
+/// selects one of the modes read, program and sleep. In program mode, a store into a register programs one of its bits,
+/// without delay. Source: archi/efuse/efuse_v1.h, hal/efuse/efuse_v1.h.
 class Efuse final : public Device {
  public:
   static constexpr std::size_t kFuses = 128;
@@ -48,7 +47,6 @@ constexpr std::uint32_t kTimings = 0x004;
 constexpr std::uint32_t kRegisters = 0x200;
 constexpr std::uint32_t kBits = 8;
 
-/// Returns the index of the fuse register at this offset, or nullopt if there is no fuse register.
 std::optional<std::uint32_t> fuse_at(std::uint32_t offset) {
   const auto index = (offset - kRegisters) / 4;
   if (offset < kRegisters || index >= Efuse::kFuses) return std::nullopt;
@@ -105,7 +103,7 @@ bool Efuse::store(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t value
   return true;
 }
 
-/// Loads the low bytes of a fuse register. All other registers must be accessed as words.
+/// Loads the low bytes of a fuse register. All other registers allow only word accesses.
 bool Efuse::load_narrow(std::uint32_t offset, Picoseconds now, std::uint32_t& value, unsigned /*size*/) {
   return fuse_at(offset) && offset % 4 == 0 && load(offset, now, value);
 }

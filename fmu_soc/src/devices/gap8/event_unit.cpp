@@ -83,7 +83,7 @@ bool EventUnit::store(std::uint32_t offset, std::uint32_t value) {
   }
   const auto word = (offset - reg::kTriggerSoftwareEvent) / 4;
   if (offset < reg::kTriggerSoftwareEvent || word >= reg::kSoftwareEvents) return false;
-  raise(word);  // the value selects cores, and the fabric controller is the only core
+  raise(word);  // the stored value selects cores, but there is only the fabric controller
   return true;
 }
 
@@ -107,7 +107,7 @@ std::uint32_t EventUnit::take_soc_event() {
   return kValid | event;
 }
 
-/// Updates event 27, which is set while the queue of SoC events is not empty.
+/// Sets event 27 while the queue of SoC events is not empty.
 void EventUnit::refresh() {
   if (!queue_.empty()) buffer_ |= 1U << kSocEvent;
 }

@@ -27,7 +27,6 @@ class EventUnit {
   /// Serve the core's own registers at 0x00 to 0x3F, and its software events at 0x100.
   bool load(std::uint32_t offset, std::uint32_t& value);
   bool store(std::uint32_t offset, std::uint32_t value);
-  /// Serves a p.elw of the core.
   BusReply load_event(std::uint32_t offset);
   /// Removes and returns the next SoC event of the queue. Bit 31 is set if the queue contained an event.
   std::uint32_t take_soc_event();
@@ -38,7 +37,7 @@ class EventUnit {
   void acknowledge(unsigned line);
   /// Returns the interrupt lines of the core. Only the pending line with the highest number is active.
   std::uint32_t lines() const;
-  /// Returns true if an event ends the wait of the core. Returns true only once for each wait.
+  /// Returns true if an event has ended the core's wait since the last call.
   bool take_wake();
 
   void visit(state::Visitor& v);

@@ -11,9 +11,8 @@ namespace {
 constexpr std::size_t kFllStatus = 0;
 constexpr std::size_t kConfig1 = 1;
 
-/// Values after reset: factor 1525 (49.97 MHz), divider 1. On silicon, the loop is open after reset, and has the
-/// frequency of its oscillator, which differs from chip to chip. In this model, the factor determines the frequency
-/// after reset. Source of the reset values: the header.
+/// Values after reset: factor 1525 (49.97 MHz), divider 1. They determine the frequency after reset. On silicon, the
+/// loop is open after reset, and its oscillator differs from chip to chip. Source: archi/fll/fll_v1.h.
 constexpr std::uint32_t kResetConfig1 = 0x452105F5;
 constexpr std::uint32_t kResetConfig2 = 0x81004107;
 constexpr std::uint32_t kFactorMask = 0xffff;

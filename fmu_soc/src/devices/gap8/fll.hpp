@@ -9,10 +9,10 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// Models GAP8's two frequency-locked loops, one for the SoC with the fabric controller, and one for the cluster. Each
-/// loop has four registers: a status register, two configuration registers, and an integrator. A clock is the reference
-/// clock times the factor of CONFIG1, divided by 2^(divider - 1). The modelled loop locks at once, because we found no
-/// public source for the time that silicon needs. Source: archi/fll/fll_v1.h.
+/// Models GAP8's two frequency-locked loops: one for the SoC with the fabric controller, and one for the cluster. A
+/// loop has four registers: status, two configurations, and integrator. Its clock is the reference clock times the
+/// factor of CONFIG1, divided by 2^(divider - 1). The modelled loop locks at once, because we found no source for
+/// silicon's time. Source: archi/fll/fll_v1.h.
 class Fll final : public Device {
  public:
   Fll(const BoardDevice& entry, DeviceHost& host, Signals& signals);

@@ -13,7 +13,7 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// Connects a device to an I2C bus. The model of the bus master calls these functions.
+/// A device on an I2C bus. The model of the bus master calls these functions.
 class I2cDevice {
  public:
   virtual ~I2cDevice() = default;
@@ -24,7 +24,6 @@ class I2cDevice {
   virtual std::uint8_t read() = 0;
 };
 
-/// Describes the window, the step and the orientation of a frame.
 struct FrameFormat {
   std::uint32_t window_height = 0;  // number of rows in the window of the sensor array
   std::uint32_t row_step = 1;       // 1: every row is read out; 2: every second row
@@ -51,13 +50,13 @@ struct FrameFormat {
 ///   0x0202 lines of integration
 ///
 /// In mode 1, frames follow each other until mode 0 is set. We assume that mode 0 acts at once: a frame in progress is
-/// lost. A reset also enters standby. In mode 3, the sensor takes the number of frames in register 0x3020 (0 means one
-/// frame, which is assumed). Then it enters standby. The rows of the first frame are read out after their exposure;
-/// waking up takes no time (assumed). If mode 3 is set during mode 1, the first counted frame is the next one that
+/// lost. A reset also enters standby. In mode 3, the sensor takes the number of frames in register 0x3020 (we assume
+/// that 0 means one frame), and then enters standby. The rows of the first frame are read out after their exposure; we
+/// assume that waking up takes no time. If mode 3 is set during mode 1, the first counted frame is the next one that
 /// begins at least one integration time later.
 ///
-/// Lines and clocks determine the frame rate (docs/chip/gap8-camera.md lists the highest rates). If a frame has fewer
-/// lines than rows, each row takes a line. Gain and integration do not change a picture.
+/// Lines and clocks determine the frame rate (docs/chip/gap8-camera.md lists the highest rates). A frame has at least
+/// one line per row. Gain and integration do not change a picture.
 ///
 /// Sources: register names in the driver of GreenWaves' gap_sdk (himax.c); formats, minimum lines and clocks, and the
 /// clock of 6 MHz in idsia-robotics/nanocockpit (himax.c, himax_supported_framerates.md); mode 3 and 0x3020 in the
@@ -68,8 +67,7 @@ class Himax final : public I2cDevice {
   static constexpr std::uint32_t kHeight = 324;
   static constexpr std::uint32_t kWindowHeight = 244;
 
-  /// `port` connects the part of the board that models the camera's energy. The part is active while the camera
-  /// streams.
+  /// `port` connects the part of the board that models the camera's energy.
   explicit Himax(PartPort port = {}) : port_(port) { reset(); }
 
   std::uint8_t address() const override { return 0x24; }
@@ -89,7 +87,6 @@ class Himax final : public I2cDevice {
   /// Returns the time at which the read-out of the stream's first frame starts. Each standby ends a stream. Must be
   /// called only while the camera streams.
   Picoseconds first_frame_at() const { return first_at_; }
-  /// Returns the time for which each row is exposed.
   Picoseconds exposure_time() const;
   /// Returns the format of a frame that starts now.
   FrameFormat format() const;

@@ -11,17 +11,15 @@ namespace mebots::soc::gap8_devices {
 
 /// Models a HyperFlash. A write of a 16-bit word is part of an unlock sequence, a command, or data of a command. Each
 /// command needs two unlock words before it. Programming changes ones to zeros within a line; erasing sets a whole
-/// sector to ones. The flash is ready at once, because the times of silicon are not modelled. Source of the commands:
-/// GreenWaves' gap_sdk, hyperflash.c.
+/// sector to ones. Both take no time. Source of the commands: GreenWaves' gap_sdk, hyperflash.c.
 class HyperFlash {
  public:
   static constexpr std::uint32_t kBytes = 64U << 20;         // size of the GAPuino's S71KS512S
   static constexpr std::uint32_t kSectorBytes = 256U << 10;  // size of a sector of the S71KS512S
   static constexpr std::uint32_t kLineBytes = 512;           // maximum size of the data of one program command
 
-  /// The flash first contains `image`, followed by ones. `image` must outlive this object.
+  /// The flash initially contains `image`, followed by ones. `image` must outlive this object.
   explicit HyperFlash(std::span<const std::uint8_t> image) : image_(image) {}
-  /// Replaces the contents of the whole flash with another image.
   void set_image(std::span<const std::uint8_t> image);
 
   /// Writes bytes, all of which must be inside the flash. If a command is unknown, returns false and waits for the next
@@ -32,9 +30,9 @@ class HyperFlash {
   void visit(state::Visitor& v);
 
  private:
-  /// Determines how the next write is interpreted.
+  /// Meaning of the next write.
   enum class Expects : std::uint32_t { unlock, second_unlock, command, erase_unlock, second_erase_unlock, erase, data };
-  /// Stores the bytes of a sector that differs from the image.
+  /// Contents of a sector that differs from the image.
   struct Sector {
     std::uint32_t place = 0;
     std::vector<std::uint8_t> bytes;

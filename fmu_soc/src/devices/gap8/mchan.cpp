@@ -98,7 +98,7 @@ Mchan::Ended Mchan::ended(std::uint32_t tag, std::uint64_t tick) {
   if (!waiting_.empty()) {
     const auto next = waiting_.front();
     waiting_.erase(waiting_.begin());
-    // Cannot fail: the command was checked before, and a transfer has just ended.
+    // The command was checked before, and a transfer has just ended, so that the DMA accepts the command.
     dma_.enqueue(next.who, next.what, next.out, tick);
   }
   if (bytes_to_come_[counter] != 0) return {};

@@ -12,11 +12,11 @@
 namespace mebots::soc::gap8_devices {
 
 /// Models the registers of GAP8's cluster DMA, MCHAN. A load of the queue register allocates one of 16 counters. Stores
-/// into it form a command (flags and size, address in L1, address in L2, and for 2D transfers step and length of rows).
-/// The bytes of a command are added to the counter that the core allocated last. The status register shows which
-/// counters have bytes left to transfer, and which counters are allocated. A store into the status register frees
-/// counters. When a counter reaches 0, the command of the transfer that ended last determines the events: 8, 9 or none,
-/// for the core that issued the command or for all cores.
+/// into the queue register form a command: flags and size, address in L1, address in L2, and for 2D transfers step and
+/// length of rows. A command adds its bytes to the counter that the core allocated last. The status register shows
+/// which counters have bytes left to transfer, and which counters are allocated. A store into the status register frees
+/// counters. When a counter reaches 0, the transfer that ended last raises the events of its command: 8, 9 or none, for
+/// the core that issued the command or for all cores.
 ///
 /// On silicon, a core stalls if it requests a counter while all counters are allocated, or if it issues too many
 /// commands. In this model, the first case is an access fault. The second case never occurs, because the queue is
@@ -34,8 +34,8 @@ class Mchan {
 
   BusReply access(unsigned who, std::uint32_t offset, const std::uint32_t* stored, std::uint64_t tick);
 
-  /// Selects the events that the end of a transfer raises, and their receivers. No event is raised while other
-  /// transfers of the same counter are not completed.
+  /// Events that the end of a transfer raises, and their receivers. All false while the counter has bytes left to
+  /// transfer.
   struct Ended {
     bool raises_event = false;
     bool raises_interrupt = false;

@@ -9,9 +9,9 @@
 namespace mebots::soc::gap8_devices {
 namespace {
 
-/// Models GAP8's power management unit. Its entry in the board file lists the registers. A store into PICL_CTRL starts
-/// a sequence of the power controller. After its delay (state "busy" of the entry), it raises event SCU_OK for the
-/// fabric controller.
+/// Models GAP8's power management unit. The board file lists the registers. A store into PICL_CTRL starts a sequence of
+/// the power controller. After the delay of the state "busy", this sequence raises event SCU_OK for the fabric
+/// controller.
 class PowerUnit final : public Device {
  public:
   PowerUnit(const BoardDevice& entry, DeviceHost& host, Signals& signals);

@@ -46,7 +46,6 @@ constexpr std::uint32_t kRtcRepeats = 1U << 4;  // repeats alarm or countdown
 constexpr std::uint32_t kAlarmFlag = 1U << 0;
 constexpr std::uint32_t kCountdownFlag = 1U << 4;
 
-/// Values of the registers after reset.
 constexpr std::uint32_t kDividerAtReset = 0x8000;
 constexpr std::uint32_t kAlarmAtReset = 0x00660003;
 // 1 January 2000, our choice; in GVSoC, the date depends on the board.
@@ -180,7 +179,6 @@ void Rtc::access(std::uint32_t control, Picoseconds now) {
   if ((window_mask_ & done) == 0) signals_.raise_soc_event(kWindowEvent, now);
 }
 
-/// Applies the effects of a store into a register.
 void Rtc::keep(std::uint32_t number, Picoseconds now) {
   if (number == kRtcControl) {
     if ((control_ & kSoftReset) != 0) reset();

@@ -8,10 +8,9 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// Models GAP8's real-time clock by Dolphin. A tick drives its calendar, alarm and countdown; after reset, the tick has
-/// a period of one second. Its registers are accessed through a window: a store into CTRL copies a register from or to
-/// DATA. In this model, the copy takes no time. The copy, the alarm and the countdown each raise a SoC event. Calendar
-/// and alarm use BCD.
+/// Models GAP8's real-time clock by Dolphin. Ticks, one per second after reset, drive its calendar, alarm and
+/// countdown. Calendar and alarm use BCD. The registers are accessed through a window: a store into CTRL copies a
+/// register from or to DATA, without delay. The copy, the alarm and the countdown each raise a SoC event.
 ///
 /// Sources: archi/vendors/dolphin/rtc.h and rtc_periph.h of GreenWaves' gap_sdk; effect of a tick, and reset values:
 /// GVSoC's model there (rtc_impl.cpp). Our addition: leap years from 2000 to 2099, as in the driver's calculation.
@@ -59,7 +58,7 @@ class Rtc final : public Device {
   std::uint32_t countdown_init_ = 0;
   std::uint32_t countdown_ = 0;
   std::uint32_t divider_ = 0;       // divider that was stored last
-  std::int64_t edges_of_tick_ = 1;  // value of the divider when the ticks were started
+  std::int64_t edges_of_tick_ = 1;  // divider with which the ticks were started
   std::int64_t first_edge_ = 0;     // edge of the reference clock at which the ticks were started
   std::int64_t ticks_ = 0;          // number of ticks since `first_edge_`
 };

@@ -26,15 +26,14 @@ inline constexpr unsigned kReferenceClockEvent = 56;
 
 inline constexpr std::int64_t kReferenceClockHz = 32768;
 
-/// Connects GAP8's devices. The constructor of the receiving device sets the function of a signal. On a board without
-/// the sender or the receiver, a signal has no effect.
+/// Connects GAP8's devices. The receiver of a signal sets the signal's function in its constructor. On a board without
+/// the receiver, a signal has no effect.
 struct Signals {
   std::function<void(unsigned event)> raise_fabric_event = [](unsigned) {};
   std::function<void(unsigned event, Picoseconds now)> raise_soc_event = [](unsigned, Picoseconds) {};
-  /// Called before the fabric controller's clock changes. A receiver that replaces this function must also call the
-  /// previous function.
+  /// Called before the fabric controller's clock changes. A new receiver must also call the previous function.
   std::function<void(Picoseconds now)> clock_changes = [](Picoseconds) {};
-  /// Settings that the FLLs and the power unit have requested; nullopt on a board without FLLs.
+  /// Settings that the FLLs and the SoC control have requested; nullopt on boards without GAP8's power devices.
   std::optional<PowerSettings> power;
   std::optional<std::int32_t> exit_code;
   /// Number of cluster cores of this chip; not part of a state.
@@ -60,7 +59,7 @@ inline Picoseconds reference_edge_time(std::int64_t edge) {
   return whole_s * 1'000'000'000'000 + (rest * 1'000'000'000'000 + kReferenceClockHz - 1) / kReferenceClockHz;
 }
 
-/// Creates a device that requests clocks or a voltage. Settings that the board does not change keep their start values.
+/// Creates a device that uses Signals::power. The first such device sets the initial values.
 template <typename T>
 std::unique_ptr<Device> make_with_signals(const BoardDevice& entry, ChipHost& host) {
   if (!host.signals().power) host.signals().power = host.power_at_start();

@@ -10,14 +10,13 @@
 namespace mebots::soc::gap8_devices {
 
 /// Models GAP8's SoC control. The board file lists its registers. INFO contains the number of cores of this chip's
-/// cluster. Writes to three other registers have effects. A write to CORESTATUS with bit 31 set ends the program; the
-/// lower bits are the exit code. The low five bits of SAFE_PMU_RAR set the voltage: 550 mV plus 50 mV per step. In
-/// CL_BYPASS, bit 3 switches the cluster's power, and bit 10 gates the cluster's clock. After a delay, SoC events 31
-/// and 35 report that a voltage or the power has switched. The state "switching" in the board file has this delay.
+/// cluster. Stores into three other registers have effects. A store into CORESTATUS with bit 31 set ends the program;
+/// the lower bits are the exit code. The low five bits of SAFE_PMU_RAR set the voltage: 550 mV plus 50 mV per step. In
+/// CL_BYPASS, bit 3 switches the cluster's power. After the delay of the state "switching" in the board file, SoC
+/// events 31 and 35 report that a voltage or the power has switched.
 ///
-/// A core with a gated clock would stop. Programs only gate the clock while no core fetches, so the gate is stored and
-/// can be read, but has no effect. Sources: archi/chips/gap/apb_soc.h, GVSoC's apb_soc of GAP8, runtime of the
-/// published programs.
+/// Bit 10 of CL_BYPASS, which gates the cluster's clock, has no effect, because programs only gate the clock while no
+/// core fetches. Sources: archi/chips/gap/apb_soc.h, GVSoC's apb_soc of GAP8, runtime of the published programs.
 class SocControl final : public Device {
  public:
   SocControl(const BoardDevice& entry, DeviceHost& host, Signals& signals);

@@ -10,10 +10,9 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// Models GAP8's SoC event generator. It has 64 events, and three masks for the fabric controller, the cluster and the
-/// peripherals; a mask bit of 1 blocks the event. Software raises events 48 to 55. Event 56 is the rising edge of the
-/// reference clock. Source:
-/// archi/soc_eu/soc_eu_v1.h.
+/// Models GAP8's SoC event generator. It has 64 events, and three masks: for the fabric controller, the cluster and the
+/// peripherals. A mask bit of 1 blocks the event. Software raises events 48 to 55. Event 56 is the rising edge of the
+/// reference clock. Source: archi/soc_eu/soc_eu_v1.h.
 class SocEvents final : public Device {
  public:
   using Deliver = std::function<void(unsigned event)>;

@@ -7,9 +7,8 @@
 namespace mebots::soc::gap8_devices {
 namespace {
 
-/// Models the character output that PULP chips have in simulators. A byte or word that is stored anywhere in its range
-/// is a character. Silicon has no such device. Programs of GAP8's first SDK can be configured to use it. Source:
-/// archi/stdout.
+/// Models the character output of PULP simulators, which silicon does not have. A byte or word that is stored anywhere
+/// in its range is a character. Source: archi/stdout.
 class Stdout final : public Device {
  public:
   explicit Stdout(DeviceHost& host) : line_(host) {}

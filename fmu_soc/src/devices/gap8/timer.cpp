@@ -65,7 +65,7 @@ void TimerCounters::count(std::int64_t now) {
   }
 }
 
-/// Applies the effects that are configured for a counter that has reached its compare value.
+/// Raises the event, and restarts or stops the counter, if the counter has reached its compare value.
 void TimerCounters::compare(unsigned index) {
   auto& counter = counters_[index];
   if ((counter.config & kEnable) == 0 || counter.met || counter.value != target_of(index)) return;
@@ -90,8 +90,8 @@ void TimerCounters::configure(unsigned index, std::uint32_t config) {
   }
 }
 
-/// Switches between one 64-bit counter (a pair) and two counters. Each register keeps its value: the register of the
-/// high counter is the upper half of the pair's count.
+/// Joins the counters to one 64-bit counter (a pair), or splits the pair. The registers keep their values; the high
+/// counter is the upper half of a pair.
 void TimerCounters::pair_or_split() {
   auto& low = counters_[0];
   auto& high = counters_[1];
@@ -185,7 +185,7 @@ std::int64_t TimerCounters::next_event() const {
 
 namespace {
 
-/// Upper limit of a number of counts. More counts take longer than any mission.
+/// Limit of a number of counts, beyond the length of any mission.
 constexpr std::uint64_t kFarCounts = std::uint64_t{1} << 48;
 
 }  // namespace
@@ -220,7 +220,7 @@ Picoseconds Timer::time_of(std::uint32_t config, Picoseconds since, std::uint64_
 
 namespace {
 
-/// Upper limit of a number of ticks. No mission has more ticks.
+/// Limit of a number of ticks, beyond the length of any mission.
 constexpr std::int64_t kFarTicks = std::int64_t{1} << 56;
 
 }  // namespace

@@ -44,7 +44,7 @@ class TimerCounters {
   /// load() and store() return false if there is no such register.
   bool load(std::uint32_t offset, std::int64_t now, std::uint32_t& value);
   bool store(std::uint32_t offset, std::int64_t now, std::uint32_t value);
-  /// Updates the counts to `now`. Must be called before the clock changes. The other functions with `now` also call it.
+  /// Updates the counts to `now`. Must be called before the clock changes.
   void count(std::int64_t now);
   void advance(std::int64_t now);
   std::int64_t next_event() const;
@@ -110,9 +110,8 @@ class Timer final : public Device, private TimerClock {
   TimerCounters counters_;
 };
 
-/// Models the timer that the cores of GAP8's cluster share. It counts the cluster's ticks, which are also its unit of
-/// time. On silicon, a program can select the reference clock for a counter. This is not modelled: such a counter does
-/// not count.
+/// Models the timer that the cores of GAP8's cluster share. It counts ticks of the cluster's clock. Counting the
+/// reference clock, which silicon can do, is not modelled: such a counter does not count.
 class ClusterTimer : private TimerClock {
  public:
   explicit ClusterTimer(std::function<void(unsigned counter)> raise) : counters_(*this, std::move(raise)) {}
@@ -123,7 +122,6 @@ class ClusterTimer : private TimerClock {
   bool store(std::uint32_t offset, std::uint64_t tick, std::uint32_t value) {
     return counters_.store(offset, static_cast<std::int64_t>(tick), value);
   }
-  /// Returns true if a store of `value` selects the reference clock for a counter.
   static bool wants_reference_clock(std::uint32_t offset, std::uint32_t value) {
     return offset < 8 && (value & TimerCounters::kReferenceClock) != 0;
   }

@@ -20,8 +20,8 @@ namespace {
 
 enum class Behind : std::uint8_t { hyper_bus, uart, i2c0, i2c1, spim0, spim1, camera };
 
-/// Describes a channel: the offset of its registers (address, size and configuration), its queue, which channels may
-/// share, and its event.
+/// Describes a channel: offset of its registers (address, size and configuration), peripheral, index of its queue, and
+/// SoC event. Channels may share a queue.
 struct ChannelRow {
   std::uint32_t offset;
   Behind behind;
@@ -58,7 +58,7 @@ constexpr std::uint32_t kChannelSize = 0x4;
 constexpr std::uint32_t kChannelConfig = 0x8;
 constexpr std::uint32_t kChannelBytes = 0xC;
 constexpr std::uint32_t kRun = 1U << 4;     // store: starts a transfer; load: a transfer runs
-constexpr std::uint32_t kQueued = 1U << 5;  // store: cancels the transfers; load: another one is queued
+constexpr std::uint32_t kQueued = 1U << 5;  // store: cancels the transfers; load: another transfer is queued
 constexpr std::size_t kMostInQueue = 2;     // transfers of a channel, including the one that runs
 
 /// Returns the channel to which the register at this offset belongs. If it belongs to no channel, returns
@@ -170,7 +170,7 @@ void Udma::enqueue(std::size_t channel, Picoseconds now) {
   if (queue.size() == 1) queue.front().done_at = peripheral(channel).end_time(queue.front(), now);
 }
 
-/// Checks again whether waiting transfers can end. Must be called after an event that may end such a wait.
+/// Computes the ends of waiting transfers again. Must be called after an event that may end such a wait.
 void Udma::retry_waiting_transfers(Picoseconds now) {
   for (auto& queue : queues_) {
     if (queue.empty() || queue.front().done_at != kNever) continue;

@@ -20,19 +20,19 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// Connects the parts of the board whose energy depends on the uDMA.
 struct UdmaParts {
   HyperBusParts hyper_bus;
   PartPort camera;
 };
 
-/// Models GAP8's uDMA with the channels of its HyperBus, UART, I2C and SPI masters and its camera interface, and the
-/// connected parts of a GAPuino: RAM, flash, terminal, HM01B0. A store into a channel's CFG with the enable bit starts
-/// a transfer, or queues it. The end of a transfer is the channel's SoC event. Bytes are copied at the end of the
-/// transfer. The camera is on both I2C buses: a GAPuino has it on the second one, a PULP-Shield on the first.
+/// Models GAP8's uDMA and its peripherals, with the connected parts of a GAPuino: RAM, flash, terminal, HM01B0 camera.
+/// The peripherals are the masters of HyperBus, UART, I2C and SPI, and the camera interface. A store into a channel's
+/// CFG with the enable bit starts or queues a transfer. At the end of a transfer, its bytes are copied, and the
+/// channel's SoC event is raised. The camera is on both I2C buses: a GAPuino has it on the second one, a PULP-Shield on
+/// the first.
 ///
-/// The uDMA has the variables of its peripherals, and the parameter flash.image. This parameter is the path of an image
-/// that replaces the flash's initial content. If the path is empty, the image of the board is used.
+/// The uDMA has the variables of its peripherals, and the parameter flash.image: the path of an image that replaces the
+/// flash's initial content. If the path is empty, the image of the board is used.
 ///
 /// A channel of another peripheral behaves as its entry in the board file describes. Source: archi/udma/udma_v2.h.
 class Udma final : public Device {
@@ -74,7 +74,7 @@ class Udma final : public Device {
   using Queue = std::vector<UdmaTransfer>;
 
   static constexpr std::size_t kChannels = 13;
-  static constexpr std::size_t kLines = 12;  // number of channels, except that those of the HyperBus share a queue
+  static constexpr std::size_t kLines = 12;  // number of queues: the two channels of the HyperBus share one
 
   UdmaPeripheral& peripheral(std::size_t channel);
   std::size_t queued(std::size_t channel) const;

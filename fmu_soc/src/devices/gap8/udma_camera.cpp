@@ -55,9 +55,8 @@ Picoseconds UdmaCamera::end_of_frame() const {
 
 Picoseconds UdmaCamera::end_time(const UdmaTransfer& /*transfer*/, Picoseconds start) {
   if (requested_at_ == kNever) requested_at_ = start;
-  // This function is called whenever the settings of the sensor or of the interface change. Therefore only the times of
-  // these changes determine whether a frame is lost. A frame that was read out completely is kept, because its picture
-  // may arrive after a standby.
+  // This function is called whenever settings of the sensor or the interface change, so that `start` may be the time of
+  // such a change. A frame that was already read out is kept, because its picture may arrive after a standby.
   const bool is_same_stream = is_on() && sensor_.first_frame_at() == first_frame_at_;
   if (frame_at_ != kNever && !is_same_stream && start < ends_at_) lose_frame();
   if (frame_at_ == kNever) {
@@ -123,7 +122,7 @@ void UdmaCamera::registers_changed(std::uint32_t offset, Picoseconds /*now*/) {
   }
 }
 
-/// Converts a pair of bytes as the interface does, and returns the result.
+/// Returns a pair of bytes in the interface's format.
 std::uint32_t UdmaCamera::converted(std::uint32_t first, std::uint32_t second) const {
   const auto format = interface_.global >> kFormatShift & 7U;
   const auto word = first << 8 | second;
@@ -138,7 +137,7 @@ std::uint32_t UdmaCamera::converted(std::uint32_t first, std::uint32_t second) c
   return sum >> (interface_.global >> kShiftShift & 0xfU);
 }
 
-/// Converts the frame's pixels as the interface does.
+/// Converts pixels_ to the window and format of the interface, and stores the bytes in stream_.
 void UdmaCamera::convert() {
   const auto lower = interface_.lower_left;
   const auto upper = interface_.upper_right;
@@ -183,8 +182,8 @@ void UdmaCamera::cancel(const UdmaTransfer& /*transfer*/, Picoseconds /*now*/) {
   forget();
 }
 
-/// Discards the frame in progress. If it already had a picture of the picture roll, the next frame receives that
-/// picture, because pictures of the roll do not belong to a time.
+/// Discards the frame in progress. A picture of the picture roll is kept for the next frame, because pictures of the
+/// roll do not depend on the time.
 void UdmaCamera::lose_frame() {
   frame_at_ = kNever;
   if (roll_.exists()) return;
@@ -231,8 +230,8 @@ void UdmaCamera::begin_step(Picoseconds now) {
   take(picture, now);
 }
 
-/// Checks the parameters before the first picture arrives. The later check of the number of bytes does not detect every
-/// wrong size: 648 x 162 pixels have as many bytes as 324 x 324.
+/// Checks the parameters before the first picture arrives. require_size() does not detect every wrong size: 648 x 162
+/// pixels have as many bytes as 324 x 324.
 void UdmaCamera::require_parameters() const {
   if (frame_width_ == Himax::kWidth && (frame_height_ == 0 || frame_height_ >= Himax::kWindowHeight)) return;
   throw Error(
@@ -241,8 +240,7 @@ void UdmaCamera::require_parameters() const {
                   host_.entry.name, frame_width_, frame_height_, Himax::kWidth, Himax::kWindowHeight));
 }
 
-/// Checks that a picture has frame_width x frame_height bytes. The number of rows must not be computed from the number
-/// of bytes: if the width were another one, the picture would be garbled.
+/// Checks that a picture has frame_width x frame_height bytes. A picture of another width would be garbled.
 void UdmaCamera::require_size(std::size_t bytes) const {
   const auto rows = static_cast<std::size_t>(frame_height_);
   if (rows == 0 || bytes == static_cast<std::size_t>(frame_width_) * rows) return;

@@ -14,7 +14,6 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// Stores the settings of the camera interface for one frame, as its registers define them.
 struct InterfaceSettings {
   std::uint32_t global = 0;
   std::uint32_t lower_left = 0;
@@ -25,18 +24,18 @@ struct InterfaceSettings {
 };
 
 /// Models the camera interface (CPI) of the uDMA with an HM01B0. A transfer takes the next frame that begins while
-/// interface and camera are on. It ends with the last line of the frame's window. If the interface or the camera is
-/// switched off before the transfer ends, the frame is lost. The transfer then takes the next frame. The settings at
-/// the start of a frame determine its format and lines. The interface's function to drop frames is not modelled; its
-/// use is reported.
+/// interface and camera are on, and ends with the last line of the frame's window. If the interface or the camera is
+/// switched off before the transfer ends, the frame is lost, and the transfer takes the next frame. The settings at the
+/// start of a frame determine its format and lines. Dropping of frames by the interface is not modelled; a program that
+/// uses it is reported.
 ///
-/// When the exposure of the frame's first row starts, its picture is requested, from the roll or from the world. A
-/// picture of the world arrives later, usually before the last line, and is copied at the end of the transfer. If steps
-/// are long and the picture arrives after the last line, the transfer ends at its arrival.
+/// When the exposure of the first row starts, the picture is requested from the picture roll or from the world. A
+/// picture of the world arrives later, usually before the last line, and is copied at the end of the transfer. If the
+/// picture arrives after the last line, because steps are long, the transfer ends at its arrival.
 ///
-/// Its variables are those of the entry: inputs camera.frame, .frame_id, .frame.base64, .frame_width and .frame_height,
-/// output camera.trigger, as for MEbots' own camera. A picture of another size ends the run. Rows have Himax::kWidth
-/// columns. Source of registers: archi/udma/cpi/udma_cpi_v1.h.
+/// Inputs are camera.frame, .frame_id, .frame.base64, .frame_width and .frame_height; the output is camera.trigger, as
+/// for MEbots' own camera. A picture of another size ends the run. Rows have Himax::kWidth columns. Source of
+/// registers: archi/udma/cpi/udma_cpi_v1.h.
 class UdmaCamera final : public UdmaPeripheral {
  public:
   UdmaCamera(UdmaHost& host, Himax& sensor, const PictureRoll& roll);
@@ -44,8 +43,8 @@ class UdmaCamera final : public UdmaPeripheral {
   Picoseconds end_time(const UdmaTransfer& transfer, Picoseconds start) override;
   void end(const UdmaTransfer& transfer) override;
   void cancel(const UdmaTransfer& transfer, Picoseconds now) override;
-  /// Returns the time at which the exposure of the transfer's frame starts. After the picture has arrived, returns the
-  /// end of the transfer. While neither time is known, returns kNever.
+  /// Returns the start of the exposure of the transfer's frame or, after the picture has arrived, the end of the
+  /// transfer. If that time is not known yet, returns kNever.
   Picoseconds next_event() const;
   void advance(Picoseconds now);
   void registers_changed(std::uint32_t offset, Picoseconds now) override;
@@ -55,7 +54,7 @@ class UdmaCamera final : public UdmaPeripheral {
   std::span<const std::uint8_t>* bytes_input(std::string_view variable) override;
   const double* output(std::string_view variable) const override;
   void begin_step(Picoseconds now) override;
-  /// Returns true while a transfer of the camera's channel runs. On a board with a picture roll, returns true if the
+  /// Returns true while a transfer of the camera's channel runs. On a board with a picture roll, returns true while a
   /// transfer waits although the roll has no picture left.
   bool takes_picture() const override { return roll_.exists() ? waits_ : requested_at_ != kNever; }
 
@@ -80,7 +79,7 @@ class UdmaCamera final : public UdmaPeripheral {
   Himax& sensor_;
   const PictureRoll& roll_;
   std::int32_t requests_ = 0;
-  // Times of the running transfer. kNever means that there is no transfer, or that the time is not known yet.
+  // Times of the running transfer; kNever if there is no transfer or the time is not known yet.
   Picoseconds requested_at_ = kNever;
   Picoseconds frame_at_ = kNever;
   Picoseconds light_at_ = kNever;

@@ -31,12 +31,11 @@ void UdmaHyperBus::end(const UdmaTransfer& transfer) {
   move(transfer);
 }
 
-/// Cancels a transfer. Its bytes are not counted.
 void UdmaHyperBus::cancel(const UdmaTransfer& /*transfer*/, Picoseconds now) {
   release(now, 0, false);
 }
 
-/// Sets both memories to idle. The border between RAM and flash may have moved during the transfer.
+/// Sets both memories to idle, because the border between RAM and flash may have moved during the transfer.
 void UdmaHyperBus::release(Picoseconds now, std::uint32_t bytes, bool of_flash) {
   parts_.ram.end(now, of_flash ? 0 : bytes);
   parts_.flash.end(now, of_flash ? bytes : 0);

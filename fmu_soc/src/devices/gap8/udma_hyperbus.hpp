@@ -11,17 +11,16 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// Connects the parts of the board whose energy depends on the HyperBus.
 struct HyperBusParts {
   PartPort ram;
   PartPort flash;
-  PartPort pads;  // pads of the chip
+  PartPort pads;
 };
 
 /// Models the HyperBus with a GAPuino's memories: 8 MiB of RAM, and flash. The flash begins at the address in field
-/// MBR1 of register MEM_CFG4 (16 MiB after reset). A transfer takes 3 clocks of the bus for command and address, 12
-/// clocks of latency, and one clock per two bytes (HyperBus specification: the fixed latency is twice 6 clocks). The
-/// bus has half the clock of the SoC, which is our assumption. Source of registers: archi/udma/udma_hyper_v1.h.
+/// MBR1 of register MEM_CFG4 (16 MiB after reset). A transfer takes 3 bus clocks for command and address, 12 for
+/// latency, and one per two bytes (HyperBus specification: the fixed latency is twice 6 clocks). We assume that the bus
+/// has half the clock of the SoC. Source of registers: archi/udma/udma_hyper_v1.h.
 class UdmaHyperBus final : public UdmaPeripheral {
  public:
   static constexpr std::uint32_t kRamBytes = 8U << 20;  // RAM of the S71KS512S, the GAPuino's HyperBus memory

@@ -11,8 +11,8 @@ namespace mebots::soc::gap8_devices {
 
 /// Models an I2C master of the uDMA. Its sending channel fetches commands with operands (start, stop, write a byte,
 /// read a byte, repeat, divider). Bytes that the master reads go to the receiving channel. A bit takes twice the
-/// divider in clocks of the SoC, because the driver divides by half the baud rate. Without a device, reads return ones,
-/// as with a pulled-up line. Sources: archi/udma/i2c/udma_i2c_v1.h; GVSoC's udma_i2c_v2.
+/// divider in SoC clocks, because the driver divides by half the baud rate. If the bus has no device, reads return
+/// ones, as with a pulled-up line. Sources: archi/udma/i2c/udma_i2c_v1.h; GVSoC's udma_i2c_v2.
 class UdmaI2c final : public UdmaPeripheral {
  public:
   /// `device` is the only device on the bus, or null if the bus has no device.
@@ -24,7 +24,7 @@ class UdmaI2c final : public UdmaPeripheral {
   void visit(state::Visitor& v) override;
 
  private:
-  /// Determines how the next byte of the command stream is interpreted.
+  /// Meaning of the next byte of the command stream.
   enum class Next : std::uint32_t { command, divider_high, divider_low, repeats, data, waits };
 
   struct Master {

@@ -15,13 +15,12 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// Describes a transfer of a uDMA channel.
 struct UdmaTransfer {
   std::uint32_t address = 0;  // address in the chip's memory
   std::uint32_t size = 0;     // bytes
   std::uint32_t outside = 0;  // address on the HyperBus
-  std::uint32_t channel = 0;  // index of the channel
-  Picoseconds done_at = 0;    // time of the end, for the first transfer in its queue; kNever = waits for its peripheral
+  std::uint32_t channel = 0;
+  Picoseconds done_at = 0;  // time of the end, for the first transfer in its queue; kNever = waits for its peripheral
 
   void visit(state::Visitor& v) {
     v("address", address);
@@ -32,8 +31,8 @@ struct UdmaTransfer {
   }
 };
 
-/// Models a peripheral that uses channels of the uDMA, together with the parts of the board that are connected to it.
-/// Register offsets are relative to the uDMA's base address.
+/// Models a peripheral that uses channels of the uDMA, together with the connected parts of the board. Register offsets
+/// are relative to the uDMA's base address.
 class UdmaPeripheral {
  public:
   UdmaPeripheral() = default;
@@ -41,22 +40,21 @@ class UdmaPeripheral {
   UdmaPeripheral& operator=(const UdmaPeripheral&) = delete;
   virtual ~UdmaPeripheral() = default;
 
-  /// Returns the time at which a transfer that begins at `start` ends. Returns kNever if the transfer waits for another
-  /// event. In this case, the function is called again after that event.
+  /// Returns the time at which a transfer that begins at `start` ends. Returns kNever if the transfer waits for an
+  /// event; then the function is called again after that event.
   virtual Picoseconds end_time(const UdmaTransfer& transfer, Picoseconds start) = 0;
   /// Ends a transfer and copies its bytes.
   virtual void end(const UdmaTransfer& transfer) = 0;
   /// Cancels a transfer that has begun. Copies no bytes.
   virtual void cancel(const UdmaTransfer& /*transfer*/, Picoseconds /*now*/) {}
 
-  /// Access registers that the device's entry in the board file does not describe. Return false if there is no such
-  /// register.
+  /// Access registers that the board file does not describe. Return false if there is no such register.
   virtual bool load(std::uint32_t /*offset*/, std::uint32_t& /*value*/) { return false; }
   virtual bool store(std::uint32_t /*offset*/, Picoseconds /*now*/, std::uint32_t /*value*/) { return false; }
-  /// Called after a store into a register that the entry describes.
+  /// Called after a store into a register that the board file describes.
   virtual void registers_changed(std::uint32_t /*offset*/, Picoseconds /*now*/) {}
 
-  /// These functions have the same meaning as those of mebots/soc/device.hpp.
+  /// Same meaning as the functions of Device (mebots/soc/device.hpp).
   virtual double* input(std::string_view /*variable*/) { return nullptr; }
   virtual std::string_view* text_input(std::string_view /*variable*/) { return nullptr; }
   virtual std::span<const std::uint8_t>* bytes_input(std::string_view /*variable*/) { return nullptr; }

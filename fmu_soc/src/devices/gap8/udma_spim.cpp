@@ -108,7 +108,6 @@ double UdmaSpim::obey(Master& master, bool acts, Picoseconds now) {
   return clocks;
 }
 
-/// Publishes the data of a transaction that has ended.
 void UdmaSpim::publish_transaction(Picoseconds now) {
   if (data_.empty()) return;
   transactions_ += 1;

@@ -12,14 +12,12 @@
 namespace mebots::soc::gap8_devices {
 
 /// Models an SPI master of the uDMA with a slave that only receives. The sending channel fetches command words and,
-/// after a command that sends, data. Received data are zeros. A bit takes twice the divider in clocks of the SoC. With
-/// divider 0, a bit takes one clock. The command that ends a transaction raises the event of the master.
+/// after a command that sends, data. Received data are zeros. A bit takes twice the divider in SoC clocks, or one clock
+/// if the divider is 0. The command that ends a transaction raises the master's event. Source:
+/// archi/udma/spim/udma_spim_v2.h.
 ///
-/// Source: archi/udma/spim/udma_spim_v2.h.
-///
-/// Its variables are those of the entry that begin with its name, spim0 or spim1. .transactions counts transactions
-/// that sent data. .sent[0] to .sent[3] are the first 16-bit words of the last such transaction, signed, low byte
-/// first.
+/// Variables begin with spim0 or spim1. .transactions counts the transactions that sent data. .sent[0] to .sent[3] are
+/// the first 16-bit words of the last such transaction, signed, low byte first.
 class UdmaSpim final : public UdmaPeripheral {
  public:
   UdmaSpim(UdmaHost& host, std::string_view name, std::uint32_t send_channel, unsigned end_event)
@@ -56,7 +54,7 @@ class UdmaSpim final : public UdmaPeripheral {
   std::uint32_t send_channel_;
   unsigned end_event_;
   Master master_;
-  std::uint32_t bytes_to_receive_ = 0;  // bytes that were received, but that no transfer has fetched yet
+  std::uint32_t bytes_to_receive_ = 0;  // bytes that were received, but not fetched by a transfer
   std::vector<std::uint8_t> bytes_;     // bytes of the present transfer; a member so that its memory is reused
   std::vector<std::uint8_t> data_;      // bytes sent in this transaction, at most kWords words
 

@@ -9,9 +9,9 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// Models the UART with a terminal. The terminal prints the bytes that it receives and sends nothing. Therefore a
-/// transfer on the receiving channel waits until the program clears it. A bit takes CLKDIV + 1 clocks of the SoC.
-/// Source: archi/udma/udma_uart_v1.h.
+/// Models the UART with a terminal that prints the bytes it receives, and sends nothing. A transfer on the receiving
+/// channel therefore waits until the program clears it. A bit takes CLKDIV + 1 clocks of the SoC. Source:
+/// archi/udma/udma_uart_v1.h.
 class UdmaUart final : public UdmaPeripheral {
  public:
   UdmaUart(UdmaHost& host, std::uint32_t receive_channel)

@@ -15,8 +15,7 @@ namespace mebots::soc {
 namespace {
 
 /// Returns the pressure of the standard atmosphere below 11 km [Pa]: 101325 (1 - 0.0065 h / 288.15)^5.25588 (ISO 2533).
-/// It is computed by the binomial series, without the host's mathematical library, so that the bits are the same
-/// everywhere.
+/// A binomial series in place of std::pow gives the same bits with every mathematical library.
 double standard_pressure_pa(double altitude_m) {
   constexpr double kExponent = 5.25588;
   const double x = -0.0065 * altitude_m / 288.15;
@@ -38,8 +37,8 @@ double normal(std::uint64_t seed, std::uint64_t index) {
   return sum;
 }
 
-/// Returns the time that a measurement takes, which is the delay of the state `active`. Throws Error if the delay is
-/// too short, because the barometer would then measure endlessly at one moment.
+/// Returns the time of a measurement, which is the delay of the state `active`. Throws Error if the delay is below 1
+/// us, because with a delay of 0, the barometer would measure without end at one time.
 Picoseconds measurement_time(const BoardDevice& entry) {
   constexpr double kLeastS = 1e-6;
   const auto delay_s = entry.state("active").delay_s;
@@ -51,7 +50,8 @@ Picoseconds measurement_time(const BoardDevice& entry) {
                   entry.name, delay_s, kLeastS));
 }
 
-/// Models a barometer that measures without pause while it is on. A measurement takes the delay of the state `active`.
+/// Models a barometer that measures without pause while it is on. Each measurement takes the delay of the state
+/// `active`.
 class Barometer final : public Device {
  public:
   Barometer(const BoardDevice& entry, ChipHost& /*host*/)

@@ -16,8 +16,8 @@
 namespace mebots::soc {
 namespace {
 
-/// Number of lines by which the exposure of an HM01B0 must be shorter than its frame. Source: its data sheet, as used
-/// in nanocockpit's driver (himax.c).
+/// An exposure must be shorter than its frame by this number of lines. Source: data sheet of the HM01B0, as used in
+/// nanocockpit's driver (himax.c).
 constexpr double kBlankLines = 2;
 
 }  // namespace
@@ -96,8 +96,8 @@ void Camera::offer(std::span<const std::uint8_t> picture, Picoseconds now) {
   state_.done_at = now + delay_ps_;
 }
 
-/// Computes the times of exposure and read-out from numbers of lines. Two read-outs start at least `frame_lines_` lines
-/// apart, even if the firmware requests pictures more often.
+/// Computes the times of exposure and read-out from numbers of lines. Read-outs start at least `frame_lines_` lines
+/// apart.
 void Camera::time_lines(Picoseconds now) {
   const auto rows = frame_width_ > 0 ? static_cast<double>(picture_.size()) / frame_width_ : 0;
   if (rows > frame_lines_ || exposure_lines_ > frame_lines_ - kBlankLines) {
@@ -129,8 +129,7 @@ void Camera::finish() {
   state_.interrupt = true;
   const auto size = static_cast<std::uint32_t>(picture_.size());
   const auto width = static_cast<std::uint32_t>(frame_width_);
-  // The number of rows must not be computed from the number of bytes: if the width were another one, the picture would
-  // be garbled.
+  // A picture of another size would be garbled, because the number of rows does not follow from the number of bytes.
   if (const auto height = static_cast<std::uint32_t>(frame_height_); height != 0 && size != width * height) {
     state_.status |= kRefused;
     if (!state_.warned_of_format) {

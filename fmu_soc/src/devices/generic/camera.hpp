@@ -15,16 +15,16 @@ namespace mebots::soc {
 
 /// Models a camera that serves one request at a time:
 ///
-///   CONTROL = 1      The request is counted; busy is set. The world reads the count and provides the picture.
-///   offer()          The picture with that count has arrived: exposure and read-out start.
-///   after the delay  The picture is in the buffer, ready is set, the interrupt line goes up.
+///   CONTROL = 1      The request is counted, and busy is set. The world reads the count and provides the picture.
+///   offer()          The picture for that request has arrived. Exposure and read-out start.
+///   after the delay  The picture is in the buffer, ready is set, and the interrupt line is raised.
 ///
-/// If the buffer is not usable or the camera is busy, a request is refused: the status bit kRefused is set, without an
+/// A request is refused if the buffer is not usable or the camera is busy: the status bit kRefused is set, without an
 /// interrupt. A picture is dropped if it does not fit into the buffer, or if it does not have .frame_width times
-/// .frame_height pixels. Then kRefused is set and the line goes up, so that the firmware does not wait without end. The
-/// camera draws its active current from offer() to the end of the delay. At all other times, it draws its idle current.
+/// .frame_height pixels: kRefused is set and the interrupt line is raised. The camera draws its active current from
+/// offer() to the end of the delay, and otherwise its idle current.
 ///
-/// If the parameter .frame_lines is above 0, the camera has an HM01B0's times instead of the delay. A line takes
+/// If the parameter .frame_lines is above 0, the camera has the times of an HM01B0 instead of the delay. A line takes
 /// .line_clocks periods of .pixel_clock. The first row is exposed for .exposure_lines lines. Then one row is read out
 /// per line. At most one picture is read out per .frame_lines lines.
 ///
@@ -48,7 +48,6 @@ class Camera final : public Device {
   /// Returns true from a request until its picture is in the buffer.
   bool busy() const { return (state_.status & kBusy) != 0; }
   bool takes_picture() const override { return busy(); }
-  /// Returns the number of requests since reset of the chip.
   std::int32_t requests() const { return state_.requests; }
   double energy_j(Picoseconds now) const override;
 
@@ -75,7 +74,7 @@ class Camera final : public Device {
     std::uint32_t status = 0;
     bool waiting = false;  // true while a request waits for its picture
     bool interrupt = false;
-    bool warned_of_format = false;  // reported already: the size of a picture differs from the parameters
+    bool warned_of_format = false;  // true after a picture of another size was reported
     std::int32_t frame_id = 0;
     Picoseconds requested_at = 0;
     Picoseconds done_at = kNever;

@@ -18,12 +18,12 @@ namespace {
 
 constexpr std::size_t kAxes = 6;  // specific force x, y, z, then angular velocity x, y, z
 
-/// Accelerometer and gyroscope with a FIFO.
+/// Models an accelerometer and gyroscope with a FIFO.
 ///
-/// A sample starts at each time n * PERIOD. After the delay of state `active`, the device reads its inputs, and the
-/// sample enters the FIFO. The inputs are constant during a step. If the delay is shorter than the step, and the period
-/// is a whole number of steps, a sample has the world's output values at the time of the sample. Full scale: 24 g and
-/// 2000 degrees/s (Bosch, BMI088 data sheet).
+/// A sample starts at each multiple of PERIOD. After the delay of the state `active`, the device reads its inputs, and
+/// the sample enters the FIFO. Inputs are constant during a step. If the delay is shorter than the step, and the period
+/// is a whole number of steps, the sample has the world's outputs at the start of the sample. Full scale: 24 g and 2000
+/// degrees/s (Bosch, BMI088 data sheet).
 class Imu final : public Device {
  public:
   Imu(const BoardDevice& entry, ChipHost& host)
@@ -59,7 +59,8 @@ class Imu final : public Device {
   static constexpr std::uint32_t kRefused = 1U << 9;
   static constexpr std::size_t kDepth = 32;
   static constexpr Picoseconds kPsPerUs = 1'000'000;
-  /// Fewer steps with repeated samples are not reported: a test of a program may hold its inputs on purpose.
+  /// After this number of steps with repeated samples, a warning is printed. A test program may hold its inputs for a
+  /// few steps.
   static constexpr std::uint32_t kRepeatingSteps = 10;
 
   struct Sample {
@@ -73,7 +74,6 @@ class Imu final : public Device {
   };
 
   void switch_on(bool on, Picoseconds now);
-  /// Plans the first sample after `now` at a multiple of the period.
   void plan(Picoseconds now) { next_sample_ = (now / period() + 1) * period(); }
   Picoseconds period() const { return period_us_ * kPsPerUs; }
   std::int16_t counts(std::size_t axis) const;
@@ -91,7 +91,7 @@ class Imu final : public Device {
   std::uint32_t threshold_ = 1;
   std::uint32_t flags_ = 0;
   Picoseconds next_sample_ = 0;
-  std::array<double, kAxes> last_inputs_{};  // of the step before
+  std::array<double, kAxes> last_inputs_{};  // inputs of the previous step
   Picoseconds step_began_ = 0;
   std::uint32_t samples_of_step_ = 0;
   std::uint32_t repeating_steps_ = 0;  // steps with several samples and changed inputs, up to kRepeatingSteps

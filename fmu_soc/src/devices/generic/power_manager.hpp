@@ -6,7 +6,7 @@
 
 namespace mebots::soc {
 
-/// Models the registers with which the firmware sets clocks and voltage, switches the cluster, and ends itself. A
+/// Models the registers with which the firmware sets clocks and voltage, switches the cluster, and ends its program. A
 /// request outside the chip's limits changes nothing and sets the refused bit.
 class PowerManager final : public Device {
  public:
@@ -20,8 +20,7 @@ class PowerManager final : public Device {
   void visit(state::Visitor& v) override;
 
   const PowerSettings& settings() const { return settings_; }
-  /// Clears the request for retention sleep. Called after the chip has woken. The firmware must request retention again
-  /// before the next sleep.
+  /// Clears the request for retention sleep. Must be called when the chip has woken.
   void woken() { settings_.retention = 0; }
   bool exited() const { return exited_; }
   std::int32_t exit_code() const { return exit_code_; }

@@ -14,9 +14,8 @@
 namespace mebots::soc {
 namespace {
 
-/// Models a timer with four PWM outputs. PERIOD and DUTY are buffered: a period that has begun keeps its values, and
-/// the next period uses the values that were stored last. The device has an event only while stored values wait for a
-/// period.
+/// Models a timer with four PWM outputs. PERIOD and DUTY are buffered: new values take effect at the start of the next
+/// period. The device has an event only while new values wait for that start.
 class Pwm final : public Device {
  public:
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
@@ -56,8 +55,8 @@ class Pwm final : public Device {
   std::uint32_t stored_period_ = 256;
   std::array<std::uint32_t, kOutputs> stored_duty_{};
   std::uint32_t period_ = 256;    // length of the present period [ticks]
-  Picoseconds period_since_ = 0;  // start of a period that has the present length, as all later ones
-  // Start of the period that uses the stored values; kNever if the present period already uses them.
+  Picoseconds period_since_ = 0;  // start of a period; all periods since then have the present length
+  // Start of the first period with the stored values; kNever if there are no new values.
   Picoseconds next_period_ = kNever;
   std::array<double, kOutputs> command_{};
 };

@@ -15,8 +15,7 @@ constexpr double uniform_number(std::uint64_t state) {
   return static_cast<double>((state ^ (state >> 31)) >> 11) * 0x1p-53;
 }
 
-/// Returns the state for the first of the `count` numbers that belong to `index`. The numbers depend only on `seed` and
-/// `index`.
+/// Returns the state for the first of the `count` numbers of `index`. The numbers depend only on `seed` and `index`.
 constexpr std::uint64_t random_state(std::uint64_t seed, std::uint64_t index, unsigned count) {
   return seed * 0xd1342543de82ef95U + index * count * kSplitMixStep + kSplitMixStep;
 }

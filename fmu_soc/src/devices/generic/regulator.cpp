@@ -12,8 +12,8 @@
 namespace mebots::soc {
 namespace {
 
-/// Models a voltage regulator that supplies the chip and parts of the board. Its energy is the energy at its input: the
-/// energy of its loads divided by its efficiency.
+/// Models a voltage regulator that supplies the chip and parts of the board. Its energy is the energy of its loads
+/// divided by its efficiency.
 class Regulator final : public Device {
  public:
   /// Returns the energy that a load has used up to `now` [J].

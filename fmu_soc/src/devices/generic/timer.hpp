@@ -5,8 +5,7 @@
 
 namespace mebots::soc {
 
-/// A timer with the time since reset in nanoseconds and one comparison. The interrupt line is active while time >=
-/// compare.
+/// Models a timer that counts nanoseconds since reset. The interrupt line is active while time >= compare.
 class Timer final : public Device {
  public:
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;

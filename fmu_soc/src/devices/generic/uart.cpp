@@ -27,7 +27,7 @@ class ByteFifo {
   std::size_t size() const { return count_; }
   bool empty() const { return count_ == 0; }
   void clear() { count_ = 0; }
-  /// The FIFO must have fewer than 255 bytes.
+  /// The FIFO must not be full (255 bytes).
   void push(std::uint8_t byte) { bytes_[(first_ + count_++) % bytes_.size()] = byte; }
   /// Removes and returns the oldest byte. Returns 0 if the FIFO is empty.
   std::uint8_t pop() {
@@ -50,20 +50,21 @@ class ByteFifo {
   std::uint8_t count_ = 0;
 };
 
-/// UART whose line leads to a UART of another chip: a start bit, eight data bits, one or two stop bits.
+/// Models a UART that is connected to a UART of another chip. A byte has a start bit, eight data bits, and one or two
+/// stop bits.
 ///
-/// Sender: a store to DATA puts a byte into the transmit FIFO. The line transmits one byte after the other, at BAUD.
-/// The text .sent contains the bytes whose stop bit ended in this step.
+/// Transmitter: a store to DATA puts a byte into the transmit FIFO. The line transmits bytes at BAUD. The text .sent
+/// contains the bytes whose stop bits ended in this step.
 ///
-/// Receiver: the text .received contains the bytes of the sender's previous step, and the time of each byte since the
-/// start of that step. A byte arrives this time after the start of the receiver's step. It then waits in the receive
-/// FIFO until a load of DATA takes it.
+/// Receiver: the text .received contains the bytes of the transmitter's previous step, with the time of each byte since
+/// the start of that step. A byte arrives this time after the start of the receiver's step, and waits in the receive
+/// FIFO for a load of DATA.
 ///
-/// So a byte arrives exactly one communication step after the end of its stop bit. If the sender steps before the
-/// receiver (Gauss-Seidel), the byte arrives at the end of its stop bit.
+/// So a byte arrives one communication step after the end of its stop bit. If the transmitter steps before the receiver
+/// (Gauss-Seidel), the byte arrives at the end of its stop bit.
 ///
 /// The receiver samples the middle of each bit, timed from the start bit. A byte is garbled if the last sample, in the
-/// stop bit, is off by half a bit or more. The device is active, in the sense of its energy, while it transmits.
+/// stop bit, is off by half a bit or more. The device draws its active current while it transmits.
 class Uart final : public Device {
  public:
   Uart(const BoardDevice& entry, ChipHost& host) : entry_(entry), host_(host), active_time_(entry) {
@@ -95,7 +96,7 @@ class Uart final : public Device {
   static constexpr std::uint32_t kBaud = 0x8;
   static constexpr std::uint32_t kStopBits = 0xc;
   static constexpr std::uint32_t kThreshold = 0x10;
-  static constexpr std::uint32_t kTransmits = 1U << 16;  // STATUS; bits 0 to 7: received, 8 to 15: places to transmit
+  static constexpr std::uint32_t kTransmits = 1U << 16;  // STATUS; bits 0 to 7: bytes received, 8 to 15: places to send
   static constexpr std::uint32_t kOverrun = 1U << 17;
   static constexpr std::uint32_t kDropped = 1U << 18;
   static constexpr std::uint32_t kGarbled = 1U << 19;
@@ -125,7 +126,7 @@ class Uart final : public Device {
     use("error_rate", error_rate_, 0, 1);
   }
 
-  /// Sets a flag for the firmware, and reports the first loss to the user.
+  /// Sets a flag for the firmware, and reports the device's first loss to the user.
   template <typename... Values>
   void lose(std::uint32_t flag, fmt::format_string<const Values&...> what, const Values&... values) {
     flags_ |= flag;
@@ -145,14 +146,14 @@ class Uart final : public Device {
   Picoseconds step_began_ = 0;
   UartTextWriter sent_;
   // Receiver.
-  UartText arrived_;                // keeps its memory
-  std::vector<UartByte> arriving_;  // by time; `end` is the time since reset
-  std::uint64_t taken_ = 0;         // the first bytes of arriving_, which have arrived in this step
-  std::uint64_t next_number_ = 0;   // of the byte that the sender sends next
+  UartText arrived_;                // a member only so that its memory is reused
+  std::vector<UartByte> arriving_;  // sorted by `end`, which is the time since reset
+  std::uint64_t taken_ = 0;         // number of bytes of arriving_ that have arrived
+  std::uint64_t next_number_ = 0;   // number of the byte that the transmitter sends next
   ByteFifo received_;
   // Registers.
   std::uint32_t flags_ = 0;
-  std::uint32_t stored_baud_ = 0;  // 0: not stored since reset
+  std::uint32_t stored_baud_ = 0;  // 0 = not stored since reset
   std::uint32_t stop_bits_ = 1;
   std::uint32_t threshold_ = 0;
   bool complained_ = false;
@@ -203,8 +204,8 @@ void Uart::check_settings() const {
   });
 }
 
-/// Takes those bytes of the text that were not taken before. If the sender's step is longer than the receiver's, the
-/// text stays the same for several steps.
+/// Takes the bytes of the text that are new. If the transmitter's step is longer than the receiver's, the text stays
+/// the same for several steps.
 void Uart::begin_step(Picoseconds now) {
   check_settings();
   step_began_ = now;
@@ -266,7 +267,7 @@ void Uart::end_transmission() {
 }
 
 void Uart::receive(UartByte byte) {
-  constexpr std::int64_t kHalfBitsToStop = 19;  // from the start bit to the middle of the stop bit
+  constexpr std::int64_t kHalfBitsToStop = 19;  // time from the start bit to the middle of the stop bit
   const auto number = static_cast<std::uint64_t>(bytes_received_);
   bytes_received_ += 1;
   const auto bit = time_of(1);

@@ -12,7 +12,6 @@
 namespace mebots::soc {
 namespace {
 
-/// Reads numbers and characters from the start of a text.
 class UartTextReader {
  public:
   UartTextReader(std::string_view name, std::string_view text) : name_(name), text_(text), rest_(text) {}

@@ -9,21 +9,20 @@
 #include <string_view>
 #include <vector>
 
-/// Reads and writes the texts that a line between two UARTs transfers. A text contains the bytes of one communication
-/// step:
+/// Reads and writes the text that a line between two UARTs transfers in one communication step:
 ///
 ///     12 =8680556 a5@86805556 07@173611112
 ///
-/// 12 is the number of the first byte since reset. =8680556 is the length of a bit [ps] of the bytes that follow.
-/// a5@86805556 is the byte 0xa5, whose stop bit ended 86805556 ps after the start of the step. The text is empty if no
-/// byte ended in the step.
+/// 12 is the number of bytes before this text since reset. =8680556 is the length of a bit [ps] of the bytes that
+/// follow. a5@86805556 is the byte 0xa5, whose stop bit ended 86805556 ps after the start of the step. If no byte ended
+/// in the step, the text is empty.
 namespace mebots::soc {
 
 inline constexpr Picoseconds kLongestUartBit = 1'000'000'000'000;
 
 struct UartByte {
-  Picoseconds end = 0;  // end of the stop bit, since the start of the step in a text, and otherwise since reset
-  Picoseconds bit = 0;  // length of a bit
+  Picoseconds end = 0;  // end of the stop bit [ps]: in a text since the start of the step, otherwise since reset
+  Picoseconds bit = 0;  // length of a bit [ps]
   std::uint8_t value = 0;
 
   void visit(state::Visitor& v) {
@@ -38,7 +37,6 @@ struct UartText {
   std::vector<UartByte> bytes;
 };
 
-/// Builds the text that contains the bytes of one step.
 class UartTextWriter {
  public:
   void clear() { text_.clear(); }
@@ -53,10 +51,10 @@ class UartTextWriter {
 
  private:
   std::string text_;
-  Picoseconds bit_ = 0;  // length of a bit that was written last
+  Picoseconds bit_ = 0;  // last length of a bit in the text
 };
 
-/// Parses a text into `result`. Throws Error that names the variable `name` if the text has another form.
+/// Parses a text into `result`. Throws Error with the variable's name if the text is invalid.
 void read_uart_text(std::string_view name, std::string_view text, UartText& result);
 
 }  // namespace mebots::soc

@@ -5,9 +5,9 @@
 namespace mebots::soc {
 namespace {
 
-/// Device for the software interrupt of machine mode: bit 0 of register MSIP is the level of the interrupt line.
-/// Registers of harts that the chip lacks read 0. Source: RISC-V Advanced Core Local Interruptor Specification 1.0-rc4,
-/// chapter "Machine-level software interrupt device"; the first part of a SiFive CLINT.
+/// Models the software interrupt of machine mode: bit 0 of register MSIP is the level of the interrupt line. Registers
+/// of missing harts read 0. Source: RISC-V Advanced Core Local Interruptor Specification 1.0-rc4, chapter
+/// "Machine-level software interrupt device"; the first part of a SiFive CLINT.
 class Mswi final : public Device {
  public:
   bool load(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t& value) override {

@@ -5,8 +5,8 @@
 namespace mebots::soc {
 namespace {
 
-/// Timer of machine mode: MTIME counts 10 MHz, and the interrupt line is up while MTIME >= MTIMECMP. Programs can write
-/// both registers. Registers of harts that the chip lacks read 0. Source: RISC-V Advanced Core Local Interruptor
+/// Models the timer of machine mode: MTIME counts at 10 MHz, and the interrupt line is active while MTIME >= MTIMECMP.
+/// Programs can write both registers. Registers of missing harts read 0. Source: RISC-V Advanced Core Local Interruptor
 /// Specification 1.0-rc4, chapter "Machine-level timer device"; the second part of a SiFive CLINT, at offset 0x4000.
 class Mtimer final : public Device {
  public:
@@ -32,7 +32,7 @@ class Mtimer final : public Device {
   std::uint64_t count_at(Picoseconds now) const { return static_cast<std::uint64_t>(now / kPeriod) + written_; }
 
   std::uint64_t compare_ = ~std::uint64_t{0};
-  std::uint64_t written_ = 0;  // value of MTIME at reset; changes if MTIME is written
+  std::uint64_t written_ = 0;  // MTIME minus the ticks since reset
   bool due_ = false;
 };
 

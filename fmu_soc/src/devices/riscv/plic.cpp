@@ -8,11 +8,10 @@
 namespace mebots::soc {
 namespace {
 
-/// Platform-level interrupt controller with one context: machine mode of the fabric controller. Its sources are
-/// level-triggered. If a source is active, its gateway forwards a request. It forwards no further request of this
-/// source until the handler has completed the first one. Registers of other contexts and sources read 0. Source: RISC-V
-/// Platform-Level Interrupt Controller Specification 1.0.0; number of sources and bits of a priority: QEMU 7.2,
-/// hw/riscv/virt.c.
+/// Models a platform-level interrupt controller with one context: machine mode of the fabric controller. Sources are
+/// level-triggered. The gateway of an active source forwards one request, and the next request only after the handler
+/// has completed the first. Registers of other contexts and sources read 0. Source: RISC-V Platform-Level Interrupt
+/// Controller Specification 1.0.0; number of sources and bits of a priority: QEMU 7.2, hw/riscv/virt.c.
 class Plic final : public Device, public InterruptController {
  public:
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
@@ -55,13 +54,13 @@ class Plic final : public Device, public InterruptController {
   std::array<std::uint32_t, kSources> priority_{};
   Words enabled_{};
   Words up_{};          // level of each source
-  Words pending_{};     // requests that no handler has claimed
+  Words pending_{};     // forwarded requests that no handler has claimed
   Words in_service_{};  // claimed and not completed
   std::uint32_t threshold_ = 0;
 };
 
-/// Returns the enabled and pending source with the highest priority above `above`; 0 if all priorities are lower or
-/// equal. Of sources with equal priorities, the lowest number wins.
+/// Returns the enabled and pending source with the highest priority above `above`, or 0 if no source qualifies. If
+/// priorities are equal, the lowest source number wins.
 unsigned Plic::best(std::uint32_t above) const {
   unsigned found = 0;
   for (unsigned word = 0; word < enabled_.size(); ++word) {

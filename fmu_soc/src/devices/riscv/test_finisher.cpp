@@ -7,9 +7,9 @@
 namespace mebots::soc {
 namespace {
 
-/// Models SiFive's test finisher, a register into which the program stores a value to end itself. Bits 15 to 0 select
-/// pass, fail or reset; bits 31 to 16 are the exit code of a failure. Source: QEMU 7.2, hw/misc/sifive_test.c; SiFive
-/// FU540-C000 device tree, "sifive,test0".
+/// Models SiFive's test finisher: a store into its register ends the program. Bits 15 to 0 select pass, fail or reset;
+/// bits 31 to 16 are the exit code of a failure. Source: QEMU 7.2, hw/misc/sifive_test.c; SiFive FU540-C000 device
+/// tree, "sifive,test0".
 class TestFinisher final : public Device {
  public:
   TestFinisher(DeviceHost& host, ProgramEnd& end) : host_(host), end_(end) {}
@@ -28,7 +28,7 @@ class TestFinisher final : public Device {
   static constexpr std::uint32_t kFail = 0x3333;
   static constexpr std::uint32_t kPass = 0x5555;
   static constexpr std::uint32_t kReset = 0x7777;
-  // The same code as after a fault, because the program did not reach its end.
+  // Equal to the exit code after a fault.
   static constexpr std::int32_t kResetCode = 101;
 
   DeviceHost& host_;

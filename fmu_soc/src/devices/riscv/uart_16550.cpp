@@ -21,12 +21,12 @@ constexpr std::uint8_t kFifoClearReceiver = 0x02;
 constexpr std::uint8_t kDivisorAccess = 0x80;  // LCR
 constexpr std::uint8_t kLoop = 0x10;           // MCR
 
-/// Sources of an interrupt as in IIR, by falling priority.
+/// Interrupt sources as IIR shows them, in order of priority.
 enum class Source : std::uint8_t { receive = 0x04, timeout = 0x0c, transmit = 0x02, modem = 0x00, none = 0x01 };
 
-/// UART 16550A with one byte per register. Transmission takes no time, as in QEMU. Input arrives at one byte per
-/// character time. If the FIFO is full, the input waits, so that no byte is lost. The first byte arrives when the
-/// program first reads LSR or RBR, or enables the interrupt of received data.
+/// Models a UART 16550A with one byte per register. Transmission takes no time, as in QEMU. Input arrives at one byte
+/// per character time, and waits while the FIFO is full. Input starts when the program first reads LSR or RBR, or
+/// enables the interrupt of received data.
 class Uart16550 final : public Device {
  public:
   explicit Uart16550(ChipHost& host) : port_(host), lines_(host) {}
@@ -50,7 +50,7 @@ class Uart16550 final : public Device {
   enum Register : std::uint32_t { data = 0, ier = 1, iir = 2, lcr = 3, mcr = 4, lsr = 5, msr = 6, scratch = 7 };
 
   static constexpr std::size_t kDepth = 16;
-  static constexpr std::int64_t kClockHz = 3'686'400;  // of QEMU's device tree
+  static constexpr std::int64_t kClockHz = 3'686'400;  // clock in QEMU's device tree
   static constexpr std::int64_t kPsPerSecond = 1'000'000'000'000;
 
   bool shows_divisor() const { return (lcr_ & kDivisorAccess) != 0; }
@@ -74,18 +74,18 @@ class Uart16550 final : public Device {
   void set_modem(std::uint8_t control);
 
   ConsolePort& port_;
-  Console lines_;  // for a host that takes whole lines
+  Console lines_;  // used if the host's console accepts only whole lines
   std::uint8_t ier_ = 0;
   std::uint8_t fcr_ = 0;
   std::uint8_t lcr_ = 0;
   std::uint8_t mcr_ = 0;
   std::uint8_t scratch_ = 0;
   std::uint8_t modem_changes_ = 0;  // bits 3 to 0 of MSR
-  std::uint16_t divisor_ = 12;      // of QEMU after reset
+  std::uint16_t divisor_ = 12;      // QEMU's value after reset
   std::array<std::uint8_t, kDepth> received_{};
   std::uint8_t first_ = 0;  // index of the oldest byte
   std::uint8_t count_ = 0;
-  bool transmit_pending_ = false;  // interrupt of an empty transmitter, until IIR shows it
+  bool transmit_pending_ = false;  // interrupt of an empty transmitter; cleared when IIR shows it
   bool timed_out_ = false;
   bool input_began_ = false;
   bool input_ended_ = false;
@@ -149,7 +149,7 @@ void Uart16550::advance(Picoseconds now) {
   resume_input(now);
 }
 
-/// Adds a received byte. If the FIFO is full, drops it; this can happen only in loop-back mode.
+/// Adds a received byte. If the FIFO is full, drops the byte, which happens only in loop-back mode.
 void Uart16550::receive(std::uint8_t byte, Picoseconds now) {
   if (room() == 0) return;
   received_[(first_ + count_) % kDepth] = byte;
@@ -177,7 +177,7 @@ void Uart16550::clear_received(Picoseconds now) {
   resume_input(now);
 }
 
-/// Reads IIR, which clears the interrupt of an empty transmitter if IIR shows that interrupt.
+/// Returns IIR. If IIR shows the interrupt of an empty transmitter, clears this interrupt.
 std::uint32_t Uart16550::take_source() {
   const auto shown = source();
   if (shown == Source::transmit) transmit_pending_ = false;
@@ -237,7 +237,7 @@ bool Uart16550::load_is_quiet(std::uint32_t offset) const {
 }
 
 void Uart16550::transmit(std::uint8_t byte, Picoseconds now) {
-  transmit_pending_ = true;  // the byte has left already
+  transmit_pending_ = true;  // transmission takes no time
   if ((mcr_ & kLoop) != 0) {
     receive(byte, now);
   } else if (!port_.write_console(byte)) {

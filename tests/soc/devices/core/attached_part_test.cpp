@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests parts of the board outside the chip: energy of memories, pads, camera and regulators by state, time and bytes.
+// Tests the energy of memories, pads, camera and regulators outside the chip.
 #include "devices/core/attached_part.hpp"
 #include "board_system.hpp"
 #include "devices/gap8/himax.hpp"
@@ -79,7 +79,7 @@ TEST(BoardPart, CameraIsActiveWhileItStreams) {
   };
   set(0x00, 1, 1'000'000'000);
   set(0x00, 1, 2'000'000'000);
-  set(0x03, 1, 4'000'000'000);  // its reset ends the sleep
+  set(0x03, 1, 4'000'000'000);  // a reset of the sensor ends its sleep
   const auto expected_j = kVolt * (kActiveA * 3e-3 + kIdleA * 7e-3);
   EXPECT_NEAR(part.energy_j(10'000'000'000), expected_j, kSumRounding * expected_j);
 }
@@ -134,7 +134,7 @@ TEST(BoardPart, ConsumesByBytesOnTheHyperBusOfGap8) {
   const auto& pads = entry("pads");
   const auto pads_j = pads.supply_voltage_v * pads.part->charge_per_byte * 8192;
   EXPECT_NEAR(joules_of(system, "pads"), pads_j, kSumRounding * pads_j);
-  // In 2 ms, the flash is selected for the time of 4096 bytes at half of the clock after reset.
+  // The clock after reset is 1525 * 32768 Hz, and that of the flash is half of it.
   const auto& flash = entry("hyperflash");
   const auto active_s = (15 + 4096 / 2) * 2 / (1525 * 32768.0);
   const auto flash_j =
@@ -185,7 +185,7 @@ TEST(BoardPart, ContinuesFromAStateWithTheSameBits) {
   EXPECT_EQ(joules_of(straight, "board"), joules_of(second, "board"));
 }
 
-/// Changes one part of board gap8. Returns the error that the board then causes.
+/// Returns the error of board gap8 after `change`.
 std::string complaint_with(void (*change)(BoardDescription&)) {
   auto board = read_board(MEBOTS_SOURCE_DIR "/configs/boards/gap8.json");
   change(board);

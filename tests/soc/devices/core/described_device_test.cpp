@@ -28,7 +28,7 @@ std::string board_text() {
   return text_of(MEBOTS_SOURCE_DIR "/examples/time_of_flight/board.json");
 }
 
-/// Records the complaints of devices, and does nothing else.
+/// Only records the complaints of devices.
 class Ear final : public DeviceHost {
  public:
   bool read_memory(std::uint32_t /*address*/, std::span<std::uint8_t> /*bytes*/) const override { return false; }
@@ -183,8 +183,7 @@ TEST(DescribedDevice, SendsWhatIsStoredIntoARegister) {
   EXPECT_EQ(device.output("range_finder.power"), nullptr) << "no register sends it";
 }
 
-/// Returns a link to a flight controller. It shows an input and a parameter in registers, and sends all set-points at
-/// the same time.
+/// Returns a device that has an input and a parameter in registers, and that sends all set-points at the same time.
 BoardDevice link() {
   return parse_board(R"({
     "name": "b", "memories": [{"name": "ram", "base": "0x1000", "size": 4096}],

@@ -111,7 +111,7 @@ TEST(Clock, ConvertsCyclesToTimeWithoutDrift) {
   BoardSystem system("_start: j _start\n", settings);
   system.soc.advance(1'000'000'000);
   const auto cycles = system.soc.hart().counters().cycles;
-  // A jump takes 2 cycles and starts at or before 1 s.
+  // The last jump, of 2 cycles, starts at 1 s or earlier.
   EXPECT_GE(cycles, 123456789U);
   EXPECT_LE(cycles, 123456789U + 2);
 }
@@ -247,12 +247,12 @@ _start: li s0, FLIGHT_BASE
 }
 
 TEST(Request, IsVisibleAtTheNextCommunicationPoint) {
-  // At 100 MHz, 99 instructions of one cycle each precede the commit. One of them is a store with a latency.
+  // At 100 MHz, about 99 instructions precede the commit. All except a store take one cycle.
   const auto program = BoardSystem::assembled(
       "_start: .option norvc\nli s0, FLIGHT_BASE\naddi a0, zero, 3\nsw a0, FLIGHT_MODE_OFFSET(s0)\n.rept "
       "95\nnop\n.endr\n"
       "sw zero, FLIGHT_COMMIT_OFFSET(s0)\n1: j 1b\n");
-  // The pseudo-instruction li of FLIGHT_BASE is one lui and one addi, or only one lui.
+  // The time is measured, because li FLIGHT_BASE may be one or two instructions.
   BoardSystem probe(program, {}, BoardSystem::without_caches());
   std::int64_t at = 0;
   while (probe.output("setpoint.mode") == 0) probe.soc.advance(at += 1);
@@ -286,7 +286,6 @@ TEST(Board, IsRefusedIfALibraryHasAnotherLayoutOfRegisters) {
   }
 }
 
-/// Returns board gap8_bare with a second timer and without a cluster.
 BoardDescription with_two_timers() {
   auto board = read_board(MEBOTS_SOURCE_DIR "/configs/boards/gap8_bare.json");
   auto second = board.devices[1];
@@ -337,7 +336,7 @@ handler: csrr a0, mcause
   EXPECT_NEAR(system.result(17), 3e6, 1000);
 }
 
-/// Creates a chip from a board. Returns the error; empty if the chip accepts the board.
+/// Returns the error of the chip's constructor; empty if it accepts the board.
 std::string refusal(const BoardDescription& board) {
   try {
     const Soc soc(board, gap8(), Settings{}, BoardSystem::assembled("_start: j _start\n"), {});

@@ -173,8 +173,8 @@ TEST(Gap8Himax, ReadsOutTheWindowMirroredAndUpsideDown) {
   EXPECT_EQ(pixels[0], static_cast<std::uint8_t>(283 + 323));
 }
 
-/// Configures the camera over I2C in mode 3 for two frames, reads its mode back, takes a picture into L2, and reports
-/// its arrival. The first frame begins before the transfer.
+/// Sets the camera to mode 3 with two frames over I2C, reads the mode back, takes a picture into L2, and reports its
+/// arrival. The first frame begins before the transfer.
 constexpr std::string_view kPictureProgram = R"(
 _start: li s0, 0x1A102000
     li s1, 0x1C060000
@@ -338,7 +338,7 @@ void expect_row_is_missed(BoardSystem& system) {
   }
 }
 
-/// Creates a system that has requested a transfer, and runs it into the frame of this transfer.
+/// A system in the middle of the frame of a requested transfer.
 struct InItsFrame : BoardSystem {
   InItsFrame() : BoardSystem(takes_a_picture(), {}, gap8_board_of_camera()) {
     *soc.devices().input("camera.frame_height") = Himax::kWindowHeight;
@@ -353,7 +353,7 @@ std::vector<std::uint8_t> stored_by(const BoardSystem& system) {
   return taken;
 }
 
-/// Returns a black picture, which differs from the picture of picture_of().
+/// Returns a black picture.
 std::vector<std::uint8_t> night() {
   return std::vector<std::uint8_t>(picture_of(Himax::kWindowHeight).size());
 }
@@ -411,7 +411,7 @@ TEST(Gap8Camera, ReadsAFrameOutInTheFormatWithWhichItBegan) {
   EXPECT_EQ(stored_by(system), picture_of(Himax::kWindowHeight));
 }
 
-/// States when the picture arrives, relative to the standby.
+/// Time at which the picture arrives, relative to the standby.
 enum class Comes : std::uint8_t { before, behind, never };
 class Gap8CameraStandingBy : public testing::TestWithParam<std::tuple<Comes, std::uint32_t>> {};
 INSTANTIATE_TEST_SUITE_P(Pictures, Gap8CameraStandingBy,
@@ -514,8 +514,8 @@ TEST(Gap8Camera, WaitsAfterTheLastPictureOfTheRoll) {
   EXPECT_TRUE(system.soc.devices().wait_for_picture());
 }
 
-/// Runs 70 ms, with an action of the scenario after each millisecond. At some time, another system continues from the
-/// state of the first. All runs must be equal.
+/// Calls `scenario` after each millisecond of 70 ms. All runs must be equal, also if another system continues from a
+/// saved state.
 template <typename Scenario>
 void expect_same_run_from_states(const Settings& settings, int mode, const Scenario& scenario) {
   const auto run = [&](std::int64_t saved_at_ms) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests GAP8's real-time clock and its advanced timer, register by register, against the public headers.
+// Tests the registers of GAP8's real-time clock and advanced timer against the public headers.
 #include "devices/gap8/advanced_timer.hpp"
 #include "devices/gap8/rtc.hpp"
 #include "support/same_state.hpp"

@@ -25,7 +25,6 @@ namespace {
 
 using gap8_devices::ClusterTimer;
 
-/// Tests the cluster's timer, and records the events that it raises.
 class ClusterTimerTest : public testing::Test {
  protected:
   std::uint32_t load(std::uint32_t offset, std::uint64_t tick) {
@@ -88,7 +87,7 @@ TEST_F(ClusterTimerTest, RestartsACountWhenEitherHalfOfAPairIsStored) {
 TEST_F(ClusterTimerTest, KeepsItsCountsWhenAPairIsSplitOrFormed) {
   timer.store(TIMER_CONFIG_LO_OFFSET, 0, 1U << 31 | 1);
   timer.store(TIMER_COUNT_LO_OFFSET, 0, 0xfffffff0U);
-  timer.store(TIMER_CONFIG_HI_OFFSET, 0, 1);     // no effect while the counters form a pair
+  timer.store(TIMER_CONFIG_HI_OFFSET, 0, 1);     // no effect while both counters form one
   timer.store(TIMER_CONFIG_LO_OFFSET, 1000, 1);  // from here on, the counters are separate
   EXPECT_EQ(load(TIMER_COUNT_LO_OFFSET, 1000), 984U);
   EXPECT_EQ(load(TIMER_COUNT_HI_OFFSET, 1000), 1U) << "carried over, and nothing for the time in the pair";
@@ -107,8 +106,8 @@ TEST_F(ClusterTimerTest, RaisesNoMaskedEventAndStopsAtTheReferenceClock) {
   EXPECT_EQ(load(TIMER_COUNT_LO_OFFSET, 500), 10U);
 }
 
-/// Core 0 sets the cluster's timer to 1000 ticks and wakes with core 1 by its event; core 2 gets it as an interrupt.
-/// Each stores the timer's count at that time.
+/// Core 0 sets the cluster's timer to 1000 ticks. Its event wakes cores 0 and 1, and interrupts core 2. Each of these
+/// cores then stores the timer's count.
 constexpr std::string_view kTimed = R"(
 2:  wfi
     j 2b

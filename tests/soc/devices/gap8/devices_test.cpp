@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests GAP8's own devices on its own memory map (configs/boards/gap8.json), register by register, against the public
-// headers.
+// Tests the registers of GAP8's devices on board gap8 against the public headers.
 #include "board_system.hpp"
 #include "devices/core/described_device.hpp"
 #include "devices/gap8/event_unit.hpp"
@@ -31,7 +30,6 @@ BoardDescription gap8_board() {
   return read_board(MEBOTS_SOURCE_DIR "/configs/boards/gap8.json");
 }
 
-/// Returns a system with board gap8, whose fabric controller runs the assembler program `text`.
 BoardSystem on_gap8(std::string_view text) {
   return BoardSystem(text, {}, gap8_board());
 }

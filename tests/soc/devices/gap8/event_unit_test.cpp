@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the event unit of GAP8's cluster, register by register, against archi/eu/eu_v3.h, and eight cores that meet at
-// a barrier.
+// Tests the registers of the event unit of GAP8's cluster against archi/eu/eu_v3.h, and a barrier of eight cores.
 #include "devices/gap8/cluster_event_unit.hpp"
 #include "gap8_system.hpp"
 #include "runtime/registers.h"
@@ -36,8 +35,8 @@ constexpr std::uint32_t kMutex = 0xC0;
 constexpr std::uint32_t kTrigger = 0x100;
 constexpr std::uint32_t kBarrier = EU_BARRIER_OFFSET;
 
-/// Tests the event unit of a cluster of four cores. The functions access the address range in which each core sees its
-/// own registers (EU_*_DEMUX_OFFSET).
+/// An event unit for four cores. The functions access the address range in which each core has its own registers
+/// (EU_*_DEMUX_OFFSET).
 class EventUnitOfFour : public testing::Test {
  protected:
   BusReply store(unsigned core, std::uint32_t offset, std::uint32_t value) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests GAP8's clock loops while the cluster is running: time, energy and bits when a core changes the clock.
+// Tests GAP8's frequency-locked loops while the cluster is running: time, energy and bits after a core changes the
+// clock.
 #include "gap8_system.hpp"
 #include "support/same_state.hpp"
 
@@ -59,7 +60,6 @@ tohost: .word 0, 0
                      others.of_cores == Meanwhile::sleeps ? ".insn i 0x03, 6, a5, EU_WAIT_CLEAR_OFFSET(s0)" : "nop");
 }
 
-/// Number of cycles of each of the two loops.
 constexpr double kLoopOfWork = 200'000 * 4.0;
 constexpr double kHzAtReset = 1525 * 32768.0;
 
@@ -129,8 +129,8 @@ TEST(Gap8Cluster, RunLastsUntilACoreSwitchesTheClusterOff) {
   EXPECT_GT(static_cast<double>(system.soc.sleep_time()) / kPsPerS, 0.99 * expected_s);
 }
 
-/// Firmware may change clocks for each picture. This changes the cluster's cycles for a load from L2 and for a refill,
-/// but not the translated code.
+/// Firmware may change the clocks for each picture. Then loads from L2 and refills take other numbers of the cluster's
+/// cycles, but the translated code stays valid.
 TEST(Gap8Cluster, CodeIsDecodedAndTranslatedOnceForAllClocks) {
   const auto program =
       Gap8System::assembled(fmt::format(R"({}{}
@@ -177,7 +177,7 @@ fault: j fault
   EXPECT_EQ(controller.instructions_translated() + cluster.instructions_translated(), translated);
 }
 
-/// If a core fell asleep before the clock changed, its tick counts periods of the old clock.
+/// The tick of a core that fell asleep before a change of clock counts periods of the old clock.
 TEST(Gap8Cluster, SleepingCoresHaveATimeAfterAChangeOfClock) {
   Gap8System by_core(core_that_changes(set_cluster_clock(762), {Meanwhile::sleeps, 0b10}), {}, Gap8System::gap8());
   run_to_tohost(by_core);

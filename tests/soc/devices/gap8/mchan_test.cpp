@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the DMA of GAP8's cluster, register by register, against archi/dma/mchan_v6.h, and its interrupts.
+// Tests the registers of the DMA of GAP8's cluster against archi/dma/mchan_v6.h, and its interrupts.
 #include "devices/gap8/mchan.hpp"
 #include "gap8_system.hpp"
 #include "runtime/registers.h"
@@ -136,8 +136,7 @@ TEST_F(MchanTest, TakesTheTimeOfItsBeatsInTheSlowerClock) {
   EXPECT_EQ(ticks_for(4), 16U + 512 * 2);
 }
 
-/// In this program, cores 0 and 1 loop. The end of a transfer interrupts core 0, which starts the next transfer, 16
-/// times.
+/// Cores 0 and 1 loop. The end of each of 16 transfers interrupts core 0, whose handler starts the next transfer.
 constexpr std::string_view kTransfers = R"(
 2:  wfi
     j 2b

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests SoC control of GAP8: the end of a program, the number of cores, and registers without a model.
+// Tests GAP8's SoC control: end of a program, number of cores, and registers that are not modelled.
 #include "gap8_system.hpp"
 
 #include <fmt/format.h>
@@ -18,7 +18,7 @@
 namespace mebots::soc::test {
 namespace {
 
-/// Returns a program whose exceptions go to `ends`. The fabric controller continues with `rest`, cores 1 and 5 at
+/// Returns a program whose exceptions jump to `ends`. The fabric controller executes `rest`; cores 1 and 5 start at
 /// `core`.
 std::string with_handler(std::string_view rest) {
   constexpr std::string_view kVectors = R"(

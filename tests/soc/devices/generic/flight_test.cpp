@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Devices of the flight controller. Expected values are computed from data sheets, clocks and ISO 2533; nothing was
-// recorded.
+// Tests the devices of the flight controller. Expected values are computed from data sheets, clocks and ISO 2533.
 #include "soc/soc.hpp"
 
 #include "assembler.hpp"
@@ -26,7 +25,7 @@ BoardDescription board() {
   return read_board(MEBOTS_SOURCE_DIR "/configs/boards/flight_controller.json");
 }
 
-/// The board with a program that only sleeps. The tests access the devices as the bus does.
+/// The board with a program that only sleeps, because the tests access the devices themselves.
 class FlightBoard {
  public:
   explicit FlightBoard(const BoardDescription& description = board())
@@ -68,7 +67,7 @@ class ImuTest : public FlightDevice {
 
   Device& device() override { return board_.device("imu"); }
   std::int32_t axis(std::uint32_t offset) { return static_cast<std::int32_t>(load(offset)); }
-  /// Runs steps. If `shakes`, the acceleration changes with each step, as with a noisy sensor.
+  /// If `shakes`, the acceleration changes with each step, as if the sensor had noise.
   void run_steps(int count, Picoseconds step, bool shakes) {
     for (int i = 0; i < count; ++i) {
       if (shakes) *device().input("imu.acceleration.z") = 9.8 + 0.01 * (i % 2);
@@ -206,8 +205,7 @@ class BarometerTest : public FlightDevice {
 
 TEST_F(BarometerTest, MeasuresTheStandardAtmosphere) {
   store(kControl, 1);
-  // The values are from ISO 2533 and the U.S. Standard Atmosphere 1976: tables of the pressure over the geopotential
-  // altitude.
+  // Pressures at geopotential altitudes, from ISO 2533 and the U.S. Standard Atmosphere 1976.
   EXPECT_NEAR(pressure_pa(0), 101325, 0.01);
   EXPECT_NEAR(pressure_pa(500), 95461, 0.6);
   EXPECT_NEAR(pressure_pa(1000), 89874.6, 0.1);
@@ -257,7 +255,7 @@ TEST_F(BarometerTest, NoiseHasItsStandardDeviationAndDependsOnTheSeed) {
   EXPECT_NE(first_pressure(1), first_pressure(2));
 }
 
-/// If a measurement took no time, the device would measure without end at one moment.
+/// If a measurement took no time, the device would measure forever, and time would not advance.
 TEST(BarometerBoard, IsRefusedWithoutATimeOfAMeasurement) {
   for (const double delay_s : {0.0, 1e-13, 0.99e-6}) {
     auto changed = board();
@@ -276,7 +274,7 @@ TEST(BarometerBoard, IsRefusedWithoutATimeOfAMeasurement) {
   }
 }
 
-/// Our flight controller on the bench: the drone stands, with the set-point to take off.
+/// The flight controller on the bench: the drone stands, and the set-point is a take-off.
 class Bench {
  public:
   Bench()

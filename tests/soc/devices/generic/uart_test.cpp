@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// UART between two chips. Times follow from the baud rate: a byte has a start bit, eight data bits and a stop bit, so
-// that it takes 10 / 115200 s, which is 86805556 ps. The checksum's value is that of the catalogue of CRCs (reveng).
+// Tests the UART between two chips. A byte takes 10 bits at 115200 baud, which is 86805556 ps. The expected checksum is
+// from the catalogue of CRCs (reveng).
 #include "soc/soc.hpp"
 
 #include "assembler.hpp"
@@ -31,7 +31,7 @@ constexpr Picoseconds kMs = 1'000 * kUs;
 constexpr Picoseconds kByte = 86'805'556;
 constexpr std::uint32_t kData = 0x0, kStatus = 0x4, kBaud = 0x8, kStopBits = 0xc, kThreshold = 0x10;
 
-/// Creates a chip that sleeps, with the device of the board that has the UART.
+/// A sleeping chip on the board with the UART.
 class Chip {
  public:
   Chip()
@@ -138,7 +138,8 @@ TEST(Uart, ASettingOutOfRangeEndsTheStepWithAWayOut) {
                   "uart.fifo_depth = 0 must be from 1 to 255; change this parameter of the chip, or")));
 }
 
-/// The last sample is 9.5 bits after the start bit's edge, and must be off by less than half a bit: 1 / 19 of the rate.
+/// The last sample is 9.5 bits after the start bit's edge. Its error must be less than half a bit, so the rate may
+/// differ by 1 / 19.
 TEST(Uart, ByteOfAnotherBaudRateIsGarbled) {
   for (const auto& [bit, garbled] : {std::pair{8'680'556, false},
                                      {9'100'000, false},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests board virt: its devices against the specifications that they name, and interrupts exact to the cycle. Expected
-// cycles are computed from the clock and the RISC-V specifications; none was recorded.
+// Tests the devices of board virt against their specifications, and the cycles of interrupts. Expected cycles are
+// computed from the clock and the RISC-V specifications.
 #include "assembler.hpp"
 #include "devices/core/chip_host.hpp"
 #include "soc/soc.hpp"
@@ -24,9 +24,8 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 constexpr std::uint32_t kResults = 0x80010000;
-/// Cycles from the interrupted instruction's place to the handler's first instruction (docs/chip/time.md).
+/// Cycles from the interrupt to the handler's first instruction (docs/chip/time.md).
 constexpr std::uint64_t kEntryCycles = 4;
-/// A period of MTIME in nanoseconds.
 constexpr std::uint64_t kPeriodNs = 100;
 
 constexpr std::string_view kNames = R"(
@@ -44,7 +43,7 @@ class VirtSystem {
  public:
   explicit VirtSystem(std::string_view text, const Settings& settings = {}, std::string_view input = {})
       : VirtSystem(text, settings, input, 0) {}
-  /// An access to RAM takes `wait_cycles` in addition.
+  /// An access to RAM takes `wait_cycles` more cycles.
   VirtSystem(std::string_view text, const Settings& settings, std::string_view input, std::uint32_t wait_cycles)
       : input_(input.begin(), input.end()),
         soc(board(wait_cycles), gap8(), settings, assemble(fmt::format("{}\n{}\n", kNames, text)), listeners()) {}
@@ -152,8 +151,7 @@ TEST(Virt, TimerInterruptIsExactInTranslatedCodeToo) {
     Settings settings;
     settings.translate = translate;
     constexpr std::uint32_t kTick = 20'001;  // 2 ms: the loop is hot by then
-    // The loop consists of ten instructions of one cycle and a jump. So the core takes the interrupt late by at most
-    // the cycles of the jump.
+    // Only the jump takes more than one cycle, so the interrupt is late by at most the cycles of the jump.
     VirtSystem system(timer_program(kTick, "1: .rept 10\nadd a2, a2, s0\n.endr\nj 1b"), settings);
     system.soc.run_cycles(1'000'000);
     const auto due = first_cycle_at(kTick * kPeriodNs, 100'000'000) + kEntryCycles;
@@ -162,8 +160,8 @@ TEST(Virt, TimerInterruptIsExactInTranslatedCodeToo) {
   }
 }
 
-/// Loads from devices, accesses to CSRs, and traps, some of them after loads that delay them. The timer interrupts
-/// every 3 us, and disabled interrupts wait.
+/// Loads from devices, accesses to CSRs, and traps, some of them directly after loads. The timer interrupts every 3 us;
+/// interrupts that are disabled stay pending.
 constexpr std::string_view kRareInstructions = R"(
     .option arch, +f
 _start: la t0, handler
@@ -266,7 +264,7 @@ TEST(Virt, TimerWakesASleepingCoreAtItsTick) {
   VirtSystem system(timer_program(500, "wfi\n1: j 1b"));
   system.soc.run_cycles(100'000);
   EXPECT_EQ(system.soc.end(), End::exited);
-  // Fifteen instructions follow the wake-up; without the sleep the program would end before 2 us.
+  // Fifteen instructions follow the wake-up.
   EXPECT_GE(system.soc.now(), 50'000'000);
   EXPECT_LT(system.soc.now(), 50'000'000 + 400'000);
   EXPECT_GT(system.soc.sleep_time(), 45'000'000);
@@ -487,7 +485,7 @@ class Uart : public testing::Test {
 
   explicit Uart(std::string_view input = "abcdefghijklmnopqrstuvwxyz") : system_("_start: j _start", {}, input) {}
 
-  /// Sets the divisor of 115 200 baud and eight data bits: a character takes 10 x 16 x 2 / 3.6864 MHz = 86.8 us.
+  /// Sets 115 200 baud and eight data bits. A character takes 10 x 16 x 2 / 3.6864 MHz = 86.8 us.
   void set_115200() {
     store(uart_, kLcr, 0x83);
     store(uart_, kData, 2);
@@ -496,7 +494,6 @@ class Uart : public testing::Test {
   }
   static constexpr Picoseconds kCharacter = std::int64_t{320} * 10'000'000'000 / 36'864;
 
-  /// Handles all events up to a time.
   void run_to(Picoseconds time) {
     while (uart_.next_event() <= time) uart_.advance(uart_.next_event());
   }
