@@ -69,7 +69,7 @@ def main():
     if arguments.gvsoc:
         gvsoc.peer()
     (found, seconds), *peer = measured(gvsoc.built(arguments.build, "mebots-soc"), data, arguments.gvsoc)
-    heads = ["kernel", "cores", "a run on silicon", "here", "off", "cycles less than silicon"]
+    heads = ["kernel", "cores", "silicon", "MEbots", "off", "missing"]
     heads += ["GVSoC", "off"] if peer else []
     print("| " + " | ".join([*heads, "use"]) + " |\n|" + "---|" * (len(heads) + 1))
     for index, (row, (cycles, total)) in enumerate(zip(data["rows"], found)):
