@@ -40,6 +40,7 @@ class Clock {
   Picoseconds time_of(std::uint64_t cycle) const {
     return epoch_ps_ + static_cast<Picoseconds>(scaled(cycle + skipped_, period_, 0, ticks_));
   }
+  /// Returns the first cycle that starts at or after `time`.
   std::uint64_t first_at(Picoseconds time) const {
     if (time <= epoch_ps_) return std::uint64_t{0} - skipped_;
     return scaled(static_cast<std::uint64_t>(time - epoch_ps_), ticks_, period_ - 1, period_) - skipped_;

@@ -130,7 +130,7 @@ bool Cluster::core_stopped(ClusterCore& core, Stop stop) {
   return false;
 }
 
-/// Wakes the cores whose event loads can complete in `tick`, and starts cores.
+/// Applies the effects of events in `tick`: sets the interrupt lines of the cores, and wakes and starts cores.
 void Cluster::spread_events(std::uint64_t tick) {
   scheduler_.set_alarm(peripherals_->next_tick());
   const auto woken = peripherals_->take_woken();
@@ -159,6 +159,7 @@ void Cluster::note_awake(std::uint64_t tick) {
   last_asleep_ = 0;
 }
 
+/// Records that a core fell asleep in `tick`, or that a transfer ended in `tick`.
 void Cluster::note_asleep(std::uint64_t tick) {
   last_asleep_ = std::max(last_asleep_, tick);
   if (busy_.runs() && scheduler_.awake() == 0 && !dma_.busy()) busy_.end(clock_.time_of(last_asleep_));

@@ -58,7 +58,8 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   /// Sets the latencies. Must be called between quanta.
   void set_latencies(const ClusterLatencies& latencies);
 
-  /// Returns the time of the cluster's next activity, or kNever if all cores sleep and no transfer runs.
+  /// Returns the time of the cluster's next activity. Returns kNever if the cluster is off or has stopped the run, or
+  /// if all cores sleep and no event is due.
   Picoseconds next() const;
   /// Returns the time `ticks` ticks after the first tick at or after `time`.
   Picoseconds later(Picoseconds time, std::uint64_t ticks) const {
@@ -98,6 +99,7 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   Picoseconds stop_time() const { return stop_time_; }
   /// Sets the observer of a core; null removes it. The observer is not part of a state.
   void observe(unsigned core, Observer* observer);
+  /// Returns the sum of all cores' counters since reset of the chip.
   Counters counters() const;
   /// Returns the largest number of active cycles of any core.
   std::uint64_t longest_cycles() const;

@@ -112,10 +112,10 @@ class ClusterCore final : private Bus {
     hart_.observe(observer);
   }
 
-  /// Returns true if the core's next instruction accesses a shared device, which needs permission.
+  /// Returns true if the core waits for permission to access a shared device.
   bool waits_for_turn() const { return waits_for_turn_; }
-  /// Permits the access for which the core waits. Must be called when no other core has an earlier tick. The core
-  /// performs the access in its next run.
+  /// Permits the access for which the core waits, if any. Must only be called if no other core has an earlier tick. The
+  /// core performs the access in its next run.
   void grant_turn() {
     granted_ = waits_for_turn_;
     waits_for_turn_ = false;

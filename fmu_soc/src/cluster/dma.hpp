@@ -33,12 +33,13 @@ struct DmaTiming {
 };
 
 /// Moves bytes between L2 and the cluster's L1 while the cores run. Each requester has separate registers for its next
-/// transfer. A store to START queues this transfer. Transfers run one after the other, in bursts. A row of a 2D
-/// transfer takes at least one burst. The latency of a queued transfer overlaps with the previous transfer.
+/// transfer. A store to START queues this transfer. Transfers run one after the other, in the order of their starts. A
+/// transfer consists of bursts. A row of a 2D transfer takes at least one burst. The latency of a queued transfer
+/// overlaps with the previous transfer.
 ///
-/// The words of a transfer claim banks of L1, as accesses of cores do. A beat waits at most one cycle for its bank, and
-/// delays all later beats. When a transfer ends, all of its bytes are copied at once, and the TransferListener is
-/// called.
+/// The words of a transfer claim banks of L1, as accesses of cores do. A beat waits at most one cycle for its bank.
+/// This wait also delays all later beats. When a transfer ends, all of its bytes are copied at once, and the
+/// TransferListener is called.
 class ClusterDma {
  public:
   static constexpr unsigned kTransfers = 16;
@@ -74,8 +75,8 @@ class ClusterDma {
     }
   };
 
-  /// Queues a transfer of the requester `who`, for chips with other DMA registers. Returns false without effect if the
-  /// addresses are not allowed, or if all transfers are in use.
+  /// Queues a transfer of the requester `who`. Chips with other DMA registers call this function directly. Returns
+  /// false without effect if the addresses are not allowed, or if all transfers are in use.
   bool enqueue(unsigned who, const Draft& what, bool out, std::uint64_t tick);
   /// Returns true if one side of the transfer is in L1 and the other side in another memory.
   bool fits(const Draft& draft) const;

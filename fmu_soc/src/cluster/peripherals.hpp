@@ -62,11 +62,12 @@ class ClusterPeripherals : public TransferListener {
   ClusterPeripherals& operator=(const ClusterPeripherals&) = delete;
   ~ClusterPeripherals() override = default;
 
-  /// Return true if these registers contain an address, as seen by a cluster core or by the fabric controller.
+  /// Return true if an access to this address, by a cluster core or by the fabric controller, reaches these registers.
   virtual bool owns_of_core(std::uint32_t address) const = 0;
   virtual bool owns_of_fabric_controller(std::uint32_t address) const = 0;
   virtual BusReply access(const ClusterAccess& access) = 0;
-  /// Returns the tick of the registers' next event, at which advance() must be called. Only accesses change this tick.
+  /// Returns the tick of the registers' next event, at which advance() must be called. Only access(),
+  /// advance() and reset() change this tick.
   virtual std::uint64_t next_tick() const { return kNoTick; }
   virtual void advance(std::uint64_t /*tick*/) {}
 
@@ -77,6 +78,7 @@ class ClusterPeripherals : public TransferListener {
   virtual std::uint32_t boot_address(unsigned core) const = 0;
   /// Returns a mask of the requesters whose event loads have become ready since the last call.
   virtual std::uint32_t take_woken() = 0;
+  /// Returns the level of the interrupt line to the fabric controller.
   virtual bool interrupt() const { return false; }
   /// Returns a mask of the cores whose interrupt lines have changed since the last call.
   virtual std::uint32_t take_line_changes() { return 0; }

@@ -32,7 +32,7 @@ class ClusterEvents {
 /// Determines the order in which the cores, registers and DMA of a cluster act: each core in turn runs a quantum of
 /// ticks (round robin). schedule.md explains the rule.
 ///
-/// Times are ticks of the cluster's clock. A quantum must start at the tick that the previous run_quantum() returned.
+/// Times are ticks of the cluster's clock.
 class ClusterScheduler {
  public:
   /// Length of a quantum [ticks] if no bank conflicts are possible.
@@ -52,8 +52,9 @@ class ClusterScheduler {
   unsigned awake() const { return awake_; }
   /// Returns the tick in which the next quantum starts, or kNoTick if all cores sleep and no event is due.
   std::uint64_t next_tick() const;
-  /// Runs a quantum from `start` to at most `until`. `undisturbed` must only be true if no access from outside the
-  /// cluster has occurred since the previous quantum. Returns the start of the next quantum.
+  /// Runs a quantum from `start` to at most `until`, and returns the start of the next quantum. `undisturbed` must only
+  /// be true if `start` is the result of the previous call, and no access from outside the cluster has occurred since
+  /// then. Otherwise `start` must be the result of next_tick().
   std::uint64_t run_quantum(std::uint64_t start, std::uint64_t until, bool undisturbed);
 
   /// Sets the tick of the registers' next event.

@@ -57,7 +57,7 @@ struct EnergyLedger {
 
 /// Counts of one cluster core since reset.
 struct CoreActivity {
-  std::uint64_t instruction_fj = 0;  // energy of the instructions at the reference point
+  std::uint64_t instruction_fj = 0;  // energy of the instructions at the reference temperature and voltage
   std::uint64_t cycles = 0;          // cycles in which the core was awake
   std::uint64_t l1_accesses = 0;
   std::uint64_t far_accesses = 0;  // accesses to L2 through the interconnect
@@ -81,8 +81,8 @@ struct CountEnergy {
 
 /// Counts and durations of the chip since reset. All are integers.
 struct Activity {
-  std::uint64_t fc_instruction_fj = 0;       // energy of the instructions at the reference point
-  std::uint64_t cluster_instruction_fj = 0;  // energy of the instructions at the reference point
+  std::uint64_t fc_instruction_fj = 0;       // energy of the instructions at the reference temperature and voltage
+  std::uint64_t cluster_instruction_fj = 0;  // energy of the instructions at the reference temperature and voltage
   std::uint64_t fc_memory_accesses = 0;
   std::uint64_t l2_accesses = 0;
   std::uint64_t l1_accesses = 0;
@@ -115,19 +115,19 @@ struct Activity {
 
 /// Tables of energy and power from the object "energy" of params/*.json.
 struct EnergyTables {
-  EnergyTable instruction;  // energy of an instruction; used relative to reference_instruction_j
-  double reference_instruction_j = 0;
-  EnergyTable core_clock_gated;    // power of a sleeping core [W]
-  EnergyTable core_leakage;        // leakage of a core [W]
-  EnergyTable memory_access;       // energy of a word in L2 or in the fabric controller's memory [J]
-  EnergyTable l1_access;           // energy of a word in L1 [J]
-  EnergyTable memory_leakage;      // leakage of 4 KiB [W]
-  EnergyTable interconnect_word;   // energy of a word [J]
-  EnergyTable dma_active;          // power while the DMA moves data [W]
-  EnergyTable dma_background;      // power while the cluster is on [W]
-  EnergyTable fc_background;       // power [W]
-  EnergyTable cluster_background;  // power while the cluster is on [W]
-  EnergyTable cluster_leakage;     // leakage while the cluster is on, without its cores and L1 [W]
+  EnergyTable instruction;             // energy of an instruction; used relative to reference_instruction_j
+  double reference_instruction_j = 0;  // value of `instruction` at the reference temperature and voltage
+  EnergyTable core_clock_gated;        // power of a sleeping core [W]
+  EnergyTable core_leakage;            // leakage of a core [W]
+  EnergyTable memory_access;           // energy of a word in L2 or in the fabric controller's memory [J]
+  EnergyTable l1_access;               // energy of a word in L1 [J]
+  EnergyTable memory_leakage;          // leakage of 4 KiB [W]
+  EnergyTable interconnect_word;       // energy of a word [J]
+  EnergyTable dma_active;              // power while the DMA moves data [W]
+  EnergyTable dma_background;          // power while the cluster is on [W]
+  EnergyTable fc_background;           // power [W]
+  EnergyTable cluster_background;      // power while the cluster is on [W]
+  EnergyTable cluster_leakage;         // leakage while the cluster is on, without its cores and L1 [W]
   double retention_voltage_v = 0;
   double scale = 1;  // factor for all energies and powers
 
@@ -165,8 +165,8 @@ class EnergyMeter {
   /// Returns the energy of the instructions and accesses of cluster core `number` [J], without the energy of its gated
   /// clock. This energy is also part of the ledger.
   double core_j(unsigned number, const CoreActivity& now) const;
-  /// Return by how much the energy increases if one count increases by one. For counts of the fabric controller, this
-  /// is the energy in the ledger; for counts of a cluster core, the result of core_j().
+  /// Return by how much the energy increases at the present settings if one count increases by one. For counts of the
+  /// fabric controller, this is the energy in the ledger. For counts of a cluster core, it is the result of core_j().
   CountEnergy per_count_of_fabric_controller(bool cluster_on) const;
   CountEnergy per_count_of_core() const;
   /// Applies new settings from `now` on. Must be called before a clock changes, because the energy of a cycle depends
@@ -182,7 +182,7 @@ class EnergyMeter {
  private:
   /// Energies and powers at the present settings.
   struct Rates {
-    double instruction = 1;  // relative to the reference point
+    double instruction = 1;  // relative to reference_instruction_j
     double core_gated_w = 0;
     double memory_access_j = 0;
     double l1_access_j = 0;

@@ -21,6 +21,7 @@ namespace {
 constexpr double kPicosecond = 1e-12;
 constexpr double kNanosecond = 1e-9;
 
+/// The outputs are in the order of the enumeration Part.
 constexpr std::array<double Outputs::*, kParts> kPartPowers{
     &Outputs::power_fabric_controller_w,
     &Outputs::power_cluster_cores_w,
@@ -76,8 +77,9 @@ Elf firmware_with_network(const Parameters& parameters, const BoardDescription& 
   }
 }
 
-/// Reads the firmware of the mission. If the FMU contains a program with the name in the parameter `firmware`, reads
-/// this program. Otherwise the parameter is a path.
+/// Reads the firmware of the mission. If the parameter `network` is set, reads the firmware with this network.
+/// Otherwise the parameter `firmware` is the name of a program in the FMU or, if the FMU contains no such program, a
+/// path. If it is empty, reads the FMU's default firmware.
 Elf firmware_of(const Parameters& parameters, const std::filesystem::path& resources, const BoardDescription& board) {
   if (!parameters.network.empty()) return firmware_with_network(parameters, board);
   if (parameters.firmware.empty()) {

@@ -132,8 +132,8 @@ class BlockCache {
     if (block(holder.link).pc != start) holder.link = 0;
     return &holder.link;
   }
-  /// Returns true if the two instructions before the block may change the cycles of a jump at the start of the block.
-  /// The cycles stored in the block may then be wrong, and the caller must use single().
+  /// Returns true if the two instructions before the block may change the cycles of a jump that is the block's first or
+  /// second instruction. The cycles stored in the block may then be wrong, and the caller must use single().
   bool delays_jump(const Block& block, const Previous& two_before, const Previous& before) const {
     return block.early_jump && before.op != Op::end_of_block && delays_first_jump(block, two_before, before);
   }
@@ -192,6 +192,7 @@ class BlockCache {
     MEBOTS_ASSERT(block.line_count > 0);
     return block.lines[0] != 0 && (!block.begins_across || block.lines[1] != 0);
   }
+  /// Returns a number that increases whenever blocks become invalid.
   std::uint64_t generation() const { return generation_; }
   /// Returns the number of instructions decoded into blocks since construction.
   std::uint64_t decoded() const { return decoded_; }

@@ -135,7 +135,7 @@ constexpr std::array<Csrs::Rows::Row, csr::kPlaces.size()> Csrs::Rows::kAll = []
   return rows;
 }();
 
-/// If two rows have the same number, RI5CY cores use the row for RI5CY.
+/// If two rows contain the same number, a row for GAP8 replaces a row for RI5CY, which replaces a row for every core.
 constexpr std::array<std::array<std::uint8_t, Csrs::Rows::kNumbers>, Csrs::Rows::kCores> Csrs::Rows::kRowOf = [] {
   std::array<std::array<std::uint8_t, kNumbers>, kCores> row_of{};
   for (std::size_t core = 0; core < kCores; ++core) {

@@ -71,6 +71,7 @@ class Csrs {
   /// access.
   bool read(unsigned number, std::uint32_t& value) const;
   bool write(unsigned number, std::uint32_t value);
+  /// Executes a CSR instruction. Returns what a Handler returns.
   const Instruction* access(const Instruction* at);
   static CsrForm form(const Timing& timing, unsigned number);
   static constexpr std::uint32_t kInhibitCycle = 1U << 0;  // bits of mcountinhibit

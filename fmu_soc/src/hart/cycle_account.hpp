@@ -33,8 +33,8 @@ class CycleAccount {
   /// Sets the instruction's cycles. Must be called after the instruction has retired and has been counted. `hidden` is
   /// the number of cycles of the following jump that overlap with this instruction.
   void retire(Retired& instruction, std::uint32_t hidden);
-  /// Adds the events of the last retired instruction to `events`. If `external` is true, accesses outside the core's
-  /// first memory are counted as external.
+  /// Adds the events of the last retired instruction to `events`. If `external` is true, also counts waits for banks,
+  /// and accesses outside the core's first memory.
   void count_events(EventCounts& events, const Retired& instruction, bool external) const;
 
  private:

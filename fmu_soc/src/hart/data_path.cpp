@@ -25,7 +25,8 @@ std::uint32_t loaded(std::uint32_t value, unsigned size, bool sign) {
 }
 
 /// Returns the number of cycles from `cycle` to the end of the bank table. After the end, the interpreter treats all
-/// banks as free. Translated code does not check its position in the table, so it must stop before the last row.
+/// banks as free and claims none. Translated code does not check its position in the table, so it must stop before the
+/// last row.
 std::uint64_t bank_cycles_left(const Execution& e, std::uint64_t cycle) {
   if (const auto* shared = e.ram[0].banks; shared != nullptr) return shared->cycles_left(cycle);
   MEBOTS_ASSERT(cycle >= e.counters.cycles);

@@ -153,7 +153,7 @@ struct HostState {
   std::uint32_t loaded = 0;  // value of the last quiet load of translated code
   // Translated code records its steps from one function into another in a list.
   Flow* flow = nullptr;              // next entry to write
-  std::uint64_t position = 0;        // cycle count at the end of the last run
+  std::uint64_t position = 0;        // value of the register that counts cycles, at the end of the last run
   std::uint64_t instruction_fj = 0;  // energy of the last run
 };
 
@@ -198,7 +198,7 @@ struct Execution {
   Reservation reservation;
   std::uint32_t trap_cause = 0;
   std::uint32_t trap_value = 0;
-  /// Pc after a cut block, after a single instruction, or after the return from an interrupt.
+  /// Pc at which a limit interrupted a block, at which a single instruction ended, or to which an interrupt returned.
   std::uint32_t cut_pc = kNoPc;
   const HartUnits* units = nullptr;  // units of this core
   Hart* hart = nullptr;              // the hart of this core
@@ -242,7 +242,7 @@ struct Execution {
     counters.instruction_fj += last.energy_before_fj;
     counters.accesses += last.accesses_before;
   }
-  /// Adds all instructions of the block to the counters, and updates the pipeline.
+  /// Adds the instructions before `exit` to the counters, and updates the pipeline.
   void finish_block();
   /// Sets the pipeline to the last two instructions before `last`.
   void remember(const Instruction* last);

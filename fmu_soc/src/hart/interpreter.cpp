@@ -92,7 +92,7 @@ void Interpreter::cut_at(const Instruction* at) {
   e.exit = at;
   e.link = nullptr;
   e.cut_pc = at->pc;
-  // In this case, a jump takes fewer cycles than the block states, so the block cannot be continued.
+  // After a misaligned load, a jump takes fewer cycles than the block states, so the block cannot be continued here.
   if (e.slow_load == at - 1) return;
   cut_ = {at, blocks_.generation(), {}};
 }

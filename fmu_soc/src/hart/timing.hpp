@@ -11,7 +11,7 @@
 #include <string_view>
 
 /// Cycles of a single-issue, in-order, four-stage core with memories without wait states, as measured on the RTL of
-/// CV32E40P 1.8.3 and of RI5CY (early 2018, when GAP8 was made):
+/// CV32E40P 1.8.3 and of RI5CY (early 2018, as old as GAP8):
 ///
 ///   cycles = instructions + 2 x taken branches + 1 x jumps + load-use stalls + jalr stalls
 ///          + 1 x (jump or taken branch to a 32-bit instruction at an address 2 mod 4)
@@ -114,8 +114,8 @@ unsigned own_cycles(const Timing& timing, const Current& current);
 unsigned static_cycles(const Timing& timing, const Previous& two_before, const Previous& before,
                        const Current& current);
 
-/// Returns true if the instruction is a jump directly after a slow instruction. Such a jump is fetched during the slow
-/// instruction and takes one cycle.
+/// Returns true if the instruction is a jump that is fetched during the slow instruction before it. Such a jump takes
+/// one cycle. A jalr that waits for its address register is not such a jump.
 bool overlaps_slow(const Previous& slow, const Current& current);
 
 /// Returns the largest number of cycles that execution can add to static_cycles(), without the cycle for an unaligned

@@ -63,8 +63,8 @@ class Traps {
   const Instruction* leave_handler(const Instruction* at);
 
   const Fault& fault() const { return fault_; }
-  /// Returns true if no handler has returned since the last exception. fault().first is then the first exception since
-  /// the last return of a handler.
+  /// Returns true if the core has taken an exception, and no handler has returned since then. fault().first is then the
+  /// first exception since the last return of a handler.
   bool in_exception() const { return repeats_ != 0; }
 
   void visit(state::Visitor& v);

@@ -55,7 +55,7 @@ std::uint32_t maximum(std::uint32_t a, std::uint32_t b, Context& context);
 bool equal(std::uint32_t a, std::uint32_t b, Context& context);
 bool less(std::uint32_t a, std::uint32_t b, Context& context);
 bool less_or_equal(std::uint32_t a, std::uint32_t b, Context& context);
-/// Convert from and to integers. A value out of range becomes the nearest integer, and NaN the largest integer.
+/// Convert from and to integers. A value out of range becomes the nearest limit of the range, and NaN the upper limit.
 std::uint32_t to_signed(std::uint32_t a, Context& context);
 std::uint32_t to_unsigned(std::uint32_t a, Context& context);
 std::uint32_t from_signed(std::uint32_t value, Context& context);

@@ -16,6 +16,7 @@ namespace {
 
 using namespace lowering;
 
+/// Returns the number of the register that contains the offset or increment.
 unsigned step_register(const Instruction* at) {
   return is_store(at->op) ? static_cast<unsigned>(at->imm) : at->rs2;
 }
@@ -72,9 +73,9 @@ void emit_middle_of_word(Assembler& c, unsigned size, Label& inside) {
   c.L(other);
 }
 
-/// Writes code for an access to two words. A store jumps to `marked` if one of the words is marked. The interpreter
-/// executes a load near the end of its block, because the cycles of the next block may depend on the load's extra
-/// cycle.
+/// Writes code for an access to two words. A store jumps to `marked` if one of the words is marked. Near the end of a
+/// block, writes no code for a load. The interpreter executes this load, because it may change the cycles of the next
+/// block.
 void emit_across_words(Assembler& c, const Instruction* at, unsigned size, Label& marked, Label& claimed) {
   if (size == 1 || (is_load(at->op) && (is_block_end(at[1].op) || is_block_end(at[2].op)))) return;
   Label other;

@@ -309,7 +309,7 @@ constexpr Word execute_shifted_sum(Word a, Word b, Word shift) {
   const Word sum = traits_of(kOp).subtracts ? a - b : a + b;
   return shift_right<kOp>(traits_of(kOp).rounds ? sum + rounding(shift) : sum, shift);
 }
-/// Shifts the sum of rd and rs1 right by the low five bits of rs2.
+/// Shifts the sum or difference of rd and rs1 right by the low five bits of rs2.
 template <Op kOp>
 constexpr Word execute_shifted_sum_by_register(Word a, Word b, Word shift) {
   return execute_shifted_sum<kOp>(a, b, shift & 31U);

@@ -149,6 +149,7 @@ void emit_pv_maxu(Assembler& c, const Instruction* at) {
   emit_packed(c, at,
               [&](const Xmm& to, const Xmm& from) { on_bytes(at->op) ? c.pmaxub(to, from) : c.pmaxuw(to, from); });
 }
+/// The sum of two parts wraps before the code halves it.
 void emit_average(Assembler& c, const Instruction* at, bool sign) {
   c.registers.copy(eax, at->rs1);
   load_second(c, at);

@@ -133,7 +133,8 @@ class Tables:
             self.families.append(family)
 
     def refuse_overlap(self, mnemonic, format_name, bits, mask, match, extension):
-        """Raises Mistake if a word matches this row and an earlier row, and neither row has reserved operands."""
+        """Raises Mistake if a word matches this row and an earlier row, unless one of them has reserved operands, or no
+        core has the extensions of both."""
         for other in self.encodings:
             common = mask & other["mask"]
             if {extension, other["extension"]} == EXCLUSIVE:

@@ -57,7 +57,8 @@ inline constexpr auto kMostExtensions = [] {
 }();
 
 /// Parses an ISA string such as "rv32imafc_zicsr_zba_zbb". The letter `u` means user mode. The result never contains
-/// Xpulp. Throws Error if an extension is unsupported, or if i, m or c is missing.
+/// Xpulp. Throws Error if the text is not an ISA string, if an extension is unsupported, if i, m or c is missing, or if
+/// the text contains both f and zfinx.
 Extensions read_isa(std::string_view text);
 
 /// Returns the ISA string of a set, such as "rv32imac_zicsr_zifencei_zba". Leaves out Xpulp.

@@ -44,7 +44,7 @@ enum class OpKind : std::uint8_t {
   block_end,      // slot after the last instruction of a decoded block
 };
 
-/// How a load or store computes its address and changes the address register.
+/// Determines the address of a load or store, and the new value of its address register.
 enum class AddressMode : std::uint8_t { offset, offset_register, post_immediate, post_register };
 
 /// Returns true if a register contains the offset or increment.

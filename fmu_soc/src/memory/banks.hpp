@@ -92,7 +92,7 @@ class Banks {
     move_to(tick);
     const auto first = std::min(tick - base_, kRows);
     const auto rows = last < tick ? 0 : std::min(last + 1 - tick, kRows - first);
-    /// The rows move by at least kTurn rows, or not at all.
+    // The rows move by at least kTurn rows, or not at all.
     std::copy_n(taken_.data() + first * count_, rows * count_, taken_.begin());
     clear(base_ + std::max(first, rows), base_ + first + rows);
     const auto moved = (tick - base_) * count_;
@@ -155,7 +155,7 @@ class Banks {
 
   unsigned count_;
   std::uint64_t base_ = 0;   // tick of the table's first row
-  std::uint64_t start_ = 0;  // rows of earlier ticks were removed
+  std::uint64_t start_ = 0;  // rows of earlier ticks were cleared
   std::vector<std::uint8_t> taken_;
   std::vector<std::uint8_t> unread_;
   const std::uint8_t* horizon_ = nullptr;

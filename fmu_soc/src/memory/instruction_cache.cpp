@@ -120,8 +120,8 @@ void InstructionCache::set_alone(bool alone) {
 std::uint32_t InstructionCache::fetch(std::uint32_t line, std::uint64_t tick) {
   if (const auto* entry = find(line); entry != nullptr) {
     if (!is_shared()) return 0;
-    // Another core has started the refill of this line. The wait is at most the time of a refill, because a core with
-    // an earlier tick would have started the refill itself.
+    // Another core has started the refill of this line, perhaps in a later tick. This core waits no longer than for a
+    // refill that it starts itself.
     const auto arrival = arrivals_[static_cast<std::size_t>(entry - entries_.data())];
     const auto wait = arrival > tick ? arrival - tick : 0;
     return static_cast<std::uint32_t>(std::min<std::uint64_t>(wait, refill_cycles_));

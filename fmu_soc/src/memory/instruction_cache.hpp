@@ -88,13 +88,14 @@ class InstructionCache {
     }
     return refill_cycles_;
   }
-  /// Must be called for a shared cache when no core will access the cache before this tick.
+  /// Only for a shared cache. Marks all lines that arrive at or before `tick` as present. Afterwards, no core may
+  /// access the cache in an earlier tick.
   void settle(std::uint64_t tick) {
     if (!pending_refills_.empty()) [[unlikely]]
       note_arrivals(tick);
   }
-  /// Only for a shared cache. `alone` must be true if no other core can need a line before the line has arrived for the
-  /// core that fetches it.
+  /// Only for a shared cache. `alone` must only be true if no other core can need a line before the line has arrived
+  /// for the core that fetches it.
   void set_alone(bool alone);
   void flush();
   std::uint64_t refills() const { return state_.refills; }

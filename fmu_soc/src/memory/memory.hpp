@@ -83,7 +83,7 @@ class Memory {
     std::uint32_t address = 0;
     std::uint32_t count = 0;
   };
-  /// Returns the number of changes so far. Each core compares this number before it continues.
+  /// Returns a number that increases with each change. Each core compares this number before it continues.
   std::uint64_t code_generation() const { return code_generation_; }
   /// Returns the change with the number `generation`, which must be below code_generation(). Returns null if the change
   /// is too old or affected all code.

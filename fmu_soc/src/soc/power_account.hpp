@@ -25,8 +25,8 @@ class PowerAccount {
   double energy_j(const Device& device) const { return device.energy_j(timeline_.supplied_until(timeline_.now())); }
   /// Returns the energy that a cluster core has used since the start, without the energy of its gated clock [J].
   double cluster_core_energy_j(unsigned core) const { return meter_.core_j(core, core_activity(core)); }
-  /// Returns by how much the total energy increases if one count of a hart, such as instructions or accesses, increases
-  /// by one.
+  /// Returns by how much the total energy increases at the present settings if one count of a hart, such as
+  /// instructions or accesses, increases by one.
   CountEnergy energy_per_count(unsigned hart) const;
   /// Returns the number of words that refills transfer per cycle in which the fabric controller waits for its
   /// instruction cache.

@@ -82,7 +82,7 @@ class ProgramHost {
   Hardware& hardware_;
   const Elf& program_;
   std::optional<std::uint32_t> stop_word_;
-  /// True if `tohost` has 64 bits. Only then can the program send commands to other devices.
+  /// True if `tohost` has 64 bits. Only then can a command contain the number of a device.
   bool has_upper_half_ = false;
   HostCalls* calls_ = nullptr;
   bool serves_ecall_ = false;

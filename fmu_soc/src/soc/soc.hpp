@@ -66,8 +66,8 @@ class Soc final {
   bool sleeps_for_good();
   /// Returns true if the fabric controller is in an endless loop that no interrupt can end.
   bool spins() const { return running() && hart().spins(); }
-  /// Returns the core that ended the program with an error code while it was in an exception handler. If there is no
-  /// such core, returns nullopt.
+  /// Returns the core that ended the program with an error code while it was in an exception handler, except for that
+  /// of an ecall. If there is no such core, returns nullopt.
   std::optional<int> gave_up() const;
   /// Returns true if a core cannot continue, or ended the program in an exception handler.
   bool faulted() const;
@@ -94,6 +94,7 @@ class Soc final {
   unsigned harts() const { return hardware_.harts(); }
   /// Returns true if the hart can run. The cores of a cluster that is off cannot.
   bool is_on(unsigned number) const { return number == kFabricControllerHart || cluster()->powered(); }
+  /// Returns the number of instructions that all cores have retired since the start.
   std::uint64_t instructions() const;
   /// Returns the cluster, or null if the chip has none.
   const Cluster* cluster() const { return hardware_.cluster(); }

@@ -43,9 +43,9 @@ class StateTimes {
   std::array<Picoseconds, kCounted> total_{};
 };
 
-/// Called whenever the state of a chip may have changed, except by instructions alone: at accesses to devices, events
-/// of devices, sleep, wake-up and end of a core, and at the end of an advance of the chip. The times of successive
-/// calls never decrease.
+/// Called whenever the state of a chip may have changed, except by instructions alone: at accesses to devices, at
+/// events of devices, when a core sleeps, wakes or ends, and when Soc::advance() or run_cycles() starts or returns. The
+/// times of successive calls never decrease.
 class StateListener {
  public:
   StateListener() = default;

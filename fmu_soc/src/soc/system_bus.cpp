@@ -30,8 +30,8 @@ constexpr std::uint32_t kMtimeHigh = 0x7ffc;
 
 /// Executes the CSR instruction at the pc if the board has a timer of the platform and the instruction reads `time` or
 /// `timeh`, or accesses `satp`. `time` shows MTIME. `satp` reads 0 and ignores writes, as in a core without address
-/// translation, because programs clear `satp` at their start. Returns false for other instructions, and in U mode.
-/// Source: RISC-V Privileged Specification 20211203, sections 3.2.1 and 4.1.11.
+/// translation. It exists because programs clear it at their start. Returns false for other instructions, and in U
+/// mode. Source: RISC-V Privileged Specification 20211203, sections 3.2.1 and 4.1.11.
 bool serves_platform_register(Hardware& hardware, const DeviceSet& devices, Picoseconds now) {
   constexpr std::uint32_t kSystem = 0x73;
   constexpr std::uint32_t kTime = 0xc01;
@@ -79,8 +79,8 @@ std::string UnmodelledRegisters::text(std::uint32_t address, bool stores, std::s
                      function.empty() ? "" : " in ", function, stores ? "is lost" : "reads 0", what);
 }
 
-/// Returns true if an access of the fabric controller must wait, because it accesses a device that the cluster can also
-/// access, and the cluster has not reached the same time.
+/// Returns true if an access of the fabric controller must wait, because it accesses the cluster's registers or a
+/// device that sets power, and the cluster has not reached the same time.
 bool SystemBus::must_wait(std::uint32_t address, Picoseconds now) const {
   const auto* cluster = hardware_.cluster();
   if (timeline_.next_of(cluster) >= now) return false;

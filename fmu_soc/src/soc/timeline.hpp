@@ -32,6 +32,7 @@ class Timeline {
   bool asleep() const { return asleep_; }
   Picoseconds asleep_since() const { return asleep_since_; }
   bool retained() const { return retained_; }
+  /// Returns the cluster core that has ended the program, or kFabricControllerCore.
   int ended_by() const { return ended_by_; }
   void set_ended_by(unsigned core) { ended_by_ = static_cast<std::int32_t>(core); }
 

@@ -90,7 +90,7 @@ struct TranslationContext {
 };
 
 /// Writes the host code of regions. Lowerings call its parts, which write the code for guest registers, counts, cache
-/// lines and edges. Requires a processor with BMI1, BMI2 and LZCNT. The code uses these registers:
+/// lines and edges. Requires the processor features that can_translate() checks. The code uses these registers:
 ///
 ///   rbx    Execution
 ///   r14    bytes of the first fast memory
@@ -102,6 +102,7 @@ struct TranslationContext {
 ///   rax, rcx, rdx, xmm0 to xmm2  scratch; the other registers hold guest registers, zero-extended
 class Assembler : public Xbyak::CodeGenerator {
  public:
+  /// Writes code at offset `used` of the code memory.
   Assembler(const TranslationContext& context, std::size_t used, const Stubs& stubs);
 
   /// Defers code that runs often, but not each time. The assembler places it after the region's hot code.

@@ -53,9 +53,9 @@ void CycleAccounting::spend(const Xbyak::Reg64& cycles) {
   }
 }
 
-/// If the limit is strict, jumps if the block's last instruction might start at or after the limit. If the limit is
-/// loose, jumps if the limit is already reached. Also jumps if other cores use the instruction cache and a line of the
-/// first instruction is absent.
+/// If the limit is strict, the code jumps if the block's last instruction might start at or after the limit. If the
+/// limit is loose, the code jumps if the limit is already reached. It also jumps if other cores use the instruction
+/// cache and a line of the first instruction is absent.
 void CycleAccounting::jump_at_limit(const Block& block, std::uint32_t stall, Label& leave) {
   if (!a_.options.loose_limit) {
     a_.cmp(r15, a_.blocks.fetch_bound(block) + stall);
@@ -75,7 +75,8 @@ void CycleAccounting::jump_at_limit(const Block& block, std::uint32_t stall, Lab
 
 void CycleAccounting::jump_if_stalled(const Instruction* at, std::uint64_t stalled_by, Label& stalled) {
   if (at->index != 0 || stalled_by == 0) return;
-  // In the first block of a run, the previous instruction is in Execution::pipeline, which is not checked.
+  // In the first block of a run, always jumps: the previous instruction is in Execution::pipeline, which the code does
+  // not check.
   a_.movd(ecx, xmm15);
   a_.test(ecx, ecx);
   a_.jz(stalled, kNear);

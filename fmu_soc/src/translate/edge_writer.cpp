@@ -111,7 +111,7 @@ void EdgeWriter::store_next_block(const Node& node) {
   a_.mov(dword[rbx + static_cast<int>(offsetof(Execution, next_block))], node.number);
 }
 
-/// Writes code that loads the resume point of the round's next core into rcx, or 0 if no core follows. The host often
+/// Writes code that loads the resume point of the round's next core into rcx, or 0 if there is none. The host often
 /// mispredicts the jump to this address, and detects the error only after this load. Therefore the load comes before
 /// other code.
 void EdgeWriter::load_next_point() {

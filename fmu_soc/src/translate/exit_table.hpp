@@ -76,7 +76,8 @@ class ExitTable {
   void patch(std::uint32_t patch_point, const std::uint8_t* target) {
     std::memcpy(place_of(patch_point), &target, sizeof target);
   }
-  /// Sets the target of a patch point that is not chained to a block. `target` must be outside translated code.
+  /// Sets the target that a patch point has while it is not chained to a block. `target` must be code that leaves the
+  /// region.
   void set_unpatched(std::uint32_t patch_point, const std::uint8_t* target) {
     unpatched_[patch_point >> kIndexBits][(patch_point & kIndexMask) - 1] = target;
     patch(patch_point, target);

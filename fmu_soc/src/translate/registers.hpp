@@ -20,7 +20,8 @@ inline constexpr int kFirstVector = 3;
 /// Number of guest registers: x0 to x31, f0 to f31, and kNoRegister.
 inline constexpr unsigned kGuestRegisters = kNoRegister + 1;
 
-/// Assignment of guest registers to host registers for a whole region. All other guest registers are in memory.
+/// Assignment of guest registers to host registers for a whole region. Guest registers without a host register are in
+/// memory.
 struct Registers {
   static constexpr std::int8_t kInMemory = -1;
 

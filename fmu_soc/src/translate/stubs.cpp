@@ -19,6 +19,7 @@ constexpr std::size_t kStubAlignment = 16;
 /// Aligns the stack for calls, because the return address and six saved registers leave it eight bytes off.
 constexpr int kStackPadding = 8;
 
+/// Calls wait_for_far(). Has the calling convention of translated code.
 [[gnu::sysv_abi]] std::uint64_t wait_for_far_from_code(Execution& execution, std::uint64_t cycle,
                                                        std::uint32_t offset) noexcept {
   return wait_for_far(execution, cycle, offset);

@@ -230,7 +230,7 @@ std::unique_ptr<Translator> make_translator(const BlockCache& blocks, const Exec
   for (const auto& ram : execution.ram) {
     if (ram.base % 4 != 0) return nullptr;
   }
-  if (options.banks != nullptr) {  // translated code contains the ticks and claims of these banks
+  if (options.banks != nullptr) {  // translated code counts ticks by rows of the bank table, and claims banks
     if (!options.loose_limit) return nullptr;
     if (execution.ram[0].wait_cycles != 0 || execution.ram[0].base / 4 % options.banks->count() != 0) return nullptr;
     // A block must not run beyond the bank table. The longest instruction is a division. A load or store can take two

@@ -13,7 +13,7 @@
 namespace mebots::soc {
 
 /// Base class of all devices on the bus. The chip calls all functions from one thread, in the order of simulated time.
-/// This table shows when each function is called:
+/// This table shows when the chip calls the most important functions:
 ///
 ///   entry of the board file -> kind -> device      once, at construction of the chip; numbers have their `start`
 ///   variables of the FMU -> *input(name)           at the start of every step, then begin_step()
@@ -32,7 +32,8 @@ class Device {
   virtual bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) = 0;
   virtual bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) = 0;
   /// Read and write `size` bytes (1 or 2) at any offset. Return false if the device only supports accesses to whole
-  /// words. For a store, `value` is the core's whole register. For a load, the chip uses the low bytes of `value`.
+  /// words. For a store, `value` is the core's whole register. For a load, the chip uses the low bytes of `value`. Only
+  /// the fabric controller makes such loads.
   virtual bool load_narrow(std::uint32_t /*offset*/, Picoseconds /*now*/, std::uint32_t& /*value*/, unsigned /*size*/) {
     return false;
   }
@@ -56,8 +57,8 @@ class Device {
 
   /// Return the storage of a variable, by its name in the board file, or null if the device has no such variable.
   /// input() and output() are for numbers, Booleans (0 or 1) and enumerations (value of the item). The other functions
-  /// are for Strings and Binaries. The chip calls each function once, when it is constructed. Strings and Binaries are
-  /// valid until begin_step() returns.
+  /// are for Strings and Binaries. The chip calls these functions when it is constructed, and keeps the pointers.
+  /// Strings and Binaries are valid until begin_step() returns.
   virtual double* input(std::string_view /*variable*/) { return nullptr; }
   virtual std::string_view* text_input(std::string_view /*variable*/) { return nullptr; }
   virtual std::span<const std::uint8_t>* bytes_input(std::string_view /*variable*/) { return nullptr; }

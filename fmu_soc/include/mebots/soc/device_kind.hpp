@@ -63,9 +63,9 @@ class DeviceHost {
   /// Devices use the name in texts for complain().
   virtual std::string function() const { return {}; }
 
-  /// Reports that a picture is in memory. Throws Error if the times are not in order.
+  /// Reports that a picture is in memory, which can begin a decision. Throws Error if the times are not in order.
   virtual void picture_stored(const PictureTimes& /*times*/) {}
-  /// Reports that set-points were sent. If the board names `sender`, the measured time from picture to set-points ends.
+  /// Reports that set-points were sent. If the key "decisions" of the board file names `sender`, a decision ends.
   virtual void setpoints_sent(std::string_view /*sender*/, Picoseconds /*now*/) {}
 };
 
