@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bundles src/ into page.js and page.css for runs, and report.js and report.css for studies and replayed flights, with the
-// frame page.html and the licences of what is in the bundles.
+// Bundles src/: page.js and page.css for runs, report.js and report.css for studies and replayed flights. Also copies
+// page.html and collects the licences of the bundled packages.
 //
 // Usage: node bundle.mjs OUT_DIR
 import { build } from "esbuild";
@@ -21,8 +21,8 @@ const scripts = await build({
   target: "es2022",
   legalComments: "none", // their licences are in LICENSES.txt
 });
-// The style sheets are built after the scripts. Packages that the scripts import have style sheets, too, which esbuild writes as
-// page.css.
+// Bundles the style sheets after the scripts, because esbuild also writes a page.css for the packages that the scripts
+// import.
 const styles = await build({ ...common, entryPoints: { page: "src/page.css", report: "src/report/report.css" } });
 copyFileSync(join(here, "page.html"), join(out, "page.html"));
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Usage: node picture.mjs PAGE.html OUT.png [time=S] [from=S to=S] [look=follow|free|top|onboard] [tab=NAME] [dark=1] [width=PX] [height=PX]
-// Writes a picture of a page by Debian's Chromium. Only the page of a run has times, cameras and tabs.
+// Writes a picture of a page. Uses Debian's Chromium. Only the page of a run has times, cameras and tabs.
 import { launch, open } from "../tests/web/browser.mjs";
 
 const [, , file, out, ...settings] = process.argv;

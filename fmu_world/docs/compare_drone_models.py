@@ -5,10 +5,10 @@
     python3 -m venv /tmp/compare && /tmp/compare/bin/pip install fmpy drone-models
     /tmp/compare/bin/python fmu_world/docs/compare_drone_models.py build/release/fmus/fmu_world.fmu
 
-drone-models contains the equations of Newton and Euler for a Crazyflie (cf2x_L250) with drag, thrust and gyroscopic
-torque. This script integrates them with a Runge-Kutta method of fourth order. In each millisecond, the FMU gets the
-thrusts, torques and speeds of the same rotors. Its drone has the same mass, inertia, arm and drag. The comparison
-therefore covers the dynamics of the FMU: frames, signs of all torques, rotations, drag, gyroscopic torque.
+drone-models contains the equations of Newton and Euler for a Crazyflie (cf2x_L250) with drag, thrust and gyroscopic torque. This
+script integrates them with a Runge-Kutta method of fourth order. In each millisecond, the FMU receives the thrusts, torques and
+speeds of the same rotors. Its drone has the same mass, inertia, arm and drag. Therefore the comparison covers the FMU's dynamics:
+frames, signs of all torques, rotations, drag, gyroscopic torque.
 """
 import json
 import shutil
@@ -36,7 +36,7 @@ def speeds(t):
 
 
 def command(p, t):
-    """Returns the commands with which the rotors of drone-models have the speeds of speeds()."""
+    """Returns the commands that give the rotors of drone-models the speeds of speeds()."""
     rpm, change = speeds(t), SWING * TURN * np.cos(TURN * t + PHASE)
     up, _, _, down = p["rotor_dyn_coef"]
     return np.where(change > 0, rpm + change / up, np.sqrt(rpm**2 + change / down))
@@ -53,8 +53,7 @@ def reference(p, gyroscopic_sign):
                                                 "mixing_matrix", "drag_matrix", "rotor_dyn_coef")}
         _, _, acc, rate_dot, *_ = dynamics(pos, quat, vel, rate, command(p, t), rpm, **params)
         if gyroscopic_sign:
-            # In version 0.1.0 of drone-models, the term along x has the wrong sign: the torque would do work. It is
-            # corrected here.
+            # Corrects the term along x, which has the wrong sign in version 0.1.0 of drone-models: the torque would do work.
             momentum = p["prop_inertia"] * np.sum(np.array(p["mixing_matrix"])[-1] * rpm) * 2 * np.pi / 60
             rate_dot = rate_dot + np.linalg.solve(inertia, [2 * rate[1] * momentum, 0, 0])
         quat_dot = 0.5 * np.array([

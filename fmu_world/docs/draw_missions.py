@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Draws missions.png from the pictures that a mission in each example world took.
+"""Draws missions.png. Its pictures are from a mission's camera, for each example world.
 
     mebots run configs/warehouse.json --out /tmp/warehouse; mebots run configs/forest.json --out /tmp/forest
     .venv/bin/python fmu_world/docs/draw_missions.py /tmp/warehouse /tmp/forest
@@ -14,7 +14,7 @@ COUNT, SIZE, GAP = 5, 200, 6
 
 
 def row(results):
-    """Returns pictures of a mission's camera at equal intervals of time."""
+    """Returns pictures of a mission's camera at equal time intervals."""
     files = sorted(Path(results).glob("pictures/world.camera.frame/*.png"))
     if len(files) < COUNT:
         sys.exit(f"{results}: {len(files)} pictures, {COUNT} are drawn")

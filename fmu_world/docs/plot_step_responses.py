@@ -38,7 +38,7 @@ def main():
         axis.title.set_ha("left")
         axis.title.set_x(0)
         axis.grid(axis="y")
-    # The name of each lag is written once, in its colour, where the curves are farthest apart.
+    # Writes the name of each lag once, in its colour, where the curves are farthest apart.
     for place, (lag, colour) in enumerate(LAGS):
         axes[1, 0].text(0.97, 0.34 - 0.11 * place, f"rotor lag {lag[:-2]} ms", color=colour, transform=axes[1, 0].transAxes, ha="right")
     style.save(figure, Path(__file__).parent / "step_responses.png")

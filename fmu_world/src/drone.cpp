@@ -15,11 +15,10 @@
 namespace mebots::world {
 namespace {
 
-/// A touch supports the drone if its normal is at most 45 degrees from the vertical.
+/// A surface supports the drone if the normal of the touch is at most 45 degrees from the vertical.
 constexpr double kSupportNormal_z = 0.7071;
-/// If the height of a drone at the start is at most this, the drone is on the ground.
+/// At the start, a drone at or below this height is on the ground.
 constexpr double kOnGround_m = 0.01;
-/// Maximum overlap with other objects at the start.
 constexpr double kStartOverlap_m = 0.001;
 
 const std::string kGround = "the ground";
@@ -191,8 +190,8 @@ void Drone::take_setpoint(std::int64_t time_ns, std::int64_t duration_ns) {
       static_cast<double>(duration_ns) * 1e-9;  // commands are sent at the end of the step
 }
 
-/// The input is the speed at the start of the step. The change of speed is that of the previous step, which is assumed
-/// to have the same length.
+/// Assumes that the previous step had the same length: its change of speed gives the acceleration. The input is the
+/// speed at the start of the step.
 void Drone::take_rotor_speeds(double duration_s) {
   for (std::size_t i = 0; i < kRotors; ++i) {
     rotor_acceleration_rad_per_s2_[i] = (inputs_.rotor_speed_rad_per_s[i] - rotor_speed_rad_per_s_[i]) / duration_s;
@@ -235,7 +234,6 @@ void Drone::judge(std::int64_t end_ns, double dt_s) {
   situation.speed_m_per_s = state_.v_WB_m_per_s.norm();
   const FlightPhase before = sequencer_.phase();
   judge_touches(around_.bodies.touches(index_), end_ns, situation);
-  // After a crash, gates are not judged.
   if (before != FlightPhase::crashed) {
     if (const auto event = gates_.move(from_, state_)) report_gate(end_ns, *event);
   }
@@ -260,8 +258,8 @@ void Drone::control(std::int64_t end_ns, double dt_s, const Others& others) {
                          inputs_.bus_voltage_v);
 }
 
-/// Returns the part of the momentum's change that neither gravity nor the air causes. The rigid bodies are integrated
-/// with v' = v + a dt, so this is exact.
+/// Returns the contact force: the change of momentum that neither gravity nor air causes. This is exact, because the
+/// rigid bodies are integrated with v' = v + a dt.
 Eigen::Vector3d Drone::contact_force_W(double dt_s) const {
   const Eigen::Vector3d acceleration_W = (state_.v_WB_m_per_s - from_.v_WB_m_per_s) / dt_s;
   return mass_kg_ * (acceleration_W + kGravity_m_per_s2 * Eigen::Vector3d::UnitZ()) - air_force_W_n_;

@@ -23,7 +23,7 @@
 
 namespace mebots::world {
 
-/// Called with a sentence for each event of the flight.
+/// Called with a sentence that describes an event of the flight.
 using EventLog = std::function<void(std::string_view)>;
 
 /// The type of a drone and its variables, which must outlive it.
@@ -35,7 +35,7 @@ struct DroneSetup {
   DroneOutputs& outputs;
 };
 
-/// References to the parts of the world that its drones use.
+/// References to the parts of the world that a drone uses.
 struct Around {
   const scene::Scene& scene;
   const std::vector<std::string>& obstacle_names;  ///< in the order of scene::solids_of()
@@ -45,7 +45,7 @@ struct Around {
   Views views;
 };
 
-/// The effect of the calibration parameters. The drag is not included, because it is in the drone.
+/// The effect of the calibration parameters, except on the drag, which the drone applies.
 struct Calibration {
   double dry_mass_factor = 1;
   std::vector<std::string> warnings;
@@ -53,25 +53,23 @@ struct Calibration {
 
 /// A drone: body, stabiliser, take-off and landing, gates, sensors, camera and link.
 ///
-/// A step of the world calls begin_step(), then push(), move(), judge() and control() for each inner step, and at the
-/// end write_outputs(). Each function is called for all drones before the next function. Between push() and move(), the
-/// world moves the bodies.
+/// In a step, the world calls begin_step(), then push(), move(), judge() and control() for each inner step, and
+/// write_outputs() at the end. Each function is called for all drones before the next function. Between push() and
+/// move(), the world moves the bodies.
 class Drone {
  public:
   /// Places the drone at its start. Throws mebots::Error for invalid values.
   Drone(const Around& around, std::size_t index, DroneSetup setup, std::int64_t start_ns);
 
-  /// Writes the first outputs, after the touches at the start were found. Throws mebots::Error if the drone is inside
-  /// something.
+  /// Writes the first outputs. The world must have found the touches at the start. Throws mebots::Error if the drone
+  /// overlaps another object.
   void start(std::int64_t start_ns, const Others& others);
 
   /// Reads the inputs, and takes a picture if one is requested.
   void begin_step(std::int64_t start_ns, std::int64_t duration_ns, const Others& others);
-  /// Applies the forces to the body. `downwash_n` is the force of other drones' air, along the body's -z axis.
+  /// Applies the forces to the body. `downwash_n` is the force of air from other drones, along the body's -z axis.
   void push(const Eigen::Vector3d& wind_W_m_per_s, double downwash_n);
-  /// Reads the body's new state.
   void move();
-  /// Judges contacts and gates, and advances the flight sequence.
   void judge(std::int64_t end_ns, double dt_s);
   /// Updates the sensors, then the flight control.
   void control(std::int64_t end_ns, double dt_s, const Others& others);
@@ -81,7 +79,7 @@ class Drone {
   double rotor_radius_m() const { return in_.rotors_radius_m; }
   const std::string& name() const { return name_; }
   const CameraDevice& camera() const { return sensors_.camera(); }
-  /// Returns the drone as a solid where it is now.
+  /// Returns the drone's contact box at its current pose.
   scene::Solid box() const;
   ViewedDrone view() const;
 
@@ -117,7 +115,7 @@ class Drone {
   DroneOutputs& outputs_;
 
   RigidState state_;
-  // Values of the present inner step, which are not part of the saved state.
+  // Values of the current inner step. They are not part of the saved state.
   RigidState from_;                // before move()
   Eigen::Vector3d air_force_W_n_;  // of rotors, drag and downwash
   DroneSensors sensors_;

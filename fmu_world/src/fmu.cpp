@@ -54,7 +54,7 @@ class Binding final : public fmu::Model {
     return drones;
   }
 
-  /// Returns 1 for "drone[2].camera.frame.base64", and 0 for a name without an index.
+  /// Returns the index in a name, counted from 0: 1 for "drone[2].camera.frame.base64". Without an index, returns 0.
   static std::size_t index_in(std::string_view name) {
     const auto open = name.find('[');
     if (open == std::string_view::npos) return 0;
@@ -74,6 +74,7 @@ std::unique_ptr<fmu::Model> make_model(Variables& variables, fmu::Host& host, st
 
 }  // namespace mebots::world
 
-/// The library's static memory contains constants, the tiles of existing worlds, and ODE's data while a world exists.
+/// Declares that the library keeps no state outside of instances. Its static memory contains only constants, the tiles
+/// of existing worlds, and ODE's data while a world exists.
 // NOLINTNEXTLINE(readability-identifier-naming): the name that docs/master/clean-fmus.md gives
 extern "C" [[gnu::visibility("default")]] const char mebots_keeps_no_state_outside_instances = 1;

@@ -23,8 +23,8 @@ std::int64_t inner_step_of(const Parameters& parameters) {
   return std::llround(step_s * 1e9);
 }
 
-/// Divides a duration into `count` equal parts. Returns the length of the first `index` parts together, 0 <= index <=
-/// count, rounded down. The product may exceed 64 bits.
+/// Divides a duration into `count` equal parts. Returns the length of the first `index` parts together, rounded down.
+/// The intermediate product may exceed 64 bits.
 std::int64_t part_of(std::int64_t duration_ns, std::int64_t index, std::int64_t count) {
   MEBOTS_ASSERT(duration_ns >= 0 && 0 <= index && index <= count && count > 0);
   __extension__ using Wide = __int128;
@@ -43,12 +43,11 @@ std::vector<Eigen::Vector3d> sizes_of(const std::vector<DroneSetup>& drones) {
   return sizes;
 }
 
-/// True if sensors must look for other drones or robots.
 bool has_others(std::size_t drones, std::size_t robots) {
   return drones + robots > 1;
 }
 
-/// Every camera shows the other drones and the robots, if there are any.
+/// Returns the scenery of all cameras. Drones and robots are included only if the world has more than one of them.
 std::shared_ptr<const camera::Scenery> scenery_of(const scene::Scene& scene, const std::vector<DroneSetup>& drones,
                                                   std::size_t robots) {
   camera::Geometry geometry = camera::make_geometry(scene);
@@ -104,7 +103,7 @@ World::World(scene::Scene scene, const Parameters& parameters, const Inputs& inp
   write_robots(start_ns);
 }
 
-/// Calls `act`. If there are several drones, adds the drone's name to errors.
+/// Calls `act` for each drone. If the world has several drones, adds the drone's name to errors.
 template <typename Act>
 void World::for_each_drone(Act&& act) {
   for (std::size_t i = 0; i < drones_.size(); ++i) {
@@ -169,7 +168,6 @@ void World::find_downwash() {
   }
 }
 
-/// Passes the states that take_states() stored to the bodies.
 void World::move_robots() {
   for (std::size_t i = 0; i < robots_.count(); ++i) bodies_.move_robot(i, states_[drones_.size() + i]);
 }

@@ -17,27 +17,27 @@
 
 namespace mebots::world {
 
-/// Drones and robots in one world: scene, rigid bodies with their contacts, wind, time.
+/// A world with its drones, robots and wind.
 ///
 /// A step of h is divided into n = ceil(h / physics.step) equal inner steps. Rotor thrusts, wind and set-points are
-/// constant during the step; the flight control runs in every inner step on the new state. Outputs describe the end of
-/// the step, except the picture, which shows the start of the step.
+/// constant during the step. The flight control runs in every inner step with the new state. Outputs describe the end
+/// of the step, except the picture, which shows the start of the step.
 ///
-/// A drone that touches no other drone has the same bits as if it were alone in the world. The noise of drone i is a
-/// function of seed and i.
+/// A drone that touches no other drone has the same bits as in a world without other drones. The noise of drone i
+/// depends only on the seed and on i.
 class World {
  public:
-  /// Places the drones at their starts. Parameters, inputs and outputs must outlive the world. Writes the first
-  /// outputs. Throws mebots::Error for invalid values.
+  /// Places the drones at their starts and writes the first outputs. Parameters, inputs and outputs must outlive the
+  /// world. Throws mebots::Error for invalid values.
   World(scene::Scene scene, const Parameters& parameters, const Inputs& inputs, Outputs& outputs,
         std::vector<DroneSetup> drones, EventLog log, std::int64_t start_ns);
 
   void step(std::int64_t start_ns, std::int64_t duration_ns);
 
-  /// Returns a drone's camera; null if there are fewer drones.
+  /// Returns the camera of a drone. If the world has no drone with this index, returns null.
   const CameraDevice* camera(std::size_t drone = 0) const;
 
-  /// Returns the scene for drawing, as from scene_text().
+  /// Returns the result of scene_text() for this world.
   std::string view() const;
 
   void visit(state::Visitor& v);
@@ -52,7 +52,7 @@ class World {
   void note_touches();
   void take_states(std::int64_t time_ns);
   void write_robots(std::int64_t end_ns);
-  /// Returns the data of the other drones and of the robots for the sensors of a drone.
+  /// Returns the data of other drones and of robots that the sensors of a drone need.
   Others others_of(std::size_t drone) const { return {boxes_, states_, drone}; }
 
   scene::Scene scene_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Functions that the linked archives call in place of those of the C library: see fmu_world/CMakeLists.txt.
+// Definitions that the linked archives use in place of the C library's (see fmu_world/CMakeLists.txt).
 #include <cstdio>
 #include <cstdlib>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// mebots-camera: renders one picture of a scene from a given pose, to view scenes and to time the renderer.
+// mebots-camera: renders a picture of a scene from a given pose, to view scenes and to time the renderer.
 
 #include "camera/renderer.hpp"
 #include "mebots/error.hpp"
@@ -42,7 +42,6 @@ void write_pgm(const std::string& path, const Intrinsics& size, const std::vecto
   if (!file.flush()) throw mebots::Error(fmt::format("{}: cannot write the picture; does its folder exist?", path));
 }
 
-/// Returns the processor time of this process, which does not depend on other programs.
 double processor_time_ms() {
   std::timespec now{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);

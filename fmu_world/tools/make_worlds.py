@@ -5,8 +5,8 @@ params/things.
 
     .venv/bin/python fmu_world/tools/make_worlds.py
 
-Needs NumPy and Pillow. Each run writes the same bytes. Look at the worlds before you commit them (mebots-camera renders
-a scene). The ground of each world is one picture, which contains the painted shadows of the objects.
+Needs NumPy and Pillow. Each run writes the same bytes. Before you commit the worlds, look at them: mebots-camera renders a scene.
+The ground of each world is one picture with painted shadows of the objects.
 """
 import json
 import math
@@ -103,7 +103,7 @@ def soft_shadow(points, to_sun, boxes, balls, samples=12):
     blocked = np.zeros((samples, len(points)), bool)
 
     def near(centre, radius, top):
-        """Returns the indices of the points that an object's shadow can reach."""
+        """Returns the indices of points that the object's shadow can reach."""
         return np.nonzero(((points[:, :2] - np.array(centre)[:2]) ** 2).sum(axis=1) < (radius + slope * top) ** 2)[0]
 
     for k in range(samples):
@@ -340,7 +340,7 @@ def warehouse():
     level = lighting["to_sun"][2] / np.linalg.norm(lighting["to_sun"])
     share = (lighting["ambient"] + lighting["sun"] * level * sun) / (lighting["ambient"] + lighting["sun"] * level)
     save("warehouse_floor.png", (floor * share * corner)[::-1])
-    # The texture starts at the world's origin, so the picture is shifted to its place.
+    # Shifts the picture to its place, because the texture starts at the world's origin.
     ground = {"half_size": 14.0, "texture": picture("warehouse_floor.png", edge)}
     shift_picture("warehouse_floor.png", left, bottom, edge)
     write(head("warehouse", "A hall with shelves, pillars, a ramp and a cart that drives to and fro; a rectangular gate, then a round one.",
@@ -364,7 +364,7 @@ def forest():
     gx, gy = np.meshgrid(x, y)
     hills = 1.5 * np.exp(-((gx - 13) ** 2 + (gy - 5) ** 2) / 18) + 1.9 * np.exp(-((gx - 11) ** 2 + (gy + 8) ** 2) / 14)
     hills += 1.2 * np.exp(-((gx + 4) ** 2 + (gy - 8) ** 2) / 12) + 2.2 * np.exp(-((gx - 17) ** 2 + (gy + 1) ** 2) / 16)
-    # The glade in the middle is level, so that the drone starts on the ground.
+    # The glade in the middle is level, because the drone starts there.
     rough = 0.5 * value_noise(32, 4, 3)[: cells + 1, : cells + 1]
     glade = np.clip((np.hypot((gx - 4) / 7.5, gy / 2.6) - 1) / 0.8, 0, 1)
     # The glade is 8 mm above the plane z = 0, which would otherwise hide it.

@@ -8,7 +8,7 @@
 namespace mebots::command_line {
 namespace {
 
-/// Extracts the choices from CLI11's type text, such as "TEXT:{csv,hdf5}".
+/// Returns the choices in a type text of CLI11, such as "TEXT:{csv,hdf5}".
 std::vector<std::string> choices_in(const std::string& type) {
   std::vector<std::string> choices;
   const auto begin = type.find('{');

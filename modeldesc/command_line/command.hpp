@@ -30,16 +30,16 @@ struct Command {
   std::vector<Command> commands;
 };
 
-/// Describes the commands and options of the parser.
 Command command_of(const CLI::App& app);
 
-// Return scripts that complete a program's commands, options and listed values; for other values they offer file names.
+// These functions return scripts that complete a program's commands, options and listed values in a shell. The scripts
+// complete other values with file names.
 std::string bash_completion(const Command& program);
 std::string fish_completion(const Command& program);
 std::string zsh_completion(const Command& program);
 
-/// Returns the manual page (man(7)) of a command. `program` is the name of the program. For the page of the program
-/// itself, `command` has the same name.
+/// Returns the manual page (man(7)) of a command. `program` is the name of the program. If `command` has the same name,
+/// returns the page of the program itself.
 std::string manual_page(const Command& command, const std::string& program, const std::string& version);
 
 }  // namespace mebots::command_line

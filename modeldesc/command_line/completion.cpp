@@ -9,8 +9,8 @@
 namespace mebots::command_line {
 namespace {
 
-/// Returns the text as one word in single quotes. Inside the quotes, all three shells take every character literally,
-/// except the quote.
+/// Returns the text in single quotes. `quote` replaces each single quote in the text. Inside single quotes, all three
+/// shells interpret no other character.
 std::string quoted(const std::string& text, const std::string& quote) {
   std::string result = "'";
   for (const char character : text) {
@@ -30,7 +30,7 @@ std::string in_fish(const std::string& text) {
   return quoted(text, "\\'");
 }
 
-/// Escapes colons and brackets with a backslash, because zsh's _arguments and _describe would end the text there.
+/// Escapes colons, brackets and backslashes, because zsh's _arguments and _describe would interpret them.
 std::string escaped(const std::string& text) {
   std::string result;
   for (const char character : text) {
@@ -40,7 +40,7 @@ std::string escaped(const std::string& text) {
   return result;
 }
 
-/// Returns the program's name in a form that can be part of a shell function's name.
+/// Returns the name of the program's shell function: '_' and the program's name, with '_' in place of '-'.
 std::string function_of(const Command& program) {
   auto name = "_" + program.name;
   std::ranges::replace(name, '-', '_');
@@ -53,8 +53,8 @@ std::vector<std::string> names_of(const std::vector<Argument>& options) {
   return names;
 }
 
-/// Returns the code for bash that completes a command line after the command's name. After an option with listed
-/// values, the code offers these values. After an option with another value, it offers files. After a dash, it offers
+/// Returns the bash code that completes the arguments of one command. After an option with listed values, the code
+/// offers these values. After an option with another value, the code offers files. After a dash, the code offers
 /// options.
 std::string bash_case(const Command& command, const std::string& pattern) {
   std::string text = fmt::format("    {})\n      case $before in\n", pattern);
@@ -74,8 +74,8 @@ std::string bash_case(const Command& command, const std::string& pattern) {
   return text;
 }
 
-/// Returns the options of a command for fish; `start` is the beginning of each line, with fish code that enables the
-/// option.
+/// Returns the lines for fish that declare a command's options. Each line begins with `start`, which contains the
+/// condition for the option.
 std::string fish_options(const Command& command, const std::string& start) {
   std::string text;
   for (const auto& option : command.options) {
@@ -92,7 +92,7 @@ std::string fish_options(const Command& command, const std::string& start) {
   return text;
 }
 
-/// Returns the arguments of zsh's _arguments for the options and files of a command.
+/// Returns the arguments of zsh's _arguments that declare a command's options and files.
 std::string zsh_arguments(const Command& command) {
   std::string text;
   for (const auto& option : command.options) {
@@ -111,7 +111,6 @@ std::string zsh_arguments(const Command& command) {
   return text + " \\\n          '*:file:_files'";
 }
 
-/// Returns the end of the zsh function, and the lines that call or register the function.
 std::string zsh_end(const Command& program) {
   return fmt::format(R"(}}
 if [[ $funcstack[1] == {0} ]]; then

@@ -11,8 +11,8 @@
 namespace mebots::command_line {
 namespace {
 
-/// Escapes text for troff, so that backslashes and hyphens are printed literally and no line starts with a control
-/// character.
+/// Escapes text for troff. Prints backslashes and hyphens literally, and prevents a control character at the start of a
+/// line.
 std::string plain(const std::string& text) {
   std::string result;
   for (const char character : text) {
@@ -51,7 +51,7 @@ std::string list_of(const std::string& title, const std::vector<Argument>& argum
   return text;
 }
 
-/// Converts the footer: a line that ends with a colon becomes a section title. Indented lines are copied unchanged.
+/// Converts the footer. A line that ends with a colon becomes a section title. Indented lines are copied unchanged.
 std::string sections_of(const std::string& footer) {
   std::string text;
   bool is_literal = false;

@@ -15,14 +15,13 @@
 
 namespace mebots::data {
 
-/// Stores the offsets of a text's line starts, to convert an offset to line and column. The conversion is fast even if
-/// the text is one long line.
+/// Stores the offset at which each line of a text starts. Converts an offset to line and column.
 class TextLines {
  public:
   TextLines() : TextLines(std::string()) {}
   explicit TextLines(std::string text);
 
-  /// Returns the place as ":line:column". Lines and columns are counted from 1. Columns count UTF-8 characters.
+  /// Returns the place as ":line:column". Both numbers start at 1. Columns count UTF-8 characters.
   std::string place(std::size_t offset) const;
 
  private:
@@ -33,8 +32,8 @@ class TextLines {
   std::vector<std::size_t> characters_;  // UTF-8 characters before each block of the text
 };
 
-/// A value of the document. Values are in the order of the text, and a container precedes its contents. If value i is
-/// not empty, its first element is i + 1. `end` is the index after its last descendant.
+/// A value of the document. The list of values has the order of the text: each container precedes its contents. If
+/// value i has contents, its first element is value i + 1. `end` is the index after its last descendant.
 struct Value {
   Kind kind = Kind::null;
   bool flag = false;
@@ -60,15 +59,14 @@ struct Document::Content {
   std::vector<Mistake> mistakes;
 };
 
-/// Parses the text. Throws Mistakes if it is not JSON. Reports each key that occurs twice in an object.
+/// Parses the text. Throws Mistakes if it is not JSON. Adds a mistake for each key that occurs twice in an object.
 std::vector<Value> parse(std::string_view text, const std::string& name, const TextLines& lines,
                          std::vector<Mistake>& mistakes);
 
-/// Lists the values of JSON that is in memory.
+/// Converts JSON in memory to a list of values, in the order of `Value`.
 std::vector<Value> values_of(const nlohmann::ordered_json& json);
 
-/// Replaces zero bytes by JSON's \u0000. A file can contain a zero byte in this form. The message of what() would end
-/// at a zero byte.
+/// Replaces zero bytes by the JSON escape \u0000. A zero byte would end the message of what() early.
 std::string without_zero_bytes(std::string_view text);
 
 /// Returns the JSON pointer of the value with this index; empty for the root.

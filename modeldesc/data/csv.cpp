@@ -34,7 +34,7 @@ std::string unquoted_part(std::string_view line) {
   return part;
 }
 
-/// Returns a cell in quotes for an error message. A long cell is shortened.
+/// Returns a cell in quotes for an error message. Shortens a long cell.
 std::string shown(std::string_view cell) {
   constexpr std::size_t kMost = 60;
   return cell.size() <= kMost ? fmt::format("'{}'", cell) : fmt::format("'{}...'", cell.substr(0, kMost));
@@ -85,8 +85,7 @@ void CsvReader::refuse_other_formats() const {
   }
 }
 
-/// Throws Error if the cells are not separated by commas. Spreadsheets with a decimal comma separate cells by
-/// semicolons.
+/// Throws Error if other characters than commas separate the cells. Spreadsheets with a decimal comma use semicolons.
 void CsvReader::refuse_other_separators() const {
   const auto first = unquoted_part(text_.substr(0, text_.find_first_of("\n\r")));
   const auto commas = std::ranges::count(first, ',');
@@ -141,7 +140,7 @@ void CsvReader::check_width() const {
                         cells_.size() > header_.size() ? "; decimals are written with a point, such as 1.5" : ""));
 }
 
-/// Splits the next line into `cells_`, which is empty for an empty line. Returns false at the end of the text.
+/// Splits the next line into `cells_`. An empty line gives no cells. Returns false at the end of the text.
 bool CsvReader::split_line() {
   cells_.clear();
   unquoted_.clear();

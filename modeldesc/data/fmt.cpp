@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compiles the functions of {fmt} that its headers only declare, once for the whole project. Debian's {fmt} has these
-// functions only in a shared library, which an FMU must not need. With fmt::fmt-header-only, every source file would
-// compile these functions again.
+// Compiles the functions of {fmt} that its headers only declare, once for the whole project. An FMU must not need a
+// shared library, but Debian's {fmt} has these functions only in a shared library. With fmt::fmt-header-only, every
+// source file would compile them again.
 #include <fmt/format-inl.h>
 
 FMT_BEGIN_NAMESPACE

@@ -18,9 +18,8 @@ char lower(char c) {
   return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
 }
 
-/// Returns edit_distance(), or any number above `most` if the distance is greater than `most`. For most names, the
-/// first characters already show this, and the function returns early. Therefore a file with many wrong names is
-/// rejected as fast as a correct file is read.
+/// Returns edit_distance() if it is at most `most`, otherwise any number above `most`. Returns as soon as the distance
+/// is known to exceed `most`, so a file with many wrong names is rejected quickly.
 std::size_t bounded_distance(std::string_view a, std::string_view b, std::size_t most) {
   if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) > most) return most + 1;
   std::vector<std::size_t> rows(3 * (b.size() + 1));
@@ -41,7 +40,7 @@ std::size_t bounded_distance(std::string_view a, std::string_view b, std::size_t
       if (swapped) row[j] = std::min(row[j], before_last[j - 2] + 1);
       nearest = std::min(nearest, row[j]);
     }
-    // Each row depends only on the two rows before it. No value of a row is less than the minimum of these two rows.
+    // A later row depends only on the two rows before it, so its values are not below the minimum of these two rows.
     if (std::min(nearest, nearest_of_last) > most) return most + 1;
     nearest_of_last = nearest;
   }
@@ -72,7 +71,7 @@ std::string suggest(std::string_view wrong, std::span<const std::string> known) 
   };
   std::vector<Candidate> candidates;
   for (const auto& name : known) {
-    // If one name contains the other, the names count as near, regardless of their difference in length.
+    // If one name contains the other, both are near, regardless of their difference in length.
     const bool contained = wrong.size() >= 3 && name.size() >= 3 &&
                            (name.find(wrong) != std::string::npos || wrong.find(name) != std::string_view::npos);
     const auto most = contained ? 1 : std::max<std::size_t>(1, std::max(wrong.size(), name.size()) / 3);

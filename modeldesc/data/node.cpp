@@ -54,8 +54,7 @@ bool Node::is_integer_literal() const {
 std::string Node::text() const {
   if (!is(Kind::text)) fail_kind("a text");
   const auto& text = document_->content_->values[index_].text;
-  // A text with a zero byte is refused. As a C string (a path, or a value for FMI), the text would end at this byte
-  // without an error.
+  // Refuses a zero byte, because the text may become a C string, which would end at this byte.
   if (text.find('\0') != std::string::npos) {
     fail(ErrorCode::invalid_value, fmt::format("{} contains a zero byte, where a C string ends; remove it", shown()));
   }
@@ -161,7 +160,7 @@ void Node::fail_unknown(std::string_view what, std::string_view name, std::span<
 void Node::note(const Mistakes& mistakes) const {
   auto& all = document_->content_->mistakes;
   for (auto mistake : mistakes.list()) {
-    // The error is in another file that this value names. It is reported at the place of this value.
+    // The mistake is in another file, which this value names. Reports it at the place of this value.
     if (!mistake.place.starts_with(document_->content_->name)) {
       mistake.offset = document_->content_->values[index_].offset;
     }
@@ -212,9 +211,7 @@ std::string Node::shown() const {
   }
   if (text.size() > kLongest) {
     auto end = kLongest;
-    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U)
-      --end;  // do not cut a character in
-              // half
+    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;  // so as not to cut a character
     text = text.substr(0, end) + "...";
   }
   return text;

@@ -12,7 +12,6 @@ namespace {
 
 using Compressor = std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)>;
 
-/// Compresses bytes. `bound` and `compress` are libdeflate's functions for one format.
 template <typename Bound, typename Compress>
 std::string packed(std::string_view bytes, Packing packing, Bound bound, Compress compress) {
   constexpr int kFastLevel = 1;

@@ -14,7 +14,6 @@
 namespace mebots {
 namespace {
 
-/// Escapes text for an HTML element.
 std::string escaped(std::string_view text) {
   std::string result;
   for (const char c : text) {
@@ -32,7 +31,7 @@ std::string escaped(std::string_view text) {
   return result;
 }
 
-/// Replaces `{{name}}`, which occurs once in the page, by `text`.
+/// Replaces `{{name}}` by `text`. The page must contain `{{name}}` once.
 void put(std::string& page, std::string_view name, std::string_view text) {
   const auto place = fmt::format("{{{{{}}}}}", name);
   const auto at = page.find(place);
@@ -48,8 +47,8 @@ std::string packed_text(std::string_view bytes) {
   return encode_base64(std::span(reinterpret_cast<const std::uint8_t*>(packed.data()), packed.size()));
 }
 
-/// Fills the page. `connect` is the source from which the page may fetch data, for `connect-src` in its content
-/// security policy.
+/// Fills the page. `connect` is the value of `connect-src` in the page's content security policy: the source from which
+/// the page may fetch data.
 std::string fill(const PageParts& parts, const std::string& title, std::string_view connect, std::string_view data) {
   auto page = parts.frame;
   put(page, "title", escaped(title + " - MEbots"));

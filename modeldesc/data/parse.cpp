@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Finds the place of each value. The JSON library calls a function for every value, but does not report the value's
-// offset in the text. Therefore a cursor moves through the same text, by one token per call of the function. The parser
-// has already validated the text before the cursor, so the cursor needs few rules of JSON.
+// offset. Therefore a cursor moves through the same text by one token per call. The library has already validated the
+// text before the cursor, so the cursor needs few rules of JSON.
 #include "content.hpp"
 
 #include <fmt/format.h>
@@ -110,8 +110,8 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
     if (error.id == kNumberOverflow) {
       refuse(ErrorCode::value_out_of_range, next_token(), fmt::format("the number {} is too large", token));
     }
-    // The message of the JSON library starts with "[json.exception.parse_error.101] parse error at line 3, column 5:
-    // ...".
+    // Removes the prefix of the library's message: "[json.exception.parse_error.101] parse error at line 3, column 5:
+    // ..."
     std::string what = error.what();
     const auto end_of_tag = what.find(": ");
     if (end_of_tag != std::string::npos) what = what.substr(end_of_tag + 2);
@@ -134,7 +134,7 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
     mistakes_.push_back({code, without_zero_bytes(place), without_zero_bytes(what), offset});
   }
 
-  /// Returns the offset of the token that the parser read last, and moves the cursor past it.
+  /// Returns the offset of the token that the parser read last. Moves the cursor past the token.
   std::size_t next_token() {
     const auto start = std::min(text_.find_first_not_of(" \t\r\n,:", cursor_), text_.size());
     if (start == text_.size()) return start;
@@ -181,8 +181,7 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
     return true;
   }
 
-  /// Reports duplicate keys of an object whose end was read. If an object has few members, they are compared in pairs.
-  /// Otherwise the members are sorted.
+  /// Reports duplicate keys of a complete object. Compares few members in pairs, and sorts many members.
   void note_keys_that_stand_twice(std::size_t object) {
     constexpr std::size_t kFew = 16;
     members_.clear();
@@ -222,7 +221,6 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
   bool has_key_ = false;
 };
 
-/// Lists the values of JSON in memory.
 class Lister {
  public:
   std::vector<Value> values() { return std::move(values_); }
@@ -291,8 +289,7 @@ std::vector<Value> values_of(const nlohmann::ordered_json& json) {
 std::vector<Value> parse(std::string_view text, const std::string& name, const TextLines& lines,
                          std::vector<Mistake>& mistakes) {
   Builder builder(text, name, lines, mistakes);
-  // A zero byte is refused, because the library treats it as the end of the text, and would ignore the remaining text
-  // without an error.
+  // Refuses a zero byte, because the library would treat it as the end of the text and ignore the rest.
   if (const auto zero = text.find('\0'); zero != std::string_view::npos) {
     builder.refuse(ErrorCode::syntax_error, zero,
                    "this contains a zero byte, so it is not JSON text; save the file as UTF-8");

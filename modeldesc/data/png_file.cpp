@@ -15,7 +15,7 @@ namespace {
 
 constexpr unsigned kLargest = 4096;
 
-/// Owns libpng's reader and frees it on every exit path.
+/// Frees the memory of libpng's reader on every exit path.
 struct PngImage {
   PngImage() { image.version = PNG_IMAGE_VERSION; }
   ~PngImage() { png_image_free(&image); }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kTextBlock = 256;  // bytes; about a line of most files
 
-/// Returns the number of characters that start in this piece of UTF-8.
+/// Returns the number of characters whose first byte is in this piece of UTF-8.
 std::size_t characters_in(std::string_view piece) {
   return static_cast<std::size_t>(std::count_if(
       piece.begin(), piece.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));

@@ -8,12 +8,11 @@
 namespace mebots::shell {
 namespace {
 
-/// Converts the C handle to the saved state that this library created.
 SavedState& saved_state(void* handle) {
   return *static_cast<SavedState*>(&checked(static_cast<SavedState*>(handle), "FMU state"));
 }
 
-/// Stores `saved` in *handle. If *handle already has a state, replaces its content.
+/// Stores `saved` in *handle. If *handle already has a state, overwrites it.
 void hand_out(SavedState saved, void*& handle) {
   if (handle == nullptr)
     handle = std::make_unique<SavedState>(std::move(saved)).release();

@@ -11,11 +11,11 @@
 #include <span>
 #include <string_view>
 
-/// The calls that the C functions of all versions of FMI share. Each call finds its instance, checks that the call is
-/// legal in the present state, and catches every exception.
+/// The calls that the C functions of all versions of FMI share. Each call checks that the function is legal in the
+/// instance's state, and catches every exception.
 namespace mebots::shell {
 
-/// Sends a report to the tool. Never throws: if the tool's logger fails, the status is still returned.
+/// Logs a message of a function in the importing tool. Never throws, even if the tool's logger fails.
 void report(Instance& instance, Status status, const Function& function, const char* what) noexcept;
 
 template <typename Body>
@@ -56,9 +56,8 @@ T& checked(T* pointer, std::string_view name) {
   throw Error(fmt::format("this FMU does not offer it: modelDescription.xml declares {}", flag));
 }
 
-/// Builds the data that instances share: the C++ library's facets and the FMU's own tables. Further calls have no
-/// effect. Must be called from a function that every tool calls after loading the library and before the first
-/// instance.
+/// Builds the data that instances share: the C++ library's facets and the FMU's own tables. Only the first call has an
+/// effect. Must be called before the first instance is created, from a function that every tool calls.
 void prepare_library() noexcept;
 
 struct Instantiation {
@@ -69,7 +68,7 @@ struct Instantiation {
   bool logging_on;
 };
 
-/// Returns null and sends a message if the instance cannot be created. `resources` returns the resources folder or
+/// If the instance cannot be created, sends a message and returns null. `resources` returns the resources folder or
 /// throws mebots::Error.
 Instance* instantiate(const Instantiation& asked, const std::function<Logger::Sink()>& sink,
                       const std::function<std::filesystem::path()>& resources) noexcept;

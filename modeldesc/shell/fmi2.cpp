@@ -6,7 +6,7 @@
 namespace mebots::shell {
 namespace {
 
-/// One row for each function that takes an instance. A row contains the states in which the function is legal.
+/// Each row contains the states in which a function may be called.
 namespace call {
 using namespace legal;
 constexpr std::uint8_t kStatus = kStepComplete | kStepFailed | kTerminated;
@@ -56,7 +56,7 @@ fmi2Status guarded2(fmi2Component component, const Function& function, Body body
   return to_fmi2(guarded(component, function, body));
 }
 
-/// The tool treats the message as a printf format, but no arguments are passed.
+/// Doubles each '%' of a message, because the tool treats the message as a printf format.
 Logger::Sink sink_of(const fmi2CallbackFunctions& callbacks, std::string name) {
   if (callbacks.logger == nullptr) return {};
   return [logger = callbacks.logger, environment = callbacks.componentEnvironment, name = std::move(name)](
@@ -72,8 +72,7 @@ using mebots::Error;
 using namespace mebots::shell;  // NOLINT(google-build-using-namespace): the functions below are the standard's, and
                                 // global
 
-/// Also calls prepare_library(), because every tool calls this function after loading the library and before the first
-/// instance.
+/// Also calls prepare_library(), because every tool calls this function before it creates the first instance.
 const char* fmi2GetTypesPlatform() {
   prepare_library();
   return "default";

@@ -9,7 +9,7 @@
 namespace mebots::shell {
 namespace {
 
-/// One row for each function that takes an instance. A row contains the states in which the function is legal.
+/// Each row contains the states in which a function may be called.
 namespace call {
 using namespace legal;
 constexpr Function kSetDebugLogging{"fmi3SetDebugLogging", kAlive};
@@ -32,7 +32,7 @@ fmi3Status to_fmi3(Status status) {
   return static_cast<fmi3Status>(status);
 }
 
-/// In FMI 3.0, a single # in a message marks a value reference.
+/// Doubles each '#' of a message, because a single '#' marks a value reference in FMI 3.0.
 Logger::Sink sink_of(fmi3LogMessageCallback log_message, fmi3InstanceEnvironment environment) {
   if (log_message == nullptr) return {};
   return [=](Status status, const char* category, std::string_view message) {
@@ -40,7 +40,7 @@ Logger::Sink sink_of(fmi3LogMessageCallback log_message, fmi3InstanceEnvironment
   };
 }
 
-/// Refuses to instantiate a kind of FMU that MEbots' FMUs do not support.
+/// Refuses to create an instance of a kind that MEbots' FMUs do not support. `kind` is its name in the message.
 fmi3Instance refuse_kind(const char* function, fmi3String name, fmi3String token, std::string_view kind,
                          fmi3LogMessageCallback log_message, fmi3InstanceEnvironment environment) {
   return instantiate(
@@ -55,8 +55,7 @@ using mebots::Error;
 using namespace mebots::shell;  // NOLINT(google-build-using-namespace): the functions below are the standard's, and
                                 // global
 
-/// Also calls prepare_library(), because every tool calls this function after loading the library and before the first
-/// instance.
+/// Also calls prepare_library(), because every tool calls this function before it creates the first instance.
 const char* fmi3GetVersion() {
   prepare_library();
   return "3.0";

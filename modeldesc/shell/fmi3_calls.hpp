@@ -16,8 +16,8 @@ fmi3Status guarded3(fmi3Instance instance, const Function& function, Body body) 
   return static_cast<fmi3Status>(guarded(instance, function, body));
 }
 
-/// Returns the rows of the variable table for the elements of these variables, in order. For a Binary, returns the row
-/// of its first part. For the independent variable, returns the number of rows in the table. Throws mebots::Error if a
+/// Returns the rows of the variable table for the elements of these variables, in order. For a Binary, this is the row
+/// of its first part. For the independent variable, it is the number of rows in the table. Throws mebots::Error if a
 /// reference belongs to no variable or to a variable of another type. Also throws if the number of rows differs from
 /// the number of values.
 std::vector<fmi2ValueReference> rows_of(const Instance& instance, std::span<const fmi3ValueReference> references,

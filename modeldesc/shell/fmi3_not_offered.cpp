@@ -5,7 +5,6 @@
 namespace mebots::shell {
 namespace {
 
-/// Refuses a call. `why` is a sentence, or the capability in modelDescription.xml that is missing.
 fmi3Status refuse(fmi3Instance handle, const char* function, const char* why) {
   return guarded3(handle, {function, legal::kAlive}, [&](Instance&) { throw Error(why); });
 }

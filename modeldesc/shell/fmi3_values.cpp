@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads and sets values in FMI 3.0. Converts the references of whole arrays to rows of the variable table, which all
-// versions of FMI share.
+// Reads and sets values in FMI 3.0. Converts references of whole arrays to rows of the variable table.
 #include "fmi3_calls.hpp"
 
 #include <algorithm>
@@ -60,7 +59,7 @@ void read(Instance& instance, Rows rows, std::span<fmi3Boolean> values) {
   std::ranges::transform(own, values.begin(), [](fmi2Boolean value) { return value != fmi2False; });
 }
 
-/// Gets values of enumerations and structural parameters.
+/// Reads values of enumerations and structural parameters, which the variable table stores as fmi2Integer.
 template <typename T>
 void read(Instance& instance, Rows rows, std::span<T> values) {
   std::vector<fmi2Integer> own(rows.size());
@@ -117,7 +116,7 @@ constexpr bool kHasVariables =
     std::is_same_v<T, fmi3Float64> || std::is_same_v<T, fmi3Int32> || std::is_same_v<T, fmi3Int64> ||
     std::is_same_v<T, fmi3UInt64> || std::is_same_v<T, fmi3Boolean> || std::is_same_v<T, fmi3String>;
 
-/// Refuses calls for types that no variable of MEbots' FMUs has. Succeeds only if the list of references is empty.
+/// Refuses a call for a type that no variable of MEbots' FMUs has. Succeeds only if the list of references is empty.
 fmi3Status refuse_values(fmi3Instance handle, const Function& function, std::string_view type,
                          const fmi3ValueReference references[], std::size_t count, std::size_t value_count) {
   return guarded3(handle, function, [&](Instance& instance) {
@@ -224,7 +223,7 @@ fmi3Status fmi3SetBinary(fmi3Instance instance, const fmi3ValueReference referen
   });
 }
 
-// MEbots' FMUs have no clocks, so every reference is wrong.
+// MEbots' FMUs have no Clocks, so these functions accept no reference.
 
 fmi3Status fmi3GetClock(fmi3Instance instance, const fmi3ValueReference references[], std::size_t count, fmi3Clock[]) {
   return refuse_values(instance, {"fmi3GetClock", kReadable}, "Clock", references, count, count);

@@ -30,9 +30,8 @@ double to_s(std::int64_t time_ns) {
   return static_cast<double>(time_ns) / 1e9;
 }
 
-/// Returns the permitted difference between two computations of the same time. A difference is permitted, because tools
-/// that add up steps accumulate rounding errors. The permitted difference is less than half a step, so that
-/// communication points are distinct.
+/// Returns the greatest difference at which two times count as equal. Tools that add up steps accumulate rounding
+/// errors. The difference is less than half a step, so that communication points are distinct.
 double time_tolerance_s(double time_s, double step_s) {
   return 1e-6 + std::min(1e-9 * std::abs(time_s), step_s / 4);
 }
@@ -266,8 +265,7 @@ void Instance::do_step(double point_s, double step_s) {
   if (!(std::abs(point_s - own_s) <= time_tolerance_s(own_s, step_s)))
     throw Error(fmt::format("currentCommunicationPoint = {} s, but this instance is at {} s", point_s, own_s));
   const std::int64_t end_ns = to_ns(point_s + step_s, "end of the step");
-  // A tool that adds up its steps may end with a step of about 2e-13 s. Such a step ends in the same nanosecond in
-  // which it starts.
+  // Tools that add up steps may end with a step of about 2e-13 s, which starts and ends in the same nanosecond.
   if (end_ns <= time_ns_) return;
   if (stop_ns_ && to_s(end_ns - *stop_ns_) > time_tolerance_s(to_s(*stop_ns_), step_s))
     throw Error(fmt::format("the step would end at {} s, after the stopTime of {} s given to {}", to_s(end_ns),
@@ -339,8 +337,7 @@ void Instance::restore(const SavedState& saved) {
                       definition_.model_identifier, saved.layout, layout));
   };
 
-  // If the current model has the same parameters, restores the state in place. Otherwise creates a new model, which
-  // replaces the old one.
+  // If the current model has the same parameters, restores its state in place. Otherwise replaces the model.
   const bool in_place = model_ && saved.model && !model_is_stale_ && state_ != State::error &&
                         start_ns_ == saved.start_ns && values(Causality::parameter) == saved.parameters;
   if (in_place) {

@@ -18,8 +18,8 @@
 
 namespace mebots::shell {
 
-/// An instance of the FMU. Every method throws mebots::Error for errors that the caller can correct. Unless stated
-/// otherwise, a method that throws changes nothing.
+/// An instance of the FMU. Every method throws mebots::Error for errors that the caller can correct. If a method
+/// throws, it changes nothing, except where its comment states otherwise.
 class Instance final : public Host {
  public:
   Instance(const Definition& definition, const Version& version, Logger logger, std::filesystem::path resources);
@@ -38,30 +38,29 @@ class Instance final : public Host {
   void get(References references, std::span<fmi2Real> values);
   void get(References references, std::span<fmi2Integer> values);
   void get_booleans(References references, std::span<fmi2Boolean> values);
-  /// Gets texts. The texts stay valid until the next call.
+  /// The texts stay valid until the next call.
   void get(References references, std::span<fmi2String> values);
   void set(References references, std::span<const fmi2Real> values);
   void set(References references, std::span<const fmi2Integer> values);
   void set_booleans(References references, std::span<const fmi2Boolean> values);
   void set(References references, std::span<const fmi2String> values);
 
-  /// Returns the bytes of the Binary that begins in this row. They are valid until the next call.
+  /// Returns the bytes of the Binary that begins in this row. The bytes are valid until the next call.
   std::span<const std::uint8_t> get_binary(fmi2ValueReference reference);
-  /// Sets a Binary to a copy of `bytes`.
   void set_binary(fmi2ValueReference reference, std::span<const std::uint8_t> bytes);
 
-  /// Returns the number of elements of the FMI 3.0 variable that begins in this row. If the size is variable, the
-  /// number is the current value of the structural parameter.
+  /// Returns the number of elements of the FMI 3.0 variable that begins in this row. A variable size depends on the
+  /// current value of the structural parameter.
   std::size_t elements_of(const Variable& variable) const;
 
-  /// Takes a step. If an argument is wrong, throws and changes nothing. An error in the model sets the state to
-  /// `error`.
+  /// Takes a step. Checks the arguments first. If the model throws, the state becomes `error`.
   void do_step(double point_s, double step_s);
   double time_s() const;
   Status last_step_status() const { return last_step_status_; }
 
   SavedState save();
-  /// Restores a state. If a check of `saved` fails, changes nothing. A later error sets the state to `error`.
+  /// Restores a state. If a check of `saved` fails, changes nothing. If a later error occurs, the state becomes
+  /// `error`.
   void restore(const SavedState& saved);
 
   State state() const { return state_; }
@@ -69,7 +68,6 @@ class Instance final : public Host {
   Logger& logger() { return logger_; }
   const Definition& definition() const { return definition_; }
   const Version& version() const { return version_; }
-  /// Returns the FMU and the build to which saved states of this instance belong.
   Owner owner() const { return {definition_.model_identifier, version_.token_name, definition_.*version_.token}; }
 
   const std::filesystem::path& resources() const override;
@@ -84,11 +82,10 @@ class Instance final : public Host {
   /// In initialization mode, creates the model from the current values, so that outputs exist.
   void bring_model_up_to_date();
   std::vector<std::byte> values(Causality causality);
-  /// Creates a model and holds back its messages, except errors.
+  /// Creates a model and stores its messages in place of sending them. Errors are sent at once.
   std::unique_ptr<Model> make_model(void* variables, std::int64_t start_ns);
   void take(std::unique_ptr<Model> model);
-  /// Sends the messages of the model's construction once, at the end of initialisation, even if the model was created
-  /// several times.
+  /// Sends the stored messages once, at the end of initialisation, even if the model was created several times.
   void deliver_held_messages();
 
   const Definition& definition_;
@@ -117,10 +114,10 @@ class Instance final : public Host {
   bool holds_messages_ = false;
 };
 
-/// Returns the path in a text of an importing tool, which is UTF-8 on every system.
+/// Converts a path from the importing tool, which is UTF-8 on every system.
 std::filesystem::path path_of_text(std::string_view utf8);
 
-/// Returns the folder of a `file:` URI (RFC 8089) and decodes percent-encoded bytes. Throws mebots::Error.
+/// Returns the folder of a `file:` URI (RFC 8089). Decodes percent-encoded bytes. Throws mebots::Error.
 std::filesystem::path path_of_file_uri(std::string_view uri);
 
 }  // namespace mebots::shell

@@ -8,8 +8,8 @@
 namespace mebots::shell {
 namespace {
 
-/// In the texts, {0} is the prefix of the version's functions, {1} the name of the function that sets a state, and {2}
-/// the name of the function that initialises.
+/// Placeholders in the texts: {0} is the prefix of the version's functions, {1} the function that sets a state, {2} the
+/// function that initialises.
 struct StateText {
   State state;
   std::string_view name;  // empty: use the version's own name

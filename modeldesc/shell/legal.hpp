@@ -8,11 +8,11 @@
 #include <string_view>
 
 /// The state machines of co-simulation in FMI 2.0 (standard 2.0.4, section 4.2.4) and FMI 3.0 (3.0.2, sections 2.3 and
-/// 4.2): they define the states in which each function is legal.
+/// 4.2): the states in which a call of each function is legal.
 namespace mebots::shell {
 
-/// States of an instance, as bits. Steps of MEbots' FMUs finish before the call returns, so the states "step in
-/// progress" and "step canceled" are left out.
+/// States of an instance, as bits. The states "step in progress" and "step canceled" are omitted, because a step always
+/// finishes before its call returns.
 enum class State : std::uint8_t {
   instantiated = 1 << 0,
   initialization = 1 << 1,
@@ -29,7 +29,7 @@ struct Function {
   std::uint8_t legal_states;
 };
 
-/// Sets of states. In these states, functions of FMI 2.0 and 3.0 are legal.
+/// Sets of states in which functions of FMI 2.0 and 3.0 are legal.
 namespace legal {
 inline constexpr std::uint8_t kInstantiated = 1 << 0;
 inline constexpr std::uint8_t kInitialization = 1 << 1;
@@ -46,7 +46,7 @@ inline bool is_legal(const Function& function, State state) {
   return (function.legal_states & static_cast<std::uint8_t>(state)) != 0;
 }
 
-/// Explains why the call is illegal in this state, and names the call to make instead.
+/// Explains why the call is illegal in this state, and which call the tool must make instead.
 std::string illegal_call_text(const Function& function, State state, const Version& version);
 
 }  // namespace mebots::shell

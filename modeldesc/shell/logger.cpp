@@ -46,7 +46,7 @@ void Logger::set_logging(bool on, std::span<const char* const> categories) {
     if (name == nullptr) throw Error("a log category is a null pointer");
     find(name);
   }
-  // If `on` is true and `categories` is not empty, only the listed categories are enabled.
+  // If `on` is true, a list of categories enables these categories and disables all others.
   if (categories.empty() || on)
     for (Category& category : categories_) category.on = on && categories.empty();
   for (const char* const name : categories) find(name)->on = on;

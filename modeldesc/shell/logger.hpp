@@ -11,11 +11,11 @@
 
 namespace mebots::shell {
 
-/// Sends messages of an instance to the importing tool's logger. Errors are always sent. Other messages are sent if
-/// their category or logAll is enabled.
+/// Sends an instance's messages to the importing tool. Always sends errors. Sends other messages if their category or
+/// logAll is enabled.
 class Logger {
  public:
-  /// Calls the tool's logger in the form of its version of FMI.
+  /// Calls the logger of the tool, whose signature depends on the version of FMI.
   using Sink = std::function<void(Status status, const char* category, std::string_view message)>;
 
   /// An empty sink drops all messages.
@@ -23,7 +23,7 @@ class Logger {
 
   void log(Status status, std::string_view category, std::string_view message);
 
-  /// Switches logging of categories. An empty list means all categories. If a category is unknown, throws mebots::Error
+  /// Enables or disables categories. An empty list means all categories. If a category is unknown, throws mebots::Error
   /// and changes nothing.
   void set_logging(bool on, std::span<const char* const> categories);
 
@@ -39,7 +39,7 @@ class Logger {
   std::vector<Category> categories_;
 };
 
-/// Returns the text with each `mark` doubled, because tools treat a single mark as a special character.
+/// Doubles each `mark`, because tools treat a single mark as a special character.
 std::string doubled(std::string_view text, char mark);
 
 }  // namespace mebots::shell

@@ -12,8 +12,8 @@ bool is_letter(char c) {
 
 }  // namespace
 
-// The text is converted explicitly from UTF-8, because the default encoding of Windows for narrow text depends on the
-// machine. A URI has a slash before the drive letter: file:///C:/folder.
+// Converts from UTF-8 explicitly, because the default encoding for narrow text in Windows depends on the machine.
+// Removes the slash that a URI has before the drive letter: file:///C:/folder.
 std::filesystem::path path_of_text(std::string_view utf8) {
   if (utf8.size() >= 3 && utf8[0] == '/' && is_letter(utf8[1]) && utf8[2] == ':') utf8.remove_prefix(1);
   return std::filesystem::path(std::u8string(utf8.begin(), utf8.end()));

@@ -14,7 +14,7 @@ namespace {
 constexpr std::uint64_t kMagic = 0x3153'746F'6245'4D89;  // 0x89 "MEbotS1", read as little endian
 constexpr std::uint32_t kFormat = 2;
 
-/// FNV-1a, 64 bits (Fowler, Noll, Vo). The checksum detects damage, but does not protect against manipulation.
+/// FNV-1a, 64 bits (Fowler, Noll, Vo). Detects damage, but does not protect against manipulation.
 std::uint64_t checksum(std::uint64_t layout, std::span<const std::byte> bytes) {
   std::uint64_t hash = 0xCBF2'9CE4'8422'2325 ^ layout;
   for (const std::byte byte : bytes) hash = (hash ^ static_cast<std::uint64_t>(byte)) * 0x0000'0100'0000'01B3;

@@ -38,11 +38,11 @@ struct Owner {
   std::string_view token;
 };
 
-/// Serializes the state; a header identifies its owner.
+/// Serializes the state, with a header that identifies its owner.
 std::vector<std::byte> serialize(const Owner& owner, const SavedState& saved);
 
-/// Reads a serialized state. Throws mebots::Error if the bytes are damaged or belong to another FMU or version. The
-/// layout is checked only when the state is restored, because there may be no model when the state is read.
+/// Reads a serialized state. Throws mebots::Error if the bytes are damaged or belong to another FMU or version. Does
+/// not check the layout, because the instance may have no model yet. The restore checks it.
 SavedState deserialize(const Owner& owner, std::span<const std::byte> bytes);
 
 }  // namespace mebots::shell

@@ -8,7 +8,7 @@ void __freeres();      // NOLINT(bugprone-reserved-identifier,readability-identi
 
 namespace {
 
-/// Runs after all other destructors, because they may throw and catch exceptions.
+/// Runs after all other destructors, which may throw and catch exceptions.
 [[gnu::destructor(101)]] void give_back_exception_pool() {
   __gnu_cxx::__freeres();
 }

@@ -27,14 +27,14 @@ void check_limits(const Variable& variable, double value) {
                             with_unit(variable.max, variable)));
 }
 
-/// Calls `action` for each variable of the causality that has a field.
+/// Calls `action` for each variable of the causality, except variables without a field.
 template <typename Action>
 void for_each_field(const Definition& definition, Causality causality, Action action) {
   for (const Variable& variable : definition.variables)
     if (variable.causality == causality && variable.offset != kNoField) action(variable);
 }
 
-/// Calls `action` with a null pointer to the C++ type of the field.
+/// Calls `action` with a null pointer whose type is a pointer to the C++ type of the field.
 template <typename Action>
 void with_type(Type type, Action action) {
   switch (type) {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-/// Typed and checked access to an instance's variables, by their offsets in the variable table.
+/// Accesses an instance's variables by their offsets in the variable table, with checks of types and limits.
 namespace mebots::shell {
 
 template <typename T>
@@ -30,19 +30,18 @@ const T& field(const void* variables, const Variable& variable) {
 /// (enumerations count as Integer).
 const Variable& find_variable(const Definition& definition, fmi2ValueReference reference, Type type);
 
-/// These functions check whether the value may be set. If it may not, they throw mebots::Error with variable, value and
-/// limit.
+/// These functions throw mebots::Error with variable, value and limit if the value may not be set.
 void check_value(const Variable& variable, fmi2Real value);
 void check_value(const Variable& variable, fmi2Integer value);
 void check_boolean(const Variable& variable, fmi2Boolean value);
 void check_value(const Variable& variable, fmi2String value);
 
-/// The instance's own copies of binary inputs, by their first rows.
+/// The instance's own copies of binary inputs. The key is the first row of the input.
 using Binaries = std::map<fmi2ValueReference, std::vector<std::uint8_t>>;
 
-/// All values of one causality, by FMI name, in the form that is stored in states. Pointers are not stored. After a
-/// restore, pointers of inputs point into `binaries`, whose contents are stored. All other pointers are null. If there
-/// are no `binaries`, all pointers are null.
+/// All values of one causality, by FMI name, as saved states contain them. Pointers are not saved. After a restore,
+/// pointers of inputs point into `binaries`, whose contents are saved. All other pointers are null. If `binaries` is
+/// null, all pointers are null.
 class KeptValues {
  public:
   KeptValues(const Definition& definition, Causality causality, void* variables, Binaries* binaries)

@@ -35,7 +35,7 @@ void make_folder(const fs::path& folder) {
               fmt::format("{}: cannot be written: {}", file.string(), std::strerror(errno)));
 }
 
-/// A new file. Writing it is faster than with a stream, which matters for an archive with many small files.
+/// Writes a new file. Faster than a stream for an archive with many small files.
 class NewFile {
  public:
   explicit NewFile(const fs::path& path) : path_(&path) {
@@ -57,7 +57,7 @@ class NewFile {
       bytes.remove_prefix(static_cast<std::size_t>(count));
     }
   }
-  /// Linux closes the descriptor even if a signal interrupts the call.
+  /// Ignores EINTR, because Linux closes the descriptor even if a signal interrupts close().
   void close() {
     if (::close(std::exchange(descriptor_, -1)) != 0 && errno != EINTR) cannot_write(*path_);
   }
@@ -157,7 +157,8 @@ void pack(const fs::path& archive, std::vector<PackedFile> files) {
       fail();
     }
     const auto index = static_cast<zip_uint64_t>(added);
-    // Fixed date and permissions make the archive reproducible: 1 January 1980, the first day that zip can represent.
+    // Makes the archive reproducible with fixed permissions and a fixed date: 1 January 1980, the first day that zip
+    // can represent.
     constexpr zip_uint16_t kDosTime = 0;
     constexpr zip_uint16_t kDosDate = (1U << 5) | 1U;
     constexpr zip_uint32_t kMode = (S_IFREG | 0644U);

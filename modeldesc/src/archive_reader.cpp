@@ -41,7 +41,7 @@ std::string_view other_archive(std::string_view bytes) {
   return {};
 }
 
-/// Throws the error for an archive that cannot be opened. `start` contains the first bytes of the file.
+/// Reports that an archive cannot be opened. `start` contains the first bytes of the file.
 [[noreturn]] void cannot_open(std::string_view name, std::string_view reason, std::string_view start) {
   if (const auto kind = other_archive(start); !kind.empty()) {
     throw Error(ErrorCode::archive_damaged,

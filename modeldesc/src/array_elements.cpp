@@ -19,7 +19,7 @@ std::uint64_t value_of(const ModelDescription& description, std::uint32_t refere
   return start == nullptr ? 0 : static_cast<std::uint64_t>(*start);
 }
 
-/// Returns the product of the sizes, or kMostElements + 1 if the product is larger than kMostElements.
+/// Returns the product of the sizes. If it exceeds kMostElements, returns kMostElements + 1.
 std::size_t count_of(const std::vector<std::uint64_t>& sizes) {
   std::size_t count = 1;
   for (const auto size : sizes) {
@@ -42,7 +42,7 @@ std::string element_name(const std::string& array, const std::vector<std::uint64
 
 namespace {
 
-/// Returns value references that no variable has, in ascending order from the upper half on.
+/// Returns unused value references in ascending order, from the middle of the value range.
 class FreeReferences {
  public:
   explicit FreeReferences(const ModelDescription& description) {
@@ -131,8 +131,8 @@ class Expansion {
     }
   }
 
-  /// Returns the element of the state whose derivative `derivative` is an element of. Both elements have the same
-  /// index.
+  /// Returns the index of the state that belongs to `derivative`. If both are elements of arrays, they have the same
+  /// index in their arrays.
   std::size_t state_of(const Variable& derivative) const {
     const auto& place = places_[*derivative.derivative_of];
     return place.first + (derivative.fmi3->element ? derivative.fmi3->element->index : 0);

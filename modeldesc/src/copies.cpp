@@ -18,8 +18,8 @@ using data::Node;
 
 enum class Copies { each, shared, shared_by_many };
 
-/// Returns the name of a copied variable: `drone[2].mass` for drone.mass, and `drone[2].rotor[1].thrust` for
-/// rotor[1].thrust.
+/// Returns the name of a variable in a copy: `drone[2].mass` for drone.mass, and `drone[2].rotor[1].thrust` for
+/// rotor[1].thrust. `copy` starts at 0.
 std::string copied_name(const std::string& word, const std::string& name, std::size_t copy) {
   const bool has_word = name.starts_with(word + '.');
   return fmt::format("{}[{}].{}", word, copy + 1, has_word ? name.substr(word.size() + 1) : name);

@@ -32,8 +32,8 @@ bool is_digit(char c) {
   return c >= '0' && c <= '9';
 }
 
-/// Removes a word (a letter, followed by letters and digits) from the front of `text`. Returns false if `text` does not
-/// begin with a word.
+/// Removes a word (a letter, followed by letters and digits) from the start of `text`. Returns false if `text` does not
+/// start with a word.
 bool take_word(std::string_view& text) {
   if (text.empty() || !is_letter(text.front())) return false;
   const auto* const end = std::ranges::find_if_not(text, [](char c) { return is_letter(c) || is_digit(c); });
@@ -54,7 +54,7 @@ bool take(std::string_view& text, std::string_view mark) {
   return true;
 }
 
-/// Removes an optional index, such as `[1]` or `[1,2]`, from the front of `text`. Returns false if the index is
+/// Removes an optional index, such as `[1]` or `[1,2]`, from the start of `text`. Returns false if the index is
 /// malformed.
 bool take_indices(std::string_view& text) {
   if (!take(text, "[")) return true;

@@ -8,8 +8,8 @@
 namespace mebots::modeldesc {
 namespace {
 
-/// True if the array has this element with some values of structural parameters. `indices` are as in the name of an
-/// element: "2,3".
+/// True if some values of the structural parameters give the array this element. `indices` is the part of an element's
+/// name in brackets, such as "2,3".
 bool may_have_element(const Variable& array, std::string_view indices) {
   const auto& dimensions = array.fmi3->dimensions;
   if (dimensions.size() != static_cast<std::size_t>(std::ranges::count(indices, ',')) + 1) return false;

@@ -23,7 +23,7 @@ namespace {
 using data::Node;
 using data::Object;
 
-/// Builds a Description step by step, and rejects duplicate names. Adds mistakes to the documents of the nodes.
+/// Builds a Description and rejects duplicate names. Adds mistakes to the documents of the nodes.
 class DescriptionReader {
  public:
   void read_own(const Node& root, const std::filesystem::path& file) {
@@ -62,7 +62,7 @@ class DescriptionReader {
     object.finish();
   }
 
-  /// Reads the variables of a board's devices. Code in fmu_soc reads the other members of the board.
+  /// Reads the variables of a board's devices. Ignores the other members, which fmu_soc reads.
   void join_board(const Node& root, const std::filesystem::path& file) {
     for (const auto& device : root.at("devices").elements()) {
       device.attempt([&] {
@@ -74,7 +74,7 @@ class DescriptionReader {
     result_.source += " and " + file.filename().string();
   }
 
-  /// Resolves references to variables. Must be called after all variables were read.
+  /// Resolves references to variables. Call this function after all variables were read.
   void read_references() {
     check_dependencies();
     for (const auto& [group, node] : size_sources_) check_size_source(node, group, result_);
@@ -180,14 +180,14 @@ class DescriptionReader {
     if (!field.on_demand) {
       field.cpp_name = cpp_name(field);
       check_cpp_name(node.at("name"), field.cpp_name);
-      // The name must be unique in all three generated structs. C++ would accept the same name in two structs, but
-      // readers of the code might confuse them.
+      // Requires a unique name in all three generated structs. C++ would accept equal names in two structs, but readers
+      // of the code might confuse them.
       claim(cpp_names_, field.cpp_name, node.at("name"));
     }
     result_.fields.push_back(std::move(field));
   }
 
-  /// Reads the key `type`, whose default is Real. Returns false if the type is unknown.
+  /// Reads the key `type`. The default is Real. Returns false if the type is unknown.
   bool read_type(Object& object, Field& field) const {
     static constexpr std::array<std::pair<std::string_view, FieldType>, 5> kTypes{{{"Real", FieldType::real},
                                                                                    {"Integer", FieldType::integer},
@@ -235,7 +235,7 @@ class DescriptionReader {
     }
   }
 
-  /// Reads the names of the inputs on which an output depends, and expands groups in them.
+  /// Reads the names of the inputs on which an output depends. Expands groups in the names.
   void read_dependencies(Object& object, Field& field) {
     const auto names = [&](const Node& node) {
       if (field.causality != Causality::output) node.fail(ErrorCode::invalid_value, "this key is for outputs only");
@@ -253,8 +253,8 @@ class DescriptionReader {
     object.read_if("first_depends_on", field.first_depends_on, names);
   }
 
-  /// Expands `{group}` in a name. Returns the group's index, and one name for each word of the group. A name without a
-  /// group is returned unchanged.
+  /// Expands `{group}` in a name. Returns the group's index and one name per word of the group. Returns a name without
+  /// a group unchanged.
   std::pair<std::optional<std::size_t>, std::vector<std::string>> expand(const Node& node,
                                                                          const std::string& name) const {
     const auto open = name.find('{');
@@ -372,7 +372,6 @@ class DescriptionReader {
     return {};
   }
 
-  /// Reads the keys that are valid only for certain types or causalities.
   static void read_kind(Object& object, Field& field) {
     if (field.type == FieldType::binary) {
       object.read("mime_type", field.mime_type, &xml_text);
@@ -415,8 +414,8 @@ class DescriptionReader {
     if (field.group) {
       const std::string& group = result_.groups[*field.group].name;
       const auto open = name.find('{');
-      // If the group is at the start of the name, the C++ name contains the group's name (load_power_w). At other
-      // places, the C++ name leaves it out (drone_position_m).
+      // If {group} is at the start of the name, the C++ name contains the group's name (load_power_w). Otherwise the
+      // C++ name omits it (drone_position_m).
       name.replace(open, group.size() + 2, open == 0 ? group : "");
     }
     return to_cpp_name(name) + (field.unit.empty() ? "" : unit_suffix(field.unit));

@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-/// Contains the checked content of description.json, which is the input of all generators.
+/// The checked content of description.json, from which all files are generated.
 namespace mebots::modeldesc {
 
 enum class FieldType { real, integer, boolean, string, binary, enumeration };
@@ -28,15 +28,15 @@ struct Enumeration {
   std::vector<EnumerationItem> items;
 };
 
-/// Describes the object of which an FMU may have several copies, such as a drone. With more than one copy, the
-/// variables of each copy have names such as `drone[2].mass`.
+/// The object of which an FMU may have several copies, such as a drone. With several copies, the variables have names
+/// such as `drone[2].mass`.
 struct Repeat {
   std::string word;
   std::string size_source;  // name of the parameter that sets the number of copies in use
   std::size_t count = 1;
 };
 
-/// Describes an entry of `variables`: a C++ field (an array for a group) and its FMI variables.
+/// An entry of `variables`: a C++ field (an array for a group) and its FMI variables.
 struct Field {
   std::string name;                    // name in description.json, such as `{load}.power`
   std::optional<std::size_t> group;    // index in Description::groups
@@ -61,7 +61,6 @@ struct Field {
   bool on_demand = false;
 };
 
-/// Returns the value as a whole number; 0 if the value is not a whole number.
 inline std::int64_t whole_number_of(const Value& value) {
   return std::visit(
       [](const auto& held) -> std::int64_t {
@@ -72,7 +71,7 @@ inline std::int64_t whole_number_of(const Value& value) {
       value);
 }
 
-/// Describes a terminal of FMI 3.0, which is a set of variables that a tool connects together.
+/// A terminal of FMI 3.0: a set of variables that a tool connects together.
 struct Terminal {
   struct Member {
     std::string name;
@@ -86,7 +85,6 @@ struct Terminal {
   std::vector<Member> members;
 };
 
-/// Lists the versions of FMI that an FMU can be built for.
 enum class FmiVersion { two = 2, three = 3 };
 
 struct Description {
@@ -109,16 +107,15 @@ struct Description {
 };
 
 /// Reads description.json. If `board` is not empty, adds the variables and enumerations of the board's devices.
-/// `copies` is the number of copies of the repeated object. Throws a mebots::Error that contains all mistakes, each
-/// with file, line and key.
+/// `copies` is the number of copies of the repeated object. Throws a mebots::Error with all mistakes, each with file,
+/// line and key.
 Description read_description(const std::filesystem::path& file, const std::filesystem::path& board = {},
                              std::size_t copies = 1);
 
-/// Reads the variables and enumerations of a board's devices, to check them. Throws a mebots::Error that contains all
-/// mistakes.
+/// Reads the variables and enumerations of a board's devices, to check them. Throws a mebots::Error with all mistakes.
 void check_board_variables(const std::filesystem::path& board);
 
-/// Lists the parts of an OSMP binary variable in the order of their value references.
+/// The parts of an OSMP binary variable, in the order of their value references.
 inline constexpr std::array<std::string_view, 3> kOsmpRoles = {"base.lo", "base.hi", "size"};
 
 }  // namespace mebots::modeldesc

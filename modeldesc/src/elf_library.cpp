@@ -22,7 +22,6 @@
 namespace mebots::modeldesc {
 namespace {
 
-/// Maps a file into memory for reading.
 class Mapping {
  public:
   explicit Mapping(const std::filesystem::path& file) {
@@ -50,18 +49,18 @@ class Mapping {
   std::size_t size_ = 0;
 };
 
-/// Contains the bytes of a loadable segment, and their address relative to the library's start.
+/// A loadable segment. `address` is relative to the library's load address.
 struct Segment {
   std::uint64_t address;
   std::string_view bytes;
   bool writable;
 };
 
-/// Reads the structures of <elf.h> with bounds checks, from a file or from memory.
+/// Reads ELF structures from a file or from memory, with bounds checks.
 class ElfImage {
  public:
-  /// `name` is the library's name in errors. `base` is the load address, which the loader has added to the pointers of
-  /// the dynamic section.
+  /// `name` is the library's name in errors. `base` is the load address, which the loader adds to pointers of the
+  /// dynamic section.
   ElfImage(std::string name, std::uint64_t base) : name_(std::move(name)), base_(base) {}
 
   void add(Segment segment) { segments_.push_back(segment); }
@@ -91,8 +90,8 @@ class ElfImage {
     library.symbolic = values_.contains(DT_SYMBOLIC) || (value(DT_FLAGS) & DF_SYMBOLIC) != 0;
   }
 
-  /// Returns the versions of symbols that the library requires from other libraries. Each needed library has an entry
-  /// with a list of version names. The table has the same layout in 32-bit files.
+  /// Returns the versions of symbols that the library requires from other libraries. The table has the same layout in
+  /// 32-bit files.
   std::vector<std::string> needed_versions() const {
     std::size_t most = 0;  // each row of the table has 16 bytes
     for (const auto& segment : segments_) most += segment.bytes.size() / sizeof(Elf64_Vernaux);
@@ -144,8 +143,8 @@ class ElfImage {
     const auto found = values_.find(tag);
     return found == values_.end() ? 0 : found->second;
   }
-  /// Returns a pointer of the dynamic section. The loader of glibc converts the pointers of most objects to absolute
-  /// addresses, but not the pointers of the kernel's vDSO.
+  /// Returns a pointer of the dynamic section, relative to the load address. glibc's loader has converted the pointers
+  /// of most objects to absolute addresses, but not the pointers of the kernel's vDSO.
   std::uint64_t pointer(std::int64_t tag) const {
     const auto address = value(tag);
     return address >= base_ ? address - base_ : address;
@@ -182,15 +181,16 @@ class ElfImage {
 
   Elf64_Sym symbol(std::uint64_t index) const { return at<Elf64_Sym>(pointer(DT_SYMTAB) + index * sizeof(Elf64_Sym)); }
 
-  /// Returns the number of dynamic symbols up to the last one in a hash table. Symbols after it are undefined, and are
+  /// Returns the number of dynamic symbols up to the last symbol in a hash table. Later symbols are undefined and are
   /// not counted.
   std::uint64_t hashed_symbols() const {
     if (values_.contains(DT_HASH)) return at<std::uint32_t>(pointer(DT_HASH) + sizeof(std::uint32_t));
     return values_.contains(DT_GNU_HASH) ? gnu_hashed_symbols(pointer(DT_GNU_HASH)) : 0;
   }
 
-  /// Returns the number of dynamic symbols up to the last one in a GNU hash table (counts, bloom filter, first symbol
-  /// of each bucket, one word per symbol). The lowest bit of a word is 1 if its symbol is the last one of a bucket.
+  /// Returns the number of dynamic symbols up to the last symbol in a GNU hash table. The table contains counts, a
+  /// bloom filter, the first symbol of each bucket, and one word per symbol. The lowest bit of the word is 1 for the
+  /// last symbol of a bucket.
   std::uint64_t gnu_hashed_symbols(std::uint64_t table) const {
     constexpr std::uint64_t kWord = sizeof(std::uint32_t);
     const auto word = [&](std::uint64_t i) { return std::uint64_t{at<std::uint32_t>(table + i * kWord)}; };
@@ -204,7 +204,7 @@ class ElfImage {
     return last + 1;
   }
 
-  /// Returns a list with one element per symbol: true if a relocation names the symbol.
+  /// Returns one element per symbol: true if a relocation refers to the symbol.
   std::vector<bool> bound_symbols() const {
     std::vector<bool> bound;
     const auto scan = [&](std::uint64_t address, std::uint64_t size) {
@@ -266,7 +266,6 @@ class ElfImage {
   std::map<std::int64_t, std::uint64_t> values_;
 };
 
-/// Reads a shared library from a file.
 class ElfFile {
  public:
   explicit ElfFile(const std::filesystem::path& file)

@@ -16,7 +16,6 @@ namespace {
 using data::Node;
 using data::Object;
 
-/// Returns the name with its {group} replaced by a word.
 std::string with_word(std::string_view name, const Group& group, std::string_view word) {
   std::string result(name);
   const std::string mark = "{" + group.name + "}";
@@ -24,7 +23,7 @@ std::string with_word(std::string_view name, const Group& group, std::string_vie
   return result;
 }
 
-/// Returns the group whose name is in braces in a terminal's name; null if the name has no braces.
+/// Returns the group whose name is in braces in a terminal's name. Returns null if the name contains no braces.
 const Group* group_in(const Node& node, std::string_view name, const std::vector<Group>& groups) {
   const auto open = name.find('{');
   if (open == std::string_view::npos) return nullptr;
@@ -73,8 +72,8 @@ class TerminalReader {
     return members;
   }
 
-  /// Finds the variable that a member of a terminal names. The name is either the name in `variables`, or the FMI name
-  /// of one variable of a group.
+  /// Finds the variable of a terminal's member. The member contains a name from `variables`, or the FMI name of one
+  /// variable of a group.
   Terminal::Member member(const std::string& name, const Node& node, const Group* group, std::size_t word) const {
     const std::string variable = node.text();
     std::vector<std::string> known;

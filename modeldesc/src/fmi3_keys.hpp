@@ -23,17 +23,18 @@ std::vector<std::string> names_of(const std::vector<T>& list) {
   return names;
 }
 
-/// Reads the key `fmi`, whose value is 2, 3 or a list of both. Returns the versions in ascending order.
+/// Reads the key `fmi`, whose value is 2, 3 or a list of both. The result is in ascending order.
 std::vector<FmiVersion> read_fmi_versions(const data::Node& node);
 
-/// Reads `arrays` and marks groups as arrays. For each group, returns the node that names the size parameter.
+/// Reads the key `arrays` and marks groups as arrays. The result contains, for a group with a size parameter, the node
+/// with the parameter's name.
 std::map<std::string, data::Node> read_arrays(const data::Node& node, std::vector<Group>& groups);
 
-/// Adds a mistake if the size parameter of an array does not exist, or could exceed the number of the group's words.
+/// Adds a mistake if the size parameter of an array does not exist, or may exceed the number of the group's words.
 void check_size_source(const data::Node& node, std::string_view group, const Description& description);
 
-/// Reads the key `terminals` of a description or of a board's device. An entry whose name contains {group} declares one
-/// terminal per word of the group.
+/// Reads the key `terminals` of a description or of a board's device. If the name of an entry contains {group}, the
+/// entry declares one terminal per word of the group.
 void read_terminals(const data::Node& node, Description& description);
 
 }  // namespace mebots::modeldesc

@@ -12,8 +12,8 @@
 namespace mebots::modeldesc {
 namespace {
 
-/// Returns the common stem of a group's words: "rotor" for "rotor[1]", "rotor[2]" and so on. Empty if the words have no
-/// such form.
+/// Returns the common stem of a group's words, such as "rotor" for "rotor[1]" and "rotor[2]". If the words have no such
+/// form, returns an empty text.
 std::string common_stem(const Group& group) {
   const std::string stem = group.words.front().substr(0, group.words.front().rfind('['));
   const auto has_stem = [&](const std::string& word) {
@@ -22,8 +22,9 @@ std::string common_stem(const Group& group) {
   return std::ranges::all_of(group.words, has_stem) ? stem : "";
 }
 
-/// Returns the field's name with {group} replaced by the common stem of its words. If there is no stem, omits {group}
-/// (drone.position for drone.position.{axis}), but replaces {group} at the start by the group's name.
+/// Returns the field's name with {group} replaced by the common stem of its words. If the words have no common stem,
+/// removes {group} (drone.position for drone.position.{axis}), or at the start of the name replaces it by the group's
+/// name.
 std::string array_name(const Field& field, const Group& group) {
   std::string name = field.name;
   const auto open = name.find('{');
@@ -45,8 +46,8 @@ std::string array_text(const Field& field, const Group& group) {
   return common_stem(group).empty() ? fmt::format("{} ({})", field.text, fmt::join(group.words, ", ")) : field.text;
 }
 
-/// Throws Error if a group would become part of an array over all copies, and the description does not permit this. In
-/// such an array, the elements of one copy would have to be adjacent.
+/// Throws Error if the description does not permit that the group becomes part of an array over all copies. In such an
+/// array, the elements of one copy must be adjacent.
 void check_repeated_group(const Description& description, const Field& field, const Group* group) {
   if (group == nullptr || (group->is_array && group->size_source.empty())) return;
   throw Error(ErrorCode::invalid_value,

@@ -10,8 +10,7 @@
 
 namespace mebots::modeldesc {
 
-/// Describes a variable of FMI 3.0. The variable is a whole field of the description, or one element of the field if
-/// the field's group is not an array.
+/// A variable of FMI 3.0: a whole field of the description, or one element of a field whose group is not an array.
 struct Fmi3Variable {
   const Field* field = nullptr;
   std::string name;
@@ -28,18 +27,17 @@ struct Fmi3Variable {
   std::string text;
 };
 
-/// Returns all variables in the order of the description, without the independent variable. Throws mebots::Error if an
+/// Returns all variables except the independent variable, in the order of the description. Throws mebots::Error if an
 /// array has the same name as another variable.
 std::vector<Fmi3Variable> fmi3_variables(const Description& description);
 
-/// Defines the name of the independent variable. Its value reference is the number of rows in the variable table.
+/// The name of the independent variable. Its value reference is the number of rows in the variable table.
 inline constexpr const char* kTimeName = "time";
 
-/// Returns the number of rows that an element of the field has in the variable table: three for an OSMP binary,
-/// otherwise one.
+/// Returns the number of rows of one element in the variable table: three for an OSMP binary, otherwise one.
 std::size_t rows_per_element(const Field& field);
 
-/// Returns the name of the variable's type in FMI 3.0: Float64, Int32, UInt64, Boolean, String, Binary or Enumeration.
+/// Returns the FMI 3.0 name of the variable's type: Float64, Int32, UInt64, Boolean, String, Binary or Enumeration.
 const char* fmi3_type(const Fmi3Variable& variable);
 
 }  // namespace mebots::modeldesc

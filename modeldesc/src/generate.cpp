@@ -28,7 +28,7 @@ std::string generate_fmi3(const Description& description, const ModelDescription
   const Fmi3Text text = write_fmi3_xml(description, common);
   write_text_file(folder / "modelDescription.xml", text.xml);
   write_text_file(folder / "index.html", write_fmi3_html(description, common));
-  // The file is written even if it is empty, because the build expects it.
+  // Writes the file even if it is empty, because the build expects the file.
   write_text_file(folder / "terminalsAndIcons.xml", write_terminals_and_icons(description, options.has_icon));
   if (!options.fmi3_sources.empty())
     write_text_file(folder / "buildDescription.xml", write_build_description(description.name, options.fmi3_sources));

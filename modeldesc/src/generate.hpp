@@ -10,8 +10,8 @@
 
 namespace mebots::modeldesc {
 
-/// Converts a description to the content of its modelDescription.xml. The GUID is a hash of the content, so equal
-/// descriptions have equal GUIDs. `source_files` lists the sources in the archive that an importing tool can compile.
+/// Converts a description to the content of its modelDescription.xml. The GUID is a hash of the content. `source_files`
+/// are the sources in the archive that an importing tool can compile.
 ModelDescription to_model_description(const Description& description, std::vector<std::string> source_files = {});
 
 /// Returns an HTML page that documents the FMU and its variables.
@@ -19,8 +19,7 @@ std::string write_html(const ModelDescription& description);
 /// Returns the same page as write_html() for an FMU of FMI 3.0.
 std::string write_fmi3_html(const Description& description, const ModelDescription& common);
 
-/// Contains the modelDescription.xml of FMI 3.0 and its instantiation token. `common` is the result of
-/// to_model_description() for the same description. The token is a hash of the content, like the GUID of FMI 2.0.
+/// The modelDescription.xml of FMI 3.0. The token is a hash of its content, like the GUID of FMI 2.0.
 struct Fmi3Text {
   std::string xml;
   std::string token;
@@ -30,58 +29,54 @@ Fmi3Text write_fmi3_xml(const Description& description, const ModelDescription& 
 /// Returns the text of terminalsAndIcons.xml for FMI 3.0; empty if the FMU has neither terminals nor an icon.
 std::string write_terminals_and_icons(const Description& description, bool has_icon);
 
-/// Returns the text of a buildDescription.xml for FMI 3.0 that lists these sources.
+/// Returns the text of a buildDescription.xml for FMI 3.0 with these sources.
 std::string write_build_description(const std::string& model_identifier, const std::vector<std::string>& sources);
 
-/// Returns a hash of the text in the form of a GUID. Equal texts have equal hashes.
+/// Returns a hash of the text, written as a GUID.
 std::string token_of(const std::string& text);
 
 struct GenerateOptions {
   std::vector<FmiVersion> fmi;  ///< versions of FMI to generate; empty: those of the description
   bool has_icon = false;        ///< the archive contains a picture
-  /// Both lists contain paths of source files in the archive, relative to sources/. Empty if it has no sources.
+  /// Paths of source files in the archive, relative to sources/. Both lists are empty if the archive has no sources.
   std::vector<std::string> fmi2_sources = {};
   std::vector<std::string> fmi3_sources = {};
 };
 
 /// Writes modelDescription.xml, index.html, variables.hpp, binding.hpp and variable_table.cpp into `folder`. For FMI
-/// 3.0, also writes terminalsAndIcons.xml and, if there are sources, buildDescription.xml. If both versions are
-/// generated, the files that only FMI 3.0 uses are in `folder`/fmi3.
+/// 3.0, also writes terminalsAndIcons.xml and, if the archive has sources, buildDescription.xml. If both versions are
+/// generated, writes the files for FMI 3.0 alone into `folder`/fmi3.
 void generate(const Description& description, const std::filesystem::path& folder, const GenerateOptions& options = {});
 
 }  // namespace mebots::modeldesc
 
-/// Generates the three C++ files of a description.
 namespace mebots::modeldesc {
 
-/// Returns variables.hpp, which defines Parameters, Inputs, Outputs and Variables. This header does not depend on FMI.
+/// Returns variables.hpp, which defines Parameters, Inputs, Outputs and Variables without FMI.
 std::string variables_header(const Description& description);
 
-/// Returns binding.hpp, which declares make_model(). The FMU's own file fmu.cpp defines this function.
+/// Returns binding.hpp, which declares make_model(). The file fmu.cpp of the FMU defines this function.
 std::string binding_header(const Description& description);
 
-/// Returns variable_table.cpp, which defines the mebots::fmu::Definition that the FMI functions of the FMU use. `token`
-/// is the instantiation token; it is empty if the FMU supports only FMI 2.0.
+/// Returns variable_table.cpp, which defines the FMU's mebots::fmu::Definition. `token` is the instantiation token.
+/// `token` is empty if the FMU supports only FMI 2.0.
 std::string variable_table_source(const Description& description, const std::string& guid, const std::string& token);
 
-/// Returns true if the text is a C++ identifier and not a keyword.
+/// True for a C++ identifier that is not a keyword.
 bool is_cpp_identifier(std::string_view name);
 
-/// Returns true for identifiers joined by `::`, such as `a::b::c`.
+/// True for C++ identifiers joined by `::`, such as `a::b::c`.
 bool is_cpp_namespace(std::string_view name);
 
-/// Returns true for a structured name of FMI, which consists of identifiers joined by dots. Each identifier may have an
-/// index `[n]`.
+/// True for a structured name of FMI: identifiers joined by dots. Each identifier may have an index `[n]`.
 bool is_structured_name(std::string_view name);
 
-/// Converts an FMI name to a C++ name: `.`, `[` and `]` become `_`. The result has no double `_`, and no `_` at its
-/// end.
+/// Converts an FMI name to a C++ name: `.`, `[` and `]` become `_`. Removes repeated `_`, and `_` at the end.
 std::string to_cpp_name(std::string_view fmi_name);
 
-/// Returns a C++ string literal whose value is the text, including the quotes.
 std::string cpp_literal(std::string_view text);
 
-/// Writes the text to a file. If this fails, throws a mebots::Error with the file's name.
+/// Throws mebots::Error with the file's name if the file cannot be written.
 void write_text_file(const std::filesystem::path& file, const std::string& text);
 
 /// Returns the SHA-256 digest of the bytes as 64 lower-case hexadecimal digits.

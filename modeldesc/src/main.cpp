@@ -19,7 +19,6 @@
 
 namespace {
 
-/// Returns the lines of a file that are not empty.
 std::vector<std::string> lines_of(const std::string& file) {
   std::istringstream text(mebots::text_of(file));
   std::vector<std::string> lines;

@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 constexpr const char* kDescription = "modelDescription.xml";
 constexpr const char* kBill = "documentation/sbom.spdx.json";
 
-/// Holds an unpacked archive, which is one build of the FMU.
+/// An unpacked archive: one build of the FMU.
 class Build {
  public:
   explicit Build(const fs::path& archive) : archive_(archive), folder_("mebots-merge") {
@@ -55,7 +55,6 @@ class Build {
   std::set<std::string> platforms_;
 };
 
-/// Collects the files of the merged archive.
 class Merge {
  public:
   void add(const Build& build) {
@@ -89,14 +88,14 @@ class Merge {
     fs::path archive;
   };
 
-  /// Contains the entries of the first build that all other builds must have, too.
+  /// The entries that all builds must have in common, and the first archive.
   struct Shared {
     std::set<std::string> entries;
     fs::path archive;
   };
 
-  /// Stores the entries of the first build outside binaries/ and documentation/. For any other build, throws Error if
-  /// its entries outside these folders are not the same.
+  /// Compares the entries outside of binaries/ and documentation/ with the entries of the first build. Throws Error if
+  /// they differ. For the first build, stores the entries.
   void refuse_other_entries(const Build& build) {
     std::set<std::string> entries;
     for (const auto& [entry, file] : build.files()) {

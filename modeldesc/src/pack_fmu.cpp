@@ -41,7 +41,7 @@ void check_needs(const fs::path& file, BinaryFormat format, const std::map<std::
                       file.string(), needed));
 }
 
-/// Returns the name by which the loader searches for a library.
+/// Returns the name under which the loader searches for a library.
 std::string loaded_name(const fs::path& library, BinaryFormat format) {
   std::string soname;
   if (format == BinaryFormat::elf) soname = read_elf_library(library).soname;
@@ -56,7 +56,7 @@ void add_folder(const fs::path& folder, const std::string& target, std::vector<P
       files.push_back({target + entry.path().lexically_relative(folder).generic_string(), entry.path()});
 }
 
-/// Contains the parts of a modelDescription.xml that determine the archive's layout and documents.
+/// The attributes of a modelDescription.xml that determine the archive's layout and documents.
 struct Subject {
   bool is_fmi3 = false;
   std::string name;
@@ -76,7 +76,7 @@ Subject read_subject(const fs::path& file) {
           root.attribute("version").value(), co_simulation.attribute("modelIdentifier").value()};
 }
 
-/// Adds the icon, whose path in the archive depends on the version of FMI, and the terminals to `files`.
+/// Adds the terminals and the icon, whose path in the archive depends on the version of FMI, to `files`.
 void add_versioned(const FmuParts& parts, const Subject& subject, std::vector<PackedFile>& files) {
   if (!parts.icon.empty()) files.push_back({subject.is_fmi3 ? "terminalsAndIcons/icon.png" : "model.png", parts.icon});
   std::error_code error;

@@ -7,7 +7,7 @@
 
 namespace mebots::modeldesc {
 
-/// Describes a third-party component of a product.
+/// A third-party component of a product.
 struct Part {
   std::string relation;        ///< "linked": its code is inside; "bundled": one of its files is; "needed": it is
                                ///< required but not included
@@ -18,23 +18,23 @@ struct Part {
   std::filesystem::path text;  ///< file that contains the licence's text; may be empty
 };
 
-/// Reads the output of MebotsParts.cmake: one line per part. The fields are in the order of the members of Part,
+/// Reads the output of MebotsParts.cmake. Each line is one part. The fields have the order of the members of Part,
 /// separated by '|'. Throws mebots::Error with file and line.
 std::vector<Part> read_parts(const std::filesystem::path& file);
 
-/// Identifies the product that a bill of materials describes.
+/// The product that a bill of materials describes.
 struct Product {
   std::string name;
   std::string version;  ///< may be empty
   std::string license;  ///< SPDX expression; empty = unknown
 };
 
-/// The bill of materials as SPDX 2.3 JSON (https://spdx.github.io/spdx-spec/v2.3): the product, its parts, and how each
-/// belongs to it. The same product and parts give the same bytes. The time is $SOURCE_DATE_EPOCH, or else the time of
-/// the entries in MEbots' archives. The document's name space contains the hash of the rest.
+/// Returns a bill of materials in SPDX 2.3 JSON (https://spdx.github.io/spdx-spec/v2.3): the product, its parts, and
+/// the relation of each part to the product. The same product and parts give the same bytes. The creation time is
+/// $SOURCE_DATE_EPOCH. If this variable is not set, it is the time of the entries in MEbots' archives. The document's
+/// name space contains a hash of the document.
 std::string spdx_document(const Product& product, std::vector<Part> parts);
 
-/// Contains the paths of an FMU's input files.
 struct FmuParts {
   std::filesystem::path description;             // modelDescription.xml
   std::filesystem::path documentation;           // index.html
@@ -51,9 +51,9 @@ struct FmuParts {
   std::filesystem::path sources;                        // folder; its contents are copied to sources/; may be empty
 };
 
-/// Packs the files into the archive, an .fmu. The header of the binary determines its platform. Throws mebots::Error
-/// with the name of a missing file. Also throws if the binary or one of its libraries needs a library that is neither
-/// in the archive nor part of every Linux or Windows.
+/// Packs the files into an .fmu. The header of the binary determines its platform. Throws mebots::Error with the name
+/// of a missing file. Also throws if the binary or one of its libraries needs a library that is neither in the archive
+/// nor part of every Linux or Windows.
 void pack_fmu(const std::filesystem::path& archive, const FmuParts& parts);
 
 }  // namespace mebots::modeldesc

@@ -15,14 +15,14 @@
 namespace mebots::modeldesc {
 namespace {
 
-/// Describes a section of the file. The `size` bytes from `offset` on are loaded at `address`.
+/// A section of the file. The `size` bytes from `offset` on are loaded at `address`.
 struct Section {
   std::uint32_t address;
   std::uint32_t size;
   std::uint32_t offset;
 };
 
-/// Contains the indices of the data directories in the optional header.
+/// Indices of data directories in the optional header.
 enum class Directory : std::uint32_t { exports = 0, imports = 1, delayed_imports = 13 };
 
 class PeFile {
@@ -72,7 +72,7 @@ class PeFile {
     return value;
   }
 
-  /// Returns the offset in the file of the byte that is loaded at an address.
+  /// Converts the address of a loaded byte to its offset in the file.
   std::uint64_t offset_of(std::uint32_t address) const {
     for (const auto& section : sections_) {
       if (address >= section.address && address - section.address < section.size)
@@ -90,15 +90,15 @@ class PeFile {
     return std::string(text.substr(0, end));
   }
 
-  /// Returns the address of a data directory; 0 if the file does not have this directory.
+  /// Returns the address of a data directory; 0 if the file lacks the directory.
   std::uint32_t directory(Directory which) const {
     const auto counts = header_ + kOptionalHeader + (is_64_bit_ ? 108 : 92);
     const auto index = static_cast<std::uint32_t>(which);
     return index < get<std::uint32_t>(counts) ? get<std::uint32_t>(counts + 4 + std::uint64_t{8} * index) : 0;
   }
 
-  /// Appends the names in a table of DLLs to `names`. Each row of the table has `row_bytes` bytes. It contains the
-  /// address of a name at the offset `name_offset`. A row without a name ends the table.
+  /// Appends the names in a table of DLLs to `names`. Each row has `row_bytes` bytes. A row contains the address of a
+  /// name at `name_offset`. The table ends with a row without a name.
   void add_names(Directory which, std::uint64_t row_bytes, std::uint64_t name_offset,
                  std::vector<std::string>& names) const {
     const auto address = directory(which);

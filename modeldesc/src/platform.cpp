@@ -20,8 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using enum BinaryFormat;
 
-// Processor types in the headers of the formats. Sources: Microsoft, "PE Format", section Machine Types;
-// <mach/machine.h> of macOS.
+// Processor types in the headers. Sources: Microsoft, "PE Format", section Machine Types; <mach/machine.h> of macOS.
 constexpr std::uint32_t kPeI386 = 0x14c;
 constexpr std::uint32_t kPeAmd64 = 0x8664;
 constexpr std::uint32_t kPeArm64 = 0xaa64;
@@ -30,7 +29,7 @@ constexpr std::uint32_t kMachX86 = 7;
 constexpr std::uint32_t kMachX86_64 = kMach64Bit | kMachX86;
 constexpr std::uint32_t kMachArm64 = kMach64Bit | 12;
 
-// FMI 2.0 names six platforms and permits other names. In this table, the other platforms have their names of FMI 3.0.
+// FMI 2.0 names six platforms and permits other names. The other platforms have the names of FMI 3.0 here.
 constexpr Platform kPlatforms[] = {
     {elf, 64, EM_X86_64, "linux64", "x86_64-linux", ".so", "x86-64 Linux"},
     {elf, 32, EM_386, "linux32", "x86-linux", ".so", "32-bit x86 Linux"},
@@ -70,8 +69,8 @@ std::uint32_t big_endian(std::string_view bytes, std::size_t offset) {
   return value;
 }
 
-/// Returns the platforms of a universal library of macOS. The header of such a library has one row for each platform
-/// (<mach-o/fat.h>). `start` contains the first bytes of the file.
+/// Returns the platforms of a universal library of macOS. The header has one row per platform (<mach-o/fat.h>). `start`
+/// contains the first bytes of the file.
 std::vector<const Platform*> platforms_of_universal(std::string_view start) {
   constexpr std::size_t kHeader = 8;
   constexpr std::size_t kRow = 20;
@@ -83,8 +82,8 @@ std::vector<const Platform*> platforms_of_universal(std::string_view start) {
   return found;
 }
 
-/// Returns the platform of a library that is built for one platform; null if the platform is not known. `start`
-/// contains the first bytes of the file.
+/// Returns the platform of a library for one platform; null if the platform is unknown. `start` contains the first
+/// bytes of the file.
 const Platform* platform_in(std::string_view start) {
   using namespace std::string_view_literals;
   if (start.starts_with("\x7f"

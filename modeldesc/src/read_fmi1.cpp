@@ -9,7 +9,7 @@
 namespace mebots::modeldesc {
 namespace {
 
-// Lists the variabilities of FMI 1.0, in the order of kVariabilityWords1.
+// The variabilities of FMI 1.0, in the order of kVariabilityWords1.
 enum class Variability1 : std::uint8_t { constant, parameter, discrete, continuous };
 enum class Causality1 : std::uint8_t { input, output, internal, none };
 enum class Alias : std::uint8_t { none, alias, negated };
@@ -92,8 +92,8 @@ class Fmi1Reader {
     types_.add(element, std::move(type), result_.types);
   }
 
-  /// Returns false and reports the variable if an earlier variable has the same name. Public FMUs of FMI 1.0 contain
-  /// internal variables with equal names.
+  /// Returns false and adds a notice if an earlier variable has the same name. Public FMUs of FMI 1.0 have internal
+  /// variables with equal names.
   bool is_first_of_its_name(const Element& element) {
     const auto name = element.required_text("name");
     if (names_.insert(name).second) return true;
@@ -128,7 +128,7 @@ class Fmi1Reader {
     variable.negated_reference = variable.value_reference;
   }
 
-  /// Sets causality, variability and initial in the terms of FMI 2.0.
+  /// Converts causality and variability to the terms of FMI 2.0.
   static void read_role(const Element& element, Variable& variable) {
     const auto causality = element.word<Causality1>("causality", fmi::kCausalityWords1).value_or(Causality1::internal);
     const auto variability =
@@ -155,8 +155,8 @@ class Fmi1Reader {
     variable.initial = default_initial(variable.causality, variable.variability);
   }
 
-  /// Assigns a value reference that no other variable has to each negated alias. In FMI 1.0, a negated alias has the
-  /// value reference of its base.
+  /// Gives each negated alias a unique value reference. In FMI 1.0, a negated alias has the value reference of its
+  /// base.
   void give_negated_aliases_their_references() {
     std::unordered_set<std::uint32_t> used;
     for (const auto& variable : result_.variables) used.insert(variable.value_reference);
@@ -168,7 +168,7 @@ class Fmi1Reader {
     }
   }
 
-  /// Reads an output. An output without <DirectDependency> may depend on all inputs.
+  /// Reads an output. Without <DirectDependency>, the output may depend on all inputs.
   void read_output(std::size_t variable, const Element& element) {
     Unknown unknown;
     unknown.variable = variable;

@@ -142,7 +142,7 @@ class Fmi2Reader {
       if (tool.text("name") != "net.pmsf.osmp") return;
       tool.each_child([&](const Element& part) {
         const std::string_view name = part.name();
-        // Ignores the prefix of the XML namespace, because the writer of the file chooses it.
+        // Ignores the prefix of the XML namespace, which each file chooses.
         if (name.substr(name.find(':') + 1) != "osmp-binary-variable") return;
         variable.osmp = OsmpPart{part.required_text("name"), part.required_text("role"), part.text("mime-type")};
       });
@@ -156,8 +156,8 @@ class Fmi2Reader {
                                    *variable.derivative_of + 1, result_.variables.size()));
   }
 
-  /// Returns the index of the variable that a number in ModelStructure denotes. Some tools write 0, and an FMU runs
-  /// without its ModelStructure. Therefore a number without a variable is reported and not thrown as an error.
+  /// Returns the index of the variable with this number in ModelStructure. Reports a wrong number without an error:
+  /// some tools write 0, and an FMU also runs without its ModelStructure.
   std::optional<std::size_t> index(const Element& element, std::string_view text) {
     const auto value = parse_number<std::size_t>(text);
     if (!value) element.fail(fmt::format("\"{}\" is not an index of a variable", text));

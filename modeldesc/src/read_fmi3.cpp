@@ -10,7 +10,7 @@
 namespace mebots::modeldesc {
 namespace {
 
-/// Returns the start value of a number or Boolean; empty if the text is not a value of the type.
+/// Returns the start value of a number or Boolean; empty if the text does not fit the type.
 std::optional<Value> parse_value(Type type, std::string_view text) {
   if (fmi::is_float(type)) {
     const auto value = parse_number<double>(text);
@@ -53,7 +53,6 @@ class Fmi3Reader {
     read_head(root_, "instantiationToken", result_);
   }
 
-  /// Reads the attributes that <ModelExchange> and <CoSimulation> have in common into `flags`.
   static void read_implementation(const Element& element, Implementation& flags) {
     flags.model_identifier = model_identifier(element);
     flags.needs_execution_tool = element.flag("needsExecutionTool", false);
@@ -247,8 +246,8 @@ class Fmi3Reader {
     return *value;
   }
 
-  /// Returns the index of the variable that has this value reference. If no variable has it, throws an error that names
-  /// `element`, which contains the reference.
+  /// Returns the index of the variable with this value reference. If no variable has it, throws an error that names
+  /// `element`.
   std::size_t index(const Element& element, std::uint32_t value_reference, std::string_view what) const {
     const auto found = by_reference_.find(value_reference);
     if (found == by_reference_.end())
@@ -306,7 +305,7 @@ class Fmi3Reader {
   }
 
   /// Returns the index of the variable with this value reference in <ModelStructure>. Reports an unknown reference
-  /// instead of throwing, because the FMU can run without this entry.
+  /// without an error, because the FMU can run without this entry.
   std::optional<std::size_t> find(const Element& element, std::uint32_t value_reference) {
     const auto found = by_reference_.find(value_reference);
     if (found != by_reference_.end()) return found->second;

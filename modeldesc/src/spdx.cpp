@@ -71,8 +71,7 @@ const char* relation_of(const Part& part) {
 std::string spdx_document(const Product& product, std::vector<Part> parts) {
   const auto key = [](const Part& part) { return std::tie(part.name, part.relation); };
   std::ranges::sort(parts, {}, key);
-  // std::ranges::unique() cannot be used, because clang 14, which builds the fuzzers, does not accept libstdc++'s
-  // subrange.
+  // Avoids std::ranges::unique(), because clang 14, which builds the fuzzers, does not accept libstdc++'s subrange.
   const auto same = [&key](const Part& one, const Part& other) { return key(one) == key(other); };
   parts.erase(std::unique(parts.begin(), parts.end(), same), parts.end());
 

@@ -13,7 +13,7 @@
 namespace mebots::modeldesc {
 namespace {
 
-/// Returns the log categories that the FMI standard recommends. The FMU has them in addition to its own categories.
+/// Returns the log categories that the FMI standard recommends. Every FMU has these in addition to its own.
 const std::vector<LogCategory>& standard_log_categories() {
   static const std::vector<LogCategory> categories = {
       {"logStatusWarning", "Warnings"},
@@ -106,8 +106,8 @@ void add_structure(const Description& description, ModelDescription& result) {
     for (std::size_t i = 0; i < field.fmi_names.size(); ++i) {
       const std::size_t copy = i / field.words;
       const auto dependencies = with_indices({}, field.depends_on, copy);
-      // The first outputs are computed by the whole model, which is made from all parameters. Therefore they may depend
-      // on every parameter, and on every input unless the description excludes it.
+      // The first outputs may depend on every parameter, because the model is created from all parameters. They may
+      // depend on every input unless the description excludes it.
       std::optional<std::vector<std::size_t>> first;
       if (field.first_depends_on) first = with_indices(parameters, *field.first_depends_on, copy);
       for (const std::size_t index : by_name.at(field.fmi_names[i])) {

@@ -128,7 +128,6 @@ std::vector<KnownUnit> make_table() {
   };
 }
 
-/// Returns the known unit with this name; null if there is none.
 const KnownUnit* find_known_unit(std::string_view name) {
   const auto units = known_units();
   const auto found = std::ranges::find_if(units, [&](const KnownUnit& known) { return known.unit.name == name; });
@@ -140,7 +139,7 @@ struct Factor {
   int exponent;
 };
 
-/// Parses a unit expression of FMI 2.0, which has the same grammar as in Modelica:
+/// Parses a unit expression of FMI 2.0, which has Modelica's grammar:
 ///
 ///     expression = numerator [ "/" denominator ]
 ///     numerator = "1" | factor { "." factor } | "(" expression ")"

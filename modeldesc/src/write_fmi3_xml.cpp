@@ -14,8 +14,8 @@
 namespace mebots::modeldesc {
 namespace {
 
-/// Compiler options for the sources. They make the compiler round after every operation, and use the mathematical
-/// functions in the sources.
+/// Compiler options for the sources. The compiler must round after every operation, and must not replace the
+/// mathematical functions of the sources.
 constexpr const char* kSourceOptions = "-ffp-contract=off -fno-builtin";
 
 std::string value_text(const Value& value) {
@@ -94,8 +94,7 @@ void write_variables(Element root, const std::vector<Fmi3Variable>& variables, s
   for (const Fmi3Variable& variable : variables) write_variable(element, variable);
 }
 
-/// Converts entries of the model structure of FMI 2.0, which refer to rows, to entries that refer to variables of FMI
-/// 3.0.
+/// Converts entries of FMI 2.0's model structure, which refer to rows, to entries for variables of FMI 3.0.
 void write_unknowns(Element structure, const char* name, const std::vector<Unknown>& unknowns,
                     const std::vector<Fmi3Variable>& variables) {
   const auto variable_of = [&](std::size_t row) {

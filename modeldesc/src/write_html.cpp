@@ -48,7 +48,6 @@ std::string range_text(const Variable& variable) {
   return "";
 }
 
-/// Contains the cells of one row in a table of variables.
 struct Row {
   std::string name;
   std::string unit;
@@ -70,7 +69,7 @@ Rows rows_of(const ModelDescription& description) {
   return rows;
 }
 
-/// Returns the rows of the HTML table for FMI 3.0. The start values of an array's elements are in one cell.
+/// Returns the table's rows for FMI 3.0. The start values of an array's elements share one cell.
 Rows fmi3_rows(const Description& description, const ModelDescription& common) {
   Rows rows;
   for (const Fmi3Variable& variable : fmi3_variables(description)) {

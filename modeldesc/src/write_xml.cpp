@@ -27,7 +27,7 @@ void write_co_simulation(Element root, const CoSimulation& flags) {
   for (const std::string& file : flags.source_files) files.child("File").text("name", file);
 }
 
-/// Returns a limit as text. If the type has whole values, the text is a whole number.
+/// Returns a limit as text. For types with whole values, the text is a whole number.
 std::string limit_text(double value, Type type) {
   return type == Type::real ? number_text(value) : fmt::format("{}", static_cast<std::int64_t>(value));
 }
@@ -77,7 +77,7 @@ void write_variable(Element variables, const Variable& variable, std::size_t ind
   element.text_if("declaredType", variable.declared_type).text_if("quantity", variable.quantity);
   if (variable.type == Type::real) element.text_if("unit", variable.unit).text_if("displayUnit", variable.display_unit);
   element.flag_if("relativeQuantity", variable.relative_quantity);
-  // Only numeric types have limits as attributes. The limits of an enumeration are its items.
+  // Only numeric types have limits as attributes.
   if (variable.type == Type::real || variable.type == Type::integer) write_limits(element, variable, variable.type);
   write_start(element, variable.start);
   if (variable.derivative_of) element.text("derivative", std::to_string(*variable.derivative_of + 1));

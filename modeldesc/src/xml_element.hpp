@@ -20,8 +20,8 @@
 #include <utility>
 #include <vector>
 
-/// Gives typed and checked access to the elements of a modelDescription.xml. Also contains code that the readers of all
-/// FMI versions share.
+/// Reads elements of a modelDescription.xml, with checks of types. Also contains code that the readers of all FMI
+/// versions share.
 namespace mebots::modeldesc {
 
 inline std::string_view trimmed(std::string_view text) {
@@ -31,8 +31,8 @@ inline std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
 }
 
-/// Returns the whole text as a number; empty if the text is not a number. As in XML Schema, infinities are written INF
-/// and a plus sign is allowed.
+/// Converts the whole text to a number; empty if the text is not a number. As in XML Schema, infinities are written INF
+/// and a plus sign is permitted.
 template <typename T>
 std::optional<T> parse_number(std::string_view text) {
   text = trimmed(text);
@@ -40,8 +40,7 @@ std::optional<T> parse_number(std::string_view text) {
   return parsed_number<T>(text);
 }
 
-/// Holds a parsed XML document and the offsets of its lines, from which messages compute line numbers. The document
-/// uses `text` only in its constructor.
+/// A parsed XML document. The constructor does not keep a reference to `text`.
 class Document {
  public:
   Document(const std::string& text, std::string_view source) : source_(source) {
@@ -68,7 +67,6 @@ class Document {
   std::vector<std::ptrdiff_t> line_ends_;
 };
 
-/// Gives typed and checked access to the attributes and children of an XML element.
 class Element {
  public:
   Element(const Document& document, pugi::xml_node node) : document_(&document), node_(node) {}
@@ -100,8 +98,7 @@ class Element {
   }
   std::optional<double> real(const char* name) const { return number<double>(name, "a number"); }
 
-  /// Converts the word in an attribute to an enumerator. The index of the word in `words` is the number of the
-  /// enumerator.
+  /// Converts the word in an attribute to an enumerator, whose number is the index of the word in `words`.
   template <typename T>
   std::optional<T> word(const char* name, std::span<const std::string_view> words) const {
     if (!has(name)) return std::nullopt;
@@ -131,7 +128,7 @@ class Element {
     const auto children = node_.children(name);
     return static_cast<std::size_t>(std::distance(children.begin(), children.end()));
   }
-  /// Calls `action` as each_child() does, but removes each child afterwards, which frees the child's memory.
+  /// Works as each_child(), but removes each child after its call and so frees the child's memory.
   template <typename Action>
   void consume_children(const char* name, Action action) {
     for (auto node = node_.child(name); node;) {
@@ -148,27 +145,27 @@ class Element {
   pugi::xml_node node_;
 };
 
-/// Sets the number of variables after which the memory of their elements is returned to the system. Without this,
-/// elements and variables together would double the peak memory for a description with a million variables.
+/// Number of variables after which the memory of their elements is returned to the system. Otherwise, elements and
+/// variables together would double the peak memory for a description with a million variables.
 inline constexpr std::size_t kVariablesPerTrim = 1 << 16;
 void release_free_memory();
 
 /// Returns the default of the attribute `initial` (FMI 2.0.4, table on page 51; FMI 3.0.2, section 2.4.7.5).
 std::optional<Initial> default_initial(Causality causality, Variability variability);
 
-/// Returns the value of the attribute modelIdentifier, which becomes part of a path. Throws Error if it is empty, or
-/// contains a slash or backslash.
+/// Returns the attribute modelIdentifier. Throws Error if it is empty, or contains a slash or backslash, because it
+/// becomes part of a path.
 std::string model_identifier(const Element& element);
 
 /// Reads the attributes of the root element that all versions of FMI have into `result`. `guid` is the name of the
-/// attribute that contains ModelDescription::guid.
+/// attribute with ModelDescription::guid.
 void read_head(const Element& root, const char* guid, ModelDescription& result);
 
-/// Reads the elements that are the same in all versions of FMI into `result`: <UnitDefinitions>, <LogCategories>,
+/// Reads the elements that are equal in all versions of FMI into `result`: <UnitDefinitions>, <LogCategories>,
 /// <DefaultExperiment>.
 void read_common(const Element& root, ModelDescription& result);
 
-/// Reads the attributes that types and variables have in common into `target`. `Target` is TypeDefinition or Variable.
+/// Reads the attributes that types and variables share into `target`. `Target` is TypeDefinition or Variable.
 template <typename Target>
 void read_quantities(const Element& element, Target& target) {
   target.quantity = element.text("quantity");
@@ -179,9 +176,9 @@ void read_quantities(const Element& element, Target& target) {
   target.nominal = element.real("nominal");
 }
 
-/// Reads the dependencies of an unknown in <ModelStructure>. If one of the dependencies is not a variable, returns no
-/// dependencies, which means that the unknown may depend on all inputs. `find` returns the index of the variable that a
-/// word denotes, or nullopt.
+/// Reads the dependencies of an unknown in <ModelStructure>. `find` returns the index of the variable that a word
+/// denotes, or nullopt. If a word denotes no variable, the result has no dependencies: the unknown may then depend on
+/// all inputs.
 template <typename Find>
 Unknown read_dependencies(const Element& element, Find find) {
   Unknown unknown;
@@ -204,18 +201,17 @@ Unknown read_dependencies(const Element& element, Find find) {
 /// Returns the type of a variable of FMI 1.0 or 2.0, and the child element that declares this type, such as <Real>.
 std::pair<Type, Element> type_child(const Element& variable);
 
-/// Reads the start value from the child element that declares the type; empty if there is none.
+/// Reads the start value from the child element that declares the type; empty if the element has no start value.
 Value read_start(const Element& details, Type type);
 
 /// Indexes the types of <TypeDefinitions> by name, because a description may have thousands of types.
 class DeclaredTypes {
  public:
-  /// Appends a type to `types`, which must be the same list in every call. Throws Error if the list already has a type
-  /// with the same name.
+  /// Appends a type to `types`. `types` must be the same list in every call. Throws Error if the list already contains
+  /// a type with this name.
   void add(const Element& element, TypeDefinition type, std::vector<TypeDefinition>& types);
-  /// Completes a variable: each attribute that the variable lacks receives the value of its declared type. Has no
-  /// effect if the variable has no declared type. Throws Error if the declared type is unknown or does not fit the
-  /// variable.
+  /// Copies the attributes that the variable lacks from its declared type, if it has one. Throws Error if the declared
+  /// type is unknown or does not fit the variable.
   void apply(const Element& element, const std::vector<TypeDefinition>& types, Variable& variable) const;
 
  private:

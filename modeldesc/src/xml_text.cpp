@@ -15,8 +15,8 @@
 namespace mebots::modeldesc {
 namespace {
 
-/// Determines the encoding from the byte order mark, or from the bytes of the first "<". Empty if the encoding is a
-/// superset of ASCII.
+/// Determines the encoding from the byte order mark, or from the bytes of the first "<". Returns an empty text if the
+/// encoding is a superset of ASCII.
 std::string_view wide_encoding(std::string_view bytes) {
   using namespace std::string_view_literals;
   constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kStarts = {{
@@ -35,7 +35,7 @@ std::string_view wide_encoding(std::string_view bytes) {
   return {};
 }
 
-/// Returns the encoding in `<?xml ... encoding="..."?>`; empty if there is none.
+/// Returns the encoding in `<?xml ... encoding="..."?>`; empty if the declaration is missing.
 std::string declared_encoding(std::string_view text) {
   if (!text.starts_with("<?xml")) return {};
   const auto declaration = text.substr(0, std::min(text.find("?>"), text.size()));
@@ -58,7 +58,7 @@ class Converter {
   // NOLINTNEXTLINE(performance-no-int-to-ptr): so iconv_open says that it failed
   bool known() const { return handle_ != reinterpret_cast<iconv_t>(-1); }
 
-  /// Converts bytes to UTF-8. Returns false if the bytes are invalid in their encoding.
+  /// Converts bytes to UTF-8 and appends them to `text`. Returns false if the bytes are invalid in their encoding.
   bool convert(std::string_view bytes, std::string& text) {
     std::array<char, 65536> buffer;              // NOLINT(cppcoreguidelines-pro-type-member-init): filled by iconv
     auto* in = const_cast<char*>(bytes.data());  // NOLINT(cppcoreguidelines-pro-type-const-cast): iconv only reads
@@ -77,7 +77,7 @@ class Converter {
   iconv_t handle_;
 };
 
-/// Returns the first element that is nested too deep. Visits the elements without recursion.
+/// Returns the first element below the permitted depth; null if all elements are permitted. Does not use recursion.
 pugi::xml_node too_deep(const pugi::xml_document& document) {
   int depth = 0;
   for (auto node = document.first_child(); node;) {
@@ -96,8 +96,8 @@ pugi::xml_node too_deep(const pugi::xml_document& document) {
   return {};
 }
 
-/// Throws Error if the text refers to an entity of the DTD. pugixml does not expand entities, so their meaning would be
-/// lost without an error.
+/// Throws Error if the text refers to an entity of the DTD. pugixml would drop the meaning without an error, because it
+/// does not expand entities.
 void refuse_entities(const pugi::xml_document& document, std::string_view text, std::string_view source) {
   constexpr std::string_view kDefinition = "<!ENTITY";
   constexpr std::string_view kSpace = " \t\r\n";
@@ -118,14 +118,14 @@ void refuse_entities(const pugi::xml_document& document, std::string_view text, 
   }
 }
 
-/// Returns true for characters that XML 1.0 permits (section 2.2).
+/// True for characters that XML 1.0 permits (section 2.2).
 bool is_xml_character(std::uint32_t code) {
   return code == 0x9 || code == 0xA || code == 0xD || (code >= 0x20 && code <= 0xD7FF) ||
          (code >= 0xE000 && code <= 0xFFFD) || (code >= 0x10000 && code <= 0x10FFFF);
 }
 
-/// Throws Error if a reference denotes a number that is not a character. pugixml converts any number in a reference,
-/// such as &#xD800;, to bytes.
+/// Throws Error if a character reference, such as &#xD800;, denotes no character. pugixml would convert any number to
+/// bytes.
 void refuse_references(std::string_view text, std::string_view source) {
   for (auto at = text.find("&#"); at != std::string_view::npos; at = text.find("&#", at + 1)) {
     const bool hex = text.substr(at + 2).starts_with('x');

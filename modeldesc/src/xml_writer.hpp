@@ -9,10 +9,9 @@
 #include <string>
 #include <vector>
 
-/// Contains code that the writers of XML for all versions of FMI share.
 namespace mebots::modeldesc {
 
-/// Returns the shortest text that reads back as the same number. pugixml would print a fixed number of digits instead.
+/// Returns the shortest text that converts back to the same number.
 std::string number_text(double value);
 
 class Element {
@@ -35,7 +34,7 @@ class Element {
   pugi::xml_node node_;
 };
 
-/// Builds a document that has one root element, and returns the document as text.
+/// Builds a document with one root element.
 class XmlText {
  public:
   explicit XmlText(const char* root);
@@ -46,8 +45,8 @@ class XmlText {
   pugi::xml_document document_;
 };
 
-/// Writes the attributes of <fmiModelDescription> from fmiVersion to generationTool. `token_name` is the name of the
-/// identifying attribute in this version of FMI: guid or instantiationToken.
+/// Writes the attributes of <fmiModelDescription> from fmiVersion to generationTool. `token_name` is the attribute that
+/// identifies the build: guid or instantiationToken.
 void write_identity(Element root, const ModelDescription& description, const char* fmi_version, const char* token_name,
                     const std::string& token);
 void write_units(Element root, const std::vector<Unit>& units);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The time of the run that all parts of the page show, and its playback.
+// The time that all parts of a run's page show, and its playback.
 
 export type Listener = (time: number) => void;
 
@@ -17,7 +17,7 @@ export class Clock {
     return this.last;
   }
 
-  /** Sets a later end, because the run has continued. */
+  /** Moves the end to a later time while the run continues. */
   extend(end: number): void {
     this.last = end;
     this.notifyState();

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes elements of the page in one line.
+// Creates elements of the page.
 
 type Attributes = Record<string, string | ((event: Event) => void)>;
 
-/** Creates an element with attributes and children. Attributes that begin with "on" are listeners. */
+/** Creates an element with attributes and children. Attributes whose names begin with "on" are listeners. */
 export function element<K extends keyof HTMLElementTagNameMap>(
   tag: K, attributes: Attributes = {}, ...children: (Node | string)[]
 ): HTMLElementTagNameMap[K] {
@@ -27,7 +27,7 @@ function apply(made: Element, attributes: Attributes): void {
   }
 }
 
-/** Returns the parts of a variable's name, so that the browser may break a long name after a dot. */
+/** Splits the name of a variable after its dots, so that the browser may break a long name there. */
 export function dotted(name: string): (string | HTMLElement)[] {
   return name.split(/(?<=\.)/).flatMap((part, i) => (i > 0 ? [element("wbr", {}), part] : [part]));
 }

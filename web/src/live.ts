@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A run in progress: fetches new data, pauses the run and sets inputs. The server is in master/live.
+// Follows a run in progress: fetches new data, pauses the run and sets inputs. The server is in master/live.
 import type { Clock } from "./clock";
 import { type Payload, readPayload } from "./data/payload";
 import type { Run } from "./data/run";
@@ -7,21 +7,21 @@ import { shownTime, shownUnit } from "./data/units";
 import { dotted, element } from "./dom";
 import type { Window } from "./view/window";
 
-/** Time between two requests [ms]. */
+/** The time between two requests [ms]. */
 const PERIOD = 400;
-/** HTTP status of the reply if the run cannot send data at present. */
+/** The HTTP status of a run that cannot send data now. */
 const BUSY = 503;
-/** Paces that the page offers, in multiples of real time. */
+/** Paces that the page offers, in multiples of real time. 0 means as fast as possible. */
 const PACES = [0, 0.1, 0.5, 1, 2, 5, 10];
 
-/** Identifies this page to the run. At its end, the run waits until all open pages have the last data. */
+/** Identifies this page to the run. Before it exits, the run waits until all open pages have the last data. */
 const PAGE = String(Math.random()).slice(2);
 
-/** Thrown if the run replies that it cannot send the data now, because the present step takes long. */
+/** Thrown if the run cannot send data now, because its current step takes long. */
 class Busy extends Error {}
 
-/** Fetches all data. If the run is busy, repeats the request. Afterwards, the run counts this page as open until the
- * page closes. */
+/** Fetches all data. While the run is busy, repeats the request. From then on, the run counts this page as open until
+ * the page closes. */
 export async function fetchAll(): Promise<Payload> {
   addEventListener("pagehide", () => navigator.sendBeacon("control", new URLSearchParams({ order: `leave=${PAGE}` })));
   for (;;) {
@@ -34,7 +34,7 @@ export async function fetchAll(): Promise<Payload> {
   }
 }
 
-/** Fetches all data, or only the data that this page lacks. */
+/** Fetches the data that this page lacks. By default, these are all data. */
 async function fetchPayload(known = { rows: 0, pictures: 0, log: 0 }): Promise<Payload> {
   const answer = await fetch(`data?rows=${known.rows}&pictures=${known.pictures}&log=${known.log}&page=${PAGE}`);
   if (answer.status === BUSY) throw new Busy(await answer.text());
@@ -49,8 +49,8 @@ async function post(path: string, values: Record<string, string>): Promise<strin
   return text;
 }
 
-/** Fetches new data of the run and updates the page. If the page shows the last time, it then shows the new last
- * time. Returns the controls. */
+/** Fetches new data of the run and updates the page. If the page shows the last time, moves it to the new last time.
+ * Returns the controls. */
 export function follow(run: Run, clock: Clock, span: Window): HTMLElement {
   const badge = element("span", { class: "outcome", id: "live" }, "live");
   const hold = element("button", { id: "hold", onclick: () => void order(run.header.live?.held ? "go" : "hold") });
@@ -69,7 +69,7 @@ export function follow(run: Run, clock: Clock, span: Window): HTMLElement {
     if (![...pace.options].some((one) => one.value === value)) pace.append(element("option", { value }, `${value}\u00d7`));
     if (document.activeElement !== pace) pace.value = value;
   };
-  // Sends one request at a time, because two replies to the same request would contain the same rows.
+  // Sends one request at a time. The replies to two simultaneous requests would contain the same rows.
   let looking: Promise<void> = Promise.resolve();
   const look = () => (looking = looking.catch(() => {}).then(lookOnce));
   const lookOnce = async () => {
@@ -100,7 +100,7 @@ export function follow(run: Run, clock: Clock, span: Window): HTMLElement {
   return element("span", { class: "live" }, badge, " ", hold, " ", step, " ", pace);
 }
 
-/** Creates controls for unconnected inputs. Settings are recorded as a scenario, so that the run can be repeated. */
+/** Creates controls for unconnected inputs. The run records settings as a scenario, so that it can be repeated. */
 export function makeInputs(run: Run): HTMLElement {
   const said = element("p", { class: "faint" }, "A value takes effect at the next step. The results folder records all values in live_scenario.json.");
   const rows = (run.header.live?.settable ?? []).map(({ variable, unit, text, type }) => {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Builds the page from the data of the runs.
+// Builds the page of one or several runs.
 import { Clock } from "./clock";
 import { panelsOf } from "./data/panels";
 import { readPayload } from "./data/payload";
@@ -32,9 +32,9 @@ declare global {
   }
 }
 
-/** Maximum number of panels for which curves have ROOMY_HEIGHT, if there is no scene. */
+/** If the page has no scene and at most this number of panels, curves have the height ROOMY_HEIGHT. */
 const FEW_PANELS = 4;
-/** Height of the curves if there are few panels [px]. */
+/** In pixels. */
 const ROOMY_HEIGHT = 150;
 
 async function main(): Promise<void> {
@@ -100,8 +100,7 @@ function makeProfileTab(run: Run, span: Span): Tab {
   return { name: "Profile", content: () => makeFlames(run.header.profiles, span) };
 }
 
-/** Creates a handle between a part of a grid and the rest of the grid. `track` is the name of the part's size in the
- * grid's template. */
+/** Creates a handle that resizes a part of a grid. `track` is the name of the part's size in the grid's template. */
 function makeSplit(label: string, axis: "x" | "y", part: HTMLElement, grid: HTMLElement, track: string): HTMLElement {
   const least = 160; // minimum size in pixels
   const sizeOf = (one: HTMLElement) => (axis === "x" ? one.clientWidth : one.clientHeight);
@@ -114,13 +113,13 @@ function makeSplit(label: string, axis: "x" | "y", part: HTMLElement, grid: HTML
   });
 }
 
-/** Returns the time in the page's address: flight.html#t=12.5 opens at that time, and does not play. */
+/** Returns the time in the page's address. For example, flight.html#t=12.5 opens at 12.5 s without playing. */
 function timeOfAddress(): number | null {
   const found = /^#t=(\d+(?:\.\d+)?)$/.exec(location.hash);
   return found ? Number(found[1]) : null;
 }
 
-/** Creates the stage. Returns null if there is no scene or no WebGL; the page then shows everything else. */
+/** Creates the stage. Returns null if the runs have no scene, or if the browser has no WebGL. */
 function makeStage(runs: Run[], clock: Clock): Stage | null {
   const run = runs[0];
   if (!run.scene?.bodies?.length) return null;
@@ -152,7 +151,7 @@ function makeHeading(runs: Run[]): HTMLElement {
   const show = () => {
     const { summary } = run;
     outcome.textContent = String(summary.outcome ?? "no summary").replaceAll("_", " ");
-    // Hides the outcome if the table of several runs shows it, or if the run has not ended.
+    // Hides the outcome if the table of runs shows it, or if the run has not ended.
     outcome.hidden = runs.length > 1 || (run.header.live != null && !run.header.live.ended);
     facts.replaceChildren();
     if (runs.length > 1) return;

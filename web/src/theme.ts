@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The palette of Okabe and Ito. People with any kind of colour vision can distinguish its colours. On a dark
-// background, the blue is lighter, and black is not used. Brown is added for a ninth curve.
+// The palette of Okabe and Ito, whose colours people with any colour vision can distinguish. On a dark background, the
+// blue is lighter, and black is omitted. Brown is added for a ninth curve.
 
 const LIGHT = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b58900", "#56b4e9", "#5c4d9e", "#7f7f7f", "#8c564b"];
 const DARK = ["#4ea8de", "#f0803c", "#2fc79a", "#e39ac4", "#e6c14a", "#8fd3ff", "#a394e8", "#a9a9a9", "#c49c94"];
@@ -19,7 +19,6 @@ export function colour(index: number): string {
   return palette[index % palette.length];
 }
 
-/** Returns the colour that the style sheet defines under a name. */
 export function styleColour(name: string): string {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 }
@@ -37,15 +36,14 @@ export function setTheme(wanted: boolean): void {
 setTheme(dark);
 darkQuery.addEventListener("change", () => setTheme(darkQuery.matches));
 
-// Cividis (Nunez, Anderton and Renslow 2018). Its lightness rises evenly, so that colour-blind people read it in the
-// same way.
+// Cividis (Nunez, Anderton and Renslow 2018). Its lightness rises evenly, so that it looks the same to colour-blind
+// people.
 const CIVIDIS = [
   [0, 34, 78], [18, 53, 112], [59, 73, 108], [87, 93, 109], [112, 113, 115], [138, 134, 120], [165, 156, 116],
   [195, 179, 105], [225, 204, 85], [254, 232, 56],
 ];
 
-/** Converts a share from 0 to 1 to a colour: red, green and blue from 0 to 1. On a dark background, the dark end is
- * lighter. */
+/** Converts a share from 0 to 1 to red, green and blue from 0 to 1. On a dark background, the dark end is lighter. */
 export function scaleColour(share: number): [number, number, number] {
   const place = Math.min(Math.max(share, 0), 1) * (CIVIDIS.length - 1);
   const first = Math.min(Math.floor(place), CIVIDIS.length - 2);

@@ -8,12 +8,12 @@
 
 namespace mebots::world::camera {
 
-/// Returns the camera's pose some seconds after the start of the picture.
+/// Returns the camera's pose `after_s` seconds after the start of the picture.
 using PoseAt = std::function<Pose(double after_s)>;
 
-/// Calls act(first_row, end_row, after_s) for each band of rows that is rendered for one time. `pinhole` is the
-/// undistorted picture, which has more rows than the sensor, because the lens bends the light above and below into the
-/// picture.
+/// Calls act(first_row, end_row, after_s) for each band of rows. All rows of a band are rendered for the same time.
+/// `pinhole` describes the undistorted picture, which has more rows than the sensor, because a lens also bends light
+/// from above and below into the picture.
 template <typename Act>
 void for_each_band(const Intrinsics& pinhole, const Intrinsics& sensor, double line_time_s, Act&& act) {
   constexpr int kBandRows = 8;  // at 63 us per row, half a millisecond

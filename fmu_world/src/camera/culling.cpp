@@ -11,10 +11,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Number of faces per group. With a small number, the faces of a group are near each other. With a large number, fewer
-/// faces outside the picture are tested one by one.
+/// The number of faces per group. In a small group, the faces are near each other. With large groups, fewer groups are
+/// tested.
 constexpr std::size_t kMostFaces = 16;
-/// Margin that is added to the radius of a sphere, because results are rounded.
+/// A margin for rounding errors, which is added to the radius of a sphere.
 constexpr double kMargin_m = 1e-6;
 
 FaceGroup group_of(const std::vector<Face>& faces, std::size_t first, std::size_t end) {

@@ -10,20 +10,18 @@
 #include <span>
 #include <vector>
 
-/// Culling removes parts of a scene that cannot be in a picture, before anything is projected.
 namespace mebots::world::camera {
 
-/// The four planes through the camera and the sides of a picture, or of some of its rows. A face completely outside of
-/// one plane covers no pixel: the centres of the outermost pixels are half a pixel inside, which is far more than
-/// rounding errors.
+/// The four planes through the camera and the sides of a picture, or of some rows of the picture. A face outside of a
+/// plane covers no pixel. Rounding errors cannot change this: the centres of the outermost pixels are half a pixel away
+/// from the planes.
 class PictureSides {
  public:
   PictureSides(const Intrinsics& intrinsics, int first_row, int end_row);
 
-  /// True if a face with these corners in the camera frame can be left out.
+  /// If this returns true, a face with these corners in the camera frame is invisible.
   bool leave_out(std::span<const Eigen::Vector3d> corners_C_m) const;
-  /// True if all objects within `radius_m` of a point in the camera frame are invisible, for example because they are
-  /// behind the camera.
+  /// True if a sphere in the camera frame is invisible, for example because it is behind the camera.
   bool leave_out(const Eigen::Vector3d& middle_C_m, double radius_m) const;
 
  private:
@@ -32,8 +30,8 @@ class PictureSides {
   double per_across_, per_lower_, per_upper_;  // lengths of the planes' normals
 };
 
-/// The data that decide whether a face may be visible, and all data of a face without texture. They are compact, so
-/// that thousands of faces need few cache lines.
+/// The data of a face that decide its visibility, and all data that a face without texture needs. Thousands of these
+/// compact structures fit into few cache lines.
 struct FaceCover {
   Eigen::Vector3d normal_W;
   double offset_m;
@@ -43,7 +41,7 @@ struct FaceCover {
   std::uint32_t object;
 };
 
-/// The covers of all faces, in their order.
+/// The covers of all faces, in the order of the faces.
 struct FaceCovers {
   explicit FaceCovers(const std::vector<Face>& faces);
   std::span<const Eigen::Vector3d> corners_of(const FaceCover& face) const {
@@ -53,7 +51,7 @@ struct FaceCovers {
   std::vector<Eigen::Vector3d> corners_W_m;
 };
 
-/// Consecutive faces that have the same mover or none, and a sphere around them.
+/// Consecutive faces with the same mover, or without a mover, and a sphere around them.
 struct FaceGroup {
   std::size_t first, end;  // in Geometry::faces
   std::size_t mover;
@@ -61,7 +59,7 @@ struct FaceGroup {
   double radius_m;
 };
 
-/// Returns all faces in groups, in their order.
+/// Divides all faces into groups and keeps their order.
 std::vector<FaceGroup> groups_of(const std::vector<Face>& faces);
 
 }  // namespace mebots::world::camera

@@ -16,7 +16,6 @@ Vector3d cross(const Vector3d& a, const Vector3d& b) {
   return {a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(), a.x() * b.y() - a.y() * b.x()};
 }
 
-/// Orientation and texture of a solid.
 struct Painted {
   std::array<Vector3d, 3> axes_W;  // unit vectors; the last one is the solid's own up
   std::size_t tile;
@@ -35,7 +34,7 @@ std::array<Vector3d, 3> axes_of(const Thing& thing) {
   return {R.col(0), R.col(1), R.col(2)};
 }
 
-/// Adds the mover of a thing on a path. Returns its index, or kStatic if the thing does not move.
+/// Adds the mover of an object on a path. Returns its index. If the object does not move, returns kStatic.
 template <typename Thing>
 std::size_t add_mover(Geometry& geometry, const Thing& thing) {
   if (!thing.path.moves()) return Face::kStatic;
@@ -43,7 +42,7 @@ std::size_t add_mover(Geometry& geometry, const Thing& thing) {
   return geometry.movers.size() - 1;
 }
 
-/// Adds a side of a solid whose normal is `sign` times its axis `axis`. `corners` may have either orientation.
+/// Adds the side of a solid with the normal `sign` times its axis `axis`. `corners` may have either orientation.
 void add_side(Geometry& geometry, const Painted& solid, int axis, double sign, std::vector<Vector3d> corners) {
   Face face;
   face.normal_W = sign * solid.axes_W[axis];
@@ -66,8 +65,8 @@ void add_side(Geometry& geometry, const Painted& solid, int axis, double sign, s
   geometry.faces.push_back(std::move(face));
 }
 
-/// Adds the sides of a box. Corners are computed once for all sides, because two sides with a common edge must have
-/// corners with the same bits.
+/// Adds the sides of a box. Computes each corner once, because sides with a common edge must have corners with the same
+/// bits.
 void add_box(Geometry& geometry, const scene::Box& box, std::size_t tile, const scene::Lighting& lighting,
              std::size_t mover) {
   const Painted solid{axes_of(box), tile, lighting, mover};
@@ -90,7 +89,7 @@ void add_box(Geometry& geometry, const scene::Box& box, std::size_t tile, const 
 }
 
 /// Adds the outside of a gate's four beams. Where two beams meet, their faces have common corners, even in the middle
-/// of an edge. So no background is visible between the beams.
+/// of an edge. Therefore no background is visible between the beams.
 void add_gate(Geometry& geometry, const scene::Gate& gate, std::size_t tile, const scene::Lighting& lighting) {
   const Painted solid{axes_of(gate), tile, lighting};
   const double outer_height_m = gate.frame_height_m();
@@ -108,7 +107,7 @@ void add_gate(Geometry& geometry, const scene::Gate& gate, std::size_t tile, con
       corners.reserve(ring.size());
       for (const auto& [y, z] : ring) corners.push_back(at(far, y, z));
       add_side(geometry, solid, 0, far != 0 ? 1.0 : -1.0, std::move(corners));
-      // All sides of the frame share one texture origin, so the pattern has no breaks.
+      // All sides of the frame share one texture origin, so that the pattern has no breaks.
       geometry.faces.back().texture_origin_W_m = at(far, far != 0 ? 0 : 3, 0);
     };
     front({{3, 0}, {2, 0}, {2, 1}, {2, 2}, {2, 3}, {3, 3}});  // left
@@ -129,7 +128,7 @@ void add_gate(Geometry& geometry, const scene::Gate& gate, std::size_t tile, con
   }
 }
 
-/// Adds a cylinder: its side as flat strips with one texture, and its ends divided into pieces.
+/// Adds a cylinder: its side as flat strips with one texture, and its ends as several faces.
 void add_cylinder(Geometry& geometry, const scene::Cylinder& cylinder, std::size_t tile,
                   const scene::Lighting& lighting, std::size_t mover) {
   constexpr int kSides = 32;
@@ -159,7 +158,7 @@ void add_cylinder(Geometry& geometry, const scene::Cylinder& cylinder, std::size
     geometry.faces.push_back(std::move(face));
   }
   for (const int high : {0, 1}) {
-    // The end is divided into fans from the first corner. Each fan has the maximum number of corners of a face.
+    // Divides the end into fans from the first corner. Each fan has at most kMaxCorners corners.
     for (int first = 1; first + 1 < kSides; first += static_cast<int>(kMaxCorners) - 2) {
       std::vector<Vector3d> piece{rims[high][0]};
       const int last = std::min(first + static_cast<int>(kMaxCorners) - 2, kSides - 1);
@@ -170,7 +169,7 @@ void add_cylinder(Geometry& geometry, const scene::Cylinder& cylinder, std::size
   }
 }
 
-/// Returns the two axes of a mesh for a texture without coordinates on a triangle: u to the right, v up.
+/// Returns the two axes of a mesh that a texture without coordinates uses on a triangle: u to the right, v up.
 std::array<Vector3d, 2> axes_on(const Vector3d& normal_M) {
   int most = 2;
   for (const int axis : {0, 1}) {
@@ -182,7 +181,7 @@ std::array<Vector3d, 2> axes_on(const Vector3d& normal_M) {
   return {Vector3d::UnitX(), Vector3d::UnitY()};
 }
 
-/// Sets the texture coordinates from those of the triangle's corners: a linear function over its plane.
+/// Sets the texture coordinates of a face as a linear function that has the given values at the triangle's corners.
 void lay_tiles(Face& face, const std::array<Eigen::Vector2d, 3>& tiles, const Tile& tile) {
   const Vector3d e1 = face.corners_W_m[1] - face.corners_W_m[0];
   const Vector3d e2 = face.corners_W_m[2] - face.corners_W_m[0];
@@ -199,7 +198,7 @@ void lay_tiles(Face& face, const std::array<Eigen::Vector2d, 3>& tiles, const Ti
   face.v_origin_m = tile.edge_v_m * tiles[0].y();
 }
 
-/// Returns the index of the texture's tile in `geometry`; adds the tile if it is new.
+/// Returns the index of the texture's tile in `geometry`. Adds the tile if it is new.
 std::size_t add_tile(Geometry& geometry, const scene::Texture& texture) {
   auto& tiles = geometry.tiles;
   const auto tile = shared_tile(texture);  // one for equal textures
@@ -209,8 +208,7 @@ std::size_t add_tile(Geometry& geometry, const scene::Texture& texture) {
   return place;
 }
 
-/// Adds a mesh. Points are computed once for all triangles, because two triangles with a common edge must have points
-/// with the same bits.
+/// Adds a mesh. Computes each point once, because triangles with a common edge must have points with the same bits.
 void add_mesh(Geometry& geometry, const scene::Mesh& mesh, const Vector3d& p_W_m, const Eigen::Matrix3d& R_WM,
               const scene::Lighting& lighting, std::size_t mover) {
   std::vector<Vector3d> points_W;
@@ -241,14 +239,13 @@ void add_mesh(Geometry& geometry, const scene::Mesh& mesh, const Vector3d& p_W_m
   }
 }
 
-/// Adds an object that consists of all faces from `first_face` on.
 void add_object(Geometry& geometry, const SceneObject& object, std::size_t first_face) {
   const auto index = static_cast<std::uint32_t>(geometry.objects.size());
   geometry.objects.push_back(object);
   for (std::size_t i = first_face; i < geometry.faces.size(); ++i) geometry.faces[i].object = index;
 }
 
-/// Adds boxes, cylinders and meshes of a scene or robot. `mover_of` returns the index of an object's mover.
+/// Adds the boxes, cylinders and meshes of a scene or robot. `mover_of` returns the index of an object's mover.
 template <typename Things, typename MoverOf>
 void add_things(Geometry& geometry, const Things& things, MoverOf mover_of) {
   for (const scene::Box& box : things.boxes) {

@@ -13,16 +13,15 @@
 
 namespace mebots::world::camera {
 
-/// Maximum number of corners of a face.
 inline constexpr std::size_t kMaxCorners = 8;
 
-/// The index of a face that is no part of a named object.
+/// Marks a face that is not part of a named object.
 inline constexpr std::uint32_t kNoObject = UINT32_MAX;
 
-/// A flat convex part of a surface, visible from its front only.
+/// A flat convex part of a surface, visible only from its front.
 ///
-/// Depth, texture and light depend on the plane and the mapping, not on the corners, which only determine the covered
-/// pixels. Therefore the parts of a divided face look exactly like the whole face.
+/// Depth, texture and light depend on the plane and the mapping. The corners only determine the covered pixels.
+/// Therefore the parts of a divided face look exactly like the whole face.
 struct Face {
   Eigen::Vector3d normal_W;                  ///< unit, out of the front
   double offset_m = 0.0;                     ///< the plane is normal . p = offset
@@ -39,8 +38,8 @@ struct Face {
   static constexpr std::size_t kStatic = SIZE_MAX;
 };
 
-/// Faces that move together: on a path, they rotate about the vertical through `origin_W_m`, and are then shifted; as a
-/// drone or robot, their positions are in the body's frame.
+/// Faces that move together. On a path, they rotate about the vertical through `origin_W_m`, and are then shifted. If
+/// they belong to a drone or robot, their positions are in the body's frame.
 struct Mover {
   static constexpr std::size_t kNoBody = SIZE_MAX;
   scene::Path path;
@@ -48,7 +47,7 @@ struct Mover {
   std::size_t body = kNoBody;  ///< index of the drone or robot in Pose::bodies
 };
 
-/// An object with a name, whose faces ground truth marks in a picture.
+/// A named object. Ground truth marks its faces in a picture.
 struct SceneObject {
   enum class Kind { gate, drone };
   Kind kind = Kind::gate;
@@ -57,7 +56,6 @@ struct SceneObject {
   std::size_t body = Mover::kNoBody;                   ///< index of a drone in Pose::bodies
 };
 
-/// Everything that the camera can see.
 struct Geometry {
   std::vector<std::shared_ptr<const Tile>> tiles;
   std::vector<Face> faces;  ///< faces of movers are in their positions without a path
@@ -67,24 +65,23 @@ struct Geometry {
   double background = 0.0;   ///< grey level where no face is
 };
 
-/// Returns the light on a surface, after Lambert: ambient + sun max(0, normal . to_sun).
+/// Returns the light on a surface by Lambert's law: ambient + sun max(0, normal . to_sun).
 double lambert(const scene::Lighting& lighting, const Eigen::Vector3d& normal_W);
 
-/// Builds ground, boxes, cylinders, meshes and gates (for those with beams, the outside of Gate::beams()). Axes of the
-/// textures: the ground uses the world's x and y from the origin. A mesh uses its own coordinates, or the axes of its
-/// frame. A cylinder has 32 sides. On vertical sides, the first axis is horizontal to the right and the second one up,
-/// from the lower left corner seen from outside. A gate's front and back share one pattern. Tops and bottoms use the
-/// solid's x and y, from their corner of least x and y. Undersides of boxes at or below the ground are left out,
-/// because they are never visible. There are no shadows.
+/// Builds ground, boxes, cylinders, meshes and gates. For a gate with beams, this is the outside of Gate::beams(). A
+/// cylinder has 32 sides. Undersides of boxes at or below the ground are omitted, because they are never visible. There
+/// are no shadows. Axes of the textures: the ground uses the world's x and y from the origin. A mesh uses its own
+/// coordinates, or the axes of its frame. On vertical sides, the first axis is horizontal to the right and the second
+/// axis is up, from the lower left corner seen from outside. A gate's front and back share one pattern. Tops and
+/// bottoms use the solid's x and y, from the corner with the least x and y.
 Geometry make_geometry(const scene::Scene& scene);
 
-/// Radius of a rotor's disc divided by its distance from the centre along x. With this value, there is a gap between
-/// neighbouring discs.
+/// The radius of a rotor's disc, divided by the rotor's distance from the centre along x. Neighbouring discs do not
+/// touch.
 inline constexpr double kRotorRadiusOverArm = 0.7;
 
-/// Adds a drone as others see it: its contact box, and a disc of eight sides for each rotor on top of it.
+/// Adds a drone as other drones see it: its contact box, and an octagon on top of the box for each rotor.
 void add_drone(Geometry& geometry, const scene::Drone& drone, std::size_t body);
-/// Adds the parts of a robot.
 void add_robot(Geometry& geometry, const scene::Robot& robot, std::size_t body);
 
 }  // namespace mebots::world::camera

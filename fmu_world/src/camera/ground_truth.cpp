@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kMillimetres_per_m = 1000.0;
 
-/// Returns a depth in millimetres; 0 if there is no surface, or if 16 bits cannot hold the depth.
+/// Returns a depth in millimetres. If the depth does not fit into 16 bits, returns 0.
 std::uint16_t millimetres(double depth_m) {
   const double rounded = std::round(kMillimetres_per_m * depth_m);
   constexpr double kMost = std::numeric_limits<std::uint16_t>::max();

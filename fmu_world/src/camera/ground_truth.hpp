@@ -15,7 +15,7 @@
 
 namespace mebots::world::camera {
 
-/// Columns [left, right) and rows [top, bottom) of a picture.
+/// The columns [left, right) and rows [top, bottom) of a picture.
 struct PixelBox {
   int left = 0;
   int top = 0;
@@ -23,12 +23,10 @@ struct PixelBox {
   int bottom = 0;
 
   bool empty() const { return left >= right; }
-  /// Extends the box to contain a pixel.
   void add(int column, int row);
   bool operator==(const PixelBox&) const = default;
 };
 
-/// An object in a picture.
 struct SeenObject {
   SceneObject::Kind kind;
   std::string name;
@@ -39,8 +37,8 @@ struct SeenObject {
   double distance_m = 0.0;  ///< from the camera to the object's centre
 };
 
-/// Computes what the pixels of a camera's picture show, with the geometry, the lens and the times of the rows of this
-/// picture. A pixel of a distorted picture shows what the nearest pixel of the undistorted picture shows.
+/// Computes the objects and depths that the pixels of a picture show. Uses the geometry, the lens and the times of the
+/// rows of this picture. A pixel of a distorted picture has the values of the nearest pixel of the undistorted picture.
 class GroundTruth {
  public:
   /// Throws mebots::Error if `depth_noise_per_m` is negative or not finite.
@@ -48,13 +46,13 @@ class GroundTruth {
               double line_time_s, double depth_noise_per_m);
 
   /// Writes the depth of each pixel along the optical axis in millimetres, as 16-bit little-endian numbers, row by row
-  /// from the top left. It is 0 where there is no surface nearer than 65.5355 m. The noise has the standard deviation
-  /// depth_noise x depth^2, and is a function of seed, index, row and column. The first row is that of
+  /// from the top left. If no surface is nearer than 65.5355 m, the depth is 0. The noise has the standard deviation
+  /// depth_noise x depth^2. It depends only on seed, index, row and column. The first row shows the scene from
   /// pose_at(after_s).
   void depth(const PoseAt& pose_at, double after_s, std::uint64_t seed, std::uint64_t index,
              std::span<std::uint8_t> bytes);
 
-  /// Returns the gates and drones in the picture, in the order of the geometry's objects.
+  /// Returns the gates and drones in the picture, in the order of Geometry::objects.
   std::vector<SeenObject> objects(const PoseAt& pose_at, double after_s);
 
  private:

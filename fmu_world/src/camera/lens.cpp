@@ -12,11 +12,11 @@
 namespace mebots::world::camera {
 namespace {
 
-/// Tangent of the greatest angle to the axis that a lens may have: 80 degrees.
+/// The tangent of the greatest permitted angle between a ray and the axis, 80 degrees.
 constexpr double kFarthestAside = 5.67;
 
-/// Returns the direction of a ray that meets the sensor at `at`: the least root of r (1 + k1 r^2 + k2 r^4) = at, by
-/// Newton's method from 0. The iterates rise to the root while the slope is positive.
+/// Returns the tangent of the angle of the ray that meets the sensor at `at`: the least root of r (1 + k1 r^2 + k2 r^4)
+/// = at, by Newton's method from 0. The iterates rise to the root while the slope is positive.
 double undistorted(const LensSettings& settings, double at) {
   double r = 0.0;
   for (int i = 0; i < 60; ++i) {

@@ -10,7 +10,7 @@
 
 namespace mebots::world::camera {
 
-/// A pinhole camera with square pixels, whose axis passes through the middle of the picture.
+/// A pinhole camera with square pixels. The optical axis passes through the middle of the picture.
 struct Intrinsics {
   int width = 320;                                ///< pixels, 8..2048
   int height = 320;                               ///< pixels, 8..2048
@@ -20,15 +20,14 @@ struct Intrinsics {
   double focal_length_px() const;
 };
 
-/// The pose of a drone or robot in the world.
 struct BodyPose {
   Eigen::Vector3d p_WB_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d R_WB = Eigen::Matrix3d::Identity();
 };
 
-/// The pose of the camera. The axes of its frame C are named as those of the body: x forward along the optical axis, y
-/// left, z up. A point (x, y, z) in C with x > 0 appears at column width/2 - f y/x and row height/2 - f z/x, counted
-/// from the picture's top left corner. The centre of the top left pixel is (0.5, 0.5).
+/// The pose of the camera. Axes of its frame C: x forward along the optical axis, y left, z up. A point (x, y, z) in C
+/// with x > 0 appears at column width/2 - f y/x and row height/2 - f z/x, counted from the picture's top left corner.
+/// The centre of the top left pixel is (0.5, 0.5).
 struct Pose {
   Eigen::Vector3d p_WC_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d R_WC = Eigen::Matrix3d::Identity();
@@ -43,37 +42,35 @@ struct Mounting {
   double pitch_rad = 0.0;  ///< about the body's y, positive looks down
 };
 
-/// Returns the pose of the camera from the pose of the body.
 Pose camera_pose(const Mounting& mounting, const Eigen::Vector3d& p_WB_m, const Eigen::Matrix3d& R_WB);
 
 /// Optical properties of a lens.
 struct LensSettings {
-  /// Radial distortion after Brown: a ray at r = tan(angle to the axis) meets the sensor at r (1 + k1 r^2 + k2 r^4),
-  /// where r is in focal lengths. A negative k1 gives a barrel distortion.
+  /// Radial distortion by Brown's model: a ray at r = tan(angle to the axis) meets the sensor at r (1 + k1 r^2 + k2
+  /// r^4), where r is in focal lengths. A negative k1 gives a barrel distortion.
   double k1 = 0.0;
   double k2 = 0.0;
-  /// Share of the cos^4 law of illumination: 0 is no vignetting, 1 is the full law. A value above 1 is for a lens that
-  /// darkens its corners more than the law.
+  /// Share of the cos^4 law of illumination: 0 means no vignetting, 1 means the full law. A value above 1 darkens the
+  /// corners more than the law.
   double vignetting = 0.0;
 
   bool distorts() const { return k1 != 0.0 || k2 != 0.0; }
   bool is_neutral() const { return !distorts() && vignetting == 0.0; }
 };
 
-/// Distorts a pinhole's picture and darkens its corners, with precomputed tables.
+/// Distorts a pinhole's picture and darkens its corners. Uses precomputed tables.
 class Lens {
  public:
-  /// Prepares the tables for a picture of `intrinsics`, whose field of view is that without distortion. Throws
-  /// mebots::Error if the position on the sensor does not determine the ray, or if the ray would be too far from the
-  /// axis.
+  /// Computes the tables. The field of view of `intrinsics` is that of the lens without distortion. Throws
+  /// mebots::Error if two rays meet the same point of the sensor, or if a ray would be too far from the axis.
   Lens(const Intrinsics& intrinsics, const LensSettings& settings);
 
-  /// Returns the intrinsics of the undistorted picture to render: the lens's focal length, and a size that is large
-  /// enough for the lens.
+  /// Returns the intrinsics of the undistorted picture that must be rendered: the lens's focal length, and a size that
+  /// covers the rays of all sensor pixels.
   const Intrinsics& pinhole() const { return pinhole_; }
 
-  /// The pixel of the undistorted picture that is nearest to a sensor pixel's ray, and the ray's distance to the right
-  /// of and below the centre of this pixel, in pixels.
+  /// The pixel of the undistorted picture that is nearest to a sensor pixel's ray. `right` and `down` are the distances
+  /// of the ray from the centre of this pixel, in pixels.
   struct Source {
     std::size_t pixel;
     double right, down;
@@ -86,7 +83,8 @@ class Lens {
     return {static_cast<std::size_t>(look.place + right + down * pinhole_.width), look.right - right, look.down - down};
   }
 
-  /// Computes the light on the sensor from a pinhole's light, row by row from the top left, multiplied by `factor`.
+  /// Computes the light on the sensor: the light of the undistorted picture, projected and multiplied by `factor`. Both
+  /// pictures are row by row from the top left.
   void project(std::span<const float> light, float factor, std::span<float> sensor) const;
 
  private:

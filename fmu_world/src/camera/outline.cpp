@@ -11,8 +11,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Guard band: parts of a face that are farther than this from the middle of the picture are cut off. This keeps the
-/// integers small.
+/// Guard band: parts of a face that are farther from the middle of the picture are cut off, so that integers stay
+/// small.
 constexpr double kGuard_px = 32768.0;
 
 struct Polygon {
@@ -20,7 +20,7 @@ struct Polygon {
   int count = 0;
 };
 
-/// A corner with a positive distance to the plane is kept.
+/// Keeps corners with a positive distance to the plane.
 struct ClipPlane {
   Vector3d normal;
   double offset;
@@ -35,7 +35,7 @@ Polygon clipped(const Polygon& polygon, const ClipPlane& plane) {
     const double da = plane.distance(a);
     const double db = plane.distance(b);
     if (da >= 0.0) kept.corners[kept.count++] = a;
-    // The point is always computed from the kept corner to the lost one. Two polygons pass their common edge in
+    // Always computes the point from the kept corner to the lost corner. Two polygons go along a common edge in
     // opposite directions, and must get the same bits.
     if (da >= 0.0 && db < 0.0) kept.corners[kept.count++] = a + (da / (da - db)) * (b - a);
     if (da < 0.0 && db >= 0.0) kept.corners[kept.count++] = b + (db / (db - da)) * (a - b);
@@ -45,8 +45,8 @@ Polygon clipped(const Polygon& polygon, const ClipPlane& plane) {
   return kept;
 }
 
-/// Returns true if no plane cuts the face, which is the case for nearly all faces. This test takes less time than
-/// clipping by the planes.
+/// Returns true if no plane cuts the face, as for nearly all faces. This test takes less time than clipping by the
+/// planes.
 bool all_inside(std::span<const Vector3d> corners_C_m, double side) {
   bool inside = true;
   for (const Vector3d& p : corners_C_m) {
@@ -73,7 +73,7 @@ Polygon clipped(std::span<const Vector3d> corners_C_m, double side) {
   return polygon;
 }
 
-/// Rounds to the nearest, halves away from 0, like std::llround() but without a call.
+/// Rounds to the nearest integer, halves away from 0. Works as std::llround() without a call.
 std::int32_t to_nearest(double value) {
   const auto whole = static_cast<std::int32_t>(value);
   const double rest = value - whole;  // exact
@@ -95,7 +95,7 @@ Outline::Outline(const Picture& picture, std::span<const Vector3d> corners_C_m, 
   }
   const int corners = static_cast<int>(corners_C_m.size());
 
-  // Within the guard band, values and their differences are below 2^28, so they fit into the edges' 32 bits.
+  // Within the guard band, values and their differences are below 2^28, so they fit into 32 bits.
   std::array<std::int32_t, kMaxOutlineCorners> x;
   std::array<std::int32_t, kMaxOutlineCorners> y;
   for (int i = 0; i < corners; ++i) {
@@ -107,8 +107,8 @@ Outline::Outline(const Picture& picture, std::span<const Vector3d> corners_C_m, 
 
   const auto [left, right] = std::minmax_element(x.begin(), x.begin() + corners);
   const auto [top, bottom] = std::minmax_element(y.begin(), y.begin() + corners);
-  // Returns the first row whose centre is at or below the coordinate y, or the first column whose centre is at x or to
-  // the right of it.
+  // Returns the first row whose centre is at or below the coordinate y, or the first column whose centre is at or right
+  // of the coordinate x.
   const auto first_at = [](std::int32_t at, int count) {
     static_assert(kOne == 1 << 12);
     return static_cast<int>(std::clamp<std::int64_t>((at - kHalf + kOne - 1) >> 12, 0, count));
@@ -120,7 +120,7 @@ Outline::Outline(const Picture& picture, std::span<const Vector3d> corners_C_m, 
   int begun_rows = 0;
   for (int i = 0; i < corners; ++i) {
     const int j = i + 1 < corners ? i + 1 : 0;
-    // The polygon is counter-clockwise, and y grows downwards. So its left edges go down, and its right edges go up.
+    // The polygon is counter-clockwise, and y grows downwards, so left edges go down and right edges go up.
     const bool down = y[i] < y[j];
     const int a = down ? i : j;
     const int b = down ? j : i;
@@ -133,7 +133,7 @@ Outline::Outline(const Picture& picture, std::span<const Vector3d> corners_C_m, 
         first, end,  down ? 1 : -1, 1.0 / (static_cast<double>(dy) * static_cast<double>(kOne))};
     if (down) begun_rows += end - first;
   }
-  // Between its top and its bottom, a closed line crosses each row downwards as often as upwards.
+  // The outline is closed, so it crosses each row as often downwards as upwards.
   two_crossings_ = begun_rows == end_row_ - first_row_;
 }
 

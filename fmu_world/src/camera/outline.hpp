@@ -12,19 +12,19 @@
 
 namespace mebots::world::camera {
 
-/// Parts of a face that are nearer to the camera's plane than this are cut off.
+/// Parts of a face that are closer to the camera's plane than this distance are cut off.
 inline constexpr double kNearPlane_m = 1e-3;
-/// Number of planes that cut a face; each can add a corner.
+/// The number of planes that cut a face. Each plane can add a corner.
 inline constexpr std::size_t kClipPlanes = 5;
-/// A face has at most 8 corners; each of the five clip planes can add one. Three more are a reserve.
+/// A face has at most 8 corners, and each of the five planes can add one. The remaining three are a reserve.
 inline constexpr std::size_t kMaxOutlineCorners = 16;
 
-/// Determines the pixels of a convex polygon: those whose centre is inside. Corners are rounded to 1/4096 of a pixel;
-/// everything after that is integer arithmetic, so the result is exact. A centre on an edge belongs to the polygon if
-/// the edge is a left or top one. Therefore polygons that share an edge never share or miss a pixel.
+/// Determines the pixels of a convex polygon: the pixels whose centres are inside. Rounds the corners to 1/4096 pixel.
+/// All further computations use integers, so they are exact. A centre on an edge belongs to the polygon if the edge is
+/// a left edge or a top edge. Therefore polygons with a common edge neither share nor miss a pixel.
 class Outline {
  public:
-  /// A picture with its middle on the camera's optical axis.
+  /// The camera's optical axis passes through the middle of the picture.
   struct Picture {
     double focal_length_px;
     int width, height;
@@ -32,7 +32,7 @@ class Outline {
   static constexpr std::int64_t kOne = 4096;  // a pixel
   static constexpr std::int64_t kHalf = kOne / 2;
 
-  /// An edge of an outline. It passes the centre of at least one row.
+  /// An edge of an outline. It crosses the centre line of at least one row.
   struct Edge {
     std::int32_t x_top, y_top;  // in 1/4096 pixel
     std::int32_t dx, dy;        // from top to bottom, dy > 0
@@ -41,22 +41,22 @@ class Outline {
     double columns_per_unit;    // 1 / (4096 dy), rounded
 
     /// Computes the first column whose centre is on or right of the edge, for each of the rows [first, end). The edge
-    /// must pass all of these rows.
+    /// must cross the centre lines of these rows.
     void columns(int first, int end, std::int32_t* columns) const {
-      // The result is the least column with (kOne column + kHalf - x_top) dy >= dx (y - y_top): a quotient that is
+      // The result is the least column with (kOne column + kHalf - x_top) dy >= dx (y - y_top), a quotient that is
       // rounded up. The product is at most 2^30 times 2^31, so it fits into 64 bits.
       const std::int64_t y = first * kOne + kHalf;
       const std::int64_t numerator = (x_top - kHalf) * dy + dx * (y - y_top);
       const std::int64_t denominator = dy * kOne;
-      // The floating-point quotient has an error below 1e-10, so its integer part is wrong by at most one. Integer
-      // divisions would take most of the rendering time of a picture with many small faces.
+      // The floating-point quotient has an error below 1e-10, so its integer part differs by at most one from the exact
+      // result. Integer divisions would take most of the rendering time of a picture with many small faces.
       auto column = static_cast<std::int64_t>(static_cast<double>(numerator) * columns_per_unit);
       std::int64_t beyond = column * denominator - numerator;  // in [0, denominator) for the exact column
       const int off = static_cast<int>(beyond < 0) - static_cast<int>(beyond >= denominator);
       column += off;
       beyond += off * denominator;
-      // From row to row the quotient grows by dx / dy: by whole columns, and by a remainder that is subtracted from
-      // `beyond`.
+      // In the next row, the quotient is greater by dx / dy. `whole` is the integer part of this growth. The remainder
+      // is subtracted from `beyond`.
       const std::int32_t whole = dx / dy - static_cast<int>(dx % dy < 0);
       const std::int64_t rest = (dx - static_cast<std::int64_t>(whole) * dy) * kOne;
       for (int row = first; row < end; ++row) {
@@ -70,16 +70,17 @@ class Outline {
   };
   using Edges = std::span<Edge, kMaxOutlineCorners>;
 
-  /// `corners_C_m` are in the camera frame, counter-clockwise seen from the camera. The outline's edges are the first
-  /// edge_count() elements of `edges`, which must not move. Uses no heap.
+  /// `corners_C_m` are in the camera frame, counter-clockwise seen from the camera. The outline stores its edges in the
+  /// first edge_count() elements of `edges`. `edges` must outlive the outline and must not move. Uses no heap.
   Outline(const Picture& picture, std::span<const Eigen::Vector3d> corners_C_m, Edges edges);
 
-  /// The rows of the polygon are [first_row, end_row). The range is empty if the polygon contains no pixel's centre.
+  /// The polygon covers pixels only in the rows [first_row, end_row). The range is empty if the polygon contains no
+  /// pixel's centre.
   int first_row() const { return first_row_; }
   int end_row() const { return end_row_; }
   int edge_count() const { return edge_count_; }
 
-  /// Maximum number of rows of one call of spans().
+  /// The greatest number of rows in one call of spans().
   static constexpr int kStripRows = 16;
 
   /// Calls span(row, begin, end) for each run of covered columns in the rows [first, end), within the picture.
@@ -112,8 +113,7 @@ class Outline {
     int column, winding;
   };
 
-  /// Calls span(row, begin, end) for each run of covered columns of a row, whose centre line may cross any number of
-  /// edges.
+  /// Works as spans() for one row, but the row's centre line may cross any number of edges.
   template <typename Span>
   void winding_spans(int row, Span&& span) const {
     std::array<Crossing, kMaxOutlineCorners> crossings;  // of the row's centre line, from left to right
@@ -140,8 +140,8 @@ class Outline {
   int width_;
   int first_row_ = 0;
   int end_row_ = 0;
-  /// True if each row's centre line is crossed twice, as for a convex polygon. Rounding can make one concave by 1/4096
-  /// pixel.
+  /// True if each row's centre line crosses two edges, as for a convex polygon. Rounding by 1/4096 pixel can make a
+  /// polygon concave.
   bool two_crossings_ = true;
 };
 

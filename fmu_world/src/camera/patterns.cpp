@@ -39,7 +39,7 @@ double smooth(double t) {
   return t * t * (3.0 - 2.0 * t);
 }
 
-/// Value noise in [0, 1) that repeats after `cells` lattice cells.
+/// Value noise in [0, 1) with a period of `cells` lattice cells.
 class ValueNoise {
  public:
   ValueNoise(std::uint32_t seed, int layer, int cells) : cells_(cells), lattice_(std::size_t{1} * cells * cells) {
@@ -77,7 +77,6 @@ class LayeredNoise {
     }
   }
 
-  /// Returns a value in [0, 1).
   double at(double u, double v) const {
     double sum = 0.0;
     double total = 0.0;
@@ -105,7 +104,7 @@ double bricks(const Texture& texture, double u, double v) {
   return std::clamp(texture.light * (1.0 + kBrickSpread * shade), 0.0, 255.0);
 }
 
-/// Returns the grey level of a repeating picture between its pixels' centres.
+/// Interpolates between the centres of a picture's pixels. The picture repeats.
 double between_pixels(const scene::Picture& picture, double u, double v) {
   const double x = u * picture.width - 0.5;
   const double y = (1.0 - v) * picture.height - 0.5;

@@ -15,8 +15,8 @@ namespace {
 
 constexpr int kSamples = 4096;
 
-/// Returns x with P(X > x) = tail for a standard normal X and 0 < tail < 1/2, by Newton's method. The tail is convex
-/// for x > 0, so the iteration rises to the root from 0.
+/// Returns x with P(X > x) = tail for a standard normal X and 0 < tail < 1/2. Uses Newton's method. P is convex for x >
+/// 0, so the iterates rise from 0 to the root.
 double upper_quantile(double tail) {
   constexpr double kInverseSqrt2Pi = 0.39894228040143267794;
   double x = 0.0;
@@ -29,7 +29,7 @@ double upper_quantile(double tail) {
   return x;
 }
 
-/// The positive half of the samples before scaling, the greatest first, and the sum of all squares.
+/// The positive half of the samples before scaling, in falling order, and the sum of all squares.
 struct Quantiles {
   std::array<double, kSamples / 2> upper{};
   double square_sum = 0.0;
@@ -42,8 +42,8 @@ struct Quantiles {
   }
 };
 
-/// All worlds of the process share the quantiles. They are computed when the library is loaded: a library whose memory
-/// has not changed since its loading can run the next mission without being loaded again.
+/// The quantiles of all worlds in the process. They are computed when the library is loaded: a library whose memory has
+/// not changed since its loading can run the next mission without being loaded again.
 const Quantiles kQuantiles;
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// If the camera is closer to a face's plane than this, the face is seen edge-on and not drawn.
+/// If the camera's distance from a face's plane is less than this, the face is edge-on and is not drawn.
 constexpr double kEdgeOn_m = 1e-9;
 
 void check(const Intrinsics& intrinsics) {
@@ -50,24 +50,22 @@ Geometry checked(Geometry geometry) {
   return geometry;
 }
 
-/// Number of rows whose depths are tested together. A large number puts each face into few strips. But the rows must
+/// The number of rows whose depths are tested together. In high strips, each face is in few strips. But the rows must
 /// fit into the first-level cache.
 constexpr int kStripRows = Outline::kStripRows;
 
-/// Marks a pixel without a face.
 constexpr std::int32_t kNothing = -1;
 
-/// Returns the distance of a row's centre below the picture's middle, in pixels.
 double below_middle(int row, const Intrinsics& intrinsics) {
   return row + 0.5 - 0.5 * intrinsics.height;
 }
 
-/// Returns the distance of the first column's centre to the right of the picture's middle.
+/// Returns the distance of the first column's centre to the right of the picture's middle, in pixels. It is negative.
 float left_centre(const Intrinsics& intrinsics) {
   return 0.5F - 0.5F * static_cast<float>(intrinsics.width);
 }
 
-/// A linear function of the viewing ray as a function of the pixel: value(x, y) = at_0 + x along_x + y along_y.
+/// A linear function of the viewing ray, as a function of the pixel: value(x, y) = at_0 + x along_x + y along_y.
 struct PixelPlane {
   double at_0, along_x, along_y;
 };
@@ -78,18 +76,18 @@ PixelPlane along_ray(const Vector3d& direction_W, const Eigen::Matrix3d& R_WC, d
   return {direction_C.x(), -direction_C.y() / focal_length_px, -direction_C.z() / focal_length_px};
 }
 
-/// Returns the camera's position along an axis in texels, reduced to the first tile.
+/// Returns the camera's position along an axis in texels, modulo the tile's size.
 float eye_texel(double along_axis_m, double edge_m, int size) {
   const double tiles = along_axis_m / edge_m;
   return static_cast<float>((tiles - std::floor(tiles)) * size);
 }
 
-/// True for the camera's own drone, and for all drones if the picture has no positions of them.
+/// True for the camera's own drone. If the picture has no positions of drones, true for all drones.
 bool is_hidden(const Mover& mover, const Pose& pose) {
   return mover.body != Mover::kNoBody && (mover.body >= pose.bodies.size() || mover.body == pose.own_body);
 }
 
-/// Returns the camera's pose relative to a mover without its path, or to a drone's body.
+/// Returns the camera's pose relative to a mover's position without its path, or relative to a drone's body.
 Pose seen_from(const Mover& mover, const Pose& pose) {
   if (is_hidden(mover, pose)) return pose;
   if (mover.body != Mover::kNoBody) {
@@ -106,8 +104,7 @@ Pose seen_from(const Mover& mover, const Pose& pose) {
 FaceView view_of(const FaceCover& face, double light, const Pose& pose, double height_over_plane_m,
                  double focal_length_px) {
   MEBOTS_ASSERT(height_over_plane_m >= kEdgeOn_m);
-  // A point on the ray at depth d, which is measured along the optical axis, is in the plane if normal . (p_WC + d ray)
-  // = offset.
+  // In the face's plane, a point on the ray at depth d along the optical axis fulfils normal . (p_WC + d ray) = offset.
   const PixelPlane n = along_ray(face.normal_W, pose.R_WC, focal_length_px);
   const double per_height = -1.0 / height_over_plane_m;
   FaceView view;
@@ -118,7 +115,6 @@ FaceView view_of(const FaceCover& face, double light, const Pose& pose, double h
   return view;
 }
 
-/// Adds the texture to the view of a face.
 void add_texture(const Face& face, const Tile& tile, const Pose& pose, double focal_length_px, FaceView& view) {
   const double texels_per_m_u = tile.ripmap.size() / tile.edge_u_m;
   const double texels_per_m_v = tile.ripmap.size() / tile.edge_v_m;
@@ -157,7 +153,7 @@ Renderer::Renderer(std::shared_ptr<const Scenery> scenery, Intrinsics intrinsics
 Renderer::Workspace Renderer::make_workspace() const {
   Workspace workspace;
   workspace.faces_.reserve(scenery_->geometry.faces.size());
-  // A clip plane adds at most one corner. The end has space for any outline.
+  // A clip plane adds at most one corner. The last kMaxOutlineCorners elements serve an outline under construction.
   workspace.edges_.resize(scenery_->covers.corners_W_m.size() + kClipPlanes * scenery_->geometry.faces.size() +
                           kMaxOutlineCorners);
   workspace.strips_.resize(static_cast<std::size_t>((intrinsics_.height + kStripRows - 1) / kStripRows) + 1);
@@ -223,7 +219,7 @@ void Renderer::find_visible(const Pose& pose, int first_row, int end_row, std::u
   sort_by_strip(first_row, workspace);
 }
 
-/// Counting sort is stable, so that faces of one strip keep their order.
+/// Uses a counting sort, which is stable: the faces of one strip keep their order.
 void Renderer::sort_by_strip(int first_row, Workspace& workspace) {
   auto& strips = workspace.strips_;
   const auto strip_of = [=](const Workspace::VisibleFace& face) {
@@ -236,13 +232,13 @@ void Renderer::sort_by_strip(int first_row, Workspace& workspace) {
   workspace.by_strip_.resize(workspace.faces_.size());
   for (std::size_t i = 0; i < workspace.faces_.size(); ++i)
     workspace.by_strip_[strips[strip_of(workspace.faces_[i])]++] = static_cast<std::int32_t>(i);
-  // Moves each entry to the start of the next strip.
+  // Each entry is now the end of its strip, which is the start of the next strip. Moves the entries by one strip.
   std::rotate(strips.begin(), strips.end() - 1, strips.end());
   strips[0] = 0;
   workspace.active_.clear();
 }
 
-/// Removes faces that end before the strip, and adds faces that begin in it. Both lists are in the order of the faces.
+/// Removes faces that end before the strip. Adds faces that start in it. Both lists have the order of the faces.
 void Renderer::enter_strip(std::size_t strip, int first, Workspace& workspace) {
   const auto& by_strip = workspace.by_strip_;
   std::size_t coming = workspace.strips_[strip];

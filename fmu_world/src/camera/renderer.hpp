@@ -16,41 +16,41 @@
 
 namespace mebots::world::camera {
 
-/// Geometry in the form that the renderer needs. Constant after construction.
+/// The geometry in the renderer's form. Constant after construction.
 struct Scenery {
-  /// Throws mebots::Error for faces with fewer than 3 or more than 8 corners.
+  /// Throws mebots::Error if a face has fewer than 3 or more than 8 corners.
   explicit Scenery(Geometry all);
   Geometry geometry;
   FaceCovers covers;
   std::vector<FaceGroup> groups;
 };
 
-/// The plane that a pixel shows. Its inverse depth along the optical axis is linear over the picture.
+/// The plane that a pixel shows. Its inverse depth along the optical axis is a linear function of column and row.
 struct Sight {
   double inverse_depth_per_m = 0.0;      ///< at the pixel's centre; 0 where there is no face
   float along_x = 0.0F, along_y = 0.0F;  ///< change to the next pixel to the right, and down
   std::uint32_t object = kNoObject;      ///< index in Geometry::objects
 
-  /// Returns the depth of the plane at a point that is `right` and `down` of the pixel's centre, in pixels; 0 if there
-  /// is no face.
+  /// Returns the depth of the plane at a point that is `right` and `down` pixels from the pixel's centre; 0 if the
+  /// pixel shows no face.
   double depth_m(double right, double down) const {
     const double inverse = inverse_depth_per_m + along_x * right + along_y * down;
     return inverse > kFarthest_per_m ? 1.0 / inverse : 0.0;
   }
 };
 
-/// Selects the faces of all objects, and those of no object.
+/// Selects all faces, including faces that belong to no object.
 inline constexpr std::uint32_t kEveryObject = kNoObject;
 
 /// The drone's camera: a pinhole camera with an 8-bit grey sensor.
 ///
-/// Faces that cannot be in the picture are left out, if possible by groups. Then, in strips of 16 rows, every face's
-/// pixels are tested against the strip's inverse depths, and each visible pixel is textured once, with correct
-/// perspective. Finally noise is added, and each row is rounded and limited to 0..255. The same arguments give the same
-/// bytes, for any renderer, thread or vector unit. After construction, the renderer does not use the heap.
+/// First excludes faces and groups of faces that cannot be in the picture. Then processes strips of 16 rows: tests the
+/// pixels of every face against the inverse depths of the strip, and textures each visible pixel once, with correct
+/// perspective. Finally adds noise, rounds each row, and limits it to 0..255. The same arguments give the same bytes,
+/// for any renderer, thread or vector unit. After construction, the renderer does not use the heap.
 class Renderer {
  public:
-  /// Working memory of a call. Threads that render at the same time need separate objects.
+  /// Working memory of a call. Threads that render at the same time need separate workspaces.
   class Workspace {
     friend class Renderer;
     struct VisibleFace {
@@ -70,50 +70,49 @@ class Renderer {
     std::vector<float> grey_;
   };
 
-  /// `noise_std` is in grey levels. Throws mebots::Error for sizes outside 8..2048 pixels, a field of view outside
-  /// 0.1..3.0 rad, or negative noise.
+  /// `noise_std` is in grey levels. Throws mebots::Error if a size is outside 8..2048 pixels, the field of view is
+  /// outside 0.1..3.0 rad, or the noise is negative.
   Renderer(const scene::Scene& scene, Intrinsics intrinsics, double noise_std);
-  /// Creates a renderer for any geometry. Also throws mebots::Error for faces with fewer than 3 or more than 8 corners.
+  /// Throws the same errors. Also throws mebots::Error if a face has fewer than 3 or more than 8 corners.
   Renderer(Geometry geometry, Intrinsics intrinsics, double noise_std);
-  /// Creates a renderer for a scenery that several cameras share.
+  /// Several cameras may share a scenery.
   Renderer(std::shared_ptr<const Scenery> scenery, Intrinsics intrinsics, double noise_std);
 
   const Intrinsics& intrinsics() const { return intrinsics_; }
 
-  /// Writes width x height grey levels, row by row from the top left. The noise is a function of `seed`, `frame_index`
-  /// and the pixel's row and column. Throws mebots::Error if `pixels` has another size. The renderer has one workspace,
-  /// so only one call may run at a time.
+  /// Writes width x height grey levels, row by row from the top left. The noise depends only on `seed`, `frame_index`
+  /// and the pixel's row and column. Throws mebots::Error if `pixels` has another size. Not thread-safe, because all
+  /// calls use the renderer's own workspace.
   void render(const Pose& pose, std::uint64_t seed, std::uint64_t frame_index, std::span<std::uint8_t> pixels) {
     render(pose, seed, frame_index, pixels, workspace_);
   }
 
-  /// Renders as the function above. Several calls may run at the same time if each has its own workspace.
+  /// Works as the function above. Threads may call it at the same time if each has its own workspace.
   void render(const Pose& pose, std::uint64_t seed, std::uint64_t frame_index, std::span<std::uint8_t> pixels,
               Workspace& workspace) const;
   Workspace make_workspace() const;
 
-  /// Computes only the light, in grey levels before noise and rounding, for the rows [first_row, end_row) of a picture.
-  /// `grey` begins at row 0 and has `width` numbers per row.
+  /// Computes the light without noise and rounding, in grey levels, for the rows [first_row, end_row). `grey` starts at
+  /// row 0 and has `width` numbers per row.
   void render_light(const Pose& pose, int first_row, int end_row, std::span<float> grey, Workspace& workspace) const;
 
-  /// Finds what the pixels of the rows [first_row, end_row) show. `sights` begins at row 0. If `only` is the index of
-  /// an object, the picture contains this object alone.
+  /// Finds the planes that the pixels of the rows [first_row, end_row) show. `sights` starts at row 0. If `only` is the
+  /// index of an object, ignores all other objects.
   void look(const Pose& pose, int first_row, int end_row, std::uint32_t only, std::span<Sight> sights,
             Workspace& workspace) const;
 
  private:
-  /// Finds the faces of all objects or of one that may be visible in the rows [first, end).
+  /// Finds the faces that may be visible in the rows [first, end). `only` has the same meaning as in look().
   void find_visible(const Pose& pose, int first_row, int end_row, std::uint32_t only, Workspace& workspace) const;
   static void sort_by_strip(int first_row, Workspace& workspace);
-  /// Finds the nearest faces of a strip with the rows [first, end). Must be called for strips in rising order, after
-  /// find_visible().
+  /// Finds the nearest faces in a strip with the rows [first, end). Call this function after find_visible(), for the
+  /// strips in rising order.
   void see_strip(std::size_t strip, int first, int end, Workspace& workspace) const;
   static void enter_strip(std::size_t strip, int first, Workspace& workspace);
-  /// Finds the visible faces and calls act(row, nearest) for each row. `nearest` contains the nearest face of each
-  /// pixel.
+  /// Finds the visible faces. Calls act(row, nearest) for each row with the nearest face of each pixel.
   template <typename Act>
   void for_each_row(const Pose& pose, int first, int end, std::uint32_t only, Workspace& workspace, Act&& act) const;
-  /// Calls shaded(row) for each of the rows [first, end) when its light is in the workspace's `grey_`.
+  /// Computes the light of each of the rows [first, end) in the workspace's `grey_`, then calls shaded(row).
   template <typename Shaded>
   void shade_rows(const Pose& pose, int first, int end, Workspace& workspace, Shaded&& shaded) const;
   void shade_row(int row, const std::int32_t* nearest, const Workspace& workspace, float* grey) const;

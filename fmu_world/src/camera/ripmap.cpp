@@ -40,7 +40,7 @@ Level sample(int size, int samples, const Ripmap::Pattern& pattern) {
   return level;
 }
 
-/// Rounds to the nearest integer, halves upwards, like std::lround() for non-negative values, but without a call.
+/// Rounds to the nearest integer, halves upwards. Works as std::lround() for non-negative values without a call.
 std::uint8_t rounded(float grey) {
   MEBOTS_ASSERT(grey >= 0.0F && grey <= 255.0F);
   const auto whole = static_cast<int>(grey);

@@ -8,20 +8,21 @@
 
 namespace mebots::world::camera {
 
-/// A square tile of grey levels that repeats endlessly, with filtered look-up.
+/// A square tile of grey levels that repeats without end, for filtered look-ups.
 ///
-/// It is halved along u and along v independently (Williams' mip map, taken per axis), so that a surface seen at a
-/// grazing angle is only averaged along its long axis. One bilinear look-up per pixel avoids flicker and blur.
+/// Stores the tile at all combinations of halved widths and halved heights (Williams' mip map for each axis
+/// separately). Therefore a surface that is seen at a grazing angle is averaged only along its long axis. One bilinear
+/// look-up per pixel avoids flicker and blur.
 ///
-/// All levels are in one array of 2S x 2S for a tile of S x S texels. The level of width s = S / 2^k starts at column
-/// 2S - 2s; rows likewise. Each 32-bit word contains a texel and its right, lower and lower right neighbours (from the
-/// low byte up, wrapped around), so that a bilinear look-up reads one word.
+/// All levels are in one array of 2S x 2S words for a tile of S x S texels. The level with width s = S / 2^k starts at
+/// column 2S - 2s. Rows have the same rule. Each 32-bit word contains a texel and its right, lower and lower right
+/// neighbours (from the low byte up, with wrap-around), so that a bilinear look-up reads one word.
 class Ripmap {
  public:
   /// Returns the grey level 0..255 of the tile at (u, v) in [0, 1).
   using Pattern = std::function<double(double u, double v)>;
 
-  /// `size` must be a power of two, 1..4096. The pattern is averaged over `samples` x `samples` points per texel.
+  /// `size` must be a power of two from 1 to 4096. Averages the pattern over `samples` x `samples` points per texel.
   Ripmap(int size, int samples, const Pattern& pattern);
 
   int size() const { return size_; }
@@ -30,7 +31,7 @@ class Ripmap {
   const std::uint32_t* words() const { return words_.data(); }
   /// Returns the size of the texture in memory, in bytes.
   std::size_t bytes() const { return words_.size() * sizeof(words_[0]); }
-  /// Returns the grey level of a texel; level 0 is the full resolution in that direction.
+  /// Returns the grey level of a texel. In each direction, level 0 has the full resolution.
   int texel(int level_u, int level_v, int column, int row) const;
 
  private:

@@ -15,11 +15,12 @@
 namespace mebots::world::camera {
 namespace {
 
-/// Automatic exposure changes if mean and target differ by more than this number of grey levels: the HM01B0's
+/// Automatic exposure acts if mean and target differ by more than this number of grey levels: the HM01B0's
 /// CONVERGE_OUT_TH.
 constexpr double kTolerance = 5.0;
 constexpr double kMostChange = 2.0;
-/// Least product of exposure and gain of automatic exposure, relative to the reference: one line of 340.
+/// The least product of exposure and gain that automatic exposure sets, relative to the reference: an exposure of one
+/// line if the reference is 340 lines.
 constexpr double kLeastFactor = 1.0 / 340.0;
 
 void require(bool good, const char* name, double value, const char* limit) {
@@ -72,7 +73,8 @@ double Sensor::factor_of(double exposure_s, double gain) const {
   return gain * (reference_s > 0.0 && exposure_s > 0.0 ? exposure_s / reference_s : 1.0);
 }
 
-/// Returns the least power of two with which the exposure time is long enough.
+/// With automatic exposure, returns the least power of two for which the exposure does not exceed its maximum. The
+/// result is at most `most_gain`.
 double Sensor::gain() const {
   if (!settings_.automatic) return settings_.gain;
   const double longest = factor_of(settings_.most_exposure_s, 1.0);
@@ -113,7 +115,7 @@ void Sensor::take(const PoseAt& pose_at, std::uint64_t seed, std::uint64_t frame
   MEBOTS_ASSERT(pixels.size() == sensor_.size());
   gather(pose_at);
   lens_.project(light_, static_cast<float>(light_factor_), sensor_);
-  // The variance of a grey level g is reading^2 + g x (grey levels per electron), with gain.
+  // With noise and gain, the variance of a grey level g is reading^2 + g x (grey levels per electron).
   const auto reading = static_cast<float>(settings_.noise_std * settings_.noise_std);
   const auto shot = static_cast<float>(settings_.full_well > 0.0 ? 255.0 * gain() / settings_.full_well : 0.0);
   const auto width = static_cast<std::size_t>(intrinsics_.width);

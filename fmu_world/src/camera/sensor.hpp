@@ -14,8 +14,8 @@
 
 namespace mebots::world::camera {
 
-/// Settings of the sensor. If all are zero and the gain is 1, it exposes a whole picture in an instant, as the renderer
-/// does.
+/// Settings of the sensor. If all are zero and the gain is 1, the sensor exposes the whole picture at one instant, as
+/// the renderer does.
 struct SensorSettings {
   double exposure_s = 0.0;            ///< exposure of each row; 0 = an instant
   double reference_exposure_s = 0.0;  ///< exposure that gives the scene's grey levels at a gain of 1; 0 = `exposure_s`
@@ -36,13 +36,13 @@ struct SensorSettings {
 
 /// A camera's lens and sensor: picture = rounded (noise + light on the sensor x exposure x gain).
 ///
-/// The exposure of row r begins at t + r line_time, while the camera continues the motion that it has at t. The
-/// renderer uses one time for each band of eight rows, and `blur_samples` pictures per exposure. Rows are those of the
-/// picture before distortion. Shot noise: the standard deviation of n electrons is sqrt(n).
+/// The exposure of row r starts at t + r line_time. During the picture, the camera continues the motion that it has at
+/// t. The renderer uses one time for each band of eight rows, and `blur_samples` pictures per exposure. These are rows
+/// of the picture before distortion. Shot noise: the standard deviation of n electrons is sqrt(n).
 ///
-/// Automatic exposure uses a picture's mean. If it differs from the target by more than 5 grey levels, the product of
-/// exposure and gain is multiplied by target / mean, limited to 1/2 to 2. Exposure is increased first, then the gain is
-/// doubled.
+/// Automatic exposure corrects the next picture if a picture's mean differs from the target by more than 5 grey levels.
+/// It multiplies the product of exposure and gain by target / mean, limited to 1/2 to 2. It increases the exposure
+/// first, then doubles the gain.
 class Sensor {
  public:
   /// Throws mebots::Error that names a parameter with an invalid value.
@@ -52,10 +52,10 @@ class Sensor {
          const SensorSettings& settings)
       : Sensor(std::make_shared<const Scenery>(make_geometry(scene)), intrinsics, lens, settings) {}
 
-  /// Takes a picture. The noise is a function of seed, index, row and column. Uses no heap.
+  /// Takes a picture. The noise depends only on seed, index, row and column. Uses no heap.
   void take(const PoseAt& pose_at, std::uint64_t seed, std::uint64_t frame_index, std::span<std::uint8_t> pixels);
 
-  /// Return the exposure and the gain of the next picture.
+  /// The exposure and the gain of the next picture.
   double exposure_s() const;
   double gain() const;
 

@@ -12,8 +12,8 @@ constexpr int kChunk = 64;                  // pixels whose intermediate values 
 constexpr int kVector = kSpareColumns + 1;  // pixels of the longest vectors
 static_assert(kChunk % kVector == 0);
 
-/// Returns condition ? a : b, computed with bits. In some of the loops below, GCC turns the operator ?: into a branch
-/// or a conditional store, and does not vectorise the loop.
+/// Returns condition ? a : b by operations on bits. In some loops below, GCC would turn the operator ?: into a branch
+/// or a conditional store, and would not vectorise the loop.
 std::int32_t select(bool condition, std::int32_t a, std::int32_t b) {
   const std::int32_t mask = -static_cast<std::int32_t>(condition);
   return (mask & a) | (~mask & b);
@@ -32,14 +32,13 @@ float smaller(float a, float b) {
   return a < b ? a : b;
 }
 
-/// The position of a texture look-up on one axis.
 struct Axis {
   std::int32_t index;  // in the ripmap's array
   float fraction;      // of the way to the next texel
 };
 
-/// Computes a texture look-up. `texels` is the coordinate in texels of level 0, `footprint` is the pixel's extent in
-/// these texels, `size` is the tile's size. The level is the power of two nearest to the footprint on a logarithmic
+/// Computes a texture look-up. `texels` is the coordinate in texels of level 0. `footprint` is the pixel's extent in
+/// these texels. `size` is the tile's size. The level is the power of two nearest to the footprint on a logarithmic
 /// scale.
 Axis look_up(float texels, float footprint, float size) {
   constexpr float kSqrt2 = 1.41421356F;
@@ -55,7 +54,7 @@ Axis look_up(float texels, float footprint, float size) {
 }
 
 // The compiler generates each loop over pixels twice: for the vectors of every x86-64 processor, and for the longer
-// vectors of AVX2. Both versions compute the same bits, because no loop sums over pixels.
+// vectors of AVX2. Both give the same bits, because no loop sums over pixels.
 #if defined(__x86_64__) && defined(__GNUC__)
 #define MEBOTS_LONG_VECTORS [[gnu::target("avx2")]]
 const bool kHasLongVectors = __builtin_cpu_supports("avx2") != 0;
@@ -64,8 +63,8 @@ const bool kHasLongVectors = __builtin_cpu_supports("avx2") != 0;
 constexpr bool kHasLongVectors = false;
 #endif
 
-/// Rounds a number of pixels up to whole vectors. Otherwise, most of the time for short runs would be spent on the
-/// remaining single pixels.
+/// Rounds a number of pixels up to whole vectors. Otherwise, short runs would spend most of their time on single
+/// pixels.
 int whole_vectors(int count) {
   return (count + kVector - 1) / kVector * kVector;
 }

@@ -9,8 +9,7 @@
 namespace mebots::world::camera {
 namespace {
 
-/// The tiles in use. Drawing tiles takes most of the time of a world's start. Tiles never change, so all worlds share
-/// them.
+/// The tiles in use. All worlds share tiles, because drawing them takes most of the time of a world's start.
 class Tiles {
  public:
   std::shared_ptr<const Tile> get(const scene::Texture& texture) {
@@ -35,7 +34,7 @@ class Tiles {
     return nullptr;
   }
 
-  /// Releases all memory if no tile is in use, so that the library's memory is the same as directly after loading.
+  /// If no tile is in use, releases all memory. The library's memory is then the same as directly after loading.
   void remove_unused() {
     const std::lock_guard lock(mutex_);
     std::erase_if(used_, [](const auto& entry) { return entry.second.expired(); });

@@ -8,17 +8,17 @@
 
 namespace mebots::world::camera {
 
-/// A texture of the scene as a tile, and the lengths of the tile's edges along the surface's two axes.
+/// The tile of a texture, and the lengths of the tile's edges along the surface's two axes.
 struct Tile {
   Ripmap ripmap;
   double edge_u_m;
   double edge_v_m;
 };
 
-/// Draws the tile of a scene's texture. The surface's first axis is u, its second axis is v.
+/// Draws the tile of a texture. u is the surface's first axis, v its second axis.
 Tile make_tile(const scene::Texture& texture);
 
-/// Returns a tile that all worlds of the process share while it is in use.
+/// Returns the tile of a texture. All worlds of the process share it while it is in use.
 std::shared_ptr<const Tile> shared_tile(const scene::Texture& texture);
 
 }  // namespace mebots::world::camera

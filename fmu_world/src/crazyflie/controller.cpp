@@ -14,9 +14,9 @@ namespace {
 constexpr double kAttitudePeriod_s = 1e-9 * static_cast<double>(Controller::kAttitudePeriod_ns);
 constexpr double kPositionPeriod_s = 1e-9 * static_cast<double>(Controller::kPositionPeriod_ns);
 constexpr double kDegrees = 180.0 / std::numbers::pi;
-/// A braking drone holds its present position as soon as its speed is below this value.
+/// When the speed of a braking drone falls below this value, the drone holds its position.
 constexpr double kStoppedSpeed_m_per_s = 0.05;
-/// A supply voltage below this value is ignored, as in the firmware.
+/// Lower supply voltages are ignored, as in the firmware.
 constexpr double kLeastSupply_v = 2.0;
 
 }  // namespace
@@ -69,7 +69,7 @@ void Controller::control_position(const StabiliserGoal& goal, const RigidState& 
   }
   wanted_H.z() = position_z_.update(memory_.altitude_m, state.p_WB_m.z(), kPositionPeriod_s);
 
-  // To fly forward, the nose must be down. To fly to the right, the right side must be down.
+  // To fly forward, the drone must lower its nose. To fly to the right, it must lower its right side.
   const double forward = velocity_x_.update(wanted_H.x(), velocity_H.x(), kPositionPeriod_s);
   const double left = velocity_y_.update(wanted_H.y(), velocity_H.y(), kPositionPeriod_s);
   memory_.attitude_deg.x() = std::clamp(-left, -gains_.max_tilt_deg, gains_.max_tilt_deg);

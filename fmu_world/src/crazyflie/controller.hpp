@@ -14,12 +14,12 @@
 
 namespace mebots::world::crazyflie {
 
-/// Computes the cascade of PID controllers of a Crazyflie: position -> velocity -> roll, pitch and thrust at 100 Hz;
-/// attitude -> rate -> four motors at 500 Hz. The cascade does not use mass or inertia.
+/// The cascade of PID controllers of a Crazyflie: position -> velocity -> roll, pitch and thrust at 100 Hz; attitude ->
+/// rate -> four motors at 500 Hz. The cascade does not use mass or inertia.
 ///
-/// A goal with velocities is the firmware's hover set-point: horizontal velocity along the heading, yaw rate, altitude.
-/// If the goal is to hold the position, the controller first brakes. It then holds the position at which the drone has
-/// stopped. With this goal, the altitude set-point moves to the wanted altitude at the speeds in Gains.
+/// A goal with velocities is the firmware's hover set-point: horizontal velocity relative to the heading, yaw rate,
+/// altitude. If the goal is to hold the position, the controller first brakes, and then holds the position at which the
+/// drone has stopped. It moves the altitude set-point to the wanted altitude at the speeds in Gains.
 class Controller {
  public:
   static constexpr std::int64_t kAttitudePeriod_ns = 2'000'000;
@@ -27,8 +27,8 @@ class Controller {
 
   explicit Controller(Propellers propellers);
 
-  /// Returns the commands (duty cycle, 0..1) for the estimated state at time_ns. They are constant until the next
-  /// attitude period. If the bus voltage is at least 2 V, they include the firmware's battery compensation.
+  /// Returns the commands (duty cycle, 0..1) for the estimated state at time_ns. They stay constant until the next
+  /// attitude period. If the bus voltage is at least 2 V, applies the firmware's battery compensation.
   const RotorValues& update(const StabiliserGoal& goal, const RigidState& state, std::int64_t time_ns,
                             double bus_voltage_v);
 

@@ -14,9 +14,9 @@
 
 namespace mebots::world::crazyflie {
 
-/// Estimates the state with a Kalman filter from sensor values at the firmware's rates. The IMU's samples pass low-pass
-/// filters (gyroscope 80 Hz, accelerometer 30 Hz). A prediction every 10 ms uses their means. Measurements of flow and
-/// distance are used when they arrive. The filter starts with the true position and attitude.
+/// Estimates the state from sensor values with a Kalman filter, at the firmware's rates. Low-pass filters the IMU's
+/// samples (gyroscope 80 Hz, accelerometer 30 Hz). Predicts the state every 10 ms from the means of the filtered
+/// samples. Uses measurements of flow and distance when they arrive. Starts with the true position and attitude.
 class Estimator {
  public:
   static constexpr std::int64_t kPredictionPeriod_ns = 10'000'000;
@@ -25,7 +25,6 @@ class Estimator {
 
   void update(std::int64_t time_ns, const Imu& imu, const FlowSensor& flow, const RangeSensor& range, bool flying);
 
-  /// Returns the estimated state.
   const RigidState& state() const { return state_; }
 
   void visit(state::Visitor& v);

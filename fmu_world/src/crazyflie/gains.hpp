@@ -5,11 +5,11 @@
 
 namespace mebots::world::crazyflie {
 
-/// Contains the published gains of the Crazyflie 2.x, in the firmware's units: degrees, m, s, and 1/65535 of a motor's
-/// full command. Source: bitcraze/crazyflie-firmware, commit 2a18fc29 (August 2026),
+/// The published gains of the Crazyflie 2.x, in the firmware's units: degrees, m, s, and 1/65535 of a motor's full
+/// command. Source: bitcraze/crazyflie-firmware, commit 2a18fc29 (August 2026),
 /// src/platform/interface/platform_defaults_cf2.h (gains, limits), platform_defaults.h (filters),
-/// src/modules/src/controller/position_controller_pid.c (the 10 % beyond a limit, 1000 per m/s). The firmware filters
-/// derivatives. In velocity and position, all kd are 0, so this filter is left out there.
+/// src/modules/src/controller/position_controller_pid.c (the 10 % beyond a limit, 1000 per m/s). The firmware also
+/// filters derivatives. For velocity and position, this filter is omitted here, because all kd are 0.
 struct Gains {
   PidGains roll_rate{.kp = 250.0, .ki = 500.0, .kd = 2.5, .integral_limit = 33.3, .output_limit = 32767.0};
   PidGains pitch_rate = roll_rate;
@@ -30,8 +30,8 @@ struct Gains {
   double thrust_base = 36000.0;
   double thrust_min = 20000.0;
 
-  /// These speeds are not from the firmware. If the goal is to hold the position, the altitude set-point moves at
-  /// these speeds, as in the ideal stabiliser.
+  /// Speeds of the altitude set-point if the goal is to hold the position, as in the ideal stabiliser. These values are
+  /// not from the firmware.
   double climb_m_per_s = 0.5;
   double descent_m_per_s = 0.3;
 };

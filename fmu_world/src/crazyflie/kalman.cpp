@@ -21,17 +21,17 @@ constexpr double kStartAttitude_rad = 0.01;
 constexpr double kAcceleration_xy_m_per_s2 = 0.5;
 constexpr double kAcceleration_z_m_per_s2 = 1.0;
 constexpr double kGyroscope_rad_per_s = 0.1;
-/// On the ground, each prediction mixes this share of the initial attitude into the attitude.
+/// The share of the initial attitude that each prediction on the ground adds to the attitude.
 constexpr double kReversion = 0.001;
 
 constexpr double kLeastVariance = 1e-6;
 constexpr double kMostVariance = 100.0;
 
-/// Minimum height in the prediction of a flow measurement.
+/// The least height in the prediction of a flow measurement.
 constexpr double kLeastHeight_m = 0.1;
-/// Half the opening angle of the distance sensor's cone in the filter. The whole cone has 15 degrees.
+/// Half the opening angle of the distance sensor's cone, 7.5 degrees.
 constexpr double kHalfCone_rad = 0.130899693899575;
-/// The standard deviation at distance d is kRangeDeviation_m (1 + exp(kRangeGrowth_per_m (d - kRangeFrom_m))).
+/// Standard deviation at distance d: kRangeDeviation_m (1 + exp(kRangeGrowth_per_m (d - kRangeFrom_m))).
 constexpr double kRangeDeviation_m = 0.0025;
 constexpr double kRangeFrom_m = 2.5;
 constexpr double kRangeGrowth_per_m = 2.921350978;  // log(0.2 / 0.0025) / (4 - 2.5)
@@ -42,8 +42,8 @@ Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
   return m;
 }
 
-/// Returns the matrix that rotates the covariance of an attitude error with the attitude, to second order. The argument
-/// is half the rotation.
+/// Returns the second-order matrix that rotates the covariance of the attitude error with the attitude. `half_rad` is
+/// half the rotation.
 Eigen::Matrix3d turned_by(const Eigen::Vector3d& half_rad) {
   const Eigen::Matrix3d d = cross(half_rad);
   return Eigen::Matrix3d::Identity() - d + 0.5 * d.lazyProduct(d);

@@ -10,8 +10,8 @@
 
 namespace mebots::world::crazyflie {
 
-/// Filters three axes with a second-order Butterworth low-pass (bilinear transform, direct form II). The filter starts
-/// in the steady state of its first sample.
+/// A second-order Butterworth low-pass for three axes (bilinear transform, direct form II). Starts in the steady state
+/// of its first sample.
 class LowPass {
  public:
   LowPass(double cutoff_hz, double rate_hz) {

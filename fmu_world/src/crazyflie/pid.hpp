@@ -8,7 +8,7 @@
 
 namespace mebots::world::crazyflie {
 
-/// Contains the gains of the controller kp e + ki integral(e) - kd d(measured)/dt, as in the Crazyflie's firmware.
+/// The gains of the controller kp e + ki integral(e) - kd d(measured)/dt of the Crazyflie's firmware.
 struct PidGains {
   double kp = 0.0;
   double ki = 0.0;

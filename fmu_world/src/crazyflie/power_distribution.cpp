@@ -33,8 +33,8 @@ constexpr ThrustOverVoltage kThrustUpgrade{
     .most_n = 0.18,
 };
 
-/// Finds the voltage by Newton's method from 4 V. The cubics rise everywhere and are convex above 1.32 V, so the method
-/// falls to a root above this voltage. It needs more steps for a root below it.
+/// Finds the voltage by Newton's method from 4 V. The cubics rise everywhere and are convex above 1.32 V. Therefore the
+/// iterates fall to a root above this voltage. A root below it takes more steps.
 double motor_voltage_v(double thrust_n, const ThrustOverVoltage& rotor) {
   double v = 4.0;
   constexpr int kSteps = 16;

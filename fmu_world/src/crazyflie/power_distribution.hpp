@@ -6,7 +6,7 @@
 
 namespace mebots::world::crazyflie {
 
-/// Contains the controllers' demand on all four motors together, in 1/65535 of a motor's full command.
+/// The controllers' demand on all four motors together, in 1/65535 of a motor's full command.
 struct Demand {
   double thrust = 0.0;
   double roll = 0.0;   ///< each side's motors receive half of it
@@ -14,10 +14,10 @@ struct Demand {
   double yaw = 0.0;    ///< positive = turn to the left
 };
 
-/// Returns each motor's share of its full thrust. The shares are not yet limited to 0..1.
+/// Returns each motor's share of its full thrust. The shares may be outside 0..1.
 RotorValues distributed(const Demand& demand);
 
-/// Contains the coefficients of a rotor's thrust over its motor's voltage, a cubic fit that the firmware publishes.
+/// A rotor's thrust as a cubic function of its motor's voltage. The firmware publishes this fit.
 struct ThrustOverVoltage {
   double constant_n;
   double linear_n_per_v;
@@ -29,12 +29,11 @@ struct ThrustOverVoltage {
 
 const ThrustOverVoltage& thrust_over_voltage(Propellers propellers);
 
-/// Returns the duty cycle that gives a share of the full thrust at a supply voltage. The duty cycle is above 1 if the
-/// supply voltage is too low, and 0 for less than the least thrust.
+/// Returns the duty cycle that gives a share of the full thrust at a supply voltage. If the supply voltage is too low,
+/// the duty cycle is above 1. If the thrust is below the least thrust, the duty cycle is 0.
 double compensated(double share, double supply_v, const ThrustOverVoltage& rotor);
 
-/// Limits the shares to 0..1: if a motor exceeds its full command, subtracts the excess from all four. No result is
-/// below 0.
+/// Limits the shares to 0..1. If the greatest share exceeds 1, subtracts its excess from all four shares.
 RotorValues capped(const RotorValues& shares);
 
 }  // namespace mebots::world::crazyflie

@@ -14,7 +14,7 @@ Eigen::Vector3d inertia_for(const scene::Drone& drone, double mass_kg) {
     throw Error(fmt::format("drone.dry_mass + cell.mass = {} kg: the drone needs a mass greater than 0", mass_kg));
   }
   const Eigen::Vector3d squares = drone.load_size_m.cwiseAbs2();
-  // Moments of inertia of a homogeneous box: J_x = m (b^2 + c^2) / 12 and so on.
+  // A homogeneous box has J_x = m (b^2 + c^2) / 12 and so on.
   const Eigen::Vector3d per_mass_m2 = (Eigen::Vector3d::Constant(squares.sum()) - squares) / 12.0;
   Eigen::Vector3d inertia = drone.inertia_kg_m2 + (mass_kg - drone.reference_mass_kg) * per_mass_m2;
   if (!(inertia.minCoeff() > 0.0)) {
@@ -32,7 +32,7 @@ Wrench rotor_wrench(const scene::Drone& drone, const RotorValues& thrust_n, cons
     const double x_m = kRotorX[i] * drone.arm_m;
     const double y_m = kRotorY[i] * drone.arm_m;
     wrench.force_n.z() += thrust_n[i];
-    // The torque is r x (0, 0, f): the rotor's height has no effect for a thrust along z.
+    // The torque is r x (0, 0, f), so the rotor's height has no effect.
     wrench.torque_n_m += Eigen::Vector3d{y_m * thrust_n[i], -x_m * thrust_n[i], kRotorYawSign[i] * torque_n_m[i]};
   }
   return wrench;
@@ -43,7 +43,7 @@ Eigen::Vector3d spin_torque(double rotor_inertia_kg_m2, const RotorValues& speed
   double momentum = 0.0;
   double growth = 0.0;
   for (std::size_t i = 0; i < kRotors; ++i) {
-    // The reaction torque is opposite to the sense of rotation.
+    // The reaction torque is opposite to the direction of rotation.
     momentum -= kRotorYawSign[i] * rotor_inertia_kg_m2 * speed_rad_per_s[i];
     growth -= kRotorYawSign[i] * rotor_inertia_kg_m2 * acceleration_rad_per_s2[i];
   }

@@ -8,13 +8,13 @@
 namespace mebots::world {
 
 /// Returns the force [N] that the air of an upper drone exerts on a lower drone, along the lower drone's -z axis. The
-/// model is that of gym-pybullet-drones (Panerati et al., IROS 2021), whose numbers were measured on Crazyflies:
+/// model and its numbers, which were measured on Crazyflies, are from gym-pybullet-drones (Panerati et al., IROS 2021):
 ///
 ///   F = 2267.18 (r / 4 dz)^2 exp(-(dxy / (0.16 dz - 0.11))^2 / 2),   dz > 0.6875, dxy < 10
 ///
-/// `to_above_W_m` = (dx, dy, dz) points from the lower to the upper drone, and r is the radius of the upper drone's
-/// rotors. The formula contains neither thrust nor attitude. At 0.6875 m the width of the air column is 0. Below that
-/// distance, the formula would give a growing width and a force above any thrust, so the force is set to 0.
+/// `to_above_W_m` = (dx, dy, dz) points from the lower to the upper drone. r is the radius of the upper drone's rotors.
+/// The formula contains neither thrust nor attitude. At dz = 0.6875 m, the width of the air column is 0. For smaller
+/// dz, the force is 0, because the formula would give a growing width and a force above any thrust.
 inline double downwash(const Eigen::Vector3d& to_above_W_m, double rotor_radius_m) {
   constexpr double kStrength_n = 2267.18;
   constexpr double kWidening = 0.16;

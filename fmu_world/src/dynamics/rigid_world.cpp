@@ -27,7 +27,7 @@ constexpr int kMaxContactsPerMesh = 24;  // a box and triangles may have more
 
 std::mutex ode_tables;
 
-/// Initialises ODE's tables for the whole process. ODE counts its users and frees its memory after the last one.
+/// Initialises ODE for the whole process. ODE counts its users and frees its memory after the last user.
 class OdeTables {
  public:
   OdeTables() {
@@ -42,14 +42,13 @@ class OdeTables {
   OdeTables& operator=(const OdeTables&) = delete;
 };
 
-/// ODE's tables are filled once when the library is loaded. They keep their values when ODE is closed.
+/// Fills ODE's tables when the library is loaded. The tables keep their values after ODE is closed.
 [[maybe_unused]] const bool kTablesFilled = [] {
   const OdeTables tables;
   return true;
 }();
 
-/// Prepares ODE's data of the calling thread. Each thread that steps needs its own data. Has no effect if the thread
-/// has them.
+/// Prepares ODE's data of the calling thread. Each thread that steps a world needs this. Further calls have no effect.
 void prepare_thread() {
   if (dAllocateODEDataForThread(dAllocateMaskAll) == 0) throw Error("ODE has no memory for a thread's data");
 }
@@ -66,7 +65,7 @@ Eigen::Vector3d vector(const dReal* v) {
   return {v[0], v[1], v[2]};
 }
 
-/// A mesh for ODE's collision. ODE keeps pointers to the numbers, so this object owns them.
+/// A mesh for ODE's collision detection. Owns the numbers, because ODE keeps pointers to them.
 class TriangleMesh {
  public:
   explicit TriangleMesh(const scene::Mesh& mesh) : data_(dGeomTriMeshDataCreate()) {
@@ -89,8 +88,8 @@ class TriangleMesh {
   std::vector<dTriIndex> corners_;
 };
 
-/// ODE's routines for triangles in Debian's build share working memory between all worlds of a process. This mutex
-/// protects them.
+/// Protects working memory that all worlds of the process share: that of ODE's routines for triangles in Debian's
+/// build.
 std::mutex mesh_collisions;
 
 }  // namespace
@@ -101,8 +100,8 @@ class RigidWorld::Impl {
       : contact_(scene.contact), robots_(robots) {
     prepare_thread();
     world_ = dWorldCreate();
-    // By default, all worlds share one list of jobs, and two threads must not use this list at the same time. Therefore
-    // each world gets a list of its own.
+    // Gives each world its own list of jobs. By default, all worlds share one list, which only one thread may use at a
+    // time.
     threading_ = dThreadingAllocateSelfThreadedImplementation();
     dWorldSetStepThreadingImplementation(world_, dThreadingImplementationGetFunctions(threading_), threading_);
     dWorldSetGravity(world_, 0.0, 0.0, -kGravity_m_per_s2);
@@ -199,7 +198,7 @@ class RigidWorld::Impl {
   }
 
  private:
-  /// The maximum magnitude of a number that is passed to ODE. ODE multiplies several such numbers. If a product is not
+  /// The greatest magnitude of a number that is passed to ODE. ODE multiplies several such numbers. If a product is not
   /// finite, ODE ends the process (dxNormalize4).
   static constexpr double kMost = 1e40;
 
@@ -237,7 +236,7 @@ class RigidWorld::Impl {
     dBodySetAngularVel(body, state.w_WB_W_rad_per_s.x(), state.w_WB_W_rad_per_s.y(), state.w_WB_W_rad_per_s.z());
   }
 
-  /// `what` contains {} in place of the name of the body.
+  /// `what` contains {}, which is replaced by the body's name.
   static void require_moderate(std::string_view what, std::string_view whose, double value) {
     if (value < kMost) return;
     throw Error(fmt::format("{} is {}, but must be below {}; check inputs and parameters",
@@ -284,7 +283,7 @@ class RigidWorld::Impl {
     greatest_radius_m_ = std::max(greatest_radius_m_, drone.radius_m);
   }
 
-  /// Allocates memory for all contacts with the scene, and for contacts with a few other drones at the same time.
+  /// Reserves memory for all contacts with the scene, and for simultaneous contacts with a few other drones.
   void reserve() {
     constexpr std::size_t kNeighbours = 8;
     std::size_t most = 0;
@@ -307,7 +306,6 @@ class RigidWorld::Impl {
     throw Error(fmt::format("obstacle \"{}\" has no shape", solid.name));
   }
 
-  /// Creates a robot's body, to which its parts are fixed.
   static int most_contacts(const scene::Solid& solid) {
     return solid.shape == scene::Solid::Shape::mesh ? kMaxContactsPerMesh : kMaxContactsPerPair;
   }
@@ -347,8 +345,8 @@ class RigidWorld::Impl {
     obstacles_.push_back(obstacle);
   }
 
-  /// Places a moving obstacle. Its body has the path's velocity, which no force changes. The body of a robot's part was
-  /// placed by move_robot().
+  /// Places a moving obstacle. Its body has the path's velocity, which forces do not change. For a part of a robot,
+  /// only updates the position: move_robot() has placed the robot's body.
   void place(Obstacle& obstacle, std::int64_t time_ns) {
     if (obstacle.what == Touch::What::robot) {
       const RigidState& robot = robots_[obstacle.index].state;
@@ -387,7 +385,8 @@ class RigidWorld::Impl {
     find_touches_of_robots();
   }
 
-  /// Collides the robots' parts with obstacles, gates and parts of other robots. These contacts change no motion.
+  /// Finds contacts of the robots' parts with obstacles, gates and parts of other robots. These contacts change no
+  /// motion.
   void find_touches_of_robots() {
     for (std::size_t i = first_part_; i < obstacles_.size(); ++i) {
       for (std::size_t k = 1; k < i; ++k) {  // 0 is the ground
@@ -410,8 +409,7 @@ class RigidWorld::Impl {
 
   void collide(Drone& drone, const Obstacle& obstacle) {
     std::array<dContact, kMaxContactsPerMesh> contacts;
-    // ODE's routines for boxes, cylinders and planes use only the stack, so they need no lock. The routines for
-    // triangles need a lock.
+    // ODE's routines for triangles need a lock. Those for boxes, cylinders and planes use only the stack.
     const bool is_mesh = obstacle.solid != nullptr && obstacle.solid->shape == scene::Solid::Shape::mesh;
     const auto lock = is_mesh ? std::unique_lock(mesh_collisions) : std::unique_lock<std::mutex>();
     const int count = dCollide(drone.geom, obstacle.geom, obstacle.most_contacts, &contacts[0].geom, sizeof(dContact));
@@ -431,7 +429,7 @@ class RigidWorld::Impl {
     }
   }
 
-  /// Finds the touches of two drones. ODE's normal is towards the first one.
+  /// Finds the touches of two drones. ODE's normal points to the first drone.
   void collide(std::size_t first, std::size_t second) {
     Drone& a = drones_[first];
     Drone& b = drones_[second];
@@ -448,8 +446,8 @@ class RigidWorld::Impl {
     }
   }
 
-  /// Finds the pairs of drones whose spheres overlap, in rising order of their numbers. Drones are sorted along x, so
-  /// that only near ones are compared. They are nearly sorted from the previous step.
+  /// Finds the pairs of drones whose spheres overlap, in rising order of their numbers. Sorts the drones along x, to
+  /// compare only near drones. The order from the previous step is nearly correct.
   void find_pairs() {
     pairs_.clear();
     if (drones_.size() < 2) return;
@@ -488,7 +486,7 @@ class RigidWorld::Impl {
 
   void attach(dContact& contact, dBodyID body, dBodyID other) {
     contact.surface = {};
-    // Approx1 makes mu a coefficient of friction. Without Approx1, mu would be a force.
+    // Makes mu a coefficient of friction. Without Approx1, mu would be a force.
     contact.surface.mode = dContactBounce | dContactSoftERP | dContactSoftCFM | dContactApprox1;
     contact.surface.mu = contact_.friction;
     contact.surface.bounce = contact_.bounce;

@@ -16,7 +16,7 @@ namespace mebots::world {
 /// Standard acceleration of free fall (3rd CGPM, 1901).
 inline constexpr double kGravity_m_per_s2 = 9.80665;
 
-/// A contact point of a drone with another object, found before a step.
+/// A contact point of a drone with another object at the start of a step.
 struct Touch {
   enum class What { ground, obstacle, gate, drone, robot };
   What what = What::ground;
@@ -27,21 +27,21 @@ struct Touch {
   double closing_speed_m_per_s = 0.0;  ///< velocity towards each other along the normal, positive = approaching
 };
 
-/// Drones as rigid boxes among ground, obstacles, gates and each other, moved by ODE's dWorldStep.
+/// Simulates drones as rigid boxes that can touch ground, obstacles, gates and each other. ODE's dWorldStep moves them.
 ///
-/// For a step, call place() for every drone, then step(), then state() and touches() of every drone.
+/// In each step, call place() for every drone, then step(), then state() and touches() for every drone.
 ///
-/// Obstacles on a path and robots are kinematic bodies of ODE, which no force moves. At the start of each step, they
-/// get position and velocity of the path or from move_robot().
+/// Obstacles on a path and robots are kinematic bodies of ODE: forces do not move them. At the start of each step, they
+/// receive their position and velocity from the path or from move_robot().
 ///
-/// The caller owns the bodies' states. Every step copies them into ODE and back, so ODE stores nothing between steps,
-/// and a restored state continues with the same bits. Geometries are in the scene's order. They are not in an ODE
-/// space, because its order depends on earlier steps. Pairs of drones that may touch are found by sorting their
-/// positions along x.
+/// The caller owns the bodies' states. Every step copies the states into ODE and back. ODE stores nothing between
+/// steps, so a run from a restored state gives the same bits. Geometries have the scene's order. They are not in an ODE
+/// space, whose order depends on earlier steps. To find pairs of drones that may touch, their positions are sorted
+/// along x.
 ///
 /// dWorldStep integrates semi-implicitly, with first order in dt: v' = v + a dt, p' = p + v' dt. Rotations are finite,
-/// and the gyroscopic torque is implicit. Drones that do not touch each other are solved one by one, so each has the
-/// same bits as in a world without the others.
+/// and the gyroscopic torque is implicit. Drones that do not touch each other are solved separately. Each of them has
+/// the same bits as in a world without the others.
 class RigidWorld {
  public:
   /// `body_sizes_m` contains the edges of each drone's box. `robots` is the number of the scene's robots.
@@ -50,27 +50,27 @@ class RigidWorld {
   RigidWorld(const RigidWorld&) = delete;
   RigidWorld& operator=(const RigidWorld&) = delete;
 
-  /// Sets mass and principal moments about body axes of a drone. All must be positive.
+  /// Sets the mass and the principal moments about body axes of a drone. All must be positive.
   void set_mass(std::size_t drone, double mass_kg, const Eigen::Vector3d& inertia_kg_m2);
 
-  /// Sets a drone's state and the wrench on it during the next step: force in world axes, torque in body axes. Throws
-  /// mebots::Error if a value is not finite, or 1e40 or more.
+  /// Sets the state of a drone, and the wrench on it during the next step: force in world axes, torque in body axes.
+  /// Throws mebots::Error if a value is not finite, or if its magnitude is 1e40 or more.
   void place(std::size_t drone, const RigidState& state, const Eigen::Vector3d& force_W_n = Eigen::Vector3d::Zero(),
              const Eigen::Vector3d& torque_B_n_m = Eigen::Vector3d::Zero());
 
-  /// Sets the state of a robot at the start of the next step. Throws mebots::Error with the robot's name if a number is
+  /// Sets the state of a robot at the start of the next step. Throws mebots::Error with the robot's name if a value is
   /// not finite, or too large for ODE.
   void move_robot(std::size_t robot, const RigidState& state);
 
-  /// Finds the touches, and advances all drones by dt from `time_ns` under gravity, contact and their wrenches.
+  /// Finds the touches at `time_ns`. Then advances all drones by dt under gravity, contact forces and their wrenches.
   void step(double dt_s, std::int64_t time_ns);
 
-  /// Finds the touches of all drones at their present places, without a step.
+  /// Finds the touches of all drones at their current positions, without a step.
   void find_touches(std::int64_t time_ns);
 
   /// Returns a drone's state after the last step. Throws mebots::Error if it is not finite.
   RigidState state(std::size_t drone) const;
-  /// Returns a drone's touches before the last step; valid until the next one.
+  /// Returns the touches of a drone before the last step. The result is valid until the next step.
   const std::vector<Touch>& touches(std::size_t drone) const;
   /// True if the robot touched a drone, an obstacle, a gate or another robot before the last step.
   bool robot_touches(std::size_t robot) const;

@@ -15,9 +15,9 @@ namespace mebots::world {
 namespace {
 
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min();
-/// Longest pause between two touches that belong to one contact.
+/// The longest pause between two touches of one contact.
 constexpr std::int64_t kTouchPause_ns = 500'000'000;
-/// Length of a contact after which the drone is stuck.
+/// The duration of a contact after which the drone is stuck.
 constexpr std::int64_t kStuckAfter_ns = 10'000'000'000;
 
 }  // namespace

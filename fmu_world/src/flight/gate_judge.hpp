@@ -13,16 +13,15 @@
 
 namespace mebots::world {
 
-/// Contains the position and orientation of a gate. Gate frame G: origin in the middle of the opening, x in the
-/// direction of flight, y left, z up.
+/// The position and orientation of a gate. Gate frame G: origin in the middle of the opening, x in the direction of
+/// flight, y left, z up.
 struct GateFrame {
   explicit GateFrame(const scene::Gate& gate);
 
-  /// Converts a point from world coordinates to the gate's coordinates.
   Eigen::Vector3d in_gate(const Eigen::Vector3d& p_W_m) const { return R_WG.transpose() * (p_W_m - p_WG_m); }
 
-  /// These functions return whether a point of the gate's plane, in the gate's coordinates, is in the opening, or in
-  /// the outline of its border.
+  /// Both functions expect a point of the gate's plane in the gate's coordinates. The outline is the outer edge of the
+  /// border.
   bool within_opening(const Eigen::Vector3d& p_G_m) const { return within(p_G_m, inner_m); }
   bool within_outline(const Eigen::Vector3d& p_G_m) const { return within(p_G_m, outer_m); }
 
@@ -38,7 +37,6 @@ struct GateFrame {
   bool within(const Eigen::Vector3d& p_G_m, const Eigen::Vector2d& size_m) const;
 };
 
-/// Describes an event at a gate, for the flight's log.
 struct GateEvent {
   enum class Kind {
     crossed,      ///< the drone's centre crossed the gate's plane in the opening
@@ -53,53 +51,54 @@ struct GateEvent {
   double vertical_m = 0.0;  ///< at a crossing: height above the opening's middle
 };
 
-/// Judges whether the drone flies through the gates in the scene's order.
+/// Judges whether the drone flies through the gates in the order of the scene.
 ///
 ///   before --the centre crosses the plane forwards, inside the opening--> crossed
 ///   crossed --the whole drone is in front of the frame again--> before
 ///
-/// The plane is the middle of the frame's thickness. The opening's border belongs to the opening. "The whole drone" is
-/// its contact box. Along the gate's x axis n, the box extends e = (|n.x_B| l_x + |n.y_B| l_y + |n.z_B| l_z) / 2 to
+/// The plane is in the middle of the frame's thickness. The opening's border belongs to the opening. "The whole drone"
+/// is its contact box. Along the gate's x axis n, the box extends e = (|n.x_B| l_x + |n.y_B| l_y + |n.z_B| l_z) / 2 to
 /// both sides of its centre, where l are the box's edges. The box is before the gate if x + e <= -thickness / 2, and
-/// after it if x - e >= thickness / 2. Between these two positions, the drone cannot leave the opening sideways. So a
-/// drone that moves back and forth in the plane crosses only once.
+/// after the gate if x - e >= thickness / 2. Between these two positions, the drone cannot leave the opening sideways,
+/// so repeated motion through the plane counts as one crossing.
 ///
-/// The way to the next gate may lead around a gate. Therefore a crossing only becomes invalid if the drone flies back
-/// through the gate's frame while the next gate is not crossed yet. A crossing of the last gate becomes invalid at any
-/// return before its plane, because the flight must end after the gate.
+/// The way to the next gate may lead around a gate. Therefore a crossing becomes invalid only if the drone flies back
+/// through the gate's frame before it crosses the next gate. The flight must end after the last gate, so the crossing
+/// of the last gate becomes invalid at any return to the front of its plane.
 class GateJudge {
  public:
-  /// Creates a judge for the gates in the order of the scene. `body_size_m` contains the edges of the drone's contact
-  /// box along its body axes.
+  /// `gates` are in the order of the scene. `body_size_m` contains the edges of the drone's contact box along its body
+  /// axes.
   GateJudge(std::vector<GateFrame> gates, const Eigen::Vector3d& body_size_m);
 
-  /// Judges a straight motion from one state to the next. Returns the event at a gate, if there is one.
+  /// Judges a straight motion from one state to another. Returns the event at a gate; empty if no event occurred.
   std::optional<GateEvent> move(const RigidState& from, const RigidState& to);
 
   /// Judges a touch of a gate. Touches at most half a second apart belong to one contact. After a contact of ten
-  /// seconds, the drone is stuck. Reason: the slowest flight of examples/paper slides through a frame for 6 s.
+  /// seconds, the drone is stuck. The limit permits the slowest flight of examples/paper, which slides through a frame
+  /// for 6 s.
   std::optional<GateEvent> touch(std::size_t gate, std::int64_t time_ns);
 
-  /// Judges a landing. The drone is stuck if it rests on a gate, or in the plane of the last gate after crossing it.
+  /// Judges a landing. The drone is stuck if it rests on a gate, or if it has crossed the last gate and rests in its
+  /// plane.
   std::optional<GateEvent> land(const RigidState& at, std::int64_t time_ns);
 
-  /// Returns true if every gate was crossed at some time, in their order.
+  /// True if every gate was crossed at some time, in the order of the scene.
   bool crossed() const { return crossed_; }
-  /// Returns true if every gate is crossed, and the whole drone is beyond the last one.
+  /// True if every gate is crossed, and the whole drone is beyond the last gate.
   bool passed() const { return behind_; }
   bool touched() const { return touched_; }
   bool missed() const { return missed_; }
   bool turned_back() const { return turned_back_; }
   bool stuck() const { return stuck_; }
-  /// Returns true if the drone has crossed the plane of a gate. The lateral error is valid only in this case.
+  /// True if the drone has crossed the plane of a gate. Otherwise lateral_error_m() is not valid.
   bool reached() const { return reached_; }
   double lateral_error_m() const { return lateral_error_m_; }
-  /// Returns the distance from a point to the plane of the next gate. After the crossing of the last gate, returns the
-  /// distance to the plane of the last gate. The distance is negative beyond the plane. In a scene without gates, it is
-  /// 0.
+  /// Returns the distance from a point to the plane of the next gate, or of the last gate if all gates are crossed. The
+  /// distance is negative beyond the plane. In a scene without gates, the distance is 0.
   double distance_m(const Eigen::Vector3d& p_W_m) const;
 
-  /// Visits the state. Throws mebots::Error if a restored state has another number of gates than the scene.
+  /// Throws mebots::Error if the number of gates in a restored state differs from the scene.
   void visit(state::Visitor& v);
 
  private:
@@ -115,9 +114,8 @@ class GateJudge {
 
   bool whole_drone_in_front(const GateFrame& gate, const RigidState& state) const;
   bool whole_drone_behind(const GateFrame& gate, const RigidState& state) const;
-  /// Returns how far the drone extends from its centre along the gate's x axis.
+  /// Returns the distance that the drone extends from its centre along the gate's x axis.
   double reach_m(const GateFrame& gate, const RigidState& state) const;
-  /// Returns true if all gates are crossed.
   bool crossed_all() const { return !gates_.empty() && next_ == gates_.size(); }
   bool crosses_back(const RigidState& from, const RigidState& to) const;
   std::optional<GateEvent> cross(const RigidState& from, const RigidState& to);

@@ -6,10 +6,9 @@
 namespace mebots::world {
 namespace {
 
-/// A drone has left the ground if its height exceeds that of the first touch by more than this. The value is about the
-/// drone's width.
+/// A drone leaves the ground if it rises this far above its first touch. The value is about the drone's width.
 constexpr double kHop_m = 0.1;
-/// If no touch occurs for longer than this, the drone flies, at any height.
+/// A drone without a touch for longer than this is in the air, at any height.
 constexpr std::int64_t kLongestHop_ns = 5'000'000'000;
 
 }  // namespace

@@ -9,7 +9,6 @@
 
 namespace mebots::world {
 
-/// Contains a set-point for the stabiliser.
 struct Setpoint {
   FlightMode mode = FlightMode::off;
   double forward_m_per_s = 0.0;
@@ -27,16 +26,16 @@ struct Setpoint {
   }
 };
 
-/// Delays set-points on their way to the stabiliser. A set-point arrives `latency` after it was sent, in the order of
-/// sending. Before the first set-point arrives, the mode is `off`.
+/// Delays the set-points for the stabiliser. A set-point arrives `latency` after it was sent. Set-points keep their
+/// order. Before the first set-point arrives, the mode is `off`.
 class Link {
  public:
   explicit Link(std::int64_t latency_ns) : latency_ns_(latency_ns) {}
 
-  /// Sends the set-point `sent` at a time, which must not be before the previous call's time. Returns the last
-  /// set-point that has arrived.
+  /// Sends a set-point at a time, which must not be before the time of the previous call. Returns the last set-point
+  /// that has arrived.
   const Setpoint& exchange(const Setpoint& sent, std::int64_t time_ns);
-  /// Returns the travel time of the last set-point that arrived; 0 before the first one.
+  /// Returns the time from the sending to the arrival of the last set-point that arrived; 0 before the first arrival.
   std::int64_t travelled_ns() const { return travelled_ns_; }
 
   void visit(state::Visitor& v);

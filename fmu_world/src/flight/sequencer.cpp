@@ -11,7 +11,7 @@ constexpr double kReachedClimb_m_per_s = 0.1;
 constexpr double kRestSpeed_m_per_s = 0.05;
 constexpr double kRestTime_s = 0.2;
 
-/// Returns true if the motors may turn in this phase. Mode `off` or a touch-down can still stop them.
+/// True if the motors may run in this phase. Mode `off` or a touch-down can still stop them.
 bool is_powered(FlightPhase phase) {
   return phase == FlightPhase::climbing || phase == FlightPhase::flying || phase == FlightPhase::descending ||
          phase == FlightPhase::grounded;

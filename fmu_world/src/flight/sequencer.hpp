@@ -6,7 +6,7 @@
 
 namespace mebots::world {
 
-/// Contains the state of the drone in one inner step, as the sequencer needs it.
+/// The sequencer's input: the drone in one inner step.
 struct Situation {
   bool supported = false;  ///< the drone touches a surface below it
   bool crashed = false;    ///< the drone hit something too hard, or tipped over
@@ -16,7 +16,7 @@ struct Situation {
   bool has_landed = false;     ///< result of GroundContact::has_landed()
 };
 
-/// Determines the next phase of take-off and landing from the mode and the situation, and whether the motors may turn.
+/// Determines the phase of take-off and landing from the mode and the situation, and whether the motors may run.
 ///
 ///   on_ground, landed, descending --take_off--> climbing --altitude reached--> flying
 ///   on_ground, landed, climbing, descending --fly--> flying
@@ -26,8 +26,8 @@ struct Situation {
 ///   grounded --land or off--> descending
 ///   any --crash--> crashed (for good)
 ///
-/// In mode `land`, the drone sinks with the motors on until the first touch from below, which stops them. Mode `off`
-/// stops them at once.
+/// In mode `land`, the drone sinks with running motors until a surface below touches it. This touch stops the motors.
+/// Mode `off` stops them at once.
 class Sequencer {
  public:
   explicit Sequencer(bool starts_on_ground) : phase_(starts_on_ground ? FlightPhase::on_ground : FlightPhase::flying) {}
@@ -36,7 +36,7 @@ class Sequencer {
 
   FlightPhase phase() const { return phase_; }
   bool motors_on() const { return motors_on_; }
-  /// Returns true if the drone is at rest where it started or landed.
+  /// True if the drone is at rest where it started or landed.
   bool stands() const { return phase_ == FlightPhase::on_ground || phase_ == FlightPhase::landed; }
 
   void visit(state::Visitor& v);

@@ -8,11 +8,10 @@
 #include <cmath>
 #include <string_view>
 
-/// Checks parameters and inputs. All functions throw a mebots::Error that names the variable.
+/// Checks of parameters and inputs. All functions throw mebots::Error with the name of the variable.
 namespace mebots::world {
 
-/// Throws Error if the value is not finite. The variable's name in the message is `name` + `part`. The two parts are
-/// joined only if there is an error.
+/// Throws Error if the value is not finite. The variable's name in the message is `name` + `part`.
 inline void require_finite(double value, std::string_view name, std::string_view part = "") {
   if (!std::isfinite(value)) throw Error(fmt::format("{}{} = {} must be a finite number", name, part, value));
 }

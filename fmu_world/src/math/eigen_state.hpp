@@ -5,14 +5,14 @@
 
 #include <Eigen/Geometry>
 
-/// Returns the numbers of Eigen's types as spans, for state::Visitor.
+/// Converts Eigen's types to spans of numbers for state::Visitor.
 namespace mebots::world {
 
 inline std::span<double, 3> numbers(Eigen::Vector3d& v) {
   return std::span<double, 3>(v.data(), 3);
 }
 
-/// Returns the numbers in the order x, y, z, w.
+/// The order of the numbers is x, y, z, w.
 inline std::span<double, 4> numbers(Eigen::Quaterniond& q) {
   return std::span<double, 4>(q.coeffs().data(), 4);
 }

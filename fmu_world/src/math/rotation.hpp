@@ -5,8 +5,8 @@
 
 namespace mebots::world {
 
-/// Contains the angles [rad] of three rotations: yaw about z, then pitch about the new y, then roll about the new x.
-/// All are right-handed: pitch is positive with the nose down, and yaw is positive to the left.
+/// The angles [rad] of three rotations: yaw about z, then pitch about the new y, then roll about the new x. All are
+/// right-handed: pitch is positive with the nose down, yaw is positive to the left.
 struct Attitude {
   double roll_rad = 0.0;
   double pitch_rad = 0.0;
@@ -15,11 +15,11 @@ struct Attitude {
 
 Attitude attitude_of(const Eigen::Matrix3d& R_WB);
 
-/// Returns the angle in (-pi, pi] that differs from `angle_rad` by a multiple of 2 pi.
+/// Adds a multiple of 2 pi to the angle, so that the result is in (-pi, pi].
 double wrapped_rad(double angle_rad);
 
 Eigen::Quaterniond yaw_rotation(double yaw_rad);
-/// Returns the rotation that converts a vector from the turned axes to the original axes.
+/// The result converts vectors from the rotated axes to the original axes.
 Eigen::Quaterniond rotation_of(const Attitude& attitude);
 
 }  // namespace mebots::world

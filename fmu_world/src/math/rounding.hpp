@@ -5,7 +5,7 @@
 
 namespace mebots::world {
 
-/// Returns the multiple of `resolution` that is nearest to a value; the value itself if the resolution is 0.
+/// Returns the multiple of `resolution` that is nearest to a value. If the resolution is 0, returns the value.
 inline double rounded(double value, double resolution) {
   return resolution > 0.0 ? resolution * std::round(value / resolution) : value;
 }

@@ -9,12 +9,12 @@
 
 namespace mebots::world {
 
-/// Decides when a sensor takes a sample: at the first time in each period.
+/// Triggers a sample at the first time in each period.
 class SampleClock {
  public:
   explicit SampleClock(double period_s) : period_ns_(std::llround(period_s * 1e9)) {}
 
-  /// Returns true if a sample is due at a time. number() is then the number of this sample.
+  /// Returns true if a sample is due at a time. number() then returns the number of this sample.
   bool advance(std::int64_t time_ns) {
     const std::int64_t due = period_at(time_ns, period_ns_);
     if (due == number_) return false;
@@ -22,7 +22,7 @@ class SampleClock {
     return true;
   }
 
-  /// Returns the number of the last sample since time 0, as an index for noise.
+  /// Returns the number of the last sample, as an index for noise. Sample 0 is at time 0.
   std::uint64_t number() const { return static_cast<std::uint64_t>(number_); }
 
   void visit(state::Visitor& v) { v("number", number_); }

@@ -7,8 +7,7 @@
 namespace mebots::world::noise {
 namespace {
 
-/// Converts a word to a number in (0, 1). The number is the middle of one of 2^53 equal cells, so that its logarithm is
-/// finite.
+/// Converts a word to a number in (0, 1), the middle of one of 2^53 equal cells. The logarithm of the number is finite.
 double open_unit(std::uint64_t word) {
   return (static_cast<double>(word >> 11U) + 0.5) * 0x1p-53;
 }

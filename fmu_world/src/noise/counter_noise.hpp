@@ -3,12 +3,12 @@
 
 #include <cstdint>
 
-/// Stateless noise: a sample is a function of (seed, stream, index) only. Therefore restoring a state, dividing a step
-/// or other instances do not change it.
+/// Stateless noise: a sample depends only on (seed, stream, index). Therefore restored states, divided steps and other
+/// instances do not change it.
 namespace mebots::world::noise {
 
-/// The sensor for which a number is drawn. `drone` makes the seed of each drone after the first one. Two streams of one
-/// seed are independent.
+/// The purpose for which a number is drawn. `drone` gives the seed of each drone except the first drone. Two streams
+/// with the same seed are independent.
 enum class Stream : std::uint64_t {
   range = 1,
   camera = 2,
@@ -30,7 +30,7 @@ enum class Stream : std::uint64_t {
 inline constexpr std::uint64_t kGolden = 0x9E3779B97F4A7C15ULL;
 
 /// Returns one output of SplitMix64 (Steele, Lea, Flood 2014) for the state `x`: a bijection whose outputs look random
-/// even for consecutive inputs. Stateless, so the value of any pixel or lattice point can be computed alone.
+/// even for consecutive inputs.
 constexpr std::uint64_t hashed(std::uint64_t x) {
   x += kGolden;
   x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ULL;
@@ -38,7 +38,7 @@ constexpr std::uint64_t hashed(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// Returns 64 well-mixed bits, by one SplitMix64 per word of the key.
+/// Returns 64 well-mixed bits. Applies SplitMix64 once per word of the key.
 std::uint64_t bits(std::uint64_t seed, Stream stream, std::uint64_t index);
 
 /// Returns a sample of the normal distribution with mean 0 and standard deviation 1 (Box and Muller 1958).

@@ -25,23 +25,22 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Maximum depth of the node hierarchy.
 constexpr int kDeepest = 64;
-/// Maximum number of nodes of a scene. A node counts as often as it is referenced, because a small file can reference
-/// nodes exponentially often.
+/// The greatest number of nodes in a scene. A node counts once per reference, because a small file can reference nodes
+/// exponentially often.
 constexpr int kMostNodes = 10'000;
-/// Positions and sizes above this value are rejected, because their unit is probably wrong.
+/// Greater positions and sizes are rejected, because their unit is probably wrong.
 constexpr double kFarthest_m = 1e4;
 
-/// Stores the encoded bytes of a picture. tinygltf calls this function for each picture. The bytes are decoded when a
-/// material needs them.
+/// tinygltf calls this function for each picture. Stores the encoded bytes, which are decoded when a material needs the
+/// picture.
 bool keep_bytes(tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* bytes, int size,
                 void*) {
   image->image.assign(bytes, bytes + size);
   return true;
 }
 
-/// Gives access to the numbers of a glTF accessor. They were checked to be inside the accessor's buffer.
+/// The numbers of a glTF accessor. They are known to be inside the accessor's buffer.
 struct Numbers {
   const unsigned char* first = nullptr;
   std::size_t count = 0;
@@ -238,7 +237,7 @@ class GltfReader {
     if (tiles.count > 0) {
       triangle.tiles.emplace();
       for (std::size_t k = 0; k < 3; ++k) {
-        // In glTF, v goes down from a picture's upper edge.
+        // In glTF, v is measured downwards from the picture's upper edge.
         (*triangle.tiles)[k] = Vector2d(tiles.at(corners[k], 0), 1.0 - tiles.at(corners[k], 1));
         if (!(*triangle.tiles)[k].allFinite()) refuse("a texture coordinate is not a number");
       }
@@ -246,8 +245,8 @@ class GltfReader {
     mesh_.triangles.push_back(triangle);
   }
 
-  /// Adds the base colour of a material, multiplied with its picture, to the mesh, unless it is already there. Returns
-  /// its index in the mesh.
+  /// Returns the index of a material in the mesh. Adds the material if it is new: its base colour, multiplied by its
+  /// picture.
   std::uint32_t material_of(int index) {
     for (const auto& [known, place] : materials_) {
       if (known == index) return place;
@@ -273,7 +272,7 @@ class GltfReader {
     return place;
   }
 
-  /// Returns the relative luminance (ITU-R BT.709) of a linear colour, encoded as in sRGB, which pictures use.
+  /// Returns the relative luminance (ITU-R BT.709) of a linear colour, encoded as sRGB.
   double grey_of(const std::vector<double>& rgb) const {
     const double y = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
     if (!(y >= 0.0 && y <= 1.0)) refuse("a base colour outside of 0..1");

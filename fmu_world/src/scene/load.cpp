@@ -31,7 +31,8 @@ const Limits kTime_s = Limits::between(0.0, 1e6);
 
 using File = std::filesystem::path;
 
-/// Returns the path of a file that a scene names, relative to the scene's folder unless it begins with a slash.
+/// Returns the path of a file that a scene names. A path without a slash at the start is relative to the scene's
+/// folder.
 auto file_in(const File& folder) {
   return [folder](const Node& node) {
     const auto text = node.readable_text();
@@ -105,8 +106,8 @@ Path::Point read_point(const Node& node) {
   return point;
 }
 
-/// Checks that a path has two points or more, that its times rise from 0, and that a path that repeats ends where it
-/// begins.
+/// Checks that a path has at least two points, that its times rise from 0, and that a repeated path ends where it
+/// starts.
 void check_path(const Node& node, const Path& path) {
   const auto points = node.at("points").elements();
   if (path.points.size() < 2) {
@@ -142,7 +143,6 @@ Path read_path(const Node& node) {
   return path;
 }
 
-/// Reads name, position, rotation and path of an object.
 template <typename Thing>
 void read_stand(Object& object, Thing& thing) {
   object.read("name", thing.name, &Node::text);
@@ -219,7 +219,7 @@ Heights read_heights(const Node& node) {
   return rows;
 }
 
-/// Returns the heights of a terrain from a picture. White is `height_m` high. The picture's upper edge is north.
+/// Converts a picture to the heights of a terrain. White is `height_m` high. The upper edge of the picture is north.
 Heights heights_of(const Picture& picture, double height_m) {
   Heights heights(static_cast<std::size_t>(picture.height));
   for (int row = 0; row < picture.height; ++row) {
@@ -266,7 +266,7 @@ auto terrain_in(const File& folder) {
   };
 }
 
-/// Reads one number for both edges. For a rectangle, reads [width, height].
+/// Returns a reader of [width, height] for a rectangle, and of one number for both edges of other shapes.
 auto edge_of(Gate::Shape shape) {
   return [shape](const Node& node) {
     if (shape == Gate::Shape::rectangle) return Eigen::Vector2d(vector<2>(Limits::positive())(node));
@@ -321,7 +321,7 @@ auto gate_in(const File& folder) {
   };
 }
 
-/// Adds an error for each part that has a path: a part moves with its robot.
+/// Reports each part that has a path. Parts move only with their robot.
 template <typename Part>
 void refuse_paths(const Node& robot, const char* key, const std::vector<Part>& parts) {
   for (std::size_t i = 0; i < parts.size(); ++i) {

@@ -42,7 +42,7 @@ std::vector<ThrustPoint> read_thrust_curve(const Node& node) {
   return curve;
 }
 
-/// Reads the moments of inertia. A body's largest moment is at most the sum of the other two.
+/// Reads the moments of inertia. The largest moment of a body is at most the sum of the other two.
 Eigen::Vector3d read_inertia(const Node& node) {
   Eigen::Vector3d j = sourced_vector("kg.m2", Limits::positive())(node);
   if (2.0 * j.maxCoeff() > j.sum()) {

@@ -29,8 +29,8 @@ Mesh ring(int sides, double inner_m, double outer_m, double thickness_m, const T
   Mesh mesh;
   mesh.materials = {texture};
   const double half_rad = std::numbers::pi / sides;
-  // The first corner is half a side from the middle of the bottom. Each corner has four points: inner and
-  // outer at -thickness_m / 2, then inner and outer at thickness_m / 2.
+  // The first corner is half a side from the middle of the bottom. Each corner has four points: inner and outer at
+  // -thickness_m / 2, then inner and outer at thickness_m / 2.
   for (int i = 0; i < sides; ++i) {
     const double angle_rad = -0.5 * std::numbers::pi + (2 * i - 1) * half_rad;
     const Eigen::Vector3d out{0.0, -std::cos(angle_rad) / std::cos(half_rad), std::sin(angle_rad) / std::cos(half_rad)};

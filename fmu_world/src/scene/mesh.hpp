@@ -16,7 +16,7 @@ namespace mebots::world::scene {
 
 using Picture = GreyPicture;
 
-/// Describes the reflection of a surface. Grey levels are from 0 (black) to 255 (white), as the camera sees the surface
+/// The reflection of a surface. Grey levels are from 0 (black) to 255 (white). They are the levels that the camera sees
 /// under a light of 1.
 struct Texture {
   enum class Kind {
@@ -41,13 +41,13 @@ struct Texture {
   }
 };
 
-/// Contains a surface of triangles in its own frame (x forward, y left, z up, metres).
+/// A surface of triangles in its own frame (x forward, y left, z up, metres).
 struct Mesh {
   struct Triangle {
     std::array<std::uint32_t, 3> corners{};  ///< indices in `points_m`, counter-clockwise seen from outside
     std::uint32_t material = 0;              ///< index in `materials`
-    /// Texture coordinates of the corners in tiles, u to the right and v up. If absent, texture coordinates are lengths
-    /// in metres along two axes of the mesh. These are the axes that are most perpendicular to the normal.
+    /// Texture coordinates of the corners in tiles, u to the right and v up. If absent, the texture coordinates are
+    /// lengths in metres along two axes of the mesh: the two axes that are most perpendicular to the normal.
     std::optional<std::array<Eigen::Vector2d, 3>> tiles;
   };
 
@@ -55,22 +55,23 @@ struct Mesh {
   std::vector<Triangle> triangles;
   std::vector<Texture> materials;
 
-  /// Returns the unit normal of a triangle in the mesh's frame; zero for a triangle without an area.
+  /// Returns the unit normal of a triangle in the mesh's frame. If the triangle has no area, returns zero.
   Eigen::Vector3d normal(const Triangle& triangle) const;
   /// Returns the distance from the origin to the farthest point.
   double radius_m() const;
 };
 
-/// Maximum number of triangles of a mesh or a terrain. With more triangles, a picture would take many milliseconds.
+/// The greatest number of triangles of a mesh or a terrain. A picture with more triangles would take many milliseconds.
 inline constexpr std::size_t kMostTriangles = 20'000;
 
-/// Creates a frame around an opening with `sides` equal sides, one of them at the bottom. The distance between opposite
+/// Creates a frame around an opening with `sides` equal sides. One side is at the bottom. The distance between opposite
 /// sides is `inner_m` at the opening, and `outer_m` at the outside of the frame. The origin is in the middle of the
 /// opening, and x is the direction of flight.
 Mesh ring(int sides, double inner_m, double outer_m, double thickness_m, const Texture& texture);
 
-/// Returns a surface over a grid: `heights_m[row][column]` is the height at the point (column, row) x `spacing_m`; rows
-/// go north, columns east. All rows have the same length. The origin is the south-west corner at z = 0.
+/// Returns a surface over a grid. `heights_m[row][column]` is the height at the point (column, row) x `spacing_m`. Rows
+/// proceed to the north, columns to the east. All rows must have the same length. The origin is the south-west corner
+/// at z = 0.
 Mesh height_field(const std::vector<std::vector<double>>& heights_m, double spacing_m, const Texture& texture);
 
 }  // namespace mebots::world::scene

@@ -17,12 +17,12 @@ using data::quantity;
 
 namespace {
 
-/// Allowed periods of a sensor [s].
+/// Permitted periods of a sensor [s].
 const Limits kPeriods = Limits::between(0.001, 10.0);
 
 constexpr double kFinestFlow_pixels = 1e-3;
 
-/// Returns an upper bound of a sample of the sensor, in counts.
+/// Returns an upper bound of the counts in a sample.
 double most_counts(const FlowData& flow) {
   constexpr double kLongestStep_s = 1.0;  // largest physics step, by which a sample may be late
   constexpr double kLargestDeviation = 10.0;

@@ -4,7 +4,7 @@
 #include "mebots/data/document.hpp"
 #include "scene/sensor_data.hpp"
 
-/// Readers for the sensors in a drone's file. Each reads one section and records errors in the document.
+/// Readers for sections of a drone's file that describe sensors. Each reader reports errors to the document.
 namespace mebots::world::scene {
 
 RangeData read_range(const data::Node& node);

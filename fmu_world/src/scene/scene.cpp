@@ -43,7 +43,7 @@ Displacement Path::at(std::int64_t time_ns) const {
   if (!moves()) return {};
   MEBOTS_ASSERT(points.size() >= 2 && points.front().time_ns == 0);
   const std::int64_t end_ns = points.back().time_ns;
-  // The time is computed in whole nanoseconds, so that the thousandth repetition is as exact as the first.
+  // Uses whole nanoseconds, so that every repetition is exact.
   const std::int64_t now_ns = repeat ? std::max<std::int64_t>(time_ns, 0) % end_ns : std::max<std::int64_t>(time_ns, 0);
   if (now_ns >= end_ns) return {points.back().offset_W_m, points.back().turn_rad, Eigen::Vector3d::Zero(), 0.0};
   const auto next = std::upper_bound(points.begin() + 1, points.end(), now_ns,
@@ -93,7 +93,6 @@ Solid solid_of(const MeshThing& thing) {
   return solid;
 }
 
-/// Returns boxes, cylinders and meshes of a scene or robot.
 template <typename Things>
 std::vector<Solid> solids_in(const Things& things) {
   std::vector<Solid> solids;

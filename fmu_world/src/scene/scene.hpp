@@ -19,7 +19,8 @@
 
 namespace mebots::world::scene {
 
-/// Displacement and velocity of an object on a path at a time, relative to its position in the scene.
+/// Displacement and velocity of an object on a path at a time. The displacement is relative to the object's position in
+/// the scene.
 struct Displacement {
   Eigen::Vector3d offset_W_m = Eigen::Vector3d::Zero();
   double turn_rad = 0.0;  ///< about the vertical through the thing's own origin, positive to the left
@@ -27,8 +28,8 @@ struct Displacement {
   double turn_rate_rad_per_s = 0.0;
 };
 
-/// The motion of an obstacle at constant speed from point to point. It is a function of time only, so it has no state.
-/// At the last point, the obstacle stops; with `repeat`, it starts again from the first point. Contacts do not stop it.
+/// The motion of an obstacle from point to point, at constant speed between two points. It depends only on time. At the
+/// last point, the obstacle stops; with `repeat`, it starts again at the first point. Contacts do not affect it.
 struct Path {
   struct Point {
     std::int64_t time_ns = 0;  ///< rising; the first one is 0
@@ -39,26 +40,26 @@ struct Path {
   bool repeat = false;
 
   bool moves() const { return !points.empty(); }
-  /// Returns the greatest offset.
+  /// Returns the greatest distance of a point of the path from the object's position in the scene.
   double reach_m() const;
-  /// Returns the displacement at a time of the run. Before the start, it is the displacement at the start.
+  /// Returns the displacement at a time of the run. Times before the start have the displacement of the start.
   Displacement at(std::int64_t time_ns) const;
 };
 
 }  // namespace mebots::world::scene
 
-/// The contents of the world, from a scene file. They are plain data in SI units, in the world frame W (x east, y
-/// north, z up). load_scene() in load.hpp reads and checks them.
+/// The contents of the world as plain data in SI units, in the world frame W (x east, y north, z up). load_scene() in
+/// load.hpp reads and checks them.
 namespace mebots::world::scene {
 
-/// The plane z = 0. For contacts, it is unlimited. The camera draws it up to `half_size_m` from the origin in x and y.
+/// The plane z = 0. It is unlimited for contacts. The camera draws it up to `half_size_m` from the origin in x and y.
 struct Ground {
   double half_size_m = 10.0;  ///< > 0
   Texture texture;
 };
 
-/// A solid box: a wall, a pillar, a ramp. The origin of its frame is the box's centre. It is rotated by yaw about z,
-/// then pitch about its y, then roll about its x, like the drone.
+/// A solid box, such as a wall, a pillar or a ramp. The origin of its frame is the box's centre. Its attitude is yaw
+/// about z, then pitch about the new y, then roll about the new x.
 struct Box {
   std::string name;
   Eigen::Vector3d p_W_m = Eigen::Vector3d::Zero();   ///< centre
@@ -70,7 +71,7 @@ struct Box {
   Path path = {};
 };
 
-/// A solid cylinder around its own z. It is drawn with 32 sides.
+/// A solid cylinder around the z axis of its frame. The camera draws 32 sides.
 struct Cylinder {
   std::string name;
   Eigen::Vector3d p_W_m = Eigen::Vector3d::Zero();  ///< centre
@@ -94,15 +95,14 @@ struct MeshThing {
   Path path = {};
 };
 
-/// Returns the rotation from an object's own axes to world axes.
 template <typename Thing>
 Eigen::Quaterniond attitude_of(const Thing& thing) {
   return rotation_of({thing.roll_rad, thing.pitch_rad, thing.yaw_rad});
 }
 
-/// A frame through which the drone flies. Its frame of reference G has the origin in the middle of the opening, x in
-/// the direction of flight, y left, z up. It is rotated like a box. A square or a rectangle consists of four beams; the
-/// two vertical beams have the full outer height. A circle is treated as a polygon of 32 sides.
+/// A frame through which the drone flies. The origin of its frame of reference G is in the middle of the opening; x is
+/// the direction of flight, y left, z up. Its attitude is defined as for Box. A square or rectangular gate consists of
+/// four beams; the two vertical beams have the full outer height. A circle is approximated by a polygon of 32 sides.
 struct Gate {
   enum class Shape { square, rectangle, circle, polygon };
 
@@ -123,11 +123,11 @@ struct Gate {
   bool has_beams() const { return shape == Shape::square || shape == Shape::rectangle; }
   double opening_height_m() const { return shape == Shape::rectangle ? inner_height_m : inner_m; }
   double frame_height_m() const { return shape == Shape::rectangle ? outer_height_m : outer_m; }
-  /// Number of sides of a frame without beams.
+  /// Returns the number of sides of a frame without beams.
   int side_count() const { return shape == Shape::circle ? 32 : sides; }
-  /// Returns the four beams as boxes in the world: left, right, top, bottom in the direction of flight.
+  /// Returns the four beams as boxes in the world: left, right, top, bottom, as seen in the direction of flight.
   std::array<Box, 4> beams() const;
-  /// Returns a frame without beams, in the gate's frame.
+  /// Returns the mesh of a frame without beams, in the gate's frame of reference.
   Mesh frame() const { return ring(side_count(), inner_m, outer_m, thickness_m, texture); }
 };
 
@@ -143,7 +143,7 @@ struct StartPose {
   double yaw_rad = 0.0;
 };
 
-/// Constants of contact between the drone and all other objects, with the meanings of ODE's manual.
+/// Constants of contact between the drone and all other objects, as ODE's manual defines them.
 struct Contact {
   double friction = 1.0;               ///< Coulomb coefficient mu, >= 0
   double bounce = 0.5;                 ///< restitution, 0..1
@@ -156,13 +156,13 @@ struct Contact {
   double crash_tilt_rad = 1.309;       ///< angle between body z and world z from which it is a crash
 };
 
-/// A row of the stabiliser's curve of thrust over command.
+/// A row of the stabiliser's table of thrust over command.
 struct ThrustPoint {
   double command = 0.0;   ///< duty cycle 0..1
   double thrust_n = 0.0;  ///< of one rotor
 };
 
-/// The drone as a body, and the data in its stabiliser.
+/// The drone's body, and the data of its stabiliser and sensors.
 struct Drone {
   std::string name;
   Eigen::Vector3d body_size_m{0.092, 0.092, 0.029};  ///< contact box, centred at the body frame's origin
@@ -186,8 +186,8 @@ struct Drone {
   std::optional<MagnetometerData> magnetometer;            ///< absent: not in the drone's file
 };
 
-/// A robot other than a drone, such as a rover: a rigid body that stays upright, whose pose is an input. The parts are
-/// in the robot's frame: x forward, y left, z up from the ground.
+/// A robot other than a drone, such as a rover. It is a rigid body that stays upright. Its pose is an input. The parts
+/// are in the robot's frame: x forward, y left, z up from the ground.
 struct Robot {
   std::string name;
   std::vector<Box> boxes;
@@ -210,7 +210,7 @@ struct Scene {
   Drone drone;
 };
 
-/// A solid for contacts and for measurements of distance. The ground is not included.
+/// A solid for contacts and measurements of distance. The ground is not a Solid.
 struct Solid {
   enum class Shape { box, cylinder, mesh };
   static constexpr std::size_t kNoGate = SIZE_MAX;
@@ -228,7 +228,7 @@ struct Solid {
 
 /// Returns boxes, cylinders, meshes and the parts of gates, each kind in the scene's order.
 std::vector<Solid> solids_of(const Scene& scene);
-/// Returns the parts of a robot in its frame: boxes, cylinders and meshes.
+/// Returns the robot's boxes, cylinders and meshes in its frame.
 std::vector<Solid> solids_of(const Robot& robot);
 
 }  // namespace mebots::world::scene

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compiles tinygltf, which is a header that one translation unit must implement. The definitions in
-// fmu_world/CMakeLists.txt exclude its decoder for pictures.
+// Compiles tinygltf's header, which one translation unit must implement. The definitions in fmu_world/CMakeLists.txt
+// exclude its decoder of pictures.
 #define TINYGLTF_IMPLEMENTATION
 #include <tiny_gltf.h>

@@ -10,7 +10,7 @@
 
 namespace mebots::world::scene {
 
-/// Reads a list of `Size` numbers within limits.
+/// Returns a reader of `Size` numbers within limits.
 template <int Size>
 auto vector(const data::Limits& limits = {}) {
   return [limits](const data::Node& node) {
@@ -25,7 +25,7 @@ auto vector(const data::Limits& limits = {}) {
   };
 }
 
-/// Reads the values of {"values": [x, y, z], "unit": text, "source": text}.
+/// Returns a reader of {"values": [x, y, z], "unit": text, "source": text}.
 inline auto sourced_vector(std::string_view unit, const data::Limits& limits) {
   return [=](const data::Node& node) {
     data::Object object(node);

@@ -9,26 +9,25 @@
 
 namespace mebots::world {
 
-/// The air at z = 0 of a scene.
+/// The air at z = 0.
 struct Air {
   double pressure_pa = 101325.0;
   double temperature_k = 288.15;
 };
 
-/// Returns the static pressure at a height, after the standard atmosphere (ISO 2533:1975, below 11 km): the temperature
+/// Returns the static pressure at a height in the standard atmosphere (ISO 2533:1975, below 11 km): the temperature
 /// falls by 6.5 K per kilometre, and the air is in hydrostatic equilibrium.
 double pressure_at(const Air& air, double height_m);
 
 /// Measures the static pressure at the drone's centre: truth + constant bias + normal noise, rounded to the resolution.
-/// The flow around the drone and its propellers has no influence.
+/// Ignores the flow around the drone and its propellers.
 class Barometer {
  public:
   Barometer(const scene::BarometerData& data, const Air& air, std::uint64_t seed);
 
-  /// Sets the seed. Saved states do not contain it, so DroneSensors sets it before every step.
+  /// Saved states do not contain the seed, so DroneSensors sets it before every step.
   void reseed(std::uint64_t seed) { seed_ = seed; }
 
-  /// Takes a sample if one is due at time_ns.
   void update(std::int64_t time_ns, double height_m);
 
   double pressure_pa() const { return pressure_pa_; }

@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Returns the state `after_s` later if the body continues its present motion.
+/// Returns the state after `after_s` seconds if the body continues its motion.
 RigidState continued(const RigidState& body, double after_s) {
   RigidState then = body;
   if (after_s > 0.0) {
@@ -70,7 +70,7 @@ void CameraDevice::see_trigger(std::int32_t count, const RigidState& body, std::
   pictured_.others.assign(others.states.begin(), others.states.end());
   pictured_.own = others.own;
   pictured_.time_ns = time_ns;
-  // The noise depends on the picture's number, not on the number of pictures before it.
+  // The noise depends on the number of the picture, not on how many pictures were taken.
   const std::uint64_t seed = noise::bits(settings_.seed, noise::Stream::camera, 0);
   const auto index = static_cast<std::uint32_t>(count);
   const auto pose_at = [this](double after_s) { return pose_after(after_s); };
@@ -136,8 +136,7 @@ void CameraDevice::visit(state::Visitor& v) {
   v("exposure_s", exposure_s_);
   v("gain", gain_);
   if (sensor_) v("sensor", *sensor_);
-  // A restored picture goes into the buffer that is not in use, as a new picture does. So the bytes of the last picture
-  // stay readable.
+  // Restores the picture into the unused buffer, so that the bytes of the last picture stay readable.
   if (v.restores()) front_ ^= 1U;
   v("picture", std::span(buffers_[front_]));
   if (settings_.depth) v("depth", std::span(depths_[front_]));

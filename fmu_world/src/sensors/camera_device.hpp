@@ -18,8 +18,8 @@
 
 namespace mebots::world {
 
-/// Takes a picture when the count of requests changes. It has two buffers. So a picture's bytes stay valid while the
-/// next picture is taken, and a reader may use them until the end of the next step.
+/// Takes a picture when the count of requests changes. Two buffers keep a picture's bytes valid while the next picture
+/// is taken, so a reader may use them until the end of the next step.
 class CameraDevice {
  public:
   struct Settings {
@@ -35,31 +35,31 @@ class CameraDevice {
 
   CameraDevice(const std::shared_ptr<const camera::Scenery>& scenery, const Settings& settings);
 
-  /// Sets the seed for the noise of later pictures. Saved states do not contain it, so DroneSensors sets it before
-  /// every step.
+  /// Sets the seed for the noise of later pictures. Saved states do not contain the seed, so DroneSensors sets it
+  /// before every step.
   void reseed(std::uint64_t seed) { settings_.seed = seed; }
 
-  /// Takes a picture from the body's pose at a time if `count` is new. A count of 0 requests no picture. `others` are
-  /// the drones in the picture.
+  /// If `count` differs from the last count and is not 0, takes a picture from the body's pose at time_ns. `others` are
+  /// the drones and robots that the picture may show.
   void see_trigger(std::int32_t count, const RigidState& body, std::int64_t time_ns, const Others& others = {});
 
   const Settings& settings() const { return settings_; }
-  /// Returns the last picture, row by row from the top left; empty before the first.
+  /// Returns the last picture, row by row from the top left; empty before the first picture.
   std::span<const std::uint8_t> frame() const;
-  /// Returns the depth picture of the last picture, as GroundTruth::depth() writes it; empty without one.
+  /// Returns the depth picture of the last picture, in the format of GroundTruth::depth(). Empty if `depth` is false.
   std::span<const std::uint8_t> depth() const;
-  /// Returns gates and drones in the last picture as JSON; empty without `labels`. docs/sensors.md has the format.
+  /// Returns the gates and drones in the last picture as JSON (docs/sensors.md describes the format). Empty if `labels`
+  /// is false.
   std::string objects_text() const;
-  /// Returns the count of the last picture; 0 before the first.
+  /// Returns the count of the last picture; 0 before the first picture.
   std::int32_t frame_id() const { return frame_id_; }
-  /// Return exposure and gain of the last picture; 0 before the first.
+  /// Returns the exposure of the last picture; 0 before the first picture. gain() works in the same way.
   double exposure_s() const { return exposure_s_; }
   double gain() const { return gain_; }
 
   void visit(state::Visitor& v);
 
  private:
-  /// The bodies at the start of a picture.
   struct Pictured {
     RigidState body;
     std::vector<RigidState> others;
@@ -69,11 +69,12 @@ class CameraDevice {
     void visit(state::Visitor& v);
   };
 
-  /// Returns the camera's pose `after_s` after the start of the last picture if all bodies continue their motion.
+  /// Returns the camera's pose `after_s` seconds after the start of the last picture. Assumes that all bodies continue
+  /// their motion.
   camera::Pose pose_after(double after_s) const;
 
   Settings settings_;
-  /// Either the renderer or the sensor is set. The sensor is set if a parameter needs it.
+  /// Exactly one of these two exists: the sensor if a parameter needs it, otherwise the renderer.
   std::optional<camera::Renderer> renderer_;
   std::optional<camera::Sensor> sensor_;
   std::array<std::vector<std::uint8_t>, 2> buffers_;

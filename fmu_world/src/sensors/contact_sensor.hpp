@@ -9,17 +9,16 @@
 
 namespace mebots::world {
 
-/// Measures contacts of the drone's body: whether it touched something in a period, and the mean force of all contacts
-/// in this period along the body's axes, with normal noise.
+/// Measures contacts of the drone's body. A sample states whether the body touched something in a period, and the mean
+/// force of all contacts in this period along the body's axes, with normal noise.
 class ContactSensor {
  public:
-  /// A period without a noise has exact forces.
   ContactSensor(double period_s, double noise_n, std::uint64_t seed);
 
-  /// Sets the seed. Saved states do not contain it, so DroneSensors sets it before every step.
+  /// Saved states do not contain the seed, so DroneSensors sets it before every step.
   void reseed(std::uint64_t seed) { seed_ = seed; }
 
-  /// Adds an inner step of dt that ends at time_ns, and takes a sample if one is due. `force_B_n` is the sum of all
+  /// Adds an inner step of dt that ends at time_ns. Takes a sample if a sample is due. `force_B_n` is the sum of all
   /// contact forces in the step.
   void update(std::int64_t time_ns, bool touches, const Eigen::Vector3d& force_B_n, double dt_s);
 

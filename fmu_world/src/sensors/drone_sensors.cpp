@@ -12,7 +12,7 @@
 namespace mebots::world {
 namespace {
 
-/// The first drone uses the seed unchanged, like the drone of a world with one drone.
+/// The first drone uses the seed unchanged, as in a world with one drone.
 std::uint64_t seed_of(const Parameters& shared, std::size_t index) {
   const std::uint64_t seed = static_cast<std::uint32_t>(shared.sensors_seed);
   return index == 0 ? seed : noise::bits(seed, noise::Stream::drone, index);
@@ -46,7 +46,8 @@ CameraDevice::Settings camera_settings(const DroneParameters& parameters, std::u
   return settings;
 }
 
-/// Returns the data of a sensor that `needs` requires. Throws mebots::Error if the section is not in the drone's file.
+/// Returns the data of a sensor. Throws mebots::Error if the drone's file lacks them. The message says that `needs`
+/// requires the section.
 template <typename Data>
 const Data& described(const std::optional<Data>& data, const scene::Drone& drone, std::string_view needs,
                       std::string_view section) {
@@ -62,7 +63,6 @@ std::optional<FlowSensor> flow_sensor(const scene::Drone& drone, const DronePara
   return FlowSensor(described(drone.flow, drone, needs, "flow_sensor"), seed, start_ns);
 }
 
-/// Throws mebots::Error if a parameter is invalid. Returns the settings otherwise.
 Ranging::Settings ranging_settings(const DroneParameters& parameters) {
   require_at_least_zero(parameters.range_noise_m, "range.noise");
   if (to_string(parameters.range_model) == "?") {
@@ -138,7 +138,7 @@ void DroneSensors::measure(const RigidState& state, std::int64_t time_ns, const 
 
 void DroneSensors::begin_step(std::int32_t trigger, const RigidState& state, std::int64_t start_ns,
                               const Others& others) {
-  // The seed is a tunable parameter, so a program or a restored state may have changed it.
+  // The seed is a tunable parameter, so it may have changed since the last step.
   const auto seed = seed_of(shared_, index_);
   camera_.reseed(seed);
   range_.reseed(seed);

@@ -24,7 +24,6 @@
 
 namespace mebots::world {
 
-/// Parts of the world that the sensors of all drones share.
 struct Views {
   std::shared_ptr<const camera::Scenery> scenery;  ///< with all drones, if there are several
   std::shared_ptr<const RayCaster> rays;
@@ -40,17 +39,17 @@ struct Motion {
   Eigen::Vector3d contact_force_W_n;  ///< sum of all contact forces
 };
 
-/// Owns the sensors of a drone. The noise of a sensor depends on the seed, the drone's index, the sensor's own stream
-/// and the number of the sample only.
+/// Owns the sensors of a drone. The noise of a sensor depends only on the seed, the drone's index, the sensor's stream
+/// and the number of the sample.
 class DroneSensors {
  public:
-  /// Throws mebots::Error for invalid parameters, and for a sensor that the drone's file does not describe.
+  /// Throws mebots::Error if a parameter is invalid, or if it enables a sensor that the drone's file does not describe.
   DroneSensors(const Views& views, const scene::Drone& drone, const Parameters& shared,
                const DroneParameters& parameters, std::size_t index, std::int64_t start_ns);
 
-  /// Takes the first samples of the sensors that have one at the start.
+  /// Takes the samples at the start.
   void start(const RigidState& state, std::int64_t start_ns, const Others& others);
-  /// Reads the seed, and takes a picture if `trigger` is new.
+  /// Reads the seed. If `trigger` has changed, takes a picture.
   void begin_step(std::int32_t trigger, const RigidState& state, std::int64_t start_ns, const Others& others);
   /// Updates all sensors except the camera at the end of an inner step.
   void update(const Motion& motion, const Others& others);
@@ -58,16 +57,14 @@ class DroneSensors {
 
   const Imu& imu() const { return imu_; }
   const RangeSensor& range() const { return range_; }
-  /// Returns null if the drone has no flow sensor.
   const FlowSensor* flow() const { return flow_ ? &*flow_ : nullptr; }
   const CameraDevice& camera() const { return camera_; }
 
   void visit(state::Visitor& v);
 
  private:
-  /// Creates the sensors that are off by default.
   void enable(const Views& views, const scene::Drone& drone, const DroneParameters& parameters);
-  /// Updates the sensors that measure the body's state, without its motion.
+  /// Updates the sensors that depend on the body's state and not on its motion.
   void measure(const RigidState& state, std::int64_t time_ns, const Others& others);
 
   const Parameters& shared_;

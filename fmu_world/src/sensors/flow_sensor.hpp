@@ -11,13 +11,14 @@
 
 namespace mebots::world {
 
-/// Optical flow sensor at the body's centre along the body's -z axis, like PixArt's PMW3901 on Bitcraze's flow deck.
+/// An optical flow sensor at the body's centre along the body's -z axis, like PixArt's PMW3901 on Bitcraze's flow deck.
 /// The middle of the picture of a surface at distance d moves with
 ///
 ///   x: v_x / d - w_y      y: v_y / d + w_x      [rad/s], v and w in body axes
 ///
-/// A sample is this motion over a period, in pixels, with normal noise, as a whole number of counts; the rounding error
-/// is added to the next sample. A sample is invalid if the surface was too near, out of range, or too fast.
+/// A sample is this motion over a period in pixels, with normal noise, rounded to a whole number of counts. The
+/// rounding error is added to the next sample. A sample is invalid if the surface was too near, out of range, or too
+/// fast.
 class FlowSensor {
  public:
   struct Sample {
@@ -29,11 +30,11 @@ class FlowSensor {
 
   FlowSensor(const scene::FlowData& data, std::uint64_t seed, std::int64_t start_ns);
 
-  /// Sets the seed. Saved states do not contain it, so DroneSensors sets it before every step.
+  /// Saved states do not contain the seed, so DroneSensors sets it before every step.
   void reseed(std::uint64_t seed) { seed_ = seed; }
 
-  /// Updates the sensor: the body was at `state` for dt until time_ns, `distance_m` along -z from the next surface
-  /// (infinity if there is none).
+  /// Adds the motion of dt. `state` is the body's state during dt, which ends at time_ns. `distance_m` is the distance
+  /// to the next surface along -z; infinity if there is no surface.
   void update(std::int64_t time_ns, const RigidState& state, double distance_m, double dt_s);
 
   const Sample& sample() const { return sample_; }

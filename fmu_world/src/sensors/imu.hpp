@@ -10,13 +10,13 @@
 
 namespace mebots::world {
 
-/// Accelerometer and gyroscope at the body's centre along its axes, with a sample every millisecond.
+/// An accelerometer and a gyroscope at the body's centre along its axes. They take a sample every millisecond.
 ///
 ///   reading = truth + bias + normal noise
 ///
 /// The true values are the body rate, and the mean specific force since the last inner step. The specific force is the
-/// sum of all forces except gravity, divided by the mass. Biases are constant; each is drawn once from the seed with a
-/// standard deviation. Noise depends on seed and time only.
+/// sum of all forces except gravity, divided by the mass. Each bias is constant, and is drawn once from the seed with a
+/// standard deviation. The noise depends only on seed and time.
 class Imu {
  public:
   static constexpr std::int64_t kPeriod_ns = 1'000'000;
@@ -28,13 +28,13 @@ class Imu {
     double rate_bias_rad_per_s = 0.0;
   };
 
-  /// Throws mebots::Error for a standard deviation that is negative or not finite.
+  /// Throws mebots::Error if a standard deviation is negative or not finite.
   Imu(const Settings& settings, std::uint64_t seed);
 
-  /// Sets the seed. Saved states do not contain it, so DroneSensors sets it before every step.
+  /// Saved states do not contain the seed, so DroneSensors sets it before every step.
   void reseed(std::uint64_t seed) { seed_ = seed; }
 
-  /// Updates the sensors: the body moved from one state to the other within dt, up to time_ns.
+  /// Updates the sensors after the body has moved from one state to another within dt. The motion ends at time_ns.
   void update(std::int64_t time_ns, const RigidState& from, const RigidState& to, double dt_s);
 
   const Eigen::Vector3d& acceleration_m_per_s2() const { return acceleration_m_per_s2_; }

@@ -12,15 +12,14 @@
 namespace mebots::world {
 
 /// Measures the flux density of a uniform field along the body's axes: truth + constant bias + normal noise, rounded to
-/// the resolution and limited to the sensor's range. The currents of the motors have no influence.
+/// the resolution and limited to the sensor's range. Ignores the currents of the motors.
 class Magnetometer {
  public:
   Magnetometer(const scene::MagnetometerData& data, const Eigen::Vector3d& field_W_t, std::uint64_t seed);
 
-  /// Sets the seed. Saved states do not contain it, so DroneSensors sets it before every step.
+  /// Saved states do not contain the seed, so DroneSensors sets it before every step.
   void reseed(std::uint64_t seed) { seed_ = seed; }
 
-  /// Takes a sample if one is due at time_ns.
   void update(std::int64_t time_ns, const Eigen::Quaterniond& q_WB);
 
   const Eigen::Vector3d& field_B_t() const { return field_B_t_; }

@@ -16,24 +16,23 @@
 
 namespace mebots::world {
 
-/// Five range sensors that measure to the front, back, left, right and up, like Bitcraze's Multi-ranger deck. Each is
-/// on the surface of a box around the body's centre. All take their samples at the same time.
+/// Five range sensors to the front, back, left, right and up, like Bitcraze's Multi-ranger deck. Each is on the surface
+/// of a box around the body's centre. All take their samples at the same time.
 class Multiranger {
  public:
   using Readings = std::array<double, direction::kCount>;
 
-  /// Throws mebots::Error if the settings require a cone, and the drone's file has no range sensor.
+  /// Throws mebots::Error if the settings require a cone, but the drone's file describes no range sensor.
   Multiranger(std::shared_ptr<const RayCaster> rays, const scene::Drone& drone, const scene::MultirangerData& data,
               const Ranging::Settings& settings, std::uint64_t seed);
 
-  /// Sets the seed for the noise of later samples. Saved states do not contain it, so DroneSensors sets it before
-  /// every step.
+  /// Saved states do not contain the seed, so DroneSensors sets it before every step.
   void reseed(std::uint64_t seed) { seed_ = seed; }
 
-  /// Updates the sensors with the body at `state` at time_ns; takes samples when they are due.
+  /// If samples are due at time_ns, takes them with the body at `state`.
   void update(std::int64_t time_ns, const RigidState& state, const Others& others = {});
 
-  /// Returns the distances from the sensors in the order of the words of `direction`.
+  /// Returns the distances in the order of the words of `direction`.
   const Readings& readings_m() const { return readings_m_; }
 
   void visit(state::Visitor& v);

@@ -9,8 +9,8 @@
 
 namespace mebots::world {
 
-/// The drones and robots that a drone's sensors may see: all drones, of which the sensors leave out their own, then all
-/// robots. Empty in a world of one drone without robots.
+/// The drones and robots that a drone's sensors may see: first all drones, then all robots. Sensors ignore their own
+/// drone. In a world of one drone without robots, the lists are empty.
 struct Others {
   std::span<const scene::Solid> boxes;  ///< contact boxes of drones and parts of robots where they are now
   std::span<const RigidState> states;

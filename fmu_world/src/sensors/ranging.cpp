@@ -13,7 +13,7 @@
 namespace mebots::world {
 namespace {
 
-/// Returns rays of a cone around -z: its axis, and eight rays each at half the cone's angle and on its edge.
+/// Returns the rays of a cone around -z: its axis, eight rays at half the cone's angle, and eight rays on its edge.
 std::vector<Eigen::Vector3d> rays_of_cone(double half_angle_rad) {
   std::vector<Eigen::Vector3d> rays{-Eigen::Vector3d::UnitZ()};
   constexpr int kAround = 8;

@@ -13,13 +13,12 @@ namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
 
-/// A ray p + t d, t >= 0.
 struct Ray {
   Eigen::Vector3d p;
   Eigen::Vector3d d;
 };
 
-/// Returns the distance at which the ray enters the box; infinity if it misses the box or starts inside.
+/// Returns the distance at which the ray enters the box. If the ray misses the box or starts inside, returns infinity.
 double entry_of_box(const Ray& ray, const Eigen::Vector3d& size_m) {
   double enter = 0.0;
   double leave = kFar;
@@ -38,7 +37,7 @@ double entry_of_box(const Ray& ray, const Eigen::Vector3d& size_m) {
   return enter > 0.0 && enter <= leave ? enter : kFar;
 }
 
-/// Returns the distance at which the ray enters a cylinder along z: |p + t d| = r in x and y, |z| at most half its
+/// Returns the distance at which the ray enters a cylinder along z: |p + t d| = r in x and y, and |z| at most half the
 /// height.
 double entry_of_cylinder(const Ray& ray, const Eigen::Vector3d& size_m) {
   double enter = 0.0;
@@ -67,7 +66,7 @@ double entry_of_cylinder(const Ray& ray, const Eigen::Vector3d& size_m) {
   return enter > 0.0 && enter <= leave ? enter : kFar;
 }
 
-/// Returns the distance of the nearest triangle whose front the ray meets (Moeller and Trumbore 1997).
+/// Returns the distance to the nearest triangle whose front the ray meets (Moeller and Trumbore 1997).
 double entry_of_mesh(const Ray& ray, const scene::Mesh& mesh) {
   double nearest = kFar;
   for (const auto& triangle : mesh.triangles) {
@@ -92,7 +91,7 @@ double entry_of_mesh(const Ray& ray, const scene::Mesh& mesh) {
 double entry(const scene::Solid& solid, std::int64_t time_ns, const Ray& ray_W) {
   const scene::Displacement moved = solid.path.at(time_ns);
   const Eigen::Vector3d p_W_m = solid.p_W_m + moved.offset_W_m;
-  // Tests a sphere around the solid first: if the ray misses the sphere or starts beyond it, it misses the solid.
+  // First tests a sphere around the solid. A ray that misses the sphere or starts beyond it misses the solid.
   const Eigen::Vector3d to_middle = p_W_m - ray_W.p;
   const double along = to_middle.dot(ray_W.d);
   const double beside_squared = to_middle.squaredNorm() - along * along;

@@ -10,14 +10,14 @@
 
 namespace mebots::world {
 
-/// Computes where rays meet the ground, the solids of a scene and drones. Constant after construction, so drones share
-/// one caster.
+/// Computes where rays meet the ground, the solids of a scene and drones. Constant after construction, so drones may
+/// share a caster.
 class RayCaster {
  public:
   explicit RayCaster(const scene::Scene& scene);
 
-  /// Returns the distance from a point along a unit vector to the next surface at a time; infinity if the ray meets no
-  /// surface. A ray that starts inside a solid does not meet this solid.
+  /// Returns the distance from a point along a unit vector to the next surface at a time. If the ray meets no surface,
+  /// returns infinity. A ray from inside of a solid does not meet this solid.
   double distance_m(const Eigen::Vector3d& p_W_m, const Eigen::Vector3d& direction_W, std::int64_t time_ns,
                     const Others& others) const;
 

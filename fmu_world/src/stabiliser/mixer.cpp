@@ -9,7 +9,6 @@
 namespace mebots::world {
 namespace {
 
-/// Contains the minimum and maximum of four values.
 struct Range {
   double low;
   double high;
@@ -20,7 +19,7 @@ Range range_of(const RotorValues& values) {
   return {*low, *high};
 }
 
-/// Returns the largest share (0..1) of `extra` for which every base + share * extra is within 0..max.
+/// Returns the largest share in 0..1 for which every base + share * extra is in 0..max.
 double largest_share(const RotorValues& base, const RotorValues& extra, double max) {
   double share = 1.0;
   for (std::size_t i = 0; i < kRotors; ++i) {

@@ -10,12 +10,11 @@
 namespace mebots::world {
 namespace {
 
-/// A braking drone holds its present position as soon as its speed is below this value.
+/// When the speed of a braking drone falls below this value, the drone holds its position.
 constexpr double kStoppedSpeed_m_per_s = 0.05;
-/// If the height of the drone's underside is less than this, the drone starts on the ground.
+/// If the drone's underside is lower than this, the drone starts on the ground.
 constexpr double kOnGround_m = 0.01;
 
-/// Returns the vector with its horizontal part limited to `limit`.
 Eigen::Vector3d limited_horizontally(const Eigen::Vector3d& v, double limit) {
   const double length = v.head<2>().norm();
   if (length <= limit) return v;
@@ -41,7 +40,7 @@ void Stabiliser::start(const RigidState& state, double yaw_rad) {
   memory_.last_rate_B_rad_per_s = state.body_rate_rad_per_s();
 }
 
-/// Returns the greatest thrust of one rotor. During the start, it is limited, because full commands at standstill would
+/// Returns the greatest thrust of one rotor. It is lower during the start, because full commands at standstill would
 /// draw more current than a cell can deliver.
 double Stabiliser::greatest_thrust_n(double dt_s) {
   if (!memory_.starting) return curve_.max_thrust_n();
@@ -73,7 +72,7 @@ Eigen::Vector3d Stabiliser::wanted_velocity(const StabiliserGoal& goal, const Ri
 
 Eigen::Vector3d Stabiliser::wanted_acceleration(const StabiliserGoal& goal, const RigidState& state, double yaw_rad,
                                                 double dt_s) {
-  // Moves the reference velocity towards the wanted velocity as fast as the closed loop can follow. Therefore the
+  // Moves the reference velocity to the wanted velocity only as fast as the closed loop can follow. Therefore the
   // integrator only compensates wind, voltage sag and errors of the model's constants.
   const Eigen::Vector3d follow_per_s{gains_.velocity_p_per_s, gains_.velocity_p_per_s, gains_.climb_p_per_s};
   const Eigen::Vector3d pull_H = limited_horizontally(
@@ -93,7 +92,7 @@ Eigen::Vector3d Stabiliser::wanted_acceleration(const StabiliserGoal& goal, cons
   integral.z() =
       std::clamp(integral.z(), -gains_.max_vertical_integral_m_per_s2, gains_.max_vertical_integral_m_per_s2);
 
-  // Adds the drag at the reference velocity in still air. It is known, so the integrator need not compensate it.
+  // Adds the drag at the reference velocity in still air, so that the integrator need not compensate it.
   const Eigen::Vector3d drag_H = drone_.drag_n_s_per_m.cwiseProduct(memory_.velocity_H_m_per_s) / mass_kg_;
   const Eigen::Vector3d wanted_W = R_WH * (pull_H + turn_H + drag_H) + follow_per_s.cwiseProduct(error_W) + integral;
   return limited_horizontally(wanted_W, kGravity_m_per_s2 * std::tan(gains_.max_tilt_rad));
@@ -107,7 +106,7 @@ Eigen::Vector3d Stabiliser::wanted_torque(const StabiliserGoal& goal, const Rigi
   memory_.acceleration_B_rad_per_s2 +=
       dt_s / (gains_.acceleration_filter_s + dt_s) * (measured_B - memory_.acceleration_B_rad_per_s2);
 
-  // Computes the shortest rotation from the body's z axis to the wanted direction, as a vector in the body frame.
+  // Computes the shortest rotation from the body's z axis to the wanted direction, as a vector in body axes.
   const Eigen::Vector3d up_B = state.q_WB.conjugate() * up_W;
   const Eigen::Vector3d axis_B = Eigen::Vector3d::UnitZ().cross(up_B);
   const double sine = axis_B.norm();
@@ -116,8 +115,8 @@ Eigen::Vector3d Stabiliser::wanted_torque(const StabiliserGoal& goal, const Rigi
       sine > 1e-12 ? Eigen::Vector3d(axis_B * (angle / sine)) : Eigen::Vector3d::Zero();
 
   const double turn_rad_per_s = goal.hold_place ? 0.0 : goal.yaw_rate_rad_per_s;
-  // The loop follows a wanted rate with the lag 1 / pole. The rate of the heading reference has the same lag, so that
-  // the heading does not overshoot.
+  // The loop follows a wanted rate with the lag 1 / pole. The heading reference has the same lag, so that the heading
+  // does not overshoot.
   memory_.yaw_rate_rad_per_s += dt_s * gains_.yaw_pole_per_s * (turn_rad_per_s - memory_.yaw_rate_rad_per_s);
   const double lead_rad = std::clamp(wrapped_rad(memory_.heading_rad + dt_s * memory_.yaw_rate_rad_per_s - yaw_rad),
                                      -gains_.max_yaw_lead_rad, gains_.max_yaw_lead_rad);
@@ -146,8 +145,7 @@ const RotorValues& Stabiliser::update(const StabiliserGoal& goal, const RigidSta
 
   const Eigen::Vector3d lift_W =
       wanted_acceleration(goal, state, yaw_rad, dt_s) + Eigen::Vector3d(0.0, 0.0, kGravity_m_per_s2);
-  // Limits the acceleration: the drone never accelerates downwards faster than gravity. The lower limit also keeps the
-  // direction well defined.
+  // Limits the acceleration to less than gravity downwards. This also keeps the direction of the thrust well defined.
   const Eigen::Vector3d held_W{lift_W.x(), lift_W.y(),
                                std::max(lift_W.z(), gains_.min_thrust_share * kGravity_m_per_s2)};
   const Eigen::Vector3d up_W = limited_horizontally(held_W, held_W.z() * std::tan(gains_.max_tilt_rad)).normalized();
@@ -175,15 +173,15 @@ void Stabiliser::visit(state::Visitor& v) {
 }
 
 Gains::Rotation Gains::rotation(double pole_per_s, double lag_s) {
-  // Compares the coefficients of (s + p)^3 = s^3 + 3 p s^2 + 3 p^2 s + p^3 with those of s^3 + (1 + k_a) / T s^2 + k_r
-  // / T s + k_r k_angle / T.
+  // Equates the coefficients of (s + p)^3 = s^3 + 3 p s^2 + 3 p^2 s + p^3 and of s^3 + (1 + k_a) / T s^2 + k_r / T s +
+  // k_r k_angle / T.
   const double rate = 3.0 * lag_s * pole_per_s * pole_per_s;
   return {pole_per_s / 3.0, rate, std::max(0.0, 3.0 * lag_s * pole_per_s - 1.0)};
 }
 
 Gains Gains::for_lag(double rotor_lag_s) {
   Gains gains{};
-  // If the rotor's lag is below 1 / (3 p), pole placement can neglect it.
+  // If the rotor's lag is below 1 / (3 p), uses 1 / (3 p), because such a short lag is negligible.
   gains.tilt = rotation(gains.tilt_pole_per_s, std::max(rotor_lag_s, 1.0 / (3.0 * gains.tilt_pole_per_s)));
   gains.yaw = rotation(gains.yaw_pole_per_s, std::max(rotor_lag_s, 1.0 / (3.0 * gains.yaw_pole_per_s)));
   return gains;
@@ -193,7 +191,7 @@ namespace {
 
 using Point = scene::ThrustPoint;
 
-/// Interpolates linearly in the table. Returns the value of the member `to` at the place where the member `from` is x.
+/// Interpolates linearly in the table: returns the member `to` where the member `from` is x.
 double between(const std::vector<Point>& points, double Point::*from, double Point::*to, double x) {
   const auto above = std::upper_bound(points.begin() + 1, points.end() - 1, x,
                                       [from](double value, const Point& point) { return value < point.*from; });

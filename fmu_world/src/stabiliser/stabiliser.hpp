@@ -12,7 +12,6 @@
 
 namespace mebots::world {
 
-/// Contains the command to the stabiliser.
 struct StabiliserGoal {
   bool motors_on = false;
   bool hold_place = false;       ///< brake, then hold the position; velocity and yaw rate are not used
@@ -23,17 +22,16 @@ struct StabiliserGoal {
   double altitude_m = 0.0;  ///< altitude of the body's centre above z = 0
 };
 
-/// Contains the gains of the stabiliser. fmu_world/docs/stabiliser.md derives them.
+/// The gains of the stabiliser. fmu_world/docs/stabiliser.md derives them.
 struct Gains {
-  /// Contains the gains of the feedback for one rotation axis. The torque of the axis follows its command with a
-  /// first-order lag.
+  /// The feedback gains of one rotation axis. The torque of the axis follows its command with a first-order lag.
   struct Rotation {
     double angle_per_s;   ///< rad/s of required rate per rad of error
     double rate_per_s;    ///< rad/s2 of required acceleration per rad/s of error
     double acceleration;  ///< rad/s2 subtracted per rad/s2 of measured acceleration
   };
   /// Returns gains that place the three poles of (angle, rate, acceleration) at -pole_per_s, for a torque lag of lag_s.
-  /// The feedback of the acceleration is never negative. It is 0 if the lag is less than 1 / (3 pole).
+  /// If the lag is less than 1 / (3 pole), the gain of the acceleration is 0.
   static Rotation rotation(double pole_per_s, double lag_s);
 
   double tilt_pole_per_s = 12.0;
@@ -58,45 +56,44 @@ struct Gains {
   double min_thrust_share = 0.2;         ///< of the weight, so that roll and pitch keep their effect
   double acceleration_filter_s = 0.005;  ///< lag of the filter for the measured angular acceleration
 
-  /// Returns gains for a drone whose thrust follows its commands with the lag `rotor_lag_s`.
   static Gains for_lag(double rotor_lag_s);
 };
 
-/// Returns rotor thrusts that give a collective thrust and a torque about the body's axes.
-/// This function is the inverse of rotor_wrench() with torque = torque_per_thrust * thrust. If the thrust of a rotor
-/// would be outside 0..max_thrust_n, the least important parts are reduced first: the yaw torque, then the collective
-/// thrust, then roll and pitch. Roll and pitch keep the drone in the air; yaw and height are less urgent.
+/// Returns rotor thrusts that give a collective thrust and a torque about the body's axes. This function is the inverse
+/// of rotor_wrench() with torque = torque_per_thrust * thrust. If the thrust of a rotor would be outside
+/// 0..max_thrust_n, reduces the yaw torque first, then the collective thrust, then roll and pitch. Roll and pitch come
+/// last, because they keep the drone in the air.
 RotorValues mix(const scene::Drone& drone, double max_thrust_n, double collective_n,
                 const Eigen::Vector3d& torque_B_n_m);
 
-/// Converts between command and thrust of one rotor. The curve is a table that was measured on a bench, linear between
-/// its rows. The true thrust also depends on the bus voltage, which the stabiliser does not measure. The altitude
+/// Converts between command and thrust of one rotor. The curve is linear between the rows of a table that was measured
+/// on a bench. The true thrust also depends on the bus voltage, which the stabiliser does not measure. The altitude
 /// integrator compensates the difference.
 class ThrustCurve {
  public:
-  /// Creates the curve. The points must rise in both columns and begin at (0, 0). load_scene() checks this.
+  /// The points must rise in both columns and start at (0, 0). load_scene() checks this.
   explicit ThrustCurve(std::vector<scene::ThrustPoint> points) : points_(std::move(points)) {}
 
   double max_thrust_n() const { return points_.back().thrust_n; }
-  /// Returns the command that gives a thrust. The thrust must be from 0 to max_thrust_n().
+  /// `thrust_n` must be from 0 to max_thrust_n().
   double command_for(double thrust_n) const;
-  /// Returns the thrust that a command gives. The command must be from 0 to that of max_thrust_n().
+  /// `command` must be from 0 to the last command of the table.
   double thrust_for(double command) const;
 
  private:
   std::vector<scene::ThrustPoint> points_;
 };
 
-/// Controls the flight with two cascades. The first cascade is position -> velocity -> acceleration -> tilt and thrust.
-/// The second is tilt -> rate -> angular acceleration -> rotor thrusts -> commands. The controller uses mass and
-/// inertia, but neither the bus voltage nor the wind. fmu_world/docs/stabiliser.md contains the equations.
+/// Controls the flight with two cascades: position -> velocity -> acceleration -> tilt and thrust, and tilt -> rate ->
+/// angular acceleration -> rotor thrusts -> commands. Uses mass and inertia, but neither the bus voltage nor the wind.
+/// fmu_world/docs/stabiliser.md contains the equations.
 class Stabiliser {
  public:
   explicit Stabiliser(const scene::Drone& drone);
 
   void set_mass(double mass_kg, const Eigen::Vector3d& inertia_kg_m2);
 
-  /// Advances by dt and returns the commands (duty cycle, 0..1). All commands are 0 if the motors are off.
+  /// Advances by dt and returns the commands (duty cycle, 0..1). If the motors are off, all commands are 0.
   const RotorValues& update(const StabiliserGoal& goal, const RigidState& state, double dt_s);
 
   const RotorValues& command() const { return memory_.command; }
@@ -105,7 +102,6 @@ class Stabiliser {
   void visit(state::Visitor& v);
 
  private:
-  /// Contains the whole state of the controller.
   struct Memory {
     bool running = false;
     bool starting = false;       ///< true while the drone is on the ground and the motors have just been switched on

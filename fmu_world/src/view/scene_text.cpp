@@ -33,7 +33,7 @@ Json texture_json(const camera::Tile& tile) {
   return {{"size", size}, {"grey", encode_base64(grey)}};
 }
 
-/// Returns a face with its corners, and their texture coordinates (u, v) in tiles.
+/// Returns a face with its corners and their texture coordinates (u, v) in tiles.
 Json face_json(const camera::Face& face, const camera::Tile& tile) {
   Json corners = Json::array();
   Json coordinates = Json::array();
@@ -52,7 +52,7 @@ Json face_json(const camera::Face& face, const camera::Tile& tile) {
   return json;
 }
 
-/// Returns the mover of a robot, whose pose are outputs of the FMU.
+/// Returns the mover of a robot. Its position and heading are outputs of the FMU.
 Json robot_json(std::size_t robot) {
   const std::string name = "robot[" + std::to_string(robot + 1) + "].";
   return {{"origin", json_of(Eigen::Vector3d::Zero())},

@@ -14,12 +14,12 @@ namespace mebots::world {
 namespace {
 
 constexpr std::int64_t kPeriod_ns = 10'000'000;
-/// Limits of speed / length. Outside these limits, the filters' coefficients are not finite or have too large rounding
+/// Limits of speed / length. Outside of these limits, the filters' coefficients are not finite or have large rounding
 /// errors.
 constexpr double kSlowest_per_s = 1e-12;
 constexpr double kFastest_per_s = 1e12;
 constexpr int kNormals = 5;  // normal numbers per filter step
-/// Minimum length [m] and speed [m/s], as in description.json.
+/// The least length [m] and speed [m/s], as in description.json.
 constexpr double kLeast = 0.001;
 
 }  // namespace
@@ -58,7 +58,6 @@ double Dryden::normal(std::int64_t index, std::size_t which) const {
   return noise::gaussian(settings_.seed, noise::Stream::gust, static_cast<std::uint64_t>(kNormals * index) + which);
 }
 
-/// Draws the states of the filters from their stationary distribution.
 void Dryden::begin(std::int64_t index) {
   along_ = normal(index, 0);
   for (std::size_t axis = 0; axis < 2; ++axis) {

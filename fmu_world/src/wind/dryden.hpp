@@ -11,15 +11,15 @@
 
 namespace mebots::world {
 
-/// Computes gusts after Dryden (MIL-STD-1797A). They are frozen turbulence that the wind carries past the drone with
-/// `speed`. All axes have one length scale L.
+/// Computes gusts by the Dryden model (MIL-STD-1797A): frozen turbulence that the wind carries past the drone with
+/// `speed`. All axes have the same length scale L.
 ///
 ///   along x:   H(s) = sigma sqrt(2 L / (pi V)) / (1 + L/V s)
 ///   y and z:   H(s) = sigma sqrt(L / (pi V)) (1 + sqrt(3) L/V s) / (1 + L/V s)^2
 ///
 /// Each has the standard deviation sigma. The filters advance every 10 ms, with the exact discrete solution for white
-/// noise, and are constant in between. The noise is a function of seed and time only, so it does not depend on the step
-/// or on other instances. The filters start in their stationary distribution.
+/// noise. Between two such times, the gust is constant. The noise depends only on seed and time, and not on the step or
+/// on other instances. The filters start in their stationary distribution.
 class Dryden {
  public:
   struct Settings {
@@ -32,7 +32,7 @@ class Dryden {
   /// Throws mebots::Error if a value is out of range.
   explicit Dryden(const Settings& settings);
 
-  /// Advances to a time, which must not be before the time of the previous call. Returns the gust at that time [m/s],
+  /// Advances to a time, which must not be before the time of the previous call. Returns the gust at this time [m/s],
   /// in world axes.
   const Eigen::Vector3d& at(std::int64_t time_ns);
 

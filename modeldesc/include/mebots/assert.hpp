@@ -4,14 +4,14 @@
 #include <cstdio>
 #include <cstdlib>
 
-/// MEBOTS_ASSERT(condition) and MEBOTS_ASSERT(condition, "why it holds") check an assumption of the code next to them:
-/// an index inside its array, an order of calls, an invariant of a class. If the condition is false, MEbots has a bug.
-/// The macro then prints file, line, function and condition to stderr and aborts the process. Wrong input from outside
-/// throws a mebots::Error instead.
+/// MEBOTS_ASSERT(condition) and MEBOTS_ASSERT(condition, "why it holds") check an assumption of the surrounding code:
+/// an index inside its array, an order of calls, an invariant of a class. A false condition is a bug in MEbots. The
+/// macro then prints file, line, function and condition to stderr and aborts the process. For wrong input from outside,
+/// throw a mebots::Error instead.
 ///
-/// The macro is active if MEBOTS_ASSERTIONS is defined (presets dev, ci, and the presets of the sanitizers). Without it
-/// (preset release), the condition is compiled but not evaluated. It takes no time, and its variables count as used.
-/// Put a condition that contains a top-level comma in parentheses.
+/// The macro is active if MEBOTS_ASSERTIONS is defined (presets dev, ci, and the presets of the sanitizers). Otherwise
+/// (preset release), the condition is compiled but not evaluated. Its variables count as used. If the condition
+/// contains a comma, put the condition in parentheses.
 #ifdef MEBOTS_ASSERTIONS
 #define MEBOTS_ASSERT(condition, ...) \
   (static_cast<bool>(condition)       \
@@ -23,7 +23,7 @@
 
 namespace mebots {
 
-/// Prints with stdio, because stdio works before main() and if no memory is available.
+/// Uses stdio, because stdio also works before main() and if memory is exhausted.
 [[noreturn, gnu::cold]] inline void assertion_failed(const char* condition, const char* file, int line,
                                                      const char* function, const char* why = nullptr) noexcept {
   std::fprintf(stderr, "%s:%d: %s: assertion failed: %s%s%s\n", file, line, function, condition,

@@ -27,8 +27,8 @@ inline std::string encode_base64(std::span<const std::uint8_t> bytes) {
   return text;
 }
 
-/// Decodes base64 into `bytes` and reuses their memory. Returns false if the text is not base64. It is not base64 if
-/// its length is not a multiple of 4, or if it contains another character, or padding before its end.
+/// Decodes `text` into `bytes` and reuses the memory of `bytes`. Returns false if the text is not base64: its length is
+/// not a multiple of 4, a character is outside the alphabet, or padding is not at the end.
 inline bool decode_base64(std::string_view text, std::vector<std::uint8_t>& bytes) {
   const auto value_of = [](char c) -> int {
     if (c >= 'A' && c <= 'Z') return c - 'A';

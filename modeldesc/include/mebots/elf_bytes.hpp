@@ -16,18 +16,15 @@
 
 namespace mebots {
 
-/// Reads structures from the bytes of an ELF file, which may be truncated. Used for shared libraries and for programs
-/// of the chip. The bytes must outlive this object.
+/// Reads structures from the bytes of an ELF file, which may be truncated. The bytes must outlive this object.
 class ElfBytes {
  public:
-  /// Every error that this object throws contains `name` as the file's name and has the code `code`.
+  /// `name` is the file's name in errors. `code` is the code of all errors.
   ElfBytes(std::span<const std::uint8_t> bytes, std::string name, ErrorCode code)
       : bytes_(bytes), name_(std::move(name)), code_(code) {}
 
-  /// Throws Error. The message consists of the file's name and `what`.
   [[noreturn]] void fail(std::string_view what) const { throw Error(code_, fmt::format("{}: {}", name_, what)); }
 
-  /// True if the file starts with the four bytes of every ELF file.
   bool has_magic() const {
     constexpr std::array<std::uint8_t, 4> kMagic = {0x7f, 'E', 'L', 'F'};
     return bytes_.size() >= kMagic.size() && std::ranges::equal(bytes_.first(kMagic.size()), kMagic);
@@ -37,7 +34,7 @@ class ElfBytes {
     return offset <= bytes_.size() && size <= bytes_.size() - offset;
   }
 
-  /// Returns `size` bytes from `offset` on. If the file is too short, throws Error that names `what`.
+  /// Returns `size` bytes from `offset` on. If the file is too short, throws Error that mentions `what`.
   std::span<const std::uint8_t> part(std::uint64_t offset, std::uint64_t size, std::string_view what) const {
     if (!has(offset, size)) {
       fail(fmt::format("the file is cut short: {} needs bytes {} to {} of {}", what, offset, offset + size,

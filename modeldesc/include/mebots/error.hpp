@@ -8,13 +8,11 @@
 
 namespace mebots {
 
-/// Reports an error; all code of the project throws this type. The message states the problem, its place (file,
-/// instance, variable), the value, and the remedy. The code identifies the kind of the error for programs. To add
-/// context, catch the error and keep its code:
+/// The type of all exceptions of the project. The message states the problem, its place (file, instance, variable), the
+/// value, and the remedy. Programs distinguish errors by the code. To add context, catch the error and keep its code:
 ///
 ///     throw Error(error.code(), place + ": " + error.what());
 ///
-/// At the C boundary and in `main`, guards convert an Error into a status and a message.
 class Error : public std::runtime_error {
  public:
   explicit Error(const std::string& text) : Error(ErrorCode::unspecified, text) {}

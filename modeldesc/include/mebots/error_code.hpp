@@ -9,8 +9,8 @@
 
 namespace mebots {
 
-/// Identifies the kind of an error. The name of a code is stable: the name keeps its meaning across versions, in C++,
-/// Python and files. The number of a code is not stable. New codes may be added.
+/// Identifies the kind of an error. The name of a code keeps its meaning across versions, in C++, Python and files. The
+/// number of a code may change.
 enum class ErrorCode {
   unspecified,
   // Errors of access to files.
@@ -112,8 +112,8 @@ constexpr std::string_view name_of(ErrorCode code) {
   return kErrorCodes[static_cast<std::size_t>(code)].name;
 }
 
-/// Returns the code with this name; empty if no code has this name. Used for codes that come from another process or a
-/// file.
+/// Returns the code with this name; empty if the name is unknown, which can happen if it comes from a file or from
+/// another process.
 constexpr std::optional<ErrorCode> error_code_of(std::string_view name) {
   const auto* const found =
       std::find_if(kErrorCodes.begin(), kErrorCodes.end(), [&](const ErrorCodeRow& row) { return row.name == name; });

@@ -21,8 +21,8 @@ inline std::string hexadecimal(std::string_view bytes) {
   return text;
 }
 
-/// Returns the bytes of hexadecimal digits, which may be separated by white space; empty if the text contains anything
-/// else.
+/// Converts hexadecimal digits to bytes. White space may separate the digits. Returns empty if the text contains any
+/// other character.
 inline std::optional<std::string> bytes_of_hexadecimal(std::string_view text) {
   const auto value_of = [](char c) -> int {
     if (c >= '0' && c <= '9') return c - '0';

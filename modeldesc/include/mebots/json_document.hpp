@@ -13,8 +13,8 @@ namespace mebots::data {
 /// Creates documents from values of another format, such as SSP. This header is not installed, because it exposes a
 /// type of nlohmann-json.
 struct JsonDocument {
-  /// Maps JSON pointers to places in the file `name`. Messages contain these places. A value that is not listed has the
-  /// place of its container.
+  /// Maps JSON pointers to places in the file `name`, for messages. A value that is not listed has the place of its
+  /// container.
   using Places = std::map<std::string, std::string>;
 
   /// Creates a document from `value`. All texts must be UTF-8. Numbers that are not finite become null.

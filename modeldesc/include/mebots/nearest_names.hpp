@@ -11,8 +11,8 @@ namespace mebots {
 /// that change one text into the other. Ignores case.
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
-/// Returns a sentence for the end of an error message, such as "Did you mean 'x' or 'y'?", with the known names nearest
-/// to `wrong`. If no name is near, lists the known names. A long list is shortened.
+/// Returns the end of an error message, such as "Did you mean 'x' or 'y'?", with the known names nearest to `wrong`. If
+/// no name is similar, lists the known names. Shortens a long list.
 std::string suggest(std::string_view wrong, std::span<const std::string> known);
 
 }  // namespace mebots

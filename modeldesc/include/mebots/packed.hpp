@@ -14,8 +14,8 @@ enum class Packing {
 /// Compresses bytes in the format of RFC 1950 (zlib), which browsers call "deflate". Throws Error.
 std::string deflated(std::string_view bytes, Packing packing);
 
-/// Compresses bytes to a gzip file (RFC 1952). The file contains no name and no date, so equal bytes give equal files.
-/// Throws Error.
+/// Compresses bytes to a gzip file (RFC 1952). Equal bytes give equal files, because the file contains no name and no
+/// date. Throws Error.
 std::string gzipped(std::string_view bytes, Packing packing);
 
 }  // namespace mebots

@@ -8,7 +8,7 @@
 
 namespace mebots {
 
-/// Contains the parts of an HTML page. The build creates them from the folder web/.
+/// The parts of an HTML page. The build creates them from the folder web/.
 struct PageParts {
   std::string frame;   ///< content of page.html, which has placeholders for the other parts
   std::string script;  ///< content of page.js or report.js
@@ -18,11 +18,11 @@ struct PageParts {
 /// Reads page.html, NAME.js and NAME.css from a folder, where NAME is `name`. Throws Error if a file cannot be read.
 PageParts read_page_parts(const std::filesystem::path& folder, const std::string& name);
 
-/// Returns an HTML document that contains the script and the data. The document needs no network. Script and data are
-/// compressed (RFC 1950) and encoded in base64.
+/// Returns an HTML document that contains the script and the data, so it needs no network. Both are compressed (RFC
+/// 1950) and encoded in base64.
 std::string fill_page(const PageParts& parts, const std::string& title, std::string_view data);
 
-/// Returns the document of fill_page() without data. The page fetches the data only from the server that serves it.
+/// Returns the document of fill_page() without data. The page in the browser fetches the data from its server.
 std::string fill_live_page(const PageParts& parts, const std::string& title);
 
 }  // namespace mebots

@@ -8,8 +8,8 @@
 
 namespace mebots {
 
-/// Converts the whole text to a number; empty if the text contains anything else, or if the type T cannot hold the
-/// number. The text must have the form of std::from_chars: a plus sign and spaces are not allowed.
+/// Converts a text to a number. Returns empty if the text contains anything else, or if T cannot hold the number. The
+/// text has the form of std::from_chars: a plus sign and spaces are not permitted.
 template <typename T>
 std::optional<T> parsed_number(std::string_view text) {
   T value{};

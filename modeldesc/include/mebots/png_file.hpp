@@ -9,7 +9,7 @@
 
 namespace mebots {
 
-/// Contains the grey levels of a picture, row by row from the top left.
+/// The grey levels of a picture, row by row from the top left.
 struct GreyPicture {
   int width = 0;
   int height = 0;
@@ -18,9 +18,9 @@ struct GreyPicture {
   bool operator==(const GreyPicture&) const = default;
 };
 
-/// Decodes a PNG picture and returns its grey levels. A colour becomes its luminance, and transparent pixels are drawn
-/// on black. Throws an Error that begins with `name` if the bytes are not a PNG file, if the file is damaged, or if the
-/// picture is larger than 4096 x 4096.
+/// Decodes a PNG picture. Converts colours to their luminance, and draws transparent pixels on black. Throws an Error
+/// that begins with `name` if the bytes are not a PNG file, if the file is damaged, or if the picture is larger than
+/// 4096 x 4096.
 GreyPicture decode_png(std::span<const std::uint8_t> bytes, const std::string& name);
 GreyPicture read_png(const std::filesystem::path& file);
 

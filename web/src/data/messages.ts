@@ -30,7 +30,7 @@ export function readMessages(log: string): Message[] {
   return messages;
 }
 
-/** Returns the text of an event without its time and place, because the position of its mark shows them. */
+/** Returns the text of an event without its time and place. The position of the event's mark shows both. */
 export function shortText(message: Message): string {
   const text = message.text.replace(/^t = [\d.]+ s(, at \([^)]*\) m)?: /, "");
   const said = /^([\d.]+) s /.exec(text); // the clock time that some firmware prints

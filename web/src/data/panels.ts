@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The panels of a run. If the config has no panels, they show all variables that change, grouped by instance and unit. The first panels
-// of all instances precede the second panels.
+// The panels of a run. If the config defines no panels, the panels show all variables that change, grouped by instance
+// and unit.
 import type { CurveInfo, PanelInfo } from "./payload";
 import type { Run } from "./run";
 import { meaningOf } from "./units";
@@ -15,15 +15,14 @@ interface Found {
   names: string[];
 }
 
-/** Returns the panels of the config. If the config has none, returns panels of all variables that change. */
+/** Returns the panels of the config. If the config defines none, returns panels of all variables that change. */
 export function panelsOf(run: Run): PanelInfo[] {
   const asked = run.system?.view.panels ?? [];
   return asked.length > 0 ? asked : defaultPanels(run);
 }
 
 function defaultPanels(run: Run): PanelInfo[] {
-  const varying = run.variables.filter((name) => run.header.live || !run.stands(name)); // at the start of a live run nothing has
-                                                                                        // changed yet
+  const varying = run.variables.filter((name) => run.header.live || !run.stands(name)); // at the start of a live run, no variable has changed
   const isState = (name: string) => ["Boolean", "Enumeration"].includes(run.info(name)?.type ?? "");
   const found = taken(groupsOf(run, varying.filter((name) => !isState(name))).map((group) => panelOf(run, group)));
   const states = varying.filter(isState).slice(0, MOST_STATES);
@@ -31,7 +30,8 @@ function defaultPanels(run: Run): PanelInfo[] {
   return [...found, ...lanes];
 }
 
-/** Groups variables by instance and unit. Each variable without a unit has a separate plot, because numbers without a unit may be of different kinds. */
+/** Groups variables by instance and unit. A variable without a unit forms its own group, because numbers without a unit
+ * may be of different kinds. */
 function groupsOf(run: Run, names: string[]): Found[] {
   const groups = new Map<string, Found>();
   for (const name of names) {
@@ -54,7 +54,7 @@ function panelOf(run: Run, { instance, unit, names }: Found): PanelInfo & { inst
 
 const shortName = (name: string, instance: string) => name.slice(instance.length + 1);
 
-/** Joins variables with the same values into one curve. Its label is such as "rotor[1].speed, and 3 alike". */
+/** Joins variables with equal values into one curve. Its label is, for example, "rotor[1].speed, and 3 alike". */
 function joined(run: Run, instance: string, names: string[]): CurveInfo[] {
   const found: { variable: string; alike: number }[] = [];
   for (const variable of names) {
@@ -66,7 +66,8 @@ function joined(run: Run, instance: string, names: string[]): CurveInfo[] {
   return found.map(({ variable, alike }) => ({ variable, label: shortName(variable, instance) + (alike > 0 ? `, and ${alike} alike` : "") }));
 }
 
-/** Returns at most MOST_PANELS panels: the first of each instance, then the second of each instance, and so on. */
+/** Returns at most MOST_PANELS panels. First takes the first panel of each instance, then the second panel of each, and
+ * so on. */
 function taken(panels: (PanelInfo & { instance: string })[]): PanelInfo[] {
   const seen = new Map<string, number>();
   const round = panels.map(({ instance }) => {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the payload of a page, which `mebots report` writes. master/src/report/page.hpp describes the bytes.
+// Reads the payload of a page. master/src/report/page.hpp describes the format.
 
 export interface Place {
   offset: number;
@@ -35,20 +35,18 @@ export interface SystemInfo {
   connections: { from: string; to: string; type: string; unit?: string }[];
   variables: Record<string, VariableInfo>;
   view: { panels: PanelInfo[]; marks: string[]; scene?: { file: string; instance: string };
-    /** Contains the groups of variables in the summary. `members` maps the name of an object, such as a drone, to
-     * its variable. */
+    /** The groups of variables in the summary. `members` maps the name of an object, such as a drone, to its variable. */
     groups?: { label: string; members: Record<string, string> }[] };
 }
 
 // eslint-disable-next-line @typescript-eslint/no-explicit-any
 export type Json = any;
 
-/** Describes the state of a run in progress. */
 export interface LiveState {
   held: boolean;
   pace: number; // simulated seconds per second; 0 means as fast as possible
   ended: boolean;
-  /** Counts the data that this page had at its request. The payload contains the data after them. */
+  /** The amounts of data that the page had when it sent the request. The payload contains only later data. */
   known: { rows: number; pictures: number; log: number };
   log: number; // number of bytes of the log at present
   stop_time?: number;
@@ -66,13 +64,14 @@ export interface RunHeader {
   span: number; // the server reduced this number of rows to two
   whole: [number, number][]; // all rows within these times are contained
   kept: number;
-  /** Describes the columns of numbers. The numbers are a constant, or in a block, or in the header. */
+  /** Describes the columns. A column's numbers are a constant, or in a block, or in the header. */
   columns: { name: string; unit: string; still?: number; block?: Place; values?: number[] }[];
   scene: Place | null;
   profiles: Json[];
-  /** Contains the report of `mebots-soc run`, whose page has no system. */
+  /** The report of `mebots-soc run`. Its page has no system. */
   chip?: Json;
-  /** `every` is 3 if one picture of three is kept. `shrunk` is the number of pixels of the file per pixel. Both are absent in live data. */
+  /** If `every` is n, the page contains every n-th picture. `shrunk` is the number of the file's pixels per pixel in
+   * each direction. Both are absent in live data. */
   pictures: { name: string; every?: number; pictures: (Place & { time: number; shrunk?: number })[] }[];
 }
 
@@ -92,7 +91,7 @@ export function readPayload(all: Uint8Array<ArrayBuffer>): Payload {
   };
 }
 
-/** Decodes the numbers of a column. The byte planes contain the differences between the bits of successive numbers. */
+/** Decodes the numbers of a column. The planes contain the bytes of differences between the bits of successive numbers. */
 export function numbersOf(planes: Uint8Array): Float64Array {
   const count = planes.length / 8;
   const bytes = new Uint8Array(planes.length);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes call trees from a speedscope profile: of the whole run and, if fmu_soc wrote windows, of a time span.
+// Computes call trees from a speedscope profile: of the whole run, and of a time span if fmu_soc wrote windows.
 import type { Json } from "./payload";
 
 export interface Call {
@@ -8,30 +8,29 @@ export interface Call {
   children: Call[];
 }
 
-/** Lists the quantities of a profile, in the order of the parts of a window. */
+/** The quantities of a profile, in the order of the parts of a window. */
 export const COSTS = ["cycles", "time", "energy"] as const;
 export type Cost = (typeof COSTS)[number];
 const SCALES: Record<Cost, [number, string]> = { cycles: [1, "-"], time: [1e-12, "s"], energy: [1e-15, "J"] };
 const PART = 2 + COSTS.length; // numbers per part: hart, node, then the costs
 
-/** Lists the names of the frames of an idle hart. */
 const IDLE = new Set(["[asleep]", "[off]"]);
 
-/** Stands for all harts, each as a branch. */
+/** Selects all harts, each as a branch. */
 export const BY_CORE = -1;
-/** Stands for all harts, summed by function. */
+/** Selects all harts, summed by function. */
 export const BY_FUNCTION = -2;
 
-/** Contains the sum of the windows that overlap a time span: their times, and the counts by hart and node. */
+/** The sum of all windows that overlap a time span. */
 export interface Slice {
   from: number;
   to: number;
-  /** Returns a call tree. `hart` is a hart's number in the file, or BY_CORE or BY_FUNCTION. */
+  /** Returns a call tree. `hart` is the number of a hart in the file, BY_CORE or BY_FUNCTION. */
   tree(hart: number, cost: Cost, withIdle: boolean): Call;
   functions(withIdle: boolean): FunctionCost[];
 }
 
-/** Contains the cost of a function, without the functions that it calls, over all harts [J, s]. */
+/** The cost of a function without the functions that it calls, summed over all harts [J, s]. */
 export interface FunctionCost {
   name: string;
   energy: number;
@@ -113,7 +112,6 @@ export class WindowedProfile {
   }
 }
 
-/** Merges calls with the same name, and adds their costs. */
 function added(calls: Call[]): Call[] {
   const byName = new Map<string, Call[]>();
   for (const call of calls) byName.set(call.name, [...(byName.get(call.name) ?? []), call]);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A run as the page shows it: columns by name, values by time, and curves with their rates.
+// A run: columns by name, values by time, and curves.
 import { type Message, readMessages } from "./messages";
 import { type CurveInfo, type Json, numbersOf, type Payload, type RunHeader, type SystemInfo, type VariableInfo } from "./payload";
 import { rateUnit, shown } from "./units";
@@ -7,20 +7,18 @@ import { rateUnit, shown } from "./units";
 export interface Picture {
   time: number;
   url: string;
-  /** Number of the camera's pixels per pixel of the picture, in each direction. */
+  /** The number of the camera's pixels per pixel of the picture, in each direction. */
   shrunk: number;
 }
 
-/** Contains numbers over the run's times, as a panel draws them. */
+/** The numbers of a panel's curve over the run's times. */
 export interface Curve {
   label: string;
   unit: string;
   isRate: boolean;
   variable: string;
-  /**
-   * Returns one value per row. A rate is a mean over at least `mean` seconds, or from row to row if their distance is larger. It is
-   * exact, because it is a difference of counts.
-   */
+  /** Returns one value per row. A rate is the mean over at least `mean` seconds, or between two rows if their distance
+   * is larger. Rates are exact, because they are differences of counts. */
   values(mean: number): Float64Array;
 }
 
@@ -36,7 +34,7 @@ export function rowAt(times: Float64Array, time: number): number {
   return low;
 }
 
-/** If a run in progress has more values than this, the server sends a reduced number of them. */
+/** If a run in progress has more values, the server sends a reduced number of values. */
 const MOST_NUMBERS = 4e6;
 
 export class Run {
@@ -61,12 +59,12 @@ export class Run {
     this.take(header, payload);
   }
 
-  /** Listeners for new data of a run in progress. */
+  /** Adds a listener for new data of a run in progress. */
   onData(listener: () => void): void {
     this.listeners.push(listener);
   }
 
-  /** Adds the new data of a run in progress. If the server sent all data, replaces the present data. */
+  /** Adds new data of a run in progress. If the server sent all data, replaces the old data. */
   goOn(header: RunHeader, payload: Payload): void {
     const isAll = header.live?.known.rows === 0;
     if (isAll) return this.take(header, payload);
@@ -83,18 +81,16 @@ export class Run {
     this.takePictures(header, payload);
   }
 
-  /** Calls the listeners, because new data have arrived. */
   tell(): void {
     for (const listener of this.listeners) listener();
   }
 
-  /** Counts the data of a run in progress that this page already has, as the server counts them. */
+  /** The amounts of data of a run in progress that this page has: rows, pictures, and bytes of the log. */
   get known(): { rows: number; pictures: number; log: number } {
     return { rows: this.header.rows, pictures: this.pictures.length, log: this.header.live?.log ?? 0 };
   }
 
-  /** True if the run has so many values that the server reduces their number. In this case, each request fetches all
-   * data. */
+  /** True if the run has so many values that the server reduces them. Then each request must fetch all data. */
   get isLong(): boolean {
     return this.kept * this.places.size > MOST_NUMBERS;
   }
@@ -140,12 +136,12 @@ export class Run {
     return this.times.length > 0 ? this.times[this.times.length - 1] : 0;
   }
 
-  /** The number n if the page contains one picture of n. */
+  /** Returns n if the page contains every n-th picture of the camera. */
   get pictureEvery(): number {
     return this.header.pictures.find(({ name }) => name === this.camera)?.every ?? 1;
   }
 
-  /** The names of the recorded variables, in the order of the table. */
+  /** The names of the recorded variables, in the order of the columns. */
   get variables(): string[] {
     return [...this.places.keys()].filter((name) => name !== "time");
   }
@@ -182,7 +178,7 @@ export class Run {
     return values ? values[rowAt(this.times, time)] : NaN;
   }
 
-  /** Formats a variable's value at a time. The text is an enumeration's item, on or off, or a number with its unit. */
+  /** Formats the value of a variable at a time: an item of an enumeration, on or off, or a number with its unit. */
   textAt(name: string, time: number): string {
     return this.text(name, this.at(name, time));
   }
@@ -195,7 +191,7 @@ export class Run {
     return shown(value, this.unit(name));
   }
 
-  /** Returns a value that is interpolated between two rows. Used for motion, not for displayed numbers. */
+  /** Interpolates between two rows. Used for motion, not for displayed numbers. */
   between(name: string, time: number): number {
     const values = this.values(name);
     if (!values) return NaN;
@@ -205,7 +201,7 @@ export class Run {
     return values[row] + Math.min(Math.max(part, 0), 1) * (values[row + 1] - values[row]);
   }
 
-  /** Returns a curve; null if the run did not record the variable. */
+  /** Returns a curve. If the run did not record the variable, returns null. */
   curve(info: CurveInfo): Curve | null {
     const variable = info.rate_of ?? info.variable ?? "";
     if (!this.has(variable)) return null;
@@ -228,7 +224,7 @@ export class Run {
     };
   }
 
-  /** Returns the sum of the curves whose variables the run recorded; null if it recorded none of them. */
+  /** Returns the sum of the recorded curves. If the run recorded none of them, returns null. */
   sum(infos: CurveInfo[]): Curve | null {
     const curves = infos.map((info) => this.curve(info)).filter((curve) => curve !== null);
     if (curves.length === 0) return null;
@@ -257,8 +253,7 @@ export class Run {
   }
 }
 
-/** Returns the mean rates of change over spans of whole rows that last at least `mean` seconds. All rows of a span
- * have the rate of the span. */
+/** Returns mean rates of change. Each mean covers whole rows and at least `mean` seconds; its rows have the same rate. */
 function meanRates(times: Float64Array, values: Float64Array, mean: number): Float64Array {
   const result = new Float64Array(values.length);
   for (let first = 0; first + 1 < values.length; ) {

@@ -1,40 +1,38 @@
 // SPDX-License-Identifier: Apache-2.0
-// Formats numbers: four digits, a prefix if the unit allows one, and the unit.
+// Formats numbers with four digits, a prefix if the unit permits one, and the unit.
 
 const PREFIXED = new Set(["W", "J", "V", "A", "N", "N.m", "Hz", "Pa", "C", "F", "Ohm", "1/s", "bit/s", "s"]);
 const PREFIXES: [number, string][] = [
   [1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"],
 ];
-/** Unit of a share of time. */
 export const SHARE = "s/s";
 
 const RATES: Record<string, string> = { J: "W", s: SHARE, m: "m/s", rad: "rad/s", "m/s": "m/s2", C: "A", "1": "1/s", "-": "1/s" };
 
-/** Maps a unit to the quantity that it measures, followed by the name of the unit. */
+/** Maps a unit to the quantity that it measures, followed by other words for it. */
 const UNIT_WORDS: Record<string, string> = {
   V: "voltage volt", A: "current ampere", W: "power watt", J: "energy joule", s: "time second", m: "length distance metre",
   "m/s": "speed velocity", "m/s2": "acceleration", rad: "angle radian", "rad/s": "angular_speed rate", Hz: "frequency clock hertz", N: "force newton",
   "N.m": "torque newton metre", degC: "temperature celsius", K: "temperature kelvin", kg: "mass kilogram", Pa: "pressure pascal", Ohm: "resistance",
 };
 
-/** Returns the words with which a search finds the variables that have this unit. */
+/** Returns the words by which a search finds variables with this unit. */
 export function wordsOf(unit: string): string {
   return (UNIT_WORDS[unit] ?? "").replaceAll("_", " ");
 }
 
-/** Returns the quantity that a unit measures, such as "voltage" for V; empty for an unknown unit. */
+/** Returns the quantity that a unit measures, such as "voltage" for V. For an unknown unit, returns an empty text. */
 export function meaningOf(unit: string): string {
   return (UNIT_WORDS[unit] ?? "").split(" ")[0].replaceAll("_", " ");
 }
 
-/** Formats a unit, such as "N.m" as "N·m" and "m/s2" as "m/s²". Returns an empty text for a number without a unit. */
+/** Formats a unit, such as "N·m" for "N.m" and "m/s²" for "m/s2". For a number without a unit, returns an empty text. */
 export function shownUnit(unit: string): string {
   if (unit === "-" || unit === "1" || unit === "") return "";
   if (unit === SHARE) return "%";
   return unit.replaceAll(".", "·").replace(/([a-zA-Z])2\b/g, "$1²").replace(/([a-zA-Z])3\b/g, "$1³");
 }
 
-/** Returns the unit of a rate of change in time. */
 export function rateUnit(unit: string): string {
   return RATES[unit] ?? `${unit}/s`;
 }
@@ -47,11 +45,10 @@ function digits(value: number): string {
   return value.toFixed(Math.min(decimals, 5)).replace("-", "\u2212");
 }
 
-/** Returns the factor and the prefix with which a number of this size is easiest to read. */
+/** Returns the factor and the prefix that make a number of this size easiest to read. */
 export function prefixFor(size: number, unit: string): [number, string] {
   if (unit === SHARE) return [0.01, ""];
   if (!PREFIXED.has(unit) || !(size > 0)) return [1, ""];
-  // Kiloseconds are not used.
   if (unit === "s" && size >= 1) return [1, ""];
   return PREFIXES.find(([factor]) => size >= 0.9995 * factor) ?? PREFIXES[PREFIXES.length - 1];
 }
@@ -68,8 +65,8 @@ export function shown(value: number, unit: string): string {
 
 let timeScale: [number, string] = [1, "s"];
 
-/** Chooses the unit in which all times are shown from the length of the run, because a chip's program may end after
- * a millisecond. */
+/** Chooses the unit of all shown times. The unit depends on the length of the run, because a chip's program may end
+ * after a millisecond. */
 export function setTimeScale(end: number): void {
   timeScale = end >= 1 || !(end > 0) ? [1, "s"] : end >= 1e-3 ? [1e-3, "ms"] : [1e-6, "µs"];
 }
@@ -78,7 +75,7 @@ export function shownTime(seconds: number): string {
   return `${(seconds / timeScale[0]).toFixed(2)} ${timeScale[1]}`;
 }
 
-/** Formats the time of a tick on a time axis, with as many digits as necessary. */
+/** Formats the time of a tick with as many digits as necessary. */
 export function shownTick(seconds: number): string {
   return `${+(seconds / timeScale[0]).toFixed(6)} ${timeScale[1]}`;
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numbers of a deployed network: network.json, which mebots.deploy.report describes, and the board.
+// The numbers of a deployed network, from network.json (see mebots.deploy.report), and the board.
 import type { Page } from "../report/content";
 
-/** Cost of a layer, or of all. `asleep` and `causes` are sums over the cores. */
+/** The cost of a layer, or of all layers. `asleep` and `causes` are sums over the cores. */
 export interface Cost {
   cycles: number;
   time: number;
@@ -35,7 +35,7 @@ export interface Setting {
   parts: Record<string, number>;
 }
 
-/** An error or a share of pictures, with its interval at 95 %. */
+/** An error or a share of pictures. `interval` is its confidence interval at 95 %. */
 export interface Judged {
   error?: number;
   share?: number;
@@ -43,7 +43,7 @@ export interface Judged {
   deviation?: number;
 }
 
-/** `float`: differences from the model in float by output. `labels`: comparison with labels by column. */
+/** `float`: differences from the float model, by output. `labels`: comparison with the labels, by column. */
 export interface Accuracy {
   pictures: number;
   data: string;
@@ -51,7 +51,7 @@ export interface Accuracy {
   labels?: { file: string; outputs: Record<string, { float?: Judged; int8: Judged; loss?: Judged }> };
 }
 
-/** The network with a smaller input. `whole`: differences from float with the whole input. */
+/** The network with a smaller input. `whole`: differences from the float model with the whole input. */
 export interface SizeRow {
   rows: number;
   columns: number;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table of layers. If the network was not measured, the rows have no costs.
+// The table of layers. Rows have costs only if the network was measured.
 import { shown } from "../data/units";
 import { element } from "../dom";
 import { percent } from "../report/format";
 import { panel } from "../report/widgets";
 import { sumOf, type Cost, type NetworkPage } from "./content";
 
-/** Returns the number of cycles in which the cores were awake, but executed no instruction. */
+/** Returns the number of cycles in which cores were awake but executed no instruction. */
 function stalledOf({ causes }: Cost): number {
   return Object.entries(causes).reduce((sum, [cause, cycles]) => (cause === "base" ? sum : sum + cycles), 0);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shows the tensors in L2 over the layers, or over time if the times were measured. Also shows the use of L1 by each layer.
+// Shows the tensors in L2: over time if the times were measured, otherwise by layer. Also shows each layer's use of L1.
 import { element } from "../dom";
 import { counted, digits } from "../report/format";
 import { Plot } from "../report/plot";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the page of a deployed network. It shows the cost of an inference, and its division by layer, cause and part of the chip.
+// Creates the page of a deployed network: the cost of an inference, and its parts by layer, cause and part of the chip.
 import { shown } from "../data/units";
 import { element } from "../dom";
 import { digits, percent } from "../report/format";

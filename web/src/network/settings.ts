@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Time and energy of an inference for several clocks and numbers of cores.
+// Shows time and energy of an inference for several clocks and numbers of cores.
 import { shown } from "../data/units";
 import { Plot } from "../report/plot";
 import { makeSmallTable, panel } from "../report/widgets";

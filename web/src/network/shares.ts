@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stacked bars, one for each layer: the cores' cycles by cause, and the energy by part of the chip.
+// Stacked bars for each layer: cycles of the cores by cause, and energy by part of the chip.
 import { shown } from "../data/units";
 import { element } from "../dom";
 import { digits, percent } from "../report/format";
@@ -37,7 +37,7 @@ export function makeEnergy({ network }: NetworkPage, measured: Measured): HTMLEl
     ...makeBars(rows, all, (part) => part.replaceAll("_", " "), (value) => shown(value, "J")));
 }
 
-/** Creates a key with the parts of all layers, and a bar for each layer and for the sum of all layers. */
+/** Creates the key of all parts, a bar for each layer, and a bar for the sum of all layers. */
 function makeBars(layers: Row[], whole: Row, nameOf: (part: string) => string, textOf: (value: number) => string): HTMLElement[] {
   const sum = whole.parts;
   const sorted = Object.entries(sum).filter(([, value]) => value > 0).sort(([, a], [, b]) => b - a).map(([part]) => part);

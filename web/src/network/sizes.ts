@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Accuracy next to energy, for each size of the input, clock and number of cores.
+// Shows accuracy and energy for each size of the input, clock and number of cores.
 import { shown } from "../data/units";
 import { element } from "../dom";
 import { digits, percent } from "../report/format";
@@ -8,7 +8,7 @@ import { makeSmallTable, panel } from "../report/widgets";
 import { colour } from "../theme";
 import { sumOf, type Accuracy, type Judged, type Measured, type NetworkPage, type SizeRow } from "./content";
 
-/** Describes a quantity of each size that the plot shows: a share or an error. */
+/** A plotted quantity of each size: a share or an error. */
 interface Quantity {
   title: string;
   of: (row: SizeRow) => Judged | undefined;
@@ -28,8 +28,7 @@ export function makeSizes({ network }: NetworkPage, measured: Measured): HTMLEle
   return made;
 }
 
-/** Returns the quantities to plot. The quantities that compare with the labels precede the differences from the
- * model in float. */
+/** Returns the quantities to plot: first comparisons with the labels, then differences from the float model. */
 function quantitiesOf({ float, labels }: Accuracy): Quantity[] {
   const judged = Object.entries(labels?.outputs ?? {}).flatMap(([name, { int8 }]) => [
     { title: int8.share === undefined ? `error of ${name}` : `right: ${name}`, of: (row: SizeRow) => row.accuracy.labels?.outputs[name]?.int8 },

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numbers of a page, as mebots.exploration.report, rare_report and mebots.flight.replay_page write them.
+// The numbers of a page. mebots.exploration.report, rare_report and mebots.flight.replay_page write them.
 
 export interface Page {
   kind: "study" | "rare" | "replay" | "network";
@@ -11,7 +11,7 @@ export interface Factor {
   name: string;
   label: string;
   unit: string;
-  /** Factor from a value to the unit in which the page shows it. */
+  /** The factor that converts a value to the displayed unit. */
   scale: number;
   number: boolean;
   values: (number | string | boolean)[];
@@ -34,12 +34,12 @@ export interface Objective {
   low: Numbers;
   high: Numbers;
   count: number[];
-  /** Value and interval of each design, as formatted texts. */
+  /** The value and the interval of each design, as text. */
   text: string[];
 }
 
-/** Contains the designs in the page, by column. `number` is the number of each design in the study, which has `of`
- * designs. */
+/** The designs in the page, by column. `number` contains each design's number in the study. `of` is the number of
+ * designs in the study. */
 export interface Designs {
   of: number;
   number: number[];
@@ -54,7 +54,7 @@ export interface Designs {
 
 export type Place = "on" | "undecided" | "off" | "excluded" | "";
 
-/** Contains every n-th mission of each design, one design after the other. */
+/** Every n-th mission of each design, ordered by design. */
 export interface Missions {
   every: number;
   counts: number[];
@@ -101,7 +101,7 @@ export interface Study extends Page {
   failed_of: number;
   effects: Effects;
   indices: { method: string; titles: string[]; rows: string[][] } | null;
-  /** For each objective and design: the least value, the 5, 25, 50, 75 and 95 % quantiles, and the greatest value. */
+  /** For each objective and design: the minimum, the 5, 25, 50, 75 and 95 % quantiles, and the maximum. */
   quantiles: (number[] | null)[][] | null;
   missions: Missions | null;
   replay: Replay | null;

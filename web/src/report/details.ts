@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The chosen design with its missions, and the commands that repeat and compare missions.
+// Shows the chosen design with its missions, and the commands that repeat and compare missions.
 import { element } from "../dom";
 import type { Objective, Study } from "./content";
 import { counted, factorText, objectiveText, titleOf } from "./format";
@@ -34,8 +34,7 @@ export function makeDetails(study: Study, selection: Selection): HTMLElement {
   return root;
 }
 
-/** Creates the table of a design's missions, which can be sorted. A click on a mission shows the command that
- * repeats it. */
+/** Creates the sortable table of a design's missions. A click on a mission shows the command that repeats the mission. */
 function makeMissions(study: Study, selection: Selection, design: number): HTMLElement {
   const missions = study.missions!;
   const start = firstOf(missions.counts)[design];
@@ -86,13 +85,13 @@ function makeMissions(study: Study, selection: Selection, design: number): HTMLE
       element("thead", {}, element("tr", {}, element("th", {}), ...heads.map((head, i) => element("th", {}, element("button", { class: "link", onclick: () => sortBy(i) }, head))))), body)), more);
 }
 
-/** Returns a value as text. In one mission, a share is 0 or 1. */
+/** Formats a value of one mission. In one mission, a share is 0 or 1. */
 const missionText = (objective: Objective, value: number | null) => (objective.share && value !== null ? (value ? "yes" : "no") : objectiveText(objective, value));
 
 const folderOf = (study: Study, { design, replicate }: Mission) => `design_${study.designs.number[design]}_mission_${replicate}`;
 
-/** Returns the command that repeats a mission; null if that needs another config, or if the page lacks the mission's
- * draws. */
+/** Returns the command that repeats a mission. If this needs another config, or if the page lacks the mission's draws,
+ * returns null. */
 function commandOf(study: Study, mission: Mission): string | null {
   const { replay } = study;
   const [own, draws] = [replay?.designs[mission.design], replay?.draws[mission.replicate]];
@@ -116,8 +115,7 @@ function replayTexts(study: Study, mission: Mission): HTMLElement[] {
   ];
 }
 
-/** Creates a bar that appears when the user ticks missions, and a dialog with the commands that compare these
- * missions. */
+/** Creates a bar that is visible while missions are ticked, and a dialog with commands that compare these missions. */
 export function makeComparison(study: Study, selection: Selection): HTMLElement {
   const body = element("div", {});
   const dialog = element("dialog", { class: "compare" }, element("header", {}, element("h2", {}, "Compare missions"),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shows the outcomes of missions, the distribution of their values, and the spread within each design.
+// Shows the outcomes of missions, the distribution of their values, and the spread in each design.
 import { element } from "../dom";
 import { colour, onTheme, styleColour } from "../theme";
 import type { Study } from "./content";
@@ -56,8 +56,8 @@ export function makeDistributions(study: Study, selection: Selection, shown: Sho
     context.globalAlpha = 1;
   }
 
-  /** Draws bands from the least to the greatest value, from the 5 to the 95 % quantile and from the 25 to the 75 %
-   * quantile, and the median as a line. A pixel shows the outermost values of the designs in it. */
+  /** Draws bands: minimum to maximum, 5 to 95 % quantile, 25 to 75 % quantile. Draws the median as a line. If several
+   * designs share a pixel, draws their outermost values. */
   function drawBands(own: number[][]): void {
     const { context } = spread;
     const columns = Math.min(own.length, Math.floor(spread.box.right - spread.box.left));
@@ -124,7 +124,6 @@ export function makeDistributions(study: Study, selection: Selection, shown: Sho
     ...(missions!.outcomes.length ? [makeEnds(study, selection)] : []), spread.root, histogram.root);
 }
 
-/** Creates a bar with the shares of the outcomes in missions of the selected designs. */
 function makeEnds(study: Study, selection: Selection): HTMLElement {
   const { outcomes, outcome_counts } = study.missions!;
   const root = element("div", { class: "ends" });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shows main effects: the mean of the designs' values at each level of each factor. If designs are selected, also shows their means.
+// Shows main effects: the mean over designs at each level of each factor. Also shows the means over selected designs.
 import { element } from "../dom";
 import { colour, onTheme, styleColour } from "../theme";
 import type { Factor, Objective, Study } from "./content";
@@ -77,7 +77,7 @@ function makeBlock(
   return { root, draw };
 }
 
-/** Draws the selected designs over the others, as upright marks. */
+/** Draws each design as an upright mark, the selected designs last. */
 function drawDesigns(
   context: CanvasRenderingContext2D, factor: Factor, objective: Objective, selection: Selection, x: (value: number) => number, y: (level: number) => number,
 ): void {
@@ -98,7 +98,7 @@ function diamond(context: CanvasRenderingContext2D, x: number, y: number): void 
   context.fill();
 }
 
-/** Returns the mean of the selected designs at each level; null at a level without a selected design. */
+/** Returns the mean over selected designs at each level. At a level without a selected design, returns null. */
 export function levelMeans(factor: Factor, objective: Objective, selection: Selection): (number | null)[] {
   return cellMeans(factor.levels.length, (i) => factor.level[i], objective, selection);
 }

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Formats numbers for readers.
 import type { Factor, Objective } from "./content";
 
-/** Formats a number with at most `most` significant digits and a real minus sign. There are no trailing zeros, except
- * before an exponent. */
+/** Formats a number with at most `most` significant digits and a real minus sign. Omits trailing zeros, except before
+ * an exponent. */
 export function digits(value: number, most = 4): string {
   if (value === 0) return "0";
   const size = Math.abs(value);
@@ -27,7 +26,7 @@ export function titleOf({ label, statistic, unit }: Objective): string {
   return unit === "" ? name : `${name} [${unit}]`;
 }
 
-/** Formats a share in per cent. Near 100 %, uses more digits, so that shares of up to 0.9999 do not become "100 %". */
+/** Formats a share in per cent. Uses more digits near 100 %, so that 0.9999 does not become "100 %". */
 export function percent(share: number): string {
   if (share > 0 && share < 0.001) return "< 0.1 %";
   return `${digits(100 * share, share > 0.99 && share < 1 ? 4 : 2)} %`;
@@ -35,7 +34,7 @@ export function percent(share: number): string {
 
 export const counted = (count: number, what: string) => `${count.toLocaleString("en")} ${what}${count === 1 ? "" : "s"}`;
 
-/** Formats a probability, such as 2.1 %. Uses a form such as 1.4e-5 if it is easier to read. */
+/** Formats a probability, such as "2.1 %", or "1.4e-5" if it is small. */
 export function chanceText(value: number | null): string {
   if (value === null) return "\u2013";
   return value !== 0 && value < 1e-3 ? value.toExponential(1).replace("-", "\u2212") : percent(value);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shows designs by two of their values, with intervals, the front by means, and the designs that are proven to be on
-// the front.
+// Plots designs by two of their values, with intervals. Also marks the front by means, and the designs that are proven
+// to be on the front.
 import { element } from "../dom";
 import { colour, styleColour } from "../theme";
 import type { Place, Study } from "./content";
@@ -126,8 +126,7 @@ export function makeFronts(study: Study, selection: Selection): HTMLElement {
     context.stroke();
   }
 
-  /** Draws the names of the chosen design and of the best design. Each name is at the place where it covers the
-   * fewest points. */
+  /** Draws the names of the chosen design and of the best design where they cover the fewest points. */
   function nameSome(shown: number[], x: Choice, y: Choice): void {
     const points = shown.map((i): [number, number] => [plot.x(x.at(i)!), plot.y(y.at(i)!)]);
     for (const i of shown.filter((each) => each === selection.chosen || (study.designs.rank[each] === 1 && selection.isIn[each])).sort((a) => (a === selection.chosen ? -1 : 1))) {
@@ -149,7 +148,7 @@ export function makeFronts(study: Study, selection: Selection): HTMLElement {
     context.strokeRect(x1, y1, x2 - x1, y2 - y1);
   }
 
-  /** Returns the design whose point is nearest to the pixel; -1 if the distance is too large. */
+  /** Returns the design whose point is nearest to the pixel. If no point is near, returns -1. */
   const nearest = (px: number, py: number): number => {
     let [found, distance] = [-1, 18];
     for (let i = 0; i < selection.size; ++i) {
@@ -228,8 +227,8 @@ function choicesOf(study: Study): Choice[] {
   return [...all, place];
 }
 
-/** Returns the default axes. The first is the first minimised or maximised objective. The second is the next such
- * objective, or else the first share, or else another objective, or else a factor. */
+/** Returns the default axes. The first axis is the first minimised or maximised objective. The second axis is the next
+ * such objective. If there is none, it is the first share, another objective, or a factor. */
 function firstChoices(study: Study): [number, number] {
   const { objectives } = study;
   const sorted = objectives.map((_, i) => i).sort((a, b) => Math.abs(objectives[b].sense) - Math.abs(objectives[a].sense));
@@ -239,7 +238,6 @@ function firstChoices(study: Study): [number, number] {
   return [across, up];
 }
 
-/** Returns true if a design's means satisfy all constraints. */
 function keepsConstraints({ constraints, objectives, designs }: Study, design: number): boolean {
   return designs.front[design] !== "excluded" && constraints.every(({ objective, above, bound }) => {
     const mean = objectives[objective].mean[design];
@@ -247,7 +245,7 @@ function keepsConstraints({ constraints, objectives, designs }: Study, design: n
   });
 }
 
-/** Returns the designs that no other design dominates by two means. */
+/** Returns the designs that no other design dominates in the means of both values. */
 function leaders(designs: number[], x: Choice, y: Choice): number[] {
   if (!x.sense || !y.sense) return [];
   const sorted = [...designs].sort((a, b) => x.sense * (x.at(b)! - x.at(a)!) || y.sense * (y.at(b)! - y.at(a)!));

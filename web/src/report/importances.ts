@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws bars of the variance that factors and pairs of factors explain, and sensitivity indices if the study requests
-// them.
+// Draws the variance that factors and pairs of factors explain. If the study requests sensitivity indices, shows them,
+// too.
 import { element } from "../dom";
 import type { Study } from "./content";
 import { digits, percent } from "./format";

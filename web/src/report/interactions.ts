@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The mean at each combination of levels of two factors, as a table with coloured cells.
+// A table of the means at each combination of two factors' levels, with coloured cells.
 import { element } from "../dom";
 import { onTheme, scaleColour } from "../theme";
 import type { Study } from "./content";
@@ -54,7 +54,7 @@ export function makeInteractions(study: Study, selection: Selection, shown: Show
   return panel("Interactions", "Mean of the designs with both levels. In brackets: the share of the variance that a pair explains beyond its two factors. It opens with the largest.", choice, body);
 }
 
-/** Orders two factors so that the factor with longer names is in the rows, where there is more space. */
+/** Orders two factors. The factor with longer names is in the rows, which have more space. */
 function ordered(study: Study, [a, b]: [number, number]): [number, number] {
   const length = (factor: number) => Math.max(...study.factors[factor].levels.map((name) => name.length)) + study.factors[factor].levels.length;
   return length(a) >= length(b) ? [a, b] : [b, a];

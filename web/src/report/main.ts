@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Builds the page of a study, of a replayed flight or of a deployed network from its numbers.
+// Builds the page of a study, of a replayed flight or of a deployed network.
 import { element } from "../dom";
 import { isDark, setTheme } from "../theme";
 import type { NetworkPage } from "../network/content";

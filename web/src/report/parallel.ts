@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parallel coordinates: a line for each design through its factors and values. A drag along an axis filters all panels. In a
-// narrow page the axes are one below the other.
+// Parallel coordinates: each design is a line through its factors and values. Dragging along an axis filters all
+// panels. In a narrow page, the axes are one below the other.
 import { element } from "../dom";
 import { colour, styleColour } from "../theme";
 import type { Place, Study } from "./content";
@@ -17,9 +17,9 @@ const PLACES_IN_ORDER: Place[] = ["excluded", "off", "", "undecided", "on"];
 
 interface Scale {
   label: string;
-  /** Space that the names of the axis's ticks need, relative to the space for numbers. */
+  /** The space for the names of the axis's ticks, relative to the space for numbers. */
   room: number;
-  /** Position of each design on the axis from 0 to 1; NaN for a design without a value. */
+  /** The position of each design on the axis from 0 to 1; NaN if the design has no value. */
   place: Float64Array;
   ticks: [number, string][];
   brush: [number, number] | null;
@@ -46,7 +46,7 @@ export function makeParallel(study: Study, selection: Selection): HTMLElement {
   };
   const point = (axis: number, place: number): [number, number] => (isNarrow() ? [along(place), side(axis)] : [side(axis), along(place)]);
 
-  /** Pixels of the lines by axis, for the size at the last drawing. */
+  /** Positions of the lines on each axis, for the size at the last drawing. */
   let pixels: { across: number; along: Float32Array }[] = [];
   const layOut = () => {
     pixels = scales.map(({ place }, axis) => ({ across: side(axis), along: Float32Array.from(place, along) }));
@@ -72,7 +72,7 @@ export function makeParallel(study: Study, selection: Selection): HTMLElement {
     }
   };
 
-  /** Draws the faint lines. They change only with the size and the theme, so they are stored as a picture. */
+  /** Draws the faint lines. Stores them as a picture, because they change only with the size and the theme. */
   const drawBack = () => {
     const { canvas } = plot;
     const key = `${canvas.width}x${canvas.height} ${styleColour("--off")}`;
@@ -141,7 +141,7 @@ export function makeParallel(study: Study, selection: Selection): HTMLElement {
   function nameAxis({ label }: Scale, axis: number): void {
     const [x, y] = point(axis, isNarrow() ? 0 : 1);
     if (isNarrow()) return void plot.text(plot.fitted(label, plot.width - 20), 4, y - 14, { colour: styleColour("--text") });
-    // Draws the names of neighbouring axes in two lines, so that each has twice the space.
+    // Alternates between two lines for the names of axes, so that each name has twice the space.
     const room = roomOf(axis) + (axis + 1 < scales.length ? roomOf(axis + 1) : 0) - 6;
     plot.text(plot.fitted(label, room), Math.max(2, x - 10), axis % 2 ? 27 : 12, { colour: styleColour("--text") });
   }
@@ -184,7 +184,7 @@ export function makeParallel(study: Study, selection: Selection): HTMLElement {
     end: () => (active = -1),
   });
 
-  /** Returns the design whose line is nearest to the pixel; -1 if no line is near. */
+  /** Returns the design whose line is nearest to the pixel. If no line is near, returns -1. */
   function designAt(x: number, y: number): number {
     const across = isNarrow() ? y : x;
     let axis = scales.findIndex((_, i) => side(i) > across) - 1;
@@ -217,7 +217,7 @@ function scalesOf(study: Study, size: number): Scale[] {
   return [...factors, ...objectives].filter(({ place }) => designs.some((i) => !Number.isNaN(place[i])));
 }
 
-/** Returns the distinct values; null if there are too many for one tick each. */
+/** Returns the distinct values. If there are more than MOST_TICKS, returns null. */
 function few(values: number[]): number[] | null {
   const distinct = new Set(values);
   return distinct.size <= MOST_TICKS ? [...distinct] : null;
@@ -227,7 +227,7 @@ function numeric(label: string, unit: string, scale: number, values: (number | n
   const [low, high] = extent(values, { margin: 0, isShare });
   const place = (value: number) => (value - low) / (high - low || 1);
   const named = ticks ?? [low, low + 0.25 * (high - low), low + 0.5 * (high - low), low + 0.75 * (high - low), high];
-  // Draws the names of the two ends first. Omits names between them if there is no space.
+  // Draws the names of both ends first. Names between them are omitted if there is no space.
   const order = [...named].sort((a, b) => Math.abs(place(b) - 0.5) - Math.abs(place(a) - 0.5));
   return {
     label: unit ? `${label} [${unit}]` : label,

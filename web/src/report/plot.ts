@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// A picture on a canvas with two axes. A text that would overlap another one, or leave the picture, is not drawn.
+// A picture on a canvas with two axes. Omits a text that would overlap another text or leave the picture.
 import { element } from "../dom";
 import { onTheme, styleColour } from "../theme";
 
 export interface Axis {
   title: string;
   range: [number, number];
-  /** Factor from a value to the number that a tick shows. */
+  /** The factor from a value to the number that a tick shows. */
   scale?: number;
   log?: boolean;
-  /** Values with names. Ticks at these values replace ticks at round numbers. */
+  /** Values with names. Their ticks replace ticks at round numbers. */
   names?: [number, string][];
-  /** Returns the text of a tick; by default the number of the tick. */
+  /** Returns the text of a tick. By default, this is the number. */
   text?: (value: number) => string;
 }
 
@@ -32,12 +32,12 @@ export class Plot {
   width = 0;
   height = 0;
   box: Box = { left: 0, right: 1, top: 0, bottom: 1 };
-  /** The texts in the last drawing, and their places. */
+  /** The texts of the last drawing and their positions. */
   texts: (Box & { text: string })[] = [];
   private xAxis!: Axis;
   private yAxis!: Axis;
 
-  /** `label` describes the picture for screen readers. `heightOf` returns the picture's height for a width. */
+  /** `label` describes the picture for screen readers. `heightOf` returns the height for a width. */
   constructor(label: string, private readonly heightOf: (width: number) => number, private readonly draw: () => void) {
     this.canvas.setAttribute("aria-label", label);
     (this.canvas as HTMLCanvasElement & { plot: Plot }).plot = this; // used by tests
@@ -64,7 +64,7 @@ export class Plot {
     this.draw();
   }
 
-  /** Draws the axes, and places the box of the picture between them. */
+  /** Draws the axes. Sets the box between them. */
   axes(x: Axis, y: Axis): void {
     [this.xAxis, this.yAxis] = [x, y];
     const lines = x.title === "" ? 1.4 : 2.6;
@@ -94,7 +94,6 @@ export class Plot {
     return this.box.bottom - shareOf(this.yAxis, value) * (this.box.bottom - this.box.top);
   }
 
-  /** Returns the values of the horizontal and the vertical axis at a pixel. */
   at(x: number, y: number): [number, number] {
     const { left, right, top, bottom } = this.box;
     return [valueOf(this.xAxis, (x - left) / (right - left)), valueOf(this.yAxis, (bottom - y) / (bottom - top))];
@@ -105,7 +104,7 @@ export class Plot {
     this.context.lineTo(x2, y2);
   }
 
-  /** Draws a line through the points. A null interrupts the line. */
+  /** Draws a line through the points. A null interrupts it. */
   line(points: ([number, number] | null)[]): void {
     let isDown = false;
     for (const point of points) {
@@ -114,8 +113,8 @@ export class Plot {
     }
   }
 
-  /** Draws a text if there is space for it. `halo` separates the text from lines; `within` moves the text into the
-   * picture. */
+  /** Draws a text if there is space for it. `halo` separates the text from lines behind it. `within` moves the text
+   * into the picture. Returns true if the text was drawn. */
   text(
     text: string, x: number, y: number,
     { align = "left", colour = "", halo = false, within = false }: { align?: CanvasTextAlign; colour?: string; halo?: boolean; within?: boolean } = {},
@@ -142,7 +141,6 @@ export class Plot {
     return true;
   }
 
-  /** Returns the text, shortened to fit into a width. */
   fitted(text: string, width: number): string {
     if (this.context.measureText(text).width <= width) return text;
     let length = text.length;
@@ -165,7 +163,7 @@ const shareOf = ({ range: [low, high], log }: Axis, value: number) =>
 const valueOf = ({ range: [low, high], log }: Axis, share: number) =>
   log ? low * (high / low) ** share : low + share * (high - low);
 
-/** Returns the multiples of 1, 2 or 5 times a power of ten in a range. Their number is about `most`. */
+/** Returns about `most` round numbers in a range: multiples of 1, 2 or 5 times a power of ten. */
 export function roundNumbers(low: number, high: number, most: number): number[] {
   const raw = (high - low) / most;
   if (!(raw > 0)) return [low];
@@ -175,7 +173,7 @@ export function roundNumbers(low: number, high: number, most: number): number[] 
   return Array.from({ length: Math.max(0, Math.floor(high / step + 1e-9) - first + 1) }, (_, i) => Number(((first + i) * step).toPrecision(12)));
 }
 
-/** Returns the powers of ten in a range. If the range is short, also returns their doubles and fivefolds. */
+/** Returns the powers of ten in a range. If the range is short, also returns 2 and 5 times these powers. */
 function powers(low: number, high: number): number[] {
   const decades = Math.log10(high / low);
   const every = Math.max(1, Math.ceil(decades / 8));
@@ -193,8 +191,8 @@ function tickText(value: number, all: number[]): string {
   return text.replace("e+", "e").replaceAll("-", "\u2212");
 }
 
-/** Returns the least and the greatest number, with a margin. For equal numbers, returns a range around them. Shares
- * stay between 0 and 1. */
+/** Returns the range of the values with a margin. If all values are equal, returns a range around them. The range of
+ * shares is within 0 to 1. */
 export function extent(values: Iterable<number | null>, { margin = 0.05, isShare = false } = {}): [number, number] {
   let [low, high] = [Infinity, -Infinity];
   for (const value of values) {
@@ -208,8 +206,8 @@ export function extent(values: Iterable<number | null>, { margin = 0.05, isShare
   return isShare ? [Math.max(0, low - space), Math.min(1, high + space)] : [low - space, high + space];
 }
 
-/** Calls the listeners with the place of the pointer. A press that does not move is a click; a press that moves is a
- * drag. */
+/** Calls the listeners with the position of the pointer. A press without a movement is a click. A press with a movement
+ * is a drag. */
 export function listenToPointer(
   target: HTMLElement,
   { click, drag, end }: { click: (x: number, y: number) => void; drag?: (from: [number, number], to: [number, number]) => void; end?: () => void },

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page of a replayed flight: curves of log and models, and errors.
+// The page of a replayed flight: curves of the log and of the models, and errors.
 import { element } from "../dom";
 import { colour, styleColour } from "../theme";
 import type { ReplayedFlight } from "./content";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The choice of designs and missions that the panels show: filters from brushes, one chosen design, and missions to compare. A design is
-// identified by its index in the page.
+// The designs and missions that the user has selected: filters from brushes, one chosen design, and missions to
+// compare. Identifies a design by its index in the page.
 
 const FRAME_MS = 10;
 
@@ -16,9 +16,9 @@ export class Selection {
   count: number;
   chosen = -1;
   ticked: Mission[] = [];
-  /** Time that drawing took in the last animation frame [ms]. */
+  /** The time that drawing took in the last animation frame [ms]. */
   lastFrame_ms = 0;
-  /** Panels that have not been drawn since the last change. */
+  /** Panels that must be drawn, because the selection has changed. */
   readonly dirty = new Set<() => void>();
   private readonly filters = new Map<string, Test>();
   private readonly listeners: (() => void)[] = [];
@@ -33,7 +33,6 @@ export class Selection {
     return this.filters.size > 0;
   }
 
-  /** The designs that pass all filters. */
   get designs(): number[] {
     return Array.from({ length: this.size }, (_, i) => i).filter((i) => this.isIn[i]);
   }
@@ -42,12 +41,12 @@ export class Selection {
     this.listeners.push(listener);
   }
 
-  /** Sets a listener that is called when all filters are removed. */
+  /** Adds a listener for the removal of all filters. */
   onReset(listener: () => void): void {
     this.resets.push(listener);
   }
 
-  /** Sets the filter of one brush; null removes it. */
+  /** Sets the filter of a brush. Null removes the filter. */
   filter(key: string, test: Test | null): void {
     if (test) this.filters.set(key, test);
     else if (!this.filters.delete(key)) return;
@@ -75,7 +74,7 @@ export class Selection {
     return this.ticked.some((one) => one.design === design && one.replicate === replicate);
   }
 
-  /** Adds a mission to the comparison, or removes it. */
+  /** Adds a mission to the comparison. If it is already there, removes it. */
   tick(mission: Mission): void {
     this.ticked = this.isTicked(mission)
       ? this.ticked.filter(({ design, replicate }) => design !== mission.design || replicate !== mission.replicate)
@@ -88,8 +87,7 @@ export class Selection {
     this.changed();
   }
 
-  /** Draws all panels. An animation frame draws panels until its time is used up; the others follow in the next
-   * frames. */
+  /** Draws all panels. Each animation frame draws panels until its time is used up. */
   changed(): void {
     const isIdle = this.dirty.size === 0;
     for (const listener of this.listeners) this.dirty.add(listener);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page of a study that compares designs: headline, ranked table, and panels that follow one selection.
+// The page of a study that compares designs: headline, ranked table, and panels with a common selection.
 import { element } from "../dom";
 import type { Study } from "./content";
 import { makeConvergence } from "./convergence";
@@ -56,7 +56,7 @@ function makeAnswer(study: Study): HTMLElement {
     ...remarks.map((text) => element("p", {}, text)), element("p", { class: "faint" }, facts));
 }
 
-/** Creates the controls of all panels: the objective and the selection. They stay visible while the page scrolls. */
+/** Creates the controls for all panels: the objective and the selection. They stay in view while the page scrolls. */
 function makeToolbar(study: Study, selection: Selection, shown: Shown): HTMLElement {
   const text = element("span", { class: "status", role: "status" });
   const clear = element("button", { onclick: () => selection.reset() }, "show all");
@@ -70,7 +70,7 @@ function makeToolbar(study: Study, selection: Selection, shown: Shown): HTMLElem
   return element("div", { class: "toolbar" }, ...(study.objectives.length ? [choice] : []), text, clear);
 }
 
-/** Reloads the page of a running study periodically, unless there is a selection or a chosen design. */
+/** Reloads the page of a running study periodically. While the user has selected or chosen a design, does not reload. */
 function reload(period_s: number, selection: Selection): void {
   setInterval(() => {
     if (!selection.isFiltered && selection.chosen < 0) location.reload();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The ranked table of designs. Only rows in view are in the document, so that thousands of rows scroll smoothly.
+// The ranked table of designs. The document contains only the rows in view, so that thousands of rows scroll smoothly.
 import { element } from "../dom";
 import type { Study } from "./content";
 import { factorText, objectiveText, titleOf } from "./format";
@@ -14,10 +14,10 @@ const NARROW = 620; // width of a narrow page in pixels, as in report.css
 interface Column {
   title: string;
   text(design: number): string;
-  /** The value by which the column is sorted. */
+  /** The value by which the table is sorted. */
   value(design: number): number | string | null;
   isNumber: boolean;
-  /** The sign with which the first click on the title sorts better values first. */
+  /** The sign with which a first click on the title sorts better values first. */
   sign: number;
 }
 

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parts that several panels use.
 import { element } from "../dom";
 
 export function panel(title: string, text: string, ...children: (Node | string)[]): HTMLElement {
   return element("section", { class: "panel" }, element("h2", {}, title), element("p", { class: "note" }, text), ...children);
 }
 
-/** Creates two columns of panels. A narrow page has one column, in the given order. `isRight` selects the panels of
- * the second column. */
+/** Creates two columns of panels. `isRight` selects the panels of the second column. In a narrow page, all panels are
+ * in one column, in the given order. */
 export function makeColumns(panels: HTMLElement[], isRight = (_: HTMLElement, i: number) => i % 2 === 1): HTMLElement {
   panels.forEach((one, i) => (one.style.order = String(i)));
   const [left, right] = [panels.filter((one, i) => !isRight(one, i)), panels.filter(isRight)];
@@ -42,7 +41,7 @@ export function makeTooltip(): Tooltip {
   };
 }
 
-/** Creates a text with a command, and a button that copies the command. */
+/** Creates a command and a button that copies it. */
 export function makeCommand(text: string): HTMLElement {
   const code = element("code", {}, text);
   const button = element("button", { class: "copy", onclick: () => void copy() }, "copy");
@@ -59,7 +58,7 @@ export function makeCommand(text: string): HTMLElement {
   return element("div", { class: "command" }, code, button);
 }
 
-/** Creates a table of a few rows. Numbers are right-aligned. */
+/** Creates a table. Numbers are right-aligned. */
 export function makeSmallTable(heads: string[], rows: (string | number | null)[][]): HTMLElement {
   const cell = (value: string | number | null) => element("td", typeof value === "number" || /^[\u2212–\d]/.test(value ?? "–") ? { class: "number" } : {}, String(value ?? "–"));
   return element("div", { class: "scroll" }, element("table", {},

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// A flying body: its box, arms, rotors, camera with its field of view, and path.
+// A flying body: box, arms, rotors, camera with its field of view, and path.
 import * as THREE from "three";
 import type { Json } from "../data/payload";
 import type { Run } from "../data/run";
 
-/** Drawn speed of a rotor at full command [rad/s]. It is much lower than the real speed, so that the eye can see the
- * rotation. */
+/** The drawn speed of a rotor at full command [rad/s]. The real speed is too high for the eye. */
 const DRAWN_SPEED = 25;
-/** Length of the drawn field of view [m]. */
+/** The length of the drawn field of view [m]. */
 const FRUSTUM_M = 0.3;
 
 export class Body {
@@ -41,7 +40,7 @@ export class Body {
 
   move(time: number): void {
     this.group.position.copy(this.position(time));
-    // Yaw jumps from pi to -pi, so angles are interpolated along the shorter way.
+    // Does not interpolate the angles, because yaw jumps from pi to -pi.
     const [roll, pitch, yaw] = (this.info.attitude as string[]).map((name) => this.run.at(this.full(name), time));
     this.group.setRotationFromEuler(new THREE.Euler(roll, pitch, yaw, "ZYX"));
     for (const { disc, sense, command } of this.rotors) {
@@ -50,8 +49,7 @@ export class Body {
     this.group.updateMatrixWorld();
   }
 
-  /** Sets whether this body is the chosen one. If there are several bodies, only the chosen body shows the view of
-   * its camera. */
+  /** Only the chosen body shows the view of its camera. */
   setChosen(chosen: boolean): void {
     this.frustum.visible = chosen;
   }
@@ -65,7 +63,7 @@ export class Body {
     }
   }
 
-  /** Returns a corner of the drawn field of view in the scene's coordinates; null if the body has no camera. */
+  /** Returns a corner of the drawn field of view in the scene's coordinates. If the body has no camera, returns null. */
   frustumCorner(): THREE.Vector3 | null {
     return this.screen ? this.corner.clone().applyMatrix4(this.eye.matrixWorld) : null;
   }
@@ -74,7 +72,7 @@ export class Body {
     return [...(this.info.position as string[]), ...(this.info.attitude as string[])].every((name) => this.run.has(this.full(name)));
   }
 
-  /** Returns the positions at all rows, as three numbers for each row. */
+  /** Returns the positions at all rows, three numbers per row. */
   path(): Float32Array {
     const columns = (this.info.position as string[]).map((name) => this.run.values(this.full(name))!);
     const points = new Float32Array(3 * this.run.times.length);
@@ -115,7 +113,7 @@ export class Body {
     this.eye.near = 0.02;
     this.eye.far = 100;
     this.eye.position.copy(lens.position);
-    // A camera of three.js looks along its own -z, with y up. The drone's camera looks along x, with z up, and is
+    // A camera of three.js looks along its -z axis, with y up. The drone's camera looks along x, with z up, and is
     // pitched down.
     this.eye.quaternion
       .setFromEuler(new THREE.Euler(0, camera.pitch, 0, "ZYX"))
@@ -125,7 +123,7 @@ export class Body {
     this.group.add(lens, this.eye);
   }
 
-  /** Adds the pyramid that the camera sees, with a screen at its end. */
+  /** Draws the field of view as a pyramid, with the camera's picture at its end. */
   private addFrustum(camera: Json, colour: string) {
     const half = FRUSTUM_M * Math.tan(camera.field_of_view / 2);
     const high = (half * camera.height) / camera.width;

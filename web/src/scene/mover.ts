@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Objects that move. On a path, they move at constant speed from point to point, as a function of time, as in the FMU. A robot has the pose that was
-// recorded.
+// Objects that move. An object on a path moves at constant speed from point to point, as in the FMU. A robot has its
+// recorded pose.
 import * as THREE from "three";
 import type { Json } from "../data/payload";
 import type { Run } from "../data/run";
@@ -12,7 +12,7 @@ interface Point {
 }
 
 export class Mover {
-  /** Contains the object's faces, with corners relative to `origin`. */
+  /** The object's faces. Their corners are relative to `origin`. */
   readonly group = new THREE.Group();
   readonly origin: THREE.Vector3;
   private readonly points: Point[] | null;
@@ -29,7 +29,7 @@ export class Mover {
     this.move(0);
   }
 
-  /** The angle by which the object is turned about the vertical [rad]. */
+  /** The rotation about the vertical [rad]. */
   get turn(): number {
     return this.group.rotation.z;
   }
@@ -50,7 +50,7 @@ export class Mover {
     this.group.rotation.z = a.turn + share * (b.turn - a.turn);
   }
 
-  /** A robot whose pose was not recorded is not drawn. */
+  /** Hides a robot whose pose was not recorded. */
   private moveAsRecorded(time: number): void {
     this.group.visible = this.pose.every((name) => this.run.has(name));
     if (!this.group.visible) return;

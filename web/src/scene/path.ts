@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The path of a flight, coloured by a variable: strong up to the shown time, faint after it.
+// The path of a flight, coloured by a variable: strong until the shown time, then faint.
 import { Line2 } from "three/addons/lines/Line2.js";
 import { LineGeometry } from "three/addons/lines/LineGeometry.js";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
@@ -41,7 +41,7 @@ export class Path {
     this.flown.geometry.setColors(colours);
   }
 
-  /** Draws the path strongly up to the row with index `row`. If `row` is 0, hides this part. */
+  /** Draws the path strongly until the row with index `row`. For row 0, hides the strong part. */
   show(row: number): void {
     this.flown.geometry.instanceCount = Math.min(row, this.segments);
     this.flown.visible = row > 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The scene on its canvas: camera modes, drawing when something changed, and the legend of the path's colours.
+// Draws the scene on its canvas. Contains the modes of the camera and the legend of the path's colours.
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Clock } from "../clock";
@@ -13,17 +13,18 @@ import { Body } from "./body";
 import { Path } from "./path";
 import { Surfaces } from "./surfaces";
 
-/** Factor of brightness from outside, relative to the camera's picture. In the view from on board, the brightness is that of the picture. */
+/** The factor of the brightness in outside views. The view from on board has the brightness of the camera's picture. */
 const EXPOSURE = 1.2;
 
-/** Target and place of the camera that follows the drone, relative to the body [m]. The target is low and far ahead, so that the space in front of the drone is visible, also at the start. */
+/** Target and position, relative to the body [m], of the camera that follows the drone. The target is low and far
+ * ahead, so that the space in front of the drone is visible. */
 const AHEAD = new THREE.Vector3(0.42, 0, 0.14);
 const BEHIND = new THREE.Vector3(-0.85, -0.36, 0.36);
 
 export type Look = "follow" | "free" | "top" | "onboard";
 export const LOOKS: Look[] = ["follow", "free", "top", "onboard"];
 
-/** A variable for the path's colour: one number per row. */
+/** A variable for the path's colour, one number per row. */
 export interface PathColour {
   label: string;
   unit: string;
@@ -98,7 +99,7 @@ export class Stage {
     this.setLook("follow");
   }
 
-  /** Resolves when the scene has been drawn for the first time. */
+  /** Resolves after the first drawing of the scene. */
   get ready(): Promise<void> {
     return this.firstDrawn;
   }
@@ -132,7 +133,7 @@ export class Stage {
 
   private addFlight(run: Run, index: number, count: number): void {
     const instance = run.system?.view.scene?.instance ?? "";
-    // If several runs are compared, each shows its first body. A single run shows all bodies.
+    // With several runs, each run shows its first body. A single run shows all bodies.
     const infos: Json[] = (run.scene?.bodies ?? []).slice(0, count > 1 ? 1 : undefined);
     for (const [i, info] of infos.entries()) {
       const tone = colour(index + i);
@@ -153,7 +154,6 @@ export class Stage {
     return this.flights[this.chosen];
   }
 
-  /** The bodies that are drawn, with their places. */
   get bodies(): { name: string; position: (time: number) => THREE.Vector3 }[] {
     return this.flights.map(({ name, body }) => ({ name, position: (time) => body.position(time) }));
   }
@@ -162,7 +162,7 @@ export class Stage {
     return this.chosen;
   }
 
-  /** Lets the cameras follow this body. */
+  /** Makes the cameras follow a body. */
   choose(index: number): void {
     this.chosen = index;
     this.flights.forEach(({ body }, i) => body.setChosen(i === index));
@@ -293,7 +293,7 @@ export class Stage {
     const eye = onboard ? null : body.frustumCorner();
     this.eyeTag.hidden = eye === null;
     if (eye) this.put(this.eyeTag, eye, camera);
-    // A ring marks a drone that is only a few pixels large.
+    // Marks a drone of only a few pixels with a ring.
     const distance = camera.position.distanceTo(body.group.position);
     this.ring.hidden = onboard || distance < 2.6;
     if (!this.ring.hidden) this.put(this.ring, body.group.position, camera);

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// The objects of the world: faces with the textures and the light that the camera renders.
+// The objects of the world: faces with the textures and the light of the camera's pictures.
 import * as THREE from "three";
 import type { Json } from "../data/payload";
 import type { Run } from "../data/run";
 import { Mover } from "./mover";
 
-/** Faces larger than this count as walls. A wall is not drawn while it hides the target. */
+/** A larger face is a wall. A wall is hidden while it would hide the target. */
 const WALL_M2 = 0.8;
 
-/** Faces of one texture that are drawn at once. `lights` contains a number for each corner. */
+/** Faces with one texture, which are drawn together. `lights` contains a number for each corner. */
 interface Batch {
   material: THREE.MeshBasicMaterial;
   colours: THREE.BufferAttribute;
   lights: Float32Array;
-  /** For objects that move: the light of each corner follows their rotation. */
+  /** Exists for objects that move: the light of each corner depends on their rotation. */
   turning?: { mover: Mover; normals: THREE.Vector3[] };
 }
 
@@ -31,7 +31,7 @@ export class Surfaces {
     this.lighting = scene.lighting
       ? { ambient: scene.lighting.ambient, sun: scene.lighting.sun, toSun: vector(scene.lighting.to_sun) }
       : null;
-    // Walls are separate meshes, so that each can be hidden; all other faces are drawn by texture.
+    // Creates a mesh per wall, so that walls can be hidden separately. All other faces are drawn by texture.
     const shared = new Map<string, Json[]>();
     for (const face of scene.faces ?? []) {
       if (face.mover === undefined && areaOf(face.corners) > WALL_M2) {
@@ -47,12 +47,12 @@ export class Surfaces {
     for (const faces of shared.values()) this.add(faces, textures[faces[0].texture], this.movers[faces[0].mover] ?? null);
   }
 
-  /** Hides faces whose back is towards the target, because they would hide the target. */
+  /** Hides walls that show their back to the target, because they would hide it. */
   openTowards(target: THREE.Vector3): void {
     for (const wall of this.walls) wall.mesh.visible = wall.normal.dot(target) - wall.offset > -1e-6;
   }
 
-  /** Sets a factor of the brightness of all faces. */
+  /** Sets the factor of the brightness of all faces. */
   setExposure(exposure: number): void {
     for (const { material } of this.batches) material.color.setScalar(exposure);
   }
@@ -61,7 +61,7 @@ export class Surfaces {
     for (const wall of this.walls) wall.mesh.visible = true;
   }
 
-  /** Moves the objects to their places at a time [s]. */
+  /** Moves the objects to their positions at a time [s]. */
   move(time: number): void {
     for (const mover of this.movers) mover.move(time);
     for (const batch of this.batches) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws curves over time with uPlot: in one plot, or stacked as parts of a whole.
+// Draws curves over time with uPlot, in one plot or stacked.
 import uPlot from "uplot";
 import type { Clock } from "../clock";
 import { prefixFor, shownTick, shownUnit } from "../data/units";
@@ -63,8 +63,7 @@ export class Chart implements Drawing {
     this.showWindow();
   }
 
-  /** Returns the data for uPlot. If runs have different times, uses the times of all runs together. Lines bridge the
-   * resulting gaps. */
+  /** Returns the data for uPlot. If the runs have different times, merges the times. Lines bridge the resulting gaps. */
   private data(): uPlot.AlignedData {
     const stacked = this.kind === "stack";
     const values = this.curves.map(({ curve }) => curve.values(this.window.mean));
@@ -80,7 +79,7 @@ export class Chart implements Drawing {
       .map((group) => [group.times, ...group.values] as uPlot.AlignedData));
   }
 
-  /** The curves in the order of uPlot.join, in which the curves of one run are together. */
+  /** The curves in the order of uPlot.join, which keeps the curves of a run together. */
   private get ordered(): RunCurve[] {
     return this.runCount === 1 ? this.curves : [...this.curves].sort((a, b) => a.runIndex - b.runIndex);
   }
@@ -133,7 +132,6 @@ export class Chart implements Drawing {
   }
 }
 
-/** Returns the sums of each curve and all previous curves, for a stack. */
 function cumulated(curves: Float64Array[]): Float64Array[] {
   const sums: Float64Array[] = [];
   for (const values of curves) {
@@ -149,8 +147,8 @@ function largest(data: uPlot.AlignedData): number {
   return most;
 }
 
-/** Formats a tick with enough digits to distinguish neighbours. Adds the unit if it has a prefix; adds only the
- * prefix if space is short. */
+/** Formats a tick with enough digits to distinguish it from its neighbours. Adds the unit if it has a prefix. If space
+ * is short, adds only the prefix. */
 function tickText(value: number, step: number, prefix: string, unit: string): string {
   const places = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
   const isQuarter = Math.abs(step * 10 ** places - Math.round(step * 10 ** places)) > 1e-6; // for example 0.25
@@ -164,7 +162,7 @@ function tickText(value: number, step: number, prefix: string, unit: string): st
 function niceRange(low: number | null, high: number | null, fromZero: boolean): [number, number] {
   if (low == null || high == null) return [0, 1];
   const bottom = fromZero ? Math.min(0, low) : low;
-  // A difference of totals is exact to about nine digits; a smaller one counts as no change.
+  // A difference of totals is exact to about nine digits, so a smaller change counts as no change.
   const isStill = high - bottom < 1e-7 * Math.abs(high);
   const span = isStill ? Math.abs(high) || 1 : high - bottom;
   return [fromZero && bottom === 0 ? 0 : bottom - 0.06 * span, high + 0.06 * span];

@@ -14,14 +14,14 @@ interface Cores {
   cycles_waited?: number;
 }
 
-/** Describes the clock of a core over the time in which the core had power. */
+/** The clock of a core during the time in which the core had power. */
 interface Clock {
   least_hz: number;
   most_hz: number;
   mean_hz: number;
 }
 
-/** Returns a text such as "87 MHz", or the range of a clock that changed. */
+/** Returns a text such as "87 MHz". If the clock changed, returns its range. */
 export function clockText(clock: Clock | null): string {
   if (clock === null) return "off";
   const { least_hz, most_hz, mean_hz } = clock;
@@ -46,7 +46,6 @@ function number(text: string): HTMLElement {
   return element("td", { class: "number" }, text);
 }
 
-/** Creates a bar whose length is a share. */
 function bar(share: number): HTMLElement {
   const filled = element("i", { style: `width: ${Math.max(0, 100 * share)}%` });
   const paint = () => (filled.style.background = colour(0));
@@ -59,8 +58,8 @@ function shareText(share: number): string {
   return `${(100 * share).toFixed(1)} %`;
 }
 
-/** Creates the table of energies. Its first rows are the parts of the chip, with the largest energy first, and their
- * sum. The devices of the board follow; the sum does not include them. Parts and devices without energy are omitted. */
+/** Creates the table of energies. First come the parts of the chip, the largest energy first, and their sum. The
+ * devices of the board follow; the sum does not include them. Parts and devices without energy are omitted. */
 function makeEnergy(chip: Json): HTMLElement {
   const used = (list: Record<string, number>) => Object.entries(list).filter(([, joules]) => joules !== 0).sort(([, a], [, b]) => b - a);
   const row = (name: string, joules: number, text: string, share?: number) => element("tr", {},

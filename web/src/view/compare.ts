@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares runs: their different settings and their results.
+// Compares the settings and the results of runs.
 import type { Json } from "../data/payload";
 import type { Run } from "../data/run";
 import { element } from "../dom";
@@ -9,11 +9,11 @@ import { finalValues, shownValue } from "./statistics";
 interface Row {
   label: string;
   cells: string[];
-  /** The change as text; for numbers, the last run minus the first run. */
+  /** The change as text. For numbers, this is the last run minus the first run. */
   difference: string;
 }
 
-/** Contains a value as text and, if it is a number, as a number with its unit. */
+/** A value as text. A number also has its value and unit. */
 interface Cell {
   text: string;
   number?: number;
@@ -48,7 +48,7 @@ function rowsOf(runs: Run[], missing: string, read: (run: Run) => Map<string, Ce
   });
 }
 
-/** Returns a difference such as "+12.3 J (+4.5 %)"; "" if there is none. */
+/** Returns a difference such as "+12.3 J (+4.5 %)". If the values are not numbers of the same unit, returns "". */
 function differenceOf(first: Cell | undefined, last: Cell | undefined): string {
   if (first?.number === undefined || last?.number === undefined || first.unit !== last.unit) return "";
   const difference = last.number - first.number;

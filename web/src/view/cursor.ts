@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws two lines across a plot: the shown time, and the time under the pointer, even if the pointer is on another
+// Draws two lines across a plot: at the shown time, and at the time under the pointer. The pointer may be on another
 // plot.
 import type { Clock } from "../clock";
 import { element } from "../dom";
 import type { Window } from "./window";
 
-/** Adds the lines to an area whose width corresponds to the times of the window. */
+/** Adds the lines to an area that spans the times of the window. */
 export function addCursors(area: HTMLElement, clock: Clock, window: Window): void {
   const moment = element("div", { class: "moment" });
   const pointed = element("div", { class: "pointed" });

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shows the bodies of one scene: a row for each, with the nearest other body, the collisions, and the body's values in the groups of the summary.
+// A table of the bodies in a scene: the nearest other body, collisions, and the body's values in the groups of the
+// summary.
 import type { Clock } from "../clock";
 import type { Run } from "../data/run";
 import { shown } from "../data/units";
 import { element } from "../dom";
 import type { Stage } from "../scene/stage";
 
-/** Returns the variable of a group for a body. This is the member with the body's name, or with the index in this
- * name. */
+/** Returns the variable of a group for a body: the member with the body's name, or with the index in this name. */
 function memberFor(members: Record<string, string>, body: string): string | undefined {
   return members[body] ?? members[/\[(\d+)\]$/.exec(body)?.[1] ?? ""];
 }

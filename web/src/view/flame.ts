@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws flame graphs of a profile. Each box is a function; its width is the share of the function and of the functions that it calls. If the profile
-// is divided into time windows, the graph counts only the windows in the time span that the page's plots show.
+// Draws flame graphs. The width of a box is the share of a function and of the functions that it calls. If the profile
+// has time windows, counts only the windows in the time span of the plots.
 import { select } from "d3-selection";
 import flamegraph from "d3-flame-graph";
 import { BY_CORE, BY_FUNCTION, type Call, type Cost, COSTS, treeOf, WindowedProfile } from "../data/profile";
@@ -81,7 +81,8 @@ function windowedChoices(profile: WindowedProfile, window: Window): Choices {
 function wholeChoices(profiles: Json[]): Choices {
   const list = profiles.flatMap((file) => file.profiles.map((profile: Json) => ({ profile, frames: file.shared.frames })));
   const choice = element("select", { "aria-label": "profile" }, ...list.map(({ profile }, i) => option(String(i), profile.name)));
-  // Cycles are shown first, because most time and energy belong to the core after its program has ended.
+  // Shows cycles first. After its program has ended, the core still consumes time and energy, which would dominate
+  // these profiles.
   choice.value = String(Math.max(0, list.findIndex(({ profile }) => profile.name === "cycles")));
   return {
     inputs: [choice],

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shows the cost of each function, without the functions that it calls, within the time span of the plots.
+// Shows the cost of each function in the time span of the plots, without the functions that it calls.
 import { type FunctionCost, type WindowedProfile } from "../data/profile";
 import { shown } from "../data/units";
 import { element } from "../dom";

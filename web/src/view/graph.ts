@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws the system as a graph: instances on a ring, and one arrow for all connections from one instance to another.
+// Draws the system as a graph: instances on a ring. One arrow shows all connections from one instance to another.
 import type { Clock } from "../clock";
 import type { SystemInfo } from "../data/payload";
 import type { Run } from "../data/run";
@@ -10,11 +10,11 @@ const BOX = { width: 170, height: 58 };
 const NAME = { size: 15, fits: 16 }; // font size, and the number of letters that fit into a box
 const LARGEST = 1.25; // maximum number of page pixels per unit of the drawing; a single instance would exceed it
 
-/** Positions for an arrow's label, as shares of its length. Positions near the tail come first, because arrows cross
- * in the middle. */
+/** Positions of an arrow's label as shares of its length, in order of preference. Positions near the tail come first,
+ * because arrows cross in the middle. */
 const SHARES = [0.34, 0.42, 0.5, 0.26, 0.58, 0.66, 0.74];
 
-/** Describes a box by its middle and size. */
+/** A box: its centre and size. */
 interface Place {
   x: number;
   y: number;
@@ -94,7 +94,7 @@ function makeBox(name: string, model: string, [x, y]: [number, number], onChoose
     svg("text", { x: String(x), y: String(y + 16), class: "model" }, shortened(model)));
 }
 
-/** Creates an arrow. Adds the place of its text to the occupied places. */
+/** Creates an arrow. Appends the position of its label to `taken`. */
 function makeArrow(bundle: Bundle, from: [number, number], to: [number, number], taken: Place[], onChoose: () => void): SVGElement {
   const group = svg("g", { class: "bundle", tabindex: "0", onclick: onChoose, onfocus: onChoose });
   const text = labelOf(bundle);
@@ -123,8 +123,7 @@ function overlap(one: Place, other: Place): boolean {
   return 2 * Math.abs(one.x - other.x) < one.width + other.width && 2 * Math.abs(one.y - other.y) < one.height + other.height;
 }
 
-/** Returns the name of the variable if there is only one, otherwise the number of values. Adds units if there is
- * space. */
+/** Returns the name of a single variable, or the number of variables. Adds units if there is space. */
 function labelOf({ from, connections }: Bundle): string {
   const units = [...new Set(connections.map(({ unit, type }) => shownUnit(unit ?? "") || (type === "Binary" ? "bytes" : "")))].filter(Boolean);
   if (connections.length === 1) return shortened(connections[0].from.slice(from.length + 1)) + (units.length > 0 ? ` [${units[0]}]` : "");
@@ -135,14 +134,14 @@ function shortened(name: string): string {
   return name.length > 26 ? name.slice(0, 25) + "\u2026" : name;
 }
 
-/** Returns the point where the line from a box's centre to a point leaves the box. */
+/** Returns the point where the line from a box's centre to a point crosses the edge of the box. */
 function edgeOf([x, y]: [number, number], [px, py]: [number, number]): [number, number] {
   const [dx, dy] = [px - x, py - y];
   const share = Math.min(Math.abs((BOX.width / 2 + 4) / (dx || 1e-9)), Math.abs((BOX.height / 2 + 4) / (dy || 1e-9)));
   return [x + share * dx, y + share * dy];
 }
 
-/** Creates a description of each instance: its model, the description of the model, and its step. */
+/** Creates a table of instances with model, description and step. */
 function makeInstances(system: SystemInfo, names: string[]): HTMLElement[] {
   if (names.length === 0) return [];
   const rows = names.map((name) => {
@@ -153,7 +152,7 @@ function makeInstances(system: SystemInfo, names: string[]): HTMLElement[] {
     element("table", {}, element("thead", {}, element("tr", {}, ...["instance", "model", "what it is", "step"].map((head) => element("th", { class: "whole" }, head)))), element("tbody", {}, ...rows))];
 }
 
-/** Replaces the content of `into` by `before` and a table of connections. Returns the function that updates the values
+/** Replaces the content of `into` by `before` and a table of connections. Returns the function that updates the table
  * to the shown time. */
 function showConnections(run: Run, clock: Clock, into: HTMLElement, bundles: Bundle[], title: string, before: HTMLElement[]): () => void {
   const rows = bundles.flatMap((bundle) => bundle.connections);

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bar between two parts of the page, or below one, that a drag or the arrow keys move. A double click restores the size. The browser stores the
-// size, and the next page starts with it.
+// A bar that resizes a part of the page. A drag or the arrow keys move it. A double click restores the size. The
+// browser stores the size for the next page.
 import { element } from "../dom";
 import { recalled, remember } from "../remembered";
 
 const KEY_STEP = 16; // pixels per key press
 
 interface Options {
-  /** Describes the bar for screen readers, such as "height of the plot". The size is stored under this name. */
+  /** Describes the bar for screen readers, such as "height of the plot". Also the name under which the size is stored. */
   label: string;
-  /** The direction of movement. "x": the bar moves to the left and right. */
+  /** The direction of movement: "x" means left and right. */
   axis: "x" | "y";
-  /** The size that the bar changes [px]. */
+  /** Returns the current size [px]. */
   size: () => number;
-  /** Sets the size [px]; null restores the initial size. */
+  /** Sets the size [px]. Null restores the initial size. */
   resize: (size: number | null) => void;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws states over time, each in one lane: named blocks of an enumeration, on and off, or shades of a share.
+// Draws states over time in lanes: blocks with names for an enumeration, on and off, or shades for a share.
 import type { Clock } from "../clock";
 import { element } from "../dom";
 import { colour, styleColour } from "../theme";
@@ -8,14 +8,13 @@ import { AXIS, type Drawing, type RunCurve } from "./drawing";
 import { makeScrubbable } from "./scrub";
 import type { Window } from "./window";
 
-/** Heights [px] of a lane with words, of a lane with shades, of the gap between lanes, and of a line for a name. */
+/** Heights [px]: a lane with words, a lane with shades, the gap between lanes, a line for a name. */
 const WORDS = 20;
 const SHADES = 13;
 const GAP = 3;
 const NAME = 16;
 const NAME_FONT = "11px system-ui, sans-serif";
 
-/** Minimum and maximum scale of a lane. */
 const SCALES = [0.6, 6];
 
 interface Lane {
@@ -25,8 +24,7 @@ interface Lane {
   height: number;
 }
 
-/** Draws lanes below each other. Their area is aligned with that of the plots, so that a time is at the same place
- * in all of them. */
+/** Draws lanes below each other. Their time axis is aligned with that of the plots. */
 export class Lanes implements Drawing {
   readonly root = element("div", { class: "lanes" });
   private readonly canvas = element("canvas", {});
@@ -54,7 +52,7 @@ export class Lanes implements Drawing {
     window.onChange(() => this.redraw());
   }
 
-  /** Computes the places of lanes and names, and returns the total height. */
+  /** Sets the positions of lanes and names. Returns the total height. */
   private layOut(scale: number): number {
     let bottom = 0;
     for (const lane of this.lanes) {
@@ -72,7 +70,7 @@ export class Lanes implements Drawing {
     return this.area.clientHeight;
   }
 
-  /** Sets the total height. Names keep their size, so only the rest is scaled. */
+  /** Sets the total height. Scales only the lanes, because names have a fixed size. */
   setHeight(height: number | null): void {
     const fixed = this.lanes.length * (GAP + (this.isAbove ? NAME : 0));
     const scale = height === null ? 1 : (height - fixed) / (this.natural - fixed);
@@ -93,8 +91,8 @@ export class Lanes implements Drawing {
     for (const lane of this.lanes) this.drawLane(context, lane, most.get(lane.entry.curve.unit) ?? 1, area.clientWidth);
   }
 
-  /** Returns the greatest value of each unit in the lanes of shades. Lanes of one unit have a common scale, so that
-   * they can be compared. */
+  /** Returns the greatest value of each unit in lanes of shades. Lanes with the same unit share a scale, so that
+   * readers can compare them. */
   private greatest(): Map<string, number> {
     const most = new Map<string, number>();
     for (const { entry: { curve } } of this.lanes.filter(({ entry }) => !isWords(entry))) {
@@ -136,7 +134,7 @@ export class Lanes implements Drawing {
     }
   }
 
-  /** Draws a lane of shades. The darkness between two rows is the value at the second row, relative to `most`. Rates are means. */
+  /** Draws a lane of shades. The darkness between two rows is the value at the second row, relative to `most`. */
   private drawShades(context: CanvasRenderingContext2D, { entry, top, height }: Lane, x: (time: number) => number, most: number): void {
     const values = entry.curve.values(this.window.mean);
     const times = entry.run.times;
@@ -152,7 +150,7 @@ export class Lanes implements Drawing {
   }
 }
 
-/** Returns true if the curve's states have names, or are on and off. */
+/** True if the states have names, or are on and off. */
 function isWords({ run, curve }: RunCurve): boolean {
   const info = run.info(curve.variable);
   return !curve.isRate && (info?.items !== undefined || info?.type === "Boolean");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes a panel: a title, a line with every curve's name, colour and value at the shown time, and the drawing below.
+// Creates a panel: a title, the name, colour and current value of each curve, and the drawing.
 import type { Clock } from "../clock";
 import type { PanelInfo } from "../data/payload";
 import { type Run, rowAt } from "../data/run";
@@ -13,14 +13,14 @@ import { Lanes } from "./lanes";
 import type { Window } from "./window";
 
 interface Options {
-  /** If present, the panel has a close button that calls this function. */
+  /** If present, the panel has a close button that calls it. */
   onClose?: () => void;
-  /** Height of the curves [px]. */
+  /** The height of the curves [px]. */
   height?: number;
 }
 
 export function makePanel(info: PanelInfo, allRuns: Run[], clock: Clock, window: Window, { onClose, height }: Options = {}): HTMLElement {
-  // Stacked parts that always have the same sum need no comparison of sums: only the first run's parts are shown.
+  // Shows only the first run if the sum of the stacked parts is always the same.
   const runs = isShares(info, allRuns[0]) ? allRuns.slice(0, 1) : allRuns;
   const curves = curvesOf(info, runs);
   const kind = info.kind === "stack" && runs.length > 1 ? "lines" : info.kind;
@@ -70,7 +70,7 @@ function isShares(info: PanelInfo, run: Run): boolean {
   return info.kind === "stack" && info.curves.every((wanted) => run.curve(wanted)?.unit === SHARE);
 }
 
-/** Creates a note with the time over which the shown values are means. */
+/** Creates a note with the averaging time of the shown values. */
 function meanNote(window: Window): HTMLElement {
   const note = element("span", { class: "unit" });
   const show = () => (note.textContent = ` mean over ${shown(Number(window.mean.toPrecision(2)), "s")}`);
@@ -79,8 +79,8 @@ function meanNote(window: Window): HTMLElement {
   return note;
 }
 
-/** Returns the curves of each run. If there are several runs, and the panel shows stacked parts or lanes of rates,
- * returns only the sum of each run. */
+/** Returns the curves of each run. For stacked parts or lanes of rates, returns only the sum of each run if there are
+ * several runs. */
 function curvesOf(info: PanelInfo, runs: Run[]): RunCurve[] {
   const curves: RunCurve[] = [];
   const isParts = info.kind === "stack" || (info.kind === "lanes" && info.curves.every(({ rate_of }) => rate_of !== undefined));
@@ -100,7 +100,7 @@ function curvesOf(info: PanelInfo, runs: Run[]): RunCurve[] {
   return curves;
 }
 
-/** Draws the mark before a curve's name with the colour and dashes of the curve. */
+/** Draws the mark in front of a curve's name like the curve. */
 function paintSwatch(swatch: HTMLElement, tone: string, dash: [number, number] | undefined): void {
   swatch.classList.toggle("dashed", dash !== undefined);
   swatch.style.background = dash

@@ -30,8 +30,8 @@ export function makePicture(run: Run, clock: Clock): HTMLElement {
   return figure;
 }
 
-/** Returns a note if the shown picture has a reduced size, as in a long run: this size, and the share of pictures that
- * the page contains. Empty for a picture of full size. */
+/** Returns a note if the shown picture is smaller than the camera's picture: its size, and the share of pictures that
+ * the page contains. Otherwise returns an empty text. */
 function detail(run: Run, picture: Picture): string {
   const size = picture.shrunk > 1 ? `, 1/${picture.shrunk} size` : "";
   return picture.shrunk > 1 && run.pictureEvery > 1 ? `${size}, 1 of ${run.pictureEvery}` : size;

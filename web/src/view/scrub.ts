@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Handles the pointer on anything with a time axis. On a plot, a drag of the mouse selects a span, and a click selects the shown
-// time; on the timeline, a drag moves the shown time. Shift exchanges the two. A finger moves the shown time; two fingers, or
-// ctrl and wheel, zoom; a double click shows all.
+// Handles the pointer on elements with a time axis. On a plot, dragging selects a time span, and a click sets the shown
+// time. On the timeline, dragging moves the shown time. Shift exchanges these two actions. A finger moves the shown
+// time. Two fingers, or ctrl and wheel, zoom. A double click shows the whole run.
 import type { Clock } from "../clock";
 import { element } from "../dom";
 import type { Window } from "./window";
 
-/** Mouse movement below which a press is a click [px]. */
+/** A press with less movement of the mouse is a click [px]. */
 const CLICK = 4;
 
 interface Options {
-  /** The effect of a drag of the mouse without shift. */
+  /** The action of dragging with the mouse without shift. */
   drag: "chooses" | "moves";
-  /** The times that the target spans, if they differ from those of the window. */
+  /** The times along the element, if they differ from those of the window. */
   along?: Window;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists every recorded variable with its value at the shown time. A search finds it by words of its name, unit or meaning; a
-// click plots it.
+// Lists all recorded variables with their values at the shown time. A search uses words of name, unit or meaning. A
+// click plots the variable.
 import type { Clock } from "../clock";
 import type { Run } from "../data/run";
 import { shownUnit, wordsOf } from "../data/units";

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shows the run in numbers: results, cost and inputs.
+// Shows results, cost and inputs of the run as numbers.
 import type { Json } from "../data/payload";
 import type { Run } from "../data/run";
 import { shown, shownUnit } from "../data/units";
 import { element } from "../dom";
 
-/** Lists the keys of summary.json that are not values of the config's `summary`. */
+/** The keys of summary.json that do not come from the config's `summary`. */
 const OWN = new Set(["outcome", "end_reason", "end_text", "error", "real_time_factor", "step", "steps", "stop_time", "rows", "units",
   "wall_clock", "versions", "parameters", "inputs", "notices", "statistics", "scenario", "lost_instances", "simulated_time"]);
 
@@ -15,8 +15,8 @@ export interface FinalValue {
   unit: string;
 }
 
-/** Returns the values of the config's `summary`. The label of a nested value follows the label of the outer value.
- * `members` determines whether the members of groups are included. */
+/** Returns the values of the config's `summary`. The label of a nested value follows the label of the outer value. If
+ * `members` is false, omits the members of groups. */
 export function finalValues(summary: Json, members = true): FinalValue[] {
   const found: FinalValue[] = [];
   const walk = (values: Json, units: Json, path: string[]) => {
@@ -32,7 +32,7 @@ export function finalValues(summary: Json, members = true): FinalValue[] {
   return found;
 }
 
-/** Returns the same values as finalValues(), but without the members of groups. The statistics of groups remain. */
+/** Returns the values of finalValues() without the members of groups. The statistics of groups remain. */
 export function mainValues(summary: Json): FinalValue[] {
   return finalValues(summary, false);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes a run in one sentence that is made from its results, and selects the moment at which the page opens.
+// Describes the results of a run in one sentence, and selects the time at which the page opens.
 import type { Json } from "../data/payload";
 import { type Run, rowAt } from "../data/run";
 import { shown, shownTime } from "../data/units";
@@ -7,7 +7,7 @@ import { element } from "../dom";
 import { clockText, cyclesPerInstruction } from "./chip";
 import { mainValues } from "./statistics";
 
-/** Searches for a recorded variable whose name ends in this text. Returns the first time at which the variable is not 0. */
+/** Finds a recorded variable whose name has this ending. Returns the first time at which it is not 0. */
 function firstTrue(run: Run, ending: string): number | null {
   const name = run.variables.find((candidate) => candidate.endsWith(ending));
   const values = name === undefined ? undefined : run.values(name);
@@ -15,7 +15,8 @@ function firstTrue(run: Run, ending: string): number | null {
   return row > 0 ? run.times[row] : null;
 }
 
-/** Returns a text such as "crossed the gate 1.4 cm off its middle after 23.5 s"; empty if no gate was crossed. */
+/** Returns a text such as "crossed the gate 1.4 cm off its middle after 23.5 s". If no gate was crossed, returns an
+ * empty text. */
 function crossing(run: Run): string {
   const time = firstTrue(run, ".gate.crossed");
   if (time === null) return "";
@@ -24,7 +25,6 @@ function crossing(run: Run): string {
   return `crossed the gate${off} after ${shownTime(time)}`;
 }
 
-/** Returns a text about the delivered energy and its largest part. */
 function energy(summary: Json): string {
   const { delivered, ...parts } = summary.energy ?? {};
   if (summary.units?.energy?.delivered !== "J" || typeof delivered !== "number" || !(delivered > 0)) return "";
@@ -39,7 +39,7 @@ function charge(summary: Json): string {
   return typeof left === "number" && summary.units?.state_of_charge === "1" ? `${(100 * left).toFixed(1)} % of the charge left` : "";
 }
 
-/** Returns a text about a program that ran on the chip alone: mean power, and the instructions of the controller. */
+/** Returns a text about a program that ran on the chip alone: mean power, and the controller's instructions. */
 function chip({ header }: Run): string {
   if (!header.chip) return "";
   const { chip_mean_w, controller, cluster, clocks } = header.chip;
@@ -47,7 +47,7 @@ function chip({ header }: Run): string {
   return `${chip_mean_w === null ? "" : `${shown(chip_mean_w, "W")} in the mean; `}${counts}`;
 }
 
-/** Returns one sentence about a run that has ended; "" if the run left no results. */
+/** Describes a run that has ended. If the run left no results, returns "". */
 export function storyOf(run: Run): string {
   const { summary } = run;
   if (summary.outcome === undefined) return "";
@@ -76,17 +76,13 @@ export function makeStory(run: Run): HTMLElement {
 
 const MOST_STORIES = 4; // more sentences would leave no space for the scene
 
-/** Creates one sentence for each of several runs. */
 export function makeStories(runs: Run[]): HTMLElement {
   const lines = runs.slice(0, MOST_STORIES).filter((run) => storyOf(run) !== "").map((run) => element("p", { class: "happened" }, `${run.name}: ${storyOf(run)}`));
   return element("div", { class: "story" }, ...lines);
 }
 
-/**
- * Returns the time at which the page opens. For a flight, it is the time of the first picture, but not before the body is under way.
- * A body is under way after its distance from the start first exceeds half the greatest distance. For another run, it is the end, where
- * the results are.
- */
+/** Returns the time at which the page opens. For a flight, this is the time of the first picture, but not before the
+ * distance from the start exceeds half of its maximum. For other runs, this is the end, where the results are. */
 export function openingTime(run: Run): number {
   const names = (run.scene?.bodies?.[0]?.position ?? []) as string[];
   if (names.length === 0 || run.times.length < 2) return run.end;

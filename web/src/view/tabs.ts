@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shows several views in one place, one at a time. A view is created when it is first shown.
+// Shows one of several views. Creates a view when it is shown first.
 import { element } from "../dom";
 
 export interface Tab {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws the bottom of the page: play, speed, the shown time, and a line of the whole run with its marks.
+// The bottom of the page: play, speed, the shown time, and a line of the whole run with its marks.
 import type { Clock } from "../clock";
 import type { Message } from "../data/messages";
 import { shortText } from "../data/messages";
@@ -65,7 +65,8 @@ export function makeTimeline(run: Run, clock: Clock, window: Window): HTMLElemen
   return element("footer", { class: "timeline" }, play, speed, now, track);
 }
 
-/** If texts of marks would overlap, those of later marks appear only under the pointer. So do warnings, which are long. */
+/** Hides the text of a mark that would overlap an earlier text. Also hides warnings, which are long. Hidden texts
+ * appear under the pointer. */
 function keepApart(marks: HTMLElement[], first: number): void {
   let end = -Infinity;
   for (const mark of marks) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Holds the time span that all plots show (at first the whole run), and the time under the pointer, which all plots
-// mark.
+// The time span that all plots show, and the time under the pointer, which all plots mark. At first, the span is the
+// whole run.
 
 export class Window {
   private from = 0;
@@ -13,7 +13,7 @@ export class Window {
     this.to = end;
   }
 
-  /** Extends the span to a later end of the run, if the span is the whole run. */
+  /** Moves the end of the run to a later time. If the span is the whole run, extends the span. */
   extend(end: number): void {
     const whole = this.isWhole;
     this.end = end;
@@ -28,8 +28,8 @@ export class Window {
     return this.to;
   }
 
-  /** Rates are means over this time [s]. It corresponds to some pixels of a plot, so that fast switching is shown as
-   * its mean. */
+  /** The averaging time of rates [s]. It corresponds to a few pixels of a plot, so that fast switching appears as its
+   * mean. */
   get mean(): number {
     return (this.to - this.from) / 110;
   }
@@ -59,7 +59,7 @@ export class Window {
     this.set(0, this.end);
   }
 
-  /** The time under the pointer, or null if the pointer is on no plot. */
+  /** The time under the pointer. If the pointer is on no plot, null. */
   get pointed(): number | null {
     return this.at;
   }

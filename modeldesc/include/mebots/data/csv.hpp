@@ -13,8 +13,9 @@
 namespace mebots::data {
 
 /// Reads a table in CSV (RFC 4180) row by row. Commas separate the cells, the decimal separator is a point, and one
-/// header row names the columns. Accepts a byte order mark, CR LF and CR as line ends, quoted cells, and blanks around
-/// names and numbers. Skips empty lines. Throws an Error that names file and line, and for a cell the column.
+/// header row contains the names of the columns. Accepts a byte order mark, CR LF and CR as line ends, quoted cells,
+/// and blanks around names and numbers. Skips empty lines. Throws Error with file and line, and with the column if the
+/// error is in a cell.
 class CsvReader {
  public:
   /// Reads the header. `text` must outlive the reader; `name` is the file's name in errors. Throws Error if the text is
@@ -23,20 +24,20 @@ class CsvReader {
 
   const std::string& name() const { return name_; }
   const std::vector<std::string>& header() const { return header_; }
-  /// If a column has this name, returns its index.
+  /// Returns the index of the column with this name; empty if no column has this name.
   std::optional<std::size_t> column(std::string_view name) const;
 
-  /// Reads the next row. Returns false at the end of the text. Throws Error if the row has more or fewer cells than the
-  /// header.
+  /// Reads the next row. Returns false at the end of the text. Throws Error if the number of cells differs from the
+  /// number of columns.
   bool next();
   /// Returns the number of the line on which the row starts, from 1.
   std::size_t line() const { return line_; }
-  /// Returns a cell of the present row without its quotation marks. The result is valid until the next call of next().
+  /// Returns a cell of the current row without its quotation marks. The result is valid until the next call of next().
   std::string_view cell(std::size_t column) const { return cells_[column]; }
-  /// Returns the cell as a number. Throws Error if the cell is not a finite number.
+  /// Throws Error if the cell is not a finite number.
   double number(std::size_t column) const;
 
-  /// Throws an Error whose message consists of the file, line and column of the cell, and `what`.
+  /// Throws Error with the file, line and column of the cell, followed by `what`.
   [[noreturn]] void fail(std::size_t column, ErrorCode code, std::string_view what) const;
 
  private:
@@ -58,11 +59,10 @@ class CsvReader {
   std::size_t line_ = 0;
 };
 
-/// Returns the text without the blanks and tabs at its ends.
+/// Removes blanks and tabs from both ends.
 std::string_view trimmed(std::string_view text);
 
-/// Contains the name and the unit from a column title such as "speed [km/h]". The unit is empty if the title has none
-/// or "-".
+/// Contains the parts of a column title such as "speed [km/h]". The unit is empty if the title has none or "-".
 struct CsvTitle {
   std::string name;
   std::string unit;

@@ -14,24 +14,23 @@
 
 namespace mebots::data {
 
-/// Holds a parsed JSON text (RFC 8259) and the line and column of each value. Collects the mistakes that readers report
-/// for its nodes. Parsing takes linear time. Must not be used by two threads at once.
+/// Holds a parsed JSON text (RFC 8259) and the line and column of each value. Collects the mistakes that readers find
+/// in it. Parsing takes linear time. Not thread-safe.
 class Document {
  public:
-  /// Limits the depth of nesting. Texts with deeper nesting are rejected, because readers may be recursive. No file of
-  /// MEbots needs deeper nesting.
+  /// The greatest permitted depth of nesting. Deeper texts are rejected, because readers may be recursive.
   static constexpr std::size_t kDeepest = 100;
 
   /// Parses a file. Throws Error if the file cannot be read, Mistakes if it is not JSON.
   explicit Document(const std::filesystem::path& file);
-  /// Parses a text. Messages about mistakes contain `name` as the file name.
+  /// Parses a text. Error messages use `name` as the file name.
   Document(std::string_view text, std::string name);
   ~Document();
   Document(const Document&) = delete;
   Document& operator=(const Document&) = delete;
 
-  /// Calls `read` with the root node and returns its result. Throws Mistakes if any mistake was reported, such as a
-  /// duplicate key. Nodes must not outlive the document.
+  /// Calls `read` with the root node and returns its result. Throws Mistakes if a reader or the parser reported a
+  /// mistake. Nodes must not outlive the document.
   template <typename Read>
   auto read(const Read& read) {
     using Result = std::invoke_result_t<const Read&, const Node&>;

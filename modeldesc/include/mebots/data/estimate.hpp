@@ -11,7 +11,7 @@
 
 namespace mebots::data {
 
-/// Contains a quantity of a data file, and the interval in which the data allow the quantity to be.
+/// A quantity of a data file. `interval` is the range of values that the data permit.
 struct Estimate {
   struct Interval {
     double least = 0;
@@ -21,8 +21,8 @@ struct Estimate {
   double value = 0;
   std::optional<Interval> interval;  // contains the value, if it exists
 
-  /// Returns the value at a position in the interval: the lower end at -1, the value at 0, the upper end at 1.
-  /// Interpolates linearly between these positions. If there is no interval, returns the value.
+  /// Returns the value at a position in the interval: the lower end at -1, the value at 0, the upper end at 1. Between
+  /// these positions, interpolates linearly. If the interval is missing, returns the value.
   double at(double position) const;
 };
 
@@ -33,14 +33,14 @@ inline auto estimate(std::string_view unit, const Limits& limits = {}) {
   return [=](const Node& node) { return read_estimate(node, unit, limits); };
 }
 
-/// Computes quantities of a data file, each at a position in its interval.
+/// Returns the values of a data file's quantities, each at a position in its interval.
 class Placement {
  public:
-  /// `file` names the file in warnings, which are appended to `warnings`.
+  /// `file` is the file's name in warnings. value() appends the warnings to `warnings`.
   Placement(std::string file, std::vector<std::string>& warnings) : file_(std::move(file)), warnings_(&warnings) {}
 
-  /// Returns estimate.at(position). If the position is not from -1 to 1, throws Error that names `parameter`. Appends a
-  /// warning if the position is not 0 and the file has no interval.
+  /// Returns estimate.at(position). If the position is outside of -1 to 1, throws Error that names `parameter`. If the
+  /// position is not 0 but the file has no interval, appends a warning.
   double value(const Estimate& estimate, double position, std::string_view quantity, std::string_view parameter) const;
 
  private:

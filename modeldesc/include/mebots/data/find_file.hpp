@@ -6,8 +6,8 @@
 
 namespace mebots::data {
 
-/// Returns the file that a String parameter names. A value that contains a slash or ends in .json is a path. Any other
-/// value is the name of a file in `folder`, without .json. If the file does not exist, throws Error that names the
+/// Finds the file that a String parameter selects. If `name` contains a slash or ends in .json, it is a path. Otherwise
+/// it is the name of a file in `folder`, without .json. If the file does not exist, throws Error that names the
 /// parameter `variable`.
 std::filesystem::path find_file(const std::filesystem::path& folder, std::string_view name, std::string_view variable);
 

@@ -7,7 +7,7 @@
 
 namespace mebots::data {
 
-/// Contains the permitted range of a number. The default permits every finite number.
+/// The permitted range of a number. The default permits every finite number.
 struct Limits {
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
@@ -20,7 +20,7 @@ struct Limits {
   bool admit(double value) const {
     return std::isfinite(value) && value <= max && (min_is_allowed ? value >= min : value > min);
   }
-  /// Returns the range as a text such as ">= 0 and <= 1".
+  /// Returns the range as text, such as ">= 0 and <= 1".
   std::string text() const;
 };
 

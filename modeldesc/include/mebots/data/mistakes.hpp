@@ -9,7 +9,6 @@
 
 namespace mebots::data {
 
-/// Describes one error in a file.
 struct Mistake {
   ErrorCode code = ErrorCode::unspecified;
   std::string place;       // file, line, column and JSON pointer: "cell.json:12:5: /mass/value"
@@ -17,8 +16,8 @@ struct Mistake {
   std::size_t offset = 0;  // byte offset in the file
 };
 
-/// Contains all errors of a file, in the order of their places in the file. The message has one line for each of
-/// the first 20 errors. The code is the code of the first error.
+/// Contains all errors of a file, in the order of their places in the file. what() has one line for each of the first
+/// 20 errors. code() is the code of the first error.
 class Mistakes : public Error {
  public:
   /// `mistakes` must not be empty.

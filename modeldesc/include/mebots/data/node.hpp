@@ -17,44 +17,41 @@ namespace mebots::data {
 class Document;
 struct Member;
 
-/// Lists the kinds of JSON values. A whole number has no fractional part (3 or 3.0) and fits into 64 bits.
+/// The kinds of JSON values. A whole_number has no fractional part (3 or 3.0) and fits into 64 bits.
 enum class Kind : std::uint8_t { null, boolean, whole_number, number, text, list, object };
 
-/// Refers to a value of a Document and its place in the text. A node is cheap to copy, and valid as long as the
-/// document. If the value is not of the requested kind, functions that read it throw Mistakes with file, line, column
-/// and JSON pointer. To continue after a mistake, call these functions inside attempt(), as Object does.
+/// A value of a Document and its place in the text. A node is cheap to copy, and is valid as long as the document. If
+/// the value is of the wrong kind, the functions that read it throw Mistakes with file, line, column and JSON pointer.
+/// To continue after a mistake, call them inside attempt(), as Object does.
 class Node {
  public:
   Kind kind() const;
   bool is(Kind wanted) const { return kind() == wanted; }
-  /// True if the value is a whole number that is written without point and exponent.
+  /// True if the value is a whole number that is written without decimal point and exponent, such as 3.
   bool is_integer_literal() const;
   bool is_number() const { return is(Kind::number) || is(Kind::whole_number); }
 
   std::string text() const;
-  /// Returns a text. If the value is an empty text, throws Mistakes.
+  /// Returns a text. Throws Mistakes if the text is empty.
   std::string readable_text() const;
   bool flag() const;
   double number(const Limits& limits = {}) const;
   std::int64_t whole_number(std::int64_t least, std::int64_t most) const;
-  /// Returns a whole number. If it is negative, throws Mistakes.
+  /// Returns a whole number. Throws Mistakes if it is negative.
   std::uint64_t natural_number() const;
 
-  /// Returns the elements of a list.
   std::vector<Node> elements() const;
-  /// Returns the members of an object, in the order of the file. A duplicate key is reported, and its first value is
-  /// used.
+  /// Returns the members of an object, in the order of the file. For a duplicate key, uses the first value.
   std::vector<Member> members() const;
   bool has(std::string_view key) const { return find(key).has_value(); }
-  /// Returns the member with this key. Empty if the member does not exist, or if this value is not an object.
+  /// Returns the member with this key. Returns empty if the member is missing or this value is not an object.
   std::optional<Node> find(std::string_view key) const;
   Node at(std::string_view key) const;
 
-  /// Adds a mistake with the place of this value to the document. Does not throw.
+  /// Adds a mistake at the place of this value to the document. Does not throw.
   void complain(ErrorCode code, std::string_view what) const;
   [[noreturn]] void fail(ErrorCode code, std::string_view what) const;
-  /// Adds a mistake such as "the state 'onn' is unknown. Did you mean 'on'?" The suggestion is taken from the names in
-  /// `known`.
+  /// Adds a mistake such as "the state 'onn' is unknown. Did you mean 'on'?" The suggestion comes from `known`.
   void complain_unknown(std::string_view what, std::string_view name, std::span<const std::string> known) const;
   [[noreturn]] void fail_unknown(std::string_view what, std::string_view name,
                                  std::span<const std::string> known) const;
@@ -71,14 +68,13 @@ class Node {
     }
     return false;
   }
-  /// Returns the number of mistakes that were found in the document so far.
   std::size_t noted() const;
 
   /// Returns the value as JSON text. A long text is shortened.
   std::string shown() const;
   /// Returns the value's JSON pointer (RFC 6901); empty for the root.
   std::string pointer() const;
-  /// Returns the value's place, such as "file.json:12:5: /pointer/to/value". The place of a member is the place of its
+  /// Returns the value's place, such as "file.json:12:5: /pointer/to/value". For a member, this is the place of its
   /// key.
   std::string place() const;
 

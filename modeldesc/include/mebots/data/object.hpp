@@ -20,14 +20,14 @@ namespace mebots::data {
 ///     object.read_if("yaw", gate.yaw_rad, number());
 ///     object.finish();
 ///
-/// If a member is missing or wrong, adds a mistake and does not change the variable for this member. All keys that were
-/// read are known keys, so there is no separate list of keys.
+/// If a member is missing or wrong, adds a mistake and leaves its variable unchanged. finish() reports every key that
+/// was not read.
 class Object {
  public:
   /// Throws Mistakes if the node is not an object.
   explicit Object(const Node& node);
 
-  /// Sets `into` to reader(member). Returns true if there was no mistake.
+  /// Sets `into` to reader(member). Returns false if the member is missing or wrong.
   template <typename T, typename Reader>
   bool read(std::string_view key, T& into, const Reader& reader) {
     known_.emplace_back(key);
@@ -35,14 +35,14 @@ class Object {
     if (!member) complain_missing(key);
     return member && take(*member, into, reader);
   }
-  /// Works as read(), for an optional key. If the key is absent, leaves the variable unchanged and returns false.
+  /// Works as read() for an optional key. If the key is absent, leaves the variable unchanged and returns false.
   template <typename T, typename Reader>
   bool read_if(std::string_view key, T& into, const Reader& reader) {
     known_.emplace_back(key);
     const auto member = node_.find(key);
     return member && take(*member, into, reader);
   }
-  /// Works as read(), but calls `reader` only for its effects: `reader` stores the values itself.
+  /// Works as read(), but ignores the result of `reader`. `reader` stores the values itself.
   template <typename Reader>
   bool visit(std::string_view key, const Reader& reader) {
     bool done = false;
@@ -55,17 +55,16 @@ class Object {
   bool visit_if(std::string_view key, const Reader& reader) {
     return node_.has(key) ? visit(key, reader) : (known_.emplace_back(key), false);
   }
-  /// Permits keys that this Object does not read, because other code reads them or because they are comments.
+  /// Permits keys that other code reads, or that are comments.
   void allow(std::initializer_list<std::string_view> keys) { known_.insert(known_.end(), keys.begin(), keys.end()); }
-  /// Permits an optional key whose value is a text for readers or for editors.
+  /// Permits an optional key whose value is a text and has no effect.
   void comment(std::string_view key);
 
-  /// Reports the keys that were not read. Most of these keys are typing errors, so the message suggests the nearest
-  /// known key.
+  /// Reports each key that was not read, and suggests the nearest known key.
   void finish() const;
 
-  /// True if no mistake was added to the document since this Object was constructed. In this case, all members that
-  /// were read have valid values.
+  /// True if no mistake was added to the document since this Object was constructed. Then all members that were read
+  /// are valid.
   bool sound() const { return node_.noted() == noted_before_; }
   bool has(std::string_view key) const { return node_.has(key); }
   const Node& node() const { return node_; }
@@ -87,7 +86,7 @@ class Object {
   std::vector<std::string> known_;
 };
 
-/// These functions return readers of a value for Object::read.
+/// These functions return readers for the argument `reader` of Object::read().
 inline auto number(const Limits& limits = {}) {
   return [limits](const Node& node) { return node.number(limits); };
 }
@@ -99,7 +98,7 @@ std::vector<double> read_numbers(const Node& node, const Limits& limits);
 inline auto numbers(const Limits& limits = {}) {
   return [limits](const Node& node) { return read_numbers(node, limits); };
 }
-/// Reads numbers as read_numbers() does. Each number must be greater than the number before it.
+/// Reads numbers as read_numbers() does. Throws Mistakes if a number is not greater than its predecessor.
 std::vector<double> read_rising_numbers(const Node& node, const Limits& limits);
 inline auto rising_numbers(const Limits& limits = {}) {
   return [limits](const Node& node) { return read_rising_numbers(node, limits); };
@@ -110,13 +109,12 @@ double read_quantity(const Node& node, std::string_view unit, const Limits& limi
 inline auto quantity(std::string_view unit, const Limits& limits = {}) {
   return [=](const Node& node) { return read_quantity(node, unit, limits); };
 }
-/// Reads the members `unit` and `source`. The member `unit` must be equal to the argument `unit`. The member `source`
-/// must not be empty.
+/// Reads the member `unit`, which must equal the argument `unit`.
 void read_unit(Object& object, std::string_view unit);
 void read_source(Object& object);
 
-/// Returns a function that converts a word of a file to its meaning. If a word is unknown, the error message suggests
-/// the most similar known word.
+/// Returns a reader that maps a word of the file to the value in `words`. For an unknown word, the error message
+/// suggests the most similar known word.
 template <typename T>
 auto word_of(std::vector<std::pair<std::string, T>> words) {
   return [words = std::move(words)](const Node& node) {
@@ -130,8 +128,8 @@ auto word_of(std::vector<std::pair<std::string, T>> words) {
   };
 }
 
-/// Returns a reader of lists. The reader applies `reader` to each element and returns the results. Reports the elements
-/// that `reader` rejects, and omits them.
+/// Returns a reader of lists, which applies `reader` to each element and returns the results. Reports and omits
+/// elements that `reader` rejects.
 template <typename Reader>
 auto list_of(Reader reader) {
   return [reader = std::move(reader)](const Node& node) {

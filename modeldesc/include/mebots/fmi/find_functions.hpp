@@ -12,12 +12,11 @@
 
 namespace mebots::fmi {
 
-/// Wraps a pointer to a member in a type, so that templates can depend on the pointer. The call
-/// `kMember<&Functions::do_step>()` returns the pointer.
+/// Stores a pointer to a member as a compile-time constant: `kMember<&Functions::do_step>()` returns the pointer.
 template <auto pointer>
 inline constexpr std::integral_constant<decltype(pointer), pointer> kMember{};
 
-/// Returns the address of a symbol in a loaded library; null if the library has no such symbol.
+/// Returns the address of a symbol in a loaded library; null if the library lacks the symbol.
 inline void* find_symbol(void* library, const std::string& name) {
 #if defined(_WIN32)
   return reinterpret_cast<void*>(GetProcAddress(static_cast<HMODULE>(library), name.c_str()));
@@ -26,10 +25,9 @@ inline void* find_symbol(void* library, const std::string& name) {
 #endif
 }
 
-/// Looks up the functions of an FMU in a loaded library, and returns a table of pointers. A pointer is null if the
-/// library lacks the function. `Functions` is the type of the table, which depends on the version of FMI.
-/// `for_each_function` calls its argument with the name and the member of each function. In the library, each name
-/// begins with `prefix`.
+/// Looks up the functions of an FMU in a loaded library. Returns a table of pointers, which are null for missing
+/// functions. `Functions` is the table's type for a version of FMI. `for_each_function` calls its argument with the
+/// name and the member of each function. In the library, each name begins with `prefix`.
 template <typename Functions, typename ForEach>
 Functions find_functions(void* library, ForEach for_each_function, const std::string& prefix = {}) {
   Functions functions;

@@ -13,8 +13,8 @@
 /// these terms.
 namespace mebots::fmi {
 
-/// `real` is Real in FMI 2.0 and Float64 in FMI 3.0. `integer` is Integer in FMI 2.0 and Int32 in FMI 3.0. FMI 2.0 has
-/// none of the types that follow `enumeration`.
+/// `real` is Real in FMI 2.0 and Float64 in FMI 3.0. `integer` is Integer in FMI 2.0 and Int32 in FMI 3.0. The types
+/// after `enumeration` exist only in FMI 3.0.
 enum class Type : std::uint8_t {
   real,
   integer,
@@ -32,7 +32,7 @@ enum class Type : std::uint8_t {
   binary,
   clock
 };
-/// FMI 2.0 has none of the causalities that follow `independent`.
+/// The causalities after `independent` exist only in FMI 3.0.
 enum class Causality : std::uint8_t {
   parameter,
   calculated_parameter,
@@ -46,7 +46,7 @@ enum class Causality : std::uint8_t {
 enum class Variability : std::uint8_t { constant, fixed, tunable, discrete, continuous };
 enum class Initial : std::uint8_t { exact, approx, calculated };
 
-// Each list contains the words of one enumeration in modelDescription.xml, in the order of the enumeration's values.
+// The words of each enumeration in modelDescription.xml, in the order of its values.
 inline constexpr std::string_view kTypeWords2[] = {"Real", "Integer", "Boolean", "String", "Enumeration"};
 inline constexpr std::string_view kTypeWords3[] = {"Float64", "Int32", "Boolean", "String", "Enumeration",
                                                    "Float32", "Int8",  "UInt8",   "Int16",  "UInt16",
@@ -55,13 +55,13 @@ inline constexpr std::string_view kCausalityWords3[] = {
     "parameter", "calculatedParameter", "input", "output", "local", "independent", "structuralParameter", "dependent"};
 inline constexpr std::span<const std::string_view> kCausalityWords2 = std::span(kCausalityWords3).first(6);
 inline constexpr std::string_view kVariabilityWords[] = {"constant", "fixed", "tunable", "discrete", "continuous"};
-// These lists contain the words of FMI 1.0. The reader converts them to the words of FMI 2.0.
+// The words of FMI 1.0, which the reader converts to the words of FMI 2.0.
 inline constexpr std::string_view kCausalityWords1[] = {"input", "output", "internal", "none"};
 inline constexpr std::string_view kVariabilityWords1[] = {"constant", "parameter", "discrete", "continuous"};
 inline constexpr std::string_view kAliasWords1[] = {"noAlias", "alias", "negatedAlias"};
 inline constexpr std::string_view kInitialWords[] = {"exact", "approx", "calculated"};
 
-/// Returns the name of a type in FMI 2.0. For a type that only FMI 3.0 has, returns its name in FMI 3.0.
+/// Returns the name of a type in FMI 2.0. If the type exists only in FMI 3.0, returns its name there.
 constexpr std::string_view to_string(Type type) {
   const auto place = static_cast<std::size_t>(type);
   return place < std::size(kTypeWords2) ? kTypeWords2[place] : kTypeWords3[place];
@@ -86,11 +86,10 @@ static_assert(to_string(Type::enumeration) == "Enumeration" && to_string(Causali
               to_string(Variability::continuous) == "continuous" && to_string(Initial::calculated) == "calculated" &&
               to_string(Type::clock) == "Clock" && to_string(Causality::dependent) == "dependent");
 
-/// Returns true for types whose values are floating-point numbers.
 constexpr bool is_float(Type type) {
   return type == Type::real || type == Type::float32;
 }
-/// Returns true for types whose values are whole numbers, including enumerations.
+/// True for whole numbers, including enumerations.
 constexpr bool is_whole(Type type) {
   switch (type) {
     case Type::integer:
@@ -108,8 +107,7 @@ constexpr bool is_whole(Type type) {
   }
 }
 
-/// Contains the lowest and the highest value of a type of whole numbers. `high` is unsigned, because UInt64 has values
-/// above 2^63 - 1.
+/// The lowest and the highest value of a type of whole numbers. `high` is unsigned, because UInt64 exceeds 2^63 - 1.
 struct WholeLimits {
   std::int64_t low;
   std::uint64_t high;

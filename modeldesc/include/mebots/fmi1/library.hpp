@@ -10,11 +10,11 @@
 /// name of each function begins with the FMU's modelIdentifier and an underscore.
 namespace mebots::fmi1 {
 
-/// States whether a function is necessary. `to_run`: no simulation works without the function. `always`: the standard
-/// requires the function, but a run is possible without it.
+/// States why a function is needed. `to_run`: a simulation is impossible without it. `always`: the standard requires
+/// it, but a simulation is possible without it.
 enum class Need { to_run, always };
 
-/// Contains pointers to the functions of one library. A pointer is null if the library lacks the function.
+/// Pointers to the functions of one library. A pointer is null if the library lacks the function.
 struct Functions {
   fmiString (*get_types_platform)() = nullptr;
   fmiString (*get_version)() = nullptr;
@@ -48,7 +48,7 @@ struct Functions {
   fmiStatus (*get_real_status)(fmiComponent, fmiStatusKind kind, fmiReal* value) = nullptr;
 };
 
-/// Calls action(name, fmi::kMember of Functions, Need) for every function.
+/// Calls action(name, fmi::kMember<pointer to member>, Need) for every function.
 template <typename Action>
 void for_each_function(Action action) {
   using F = Functions;
@@ -76,7 +76,7 @@ void for_each_function(Action action) {
   action("fmiGetRealStatus", fmi::kMember<&F::get_real_status>, Need::always);
 }
 
-/// Looks up all functions in a library from dlopen(); functions that the library lacks are null.
+/// Looks up all functions in a library from dlopen().
 inline Functions find_functions(void* library, const std::string& model_identifier) {
   return fmi::find_functions<Functions>(
       library, [](auto action) { for_each_function(action); }, model_identifier + "_");

@@ -29,7 +29,7 @@ using fmiCallbackAllocateMemory = void* (*)(std::size_t count, std::size_t size)
 using fmiCallbackFreeMemory = void (*)(void* memory);
 using fmiStepFinished = void (*)(fmiComponent component, fmiStatus status);
 
-/// Callers pass this structure by value, as the standard requires.
+/// The standard passes this structure by value.
 struct fmiCallbackFunctions {
   fmiCallbackLogger logger;
   fmiCallbackAllocateMemory allocateMemory;
@@ -42,8 +42,7 @@ struct fmiCallbackFunctions {
 
 namespace mebots::fmi1 {
 
-/// Returns the name of a status in the standard, such as "fmiError". If the number is no status, returns "an unknown
-/// status".
+/// Returns the name of a status in the standard, such as "fmiError". For any other number, returns "an unknown status".
 constexpr std::string_view status_name(int status) {
   constexpr std::string_view kNames[] = {"fmiOK", "fmiWarning", "fmiDiscard", "fmiError", "fmiFatal", "fmiPending"};
   return status >= fmiOK && status <= fmiPending ? kNames[status] : "an unknown status";

@@ -3,8 +3,8 @@
 
 #include "mebots/fmi2/types.hpp"
 
-/// Declares the functions that an FMI 2.0 FMU exports. A program that loads these functions at run time uses their
-/// types, such as `decltype(&fmi2DoStep)`.
+/// Declares the functions that an FMI 2.0 FMU exports. A program that loads them at run time needs only their types,
+/// such as `decltype(&fmi2DoStep)`.
 #define MEBOTS_FMI2_EXPORT __attribute__((visibility("default")))
 
 extern "C" {

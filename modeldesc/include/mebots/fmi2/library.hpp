@@ -4,11 +4,11 @@
 #include "mebots/fmi/find_functions.hpp"
 #include "mebots/fmi2/functions.hpp"
 
-/// Defines a table of pointers to the functions in an FMU's shared library, and which FMUs must export each function.
 namespace mebots::fmi2 {
 
-/// States which FMUs must export a function: all FMUs (`to_run`: no simulation works without the function), FMUs for
-/// co-simulation (`to_step`), FMUs for model exchange, or FMUs whose modelDescription.xml declares a capability.
+/// States which FMUs must export a function. `to_run`: all FMUs, because a simulation is impossible without it.
+/// `to_step`: FMUs for co-simulation. Other values: all FMUs, FMUs for one interface, or FMUs whose
+/// modelDescription.xml declares a capability.
 enum class Need {
   to_run,
   always,
@@ -20,7 +20,7 @@ enum class Need {
   directional_derivative
 };
 
-/// Contains pointers to the functions of one library. A pointer is null if the library lacks the function.
+/// Pointers to the functions of one library. A pointer is null if the library lacks the function.
 struct Functions {
   using Byte = fmi2Byte;
 
@@ -70,7 +70,7 @@ struct Functions {
   decltype(&fmi2GetNominalsOfContinuousStates) get_nominals_of_continuous_states = nullptr;
 };
 
-/// Calls action(name, fmi::kMember of Functions, Need) for every function.
+/// Calls action(name, fmi::kMember<pointer to member>, Need) for every function.
 template <typename Action>
 void for_each_function(Action action) {
   using F = Functions;
@@ -120,7 +120,7 @@ void for_each_function(Action action) {
   action("fmi2GetNominalsOfContinuousStates", fmi::kMember<&F::get_nominals_of_continuous_states>, Need::to_integrate);
 }
 
-/// Looks up all functions in a library from dlopen(); functions that the library lacks are null.
+/// Looks up all functions in a library from dlopen().
 inline Functions find_functions(void* library) {
   return fmi::find_functions<Functions>(library, [](auto action) { for_each_function(action); });
 }

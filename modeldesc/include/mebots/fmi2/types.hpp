@@ -55,8 +55,7 @@ struct fmi2CallbackFunctions {
 
 namespace mebots::fmi2 {
 
-/// Returns the name of a status in the standard. `status` may be any number, because a faulty FMU may return any
-/// number.
+/// Returns the name of a status in the standard. `status` may be any number, because an FMU may be faulty.
 constexpr std::string_view status_name(fmi2Status status) {
   switch (status) {
     case fmi2OK:

@@ -3,8 +3,8 @@
 
 #include "mebots/fmi3/types.hpp"
 
-/// Declares the functions that an FMI 3.0 FMU exports, for all three kinds of FMU. A program that loads these functions
-/// at run time uses their types, such as `decltype(&fmi3DoStep)`.
+/// Declares the functions that an FMI 3.0 FMU exports, for all three kinds of FMU. A program that loads them at run
+/// time needs only their types, such as `decltype(&fmi3DoStep)`.
 #define MEBOTS_FMI3_EXPORT __attribute__((visibility("default")))
 
 /// Calls action(C name of the type, C type) for each type whose values are arrays of fixed-size elements.

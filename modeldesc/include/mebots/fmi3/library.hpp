@@ -4,8 +4,6 @@
 #include "mebots/fmi/find_functions.hpp"
 #include "mebots/fmi3/functions.hpp"
 
-/// Defines a table of pointers to the functions in the shared library of an FMI 3.0 FMU, and which FMUs must export
-/// each function.
 namespace mebots::fmi3 {
 
 /// States which FMUs cannot run without a function. `to_run`: all FMUs. `to_step`: FMUs for co-simulation.
@@ -15,7 +13,7 @@ namespace mebots::fmi3 {
 /// variables of a type.
 enum class Need { to_run, to_step, to_integrate, events, event_mode, always, fmu_state, serialization };
 
-/// Contains pointers to the functions of one library. A pointer is null if the library lacks the function.
+/// Pointers to the functions of one library. A pointer is null if the library lacks the function.
 struct Functions {
   using Byte = fmi3Byte;
 
@@ -87,7 +85,7 @@ struct Functions {
   decltype(&fmi3DoStep) do_step = nullptr;
 };
 
-/// Calls action(name, fmi::kMember of Functions, Need) for every function in the table.
+/// Calls action(name, fmi::kMember<pointer to member>, Need) for every function.
 template <typename Action>
 void for_each_function(Action action) {
   using F = Functions;
@@ -159,7 +157,7 @@ void for_each_function(Action action) {
   action("fmi3DoStep", fmi::kMember<&F::do_step>, Need::to_step);
 }
 
-/// Looks up all functions in a library from dlopen(); functions that the library lacks are null.
+/// Looks up all functions in a library from dlopen().
 inline Functions find_functions(void* library) {
   return fmi::find_functions<Functions>(library, [](auto action) { for_each_function(action); });
 }

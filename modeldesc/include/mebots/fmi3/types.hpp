@@ -51,8 +51,7 @@ using fmi3UnlockPreemptionCallback = void (*)();
 
 namespace mebots::fmi3 {
 
-/// Returns the name of a status in the standard. `status` may be any number, because a faulty FMU may return any
-/// number.
+/// Returns the name of a status in the standard. `status` may be any number, because an FMU may be faulty.
 constexpr std::string_view status_name(fmi3Status status) {
   switch (status) {
     case fmi3OK:

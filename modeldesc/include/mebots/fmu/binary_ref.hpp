@@ -6,8 +6,8 @@
 
 namespace mebots::fmu {
 
-/// Refers to bytes that another object owns. Stores the address and the size as three FMI Integers, as OSMP defines.
-/// The bytes are valid until the next step of the owner ends.
+/// Refers to bytes that another object owns. Stores their address and size as three FMI Integers, as OSMP defines. The
+/// reference is valid until the next step of the owner ends.
 struct BinaryRef {
   std::int32_t base_lo = 0;
   std::int32_t base_hi = 0;

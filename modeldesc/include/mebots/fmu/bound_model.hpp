@@ -7,19 +7,20 @@
 
 namespace mebots::fmu {
 
-/// Binds a plain C++ model with these members to the FMI shell (modeldesc/shell), which implements the FMI functions:
+/// Connects a plain C++ model to the FMI shell (modeldesc/shell), which implements the FMI functions. The model needs
+/// these members:
 ///
 ///     Own(const Parameters&, const std::filesystem::path& resources, extras...)
 ///     void start(const Inputs&, std::int64_t start_ns, Outputs&)
 ///     void step(const Inputs&, std::int64_t start_ns, std::int64_t duration_ns, Outputs&)
 ///     void visit(state::Visitor&)
 ///
-/// A model that does not depend on time leaves out start_ns. `void terminate()` is optional. `Variables` is the
+/// If the model does not depend on time, it omits start_ns. `void terminate()` is optional. `Variables` is the
 /// generated struct.
 template <typename Own, typename Variables>
 class BoundModel final : public Model {
  public:
-  /// The constructor of the model receives `extras` after the resources folder.
+  /// Passes `extras` to the model's constructor after the resources folder.
   template <typename... Extras>
   BoundModel(Variables& variables, const Host& host, std::int64_t start_ns, Extras&&... extras)
       : variables_(variables), model_(variables.parameters, host.resources(), std::forward<Extras>(extras)...) {

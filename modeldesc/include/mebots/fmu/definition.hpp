@@ -10,8 +10,8 @@
 #include <span>
 #include <string_view>
 
-/// Defines the types of an FMU's constant tables. The build generates the tables, and the FMI shell (modeldesc/shell)
-/// reads them.
+/// Defines the types of an FMU's constant tables. The build generates the tables. The FMI shell (modeldesc/shell) reads
+/// them.
 namespace mebots::fmu {
 
 using fmi::Causality;
@@ -23,15 +23,14 @@ struct EnumerationItem {
   std::string_view name;
 };
 
-/// Replaces the offset of a variable without a field. The value of such a variable is computed when an importer reads
-/// the variable.
+/// The offset of a variable without a field. The value of such a variable is computed when an importer reads it.
 inline constexpr std::size_t kNoField = static_cast<std::size_t>(-1);
 
 /// Marks a variable whose number of elements is fixed.
 inline constexpr std::size_t kFixedSize = static_cast<std::size_t>(-1);
 
-/// Describes a scalar variable of FMI 2.0, and the offset of its value in the instance's variables. In FMI 3.0,
-/// consecutive rows form one variable if they are the elements of an array or the parts of a Binary.
+/// A scalar variable of FMI 2.0, and the offset of its value in the instance's variables. In FMI 3.0, the elements of
+/// an array, or the parts of a Binary, are consecutive rows that form one variable.
 struct Variable {
   std::string_view name;
   Type type;
@@ -59,7 +58,7 @@ struct Definition {
   std::unique_ptr<Model> (*make_model)(void* variables, Host& host, std::int64_t start_ns);
 };
 
-/// Contains the tables of the FMU. Each FMU defines this constant once, in the generated variable_table.cpp.
+/// The FMU's tables. Each FMU defines this constant once, in the generated variable_table.cpp.
 extern const Definition kDefinition;
 
 }  // namespace mebots::fmu

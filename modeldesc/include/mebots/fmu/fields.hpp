@@ -10,12 +10,11 @@
 #include <string>
 #include <string_view>
 
-/// Finds an instance's variables by name, for models that read variable names from data files. `variables` always
-/// points to the instance's generated struct. The results are valid as long as this struct.
+/// Finds an instance's variables by name, for models that read names from data files. `variables` points to the
+/// instance's generated struct. The results are valid as long as this struct.
 namespace mebots::fmu {
 
-/// Refers to a numeric variable of any type. The value of a Boolean is 0 or 1. The value of an enumeration is the
-/// number of its item.
+/// Refers to a numeric variable of any type. A Boolean reads as 0 or 1, an enumeration as the number of its item.
 class NumberField {
  public:
   NumberField(Type type, void* at) : type_(type), at_(at) {}
@@ -60,8 +59,8 @@ inline std::string* text_field(void* variables, Causality causality, std::string
   return reinterpret_cast<std::string*>(static_cast<std::byte*>(variables) + found->offset);
 }
 
-/// Returns an OSMP binary variable, or null if the FMU has none with this name and causality. `name` is the common
-/// prefix of the names of its three Integer variables.
+/// Returns the OSMP binary variable with this name and causality; null if it does not exist. The names of its three
+/// Integer variables begin with `name`.
 inline const BinaryRef* binary_field(const void* variables, Causality causality, std::string_view name) {
   const auto* found = find_variable(causality, std::string(name) + ".base.lo");
   if (found == nullptr || !found->is_pointer) return nullptr;

@@ -9,12 +9,11 @@
 #include <string>
 #include <string_view>
 
-/// Defines the interface between the code of an FMU (`fmu.cpp`) and the FMI shell (modeldesc/shell).
 namespace mebots::fmu {
 
 enum class Severity { info, warning, error };
 
-/// Offers the services of the FMI shell to a model. Each instance has its own Host.
+/// The services that the FMI shell offers to a model. Each instance has its own Host.
 class Host {
  public:
   virtual ~Host() = default;
@@ -24,26 +23,26 @@ class Host {
   virtual void log(Severity severity, std::string_view category, std::string_view message) = 0;
 };
 
-/// Implements the behaviour of an initialised instance. A model exists from the end of initialisation until the
-/// instance is reset or freed. A model reads parameters and inputs from the Variables that were passed to its
-/// constructor, and writes outputs into them. A model throws mebots::Error for errors that a user can correct.
+/// The behaviour of an initialised instance. A model exists from the end of initialisation until the instance is reset
+/// or freed. Its constructor receives the instance's Variables: the model reads parameters and inputs from them and
+/// writes outputs into them. A model throws mebots::Error for errors that a user can correct.
 class Model {
  public:
   virtual ~Model() = default;
-  /// Advances from start_ns to start_ns + duration_ns, where duration_ns > 0. The inputs are constant during the step.
+  /// Advances from start_ns to start_ns + duration_ns. duration_ns is positive. The inputs are constant during the
+  /// step.
   virtual void step(std::int64_t start_ns, std::int64_t duration_ns) = 0;
-  /// Ends the simulation of this instance, for example with a last message to the log. The FMI shell calls it once,
-  /// when the importing tool terminates the instance.
+  /// Called once, when the importing tool terminates the instance. The model may log a last message.
   virtual void terminate() {}
-  /// Visits all state that is not in Variables. A saved state consists of these values. See mebots/state/visitor.hpp.
+  /// Visits all state outside of Variables, which saved states must contain. See mebots/state/visitor.hpp.
   virtual void visit(state::Visitor& v) = 0;
-  /// Returns the value of an `on_demand` String output. `name` is the FMI name of the output.
+  /// Returns the value of the `on_demand` String output with this FMI name.
   virtual std::string on_demand_text(std::string_view /*name*/) const { return {}; }
 };
 
-/// Builds the tables that all instances of the FMU share. The function is optional. The FMI shell calls it before the
-/// first instance is created. Therefore the tables do not change the library's memory during a mission, and the next
-/// mission of a study can run in the same process.
+/// Builds the tables that all instances of the FMU share. Defining this function is optional. The FMI shell calls it
+/// before it creates the first instance, so that the library's memory does not change during a mission. The next
+/// mission of a study can then run in the same process.
 [[gnu::weak]] void prepare_shared_tables();
 
 }  // namespace mebots::fmu

@@ -12,23 +12,23 @@
 
 namespace mebots::modeldesc {
 
-/// The limits of unpack(). The limits stop decompression bombs. They are far above the size of any real FMU.
+/// Limits of unpack() against decompression bombs. Real FMUs are far smaller.
 struct UnpackLimits {
   std::uint64_t total_bytes = std::uint64_t{4} << 30;
   std::uint64_t entries = 100'000;
   double ratio = 1000;  // unpacked / packed bytes, for entries larger than 16 MiB
 };
 
-/// Unpacks an FMU (a zip archive) into `folder`. If the folder does not exist, creates it. Throws mebots::Error with
-/// archive and entry if the archive is missing or damaged, two entries have the same name and different bytes, or a
-/// limit is exceeded. Also throws if an entry would be written outside of the folder (absolute path, `..`, drive
-/// letter, symbolic link). All names are checked before the first write. A backslash in a name separates folders, as a
-/// slash does. Returns notices for the user about backslashes and repeated entries.
+/// Unpacks an FMU (a zip archive) into `folder`, which is created if necessary. Throws mebots::Error with archive and
+/// entry if the archive is missing or damaged, two entries have the same name and different bytes, or a limit is
+/// exceeded. Also throws if an entry would be written outside of the folder (absolute path, `..`, drive letter,
+/// symbolic link). Checks all names before the first write. Treats a backslash in a name as a slash. Returns notices
+/// for the user about backslashes and repeated entries.
 std::vector<std::string> unpack(const std::filesystem::path& archive, const std::filesystem::path& folder,
                                 const UnpackLimits& limits = {});
 
-/// Returns the reason why an unpacked archive has no file `name` at its root, and the remedy. Possible reasons are that
-/// the file is in a folder, or that its name differs in case. If no reason is found, returns "It contains no `name`".
+/// Explains why an unpacked archive has no file `name` at its root, and how to correct this. For example, the file is
+/// in a folder, or its name differs in case. If no reason is found, returns "It contains no `name`".
 std::string why_missing(const std::filesystem::path& folder, const std::string& name);
 
 /// A file to pack: `entry` is its path in the archive, with forward slashes.
@@ -37,8 +37,8 @@ struct PackedFile {
   std::filesystem::path source;
 };
 
-/// Writes a zip archive. Its entries are sorted and have fixed times, so equal files give equal bytes. Throws
-/// mebots::Error if a file is missing, two files have the same entry, or the archive cannot be written.
+/// Writes a zip archive. Equal files give equal archives: entries are sorted and have fixed times. Throws mebots::Error
+/// if a file is missing, two files have the same entry, or the archive cannot be written.
 void pack(const std::filesystem::path& archive, std::vector<PackedFile> files);
 
 /// A temporary folder with a unique name. The destructor deletes the folder with its contents.
@@ -46,7 +46,7 @@ class TemporaryFolder {
  public:
   /// Creates `<parent>/<prefix>-XXXXXX`. If `parent` is empty, uses the system's folder for temporary files.
   explicit TemporaryFolder(std::string_view prefix, const std::filesystem::path& parent = {});
-  /// Creates the folder `path`. Returns empty if it already exists or cannot be created.
+  /// Creates the folder `path`. Returns empty if the folder already exists or cannot be created.
   static std::optional<TemporaryFolder> at(std::filesystem::path path);
   ~TemporaryFolder();
   TemporaryFolder(TemporaryFolder&& other) noexcept;

@@ -16,16 +16,16 @@ struct DiscardZip {
 };
 using ZipHandle = std::unique_ptr<zip, DiscardZip>;
 
-/// Opens a zip archive for reading. If this fails, throws mebots::Error with the reason of libzip.
+/// Opens a zip archive for reading. Throws mebots::Error with the reason of libzip.
 ZipHandle open_zip(const std::filesystem::path& archive);
 /// Opens an archive in memory, which must outlive the handle. `name` is the archive's name in messages.
 ZipHandle open_zip(std::string_view bytes, std::string_view name);
 
-/// Returns the name of an entry without parts that are empty or ".". The name of a folder gets a slash at its end.
+/// Normalises the name of an entry: removes parts that are empty or ".", and adds a slash to the name of a folder.
 /// Returns nullopt if a part is "..".
 std::optional<std::string> normal_entry_name(std::string_view name);
 
-/// A zip archive whose names, kinds of entries and declared sizes were checked as unpack() does.
+/// Reads a zip archive. The constructor checks names, kinds and declared sizes of all entries.
 class ArchiveReader {
  public:
   struct Entry {
@@ -35,16 +35,16 @@ class ArchiveReader {
     bool is_folder = false;
   };
 
-  /// Checks an archive. `name` is the archive's name in messages. Throws the same errors as unpack().
+  /// `name` is the archive's name in messages. Throws the same errors as unpack().
   ArchiveReader(ZipHandle archive, std::string name, const UnpackLimits& limits = {});
 
   const std::vector<Entry>& entries() const { return entries_; }
   /// Returns the number of entries whose names contain backslashes.
   std::size_t backslashes() const { return backslashes_; }
-  /// Returns the number of entries that repeat another one with the same bytes. entries() contains each once.
+  /// Returns the number of entries that repeat the name and bytes of another entry. entries() omits them.
   std::size_t repeated() const { return repeated_; }
   /// Passes the entry's bytes to `take`, part by part. Throws mebots::Error if the bytes are damaged, or if their
-  /// number differs from the declared size. Never passes more than the declared size.
+  /// number differs from the declared size. Never passes more bytes than the declared size.
   void read(const Entry& entry, const std::function<void(std::string_view)>& take) const;
 
  private:

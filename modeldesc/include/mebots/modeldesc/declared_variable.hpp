@@ -7,9 +7,9 @@
 
 namespace mebots::modeldesc {
 
-/// Returns the variable of this name in a description with arrays. For an element of an array, such as "m[2,3]",
-/// returns the array if it has this element, or may have it with other values of structural parameters. Returns null
-/// for any other name.
+/// Returns the variable with this name in a description with arrays. For the name of an element, such as "m[2,3]",
+/// returns the array if it has this element, or can have it with other values of structural parameters. Otherwise
+/// returns null.
 const Variable* declared_variable(const ModelDescription& description, std::string_view name);
 
 }  // namespace mebots::modeldesc

@@ -8,7 +8,7 @@
 
 namespace mebots::modeldesc {
 
-/// Describes a dynamic symbol that is visible to other libraries.
+/// A dynamic symbol that is visible to other libraries.
 struct ElfSymbol {
   std::string name;
   bool defined = false;      ///< true: this library defines the symbol; false: the library imports it
@@ -19,7 +19,7 @@ struct ElfSymbol {
   std::string constant;      ///< the bytes of a unique symbol in read-only memory; otherwise empty
 };
 
-/// Contains the dynamic section and the dynamic symbols of a 64-bit little-endian ELF shared library.
+/// The dynamic section and the dynamic symbols of a 64-bit little-endian ELF shared library.
 struct ElfLibrary {
   std::uint16_t machine = 0;         ///< EM_X86_64 and so on
   std::string soname;                ///< empty if the library has none
@@ -29,17 +29,15 @@ struct ElfLibrary {
   bool symbolic = false;             ///< DF_SYMBOLIC: the loader looks up symbols in this library first
   std::vector<ElfSymbol> symbols;    ///< in the order of the file
 
-  /// Returns the names of the symbols that the library defines for other libraries.
   std::vector<std::string> exports() const;
-  /// Returns the names of the symbols that the library imports.
   std::vector<std::string> imports() const;
 };
 
-/// Reads a shared library from the same parts of the file as the loader. These parts are the program headers and not
-/// the sections, which may be stripped. Throws mebots::Error if the file is not a 64-bit little-endian shared library.
+/// Reads a shared library. Like the loader, uses the program headers and not the sections, which may be stripped.
+/// Throws mebots::Error if the file is not a 64-bit little-endian shared library.
 ElfLibrary read_elf_library(const std::filesystem::path& file);
 
-/// Contains the libraries that a library needs, and the symbol versions that it requires of them.
+/// The libraries that a library needs, and the symbol versions that it requires of them.
 struct ElfNeeds {
   std::vector<std::string> libraries;  ///< in the order of the file
   std::vector<std::string> versions;   ///< versions of their symbols, such as GLIBC_2.34
@@ -48,11 +46,9 @@ struct ElfNeeds {
 /// Reads a little-endian shared library of 32 or 64 bits. Throws mebots::Error if the file is not such a library.
 ElfNeeds read_elf_needs(const std::filesystem::path& file);
 
-/// Expands `$ORIGIN` in the folders of DT_RPATH or DT_RUNPATH. `$ORIGIN` is the folder that contains the library
-/// `file`.
+/// Replaces `$ORIGIN` in the folders of DT_RPATH or DT_RUNPATH by the folder that contains the library `file`.
 std::vector<std::string> search_folders(const std::vector<std::string>& paths, const std::filesystem::path& file);
 
-/// Describes a library that this process has loaded.
 struct LoadedLibrary {
   std::filesystem::path file;  ///< path from the loader; empty for the program itself
   std::string soname;
@@ -60,7 +56,7 @@ struct LoadedLibrary {
   std::vector<ElfSymbol> unique;  ///< the unique symbols that the library defines, if requested
 };
 
-/// Lists the libraries that this process has loaded. Reads their data from memory, because their files may be deleted.
+/// Lists the libraries that this process has loaded. Reads their data from memory, because the files may be deleted.
 enum class UniqueSymbols { skip, read };
 std::vector<LoadedLibrary> loaded_libraries(UniqueSymbols unique);
 

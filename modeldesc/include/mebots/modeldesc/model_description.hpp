@@ -16,7 +16,7 @@
 #include <variant>
 #include <vector>
 
-/// Represents the content of a modelDescription.xml of FMI 1.0, 2.0 or 3.0 as plain data.
+/// Represents a modelDescription.xml of FMI 1.0, 2.0 or 3.0 as plain data.
 namespace mebots::modeldesc {
 
 using fmi::Causality;
@@ -25,9 +25,9 @@ using fmi::to_string;
 using fmi::Type;
 using fmi::Variability;
 
-/// Contains a start value. Whole numbers and enumerations are std::int64_t; a UInt64 is stored with the same 64 bits.
-/// Float32 and Float64 are double. A Binary is a std::string of its bytes. std::monostate if the description has no
-/// start value.
+/// A start value. Whole numbers and enumerations are std::int64_t; a UInt64 has the same 64 bits. Float32 and Float64
+/// are double. A Binary is a std::string of its bytes. If the description has no start value, the value is
+/// std::monostate.
 using Value = std::variant<std::monostate, double, std::int64_t, bool, std::string>;
 
 struct EnumerationItem {
@@ -37,7 +37,7 @@ struct EnumerationItem {
   bool operator==(const EnumerationItem&) const = default;
 };
 
-/// Contains the attributes of a <SimpleType> element.
+/// The attributes of a <SimpleType> element.
 struct TypeDefinition {
   std::string name;
   std::string text;
@@ -52,8 +52,7 @@ struct TypeDefinition {
   bool operator==(const TypeDefinition&) const = default;
 };
 
-/// Marks an Integer variable as a part of an OSMP binary variable. The part is the low or high half of the pointer, or
-/// the size.
+/// Marks an Integer variable as a part of an OSMP binary variable: the low or high half of the pointer, or the size.
 struct OsmpPart {
   std::string name;  // name of the binary variable, such as `camera.frame`
   std::string role;  // `base.lo`, `base.hi` or `size`
@@ -61,14 +60,14 @@ struct OsmpPart {
   bool operator==(const OsmpPart&) const = default;
 };
 
-/// Contains the size of one dimension of an array: a fixed size, or the value reference of a structural parameter.
+/// The size of one dimension of an array: a fixed size, or the value reference of a structural parameter.
 struct Dimension {
   std::optional<std::uint64_t> start;
   std::optional<std::uint32_t> value_reference;
   bool operator==(const Dimension&) const = default;
 };
 
-/// Describes an element of an array variable of FMI 3.0. Created by with_elements().
+/// An element of an array variable of FMI 3.0. Created by with_elements().
 struct ArrayElement {
   std::string array;                  ///< name of the array
   std::uint32_t array_reference = 0;  ///< value reference of the array in the FMU
@@ -81,7 +80,7 @@ enum class IntervalVariability : std::uint8_t { constant, fixed, tunable, changi
 inline constexpr std::string_view kIntervalVariabilityWords[] = {"constant", "fixed",     "tunable",
                                                                  "changing", "countdown", "triggered"};
 
-/// Contains the declared timing of a variable of type Clock.
+/// The declared timing of a variable of type Clock.
 struct ClockTiming {
   IntervalVariability interval_variability = IntervalVariability::triggered;
   std::optional<double> interval_s;
@@ -94,11 +93,11 @@ struct ClockTiming {
   std::optional<std::uint32_t> priority;
   bool operator==(const ClockTiming&) const = default;
 
-  /// True for time-based Clocks. If such a Clock is an input, the importer must schedule its ticks.
+  /// True for time-based Clocks. For such an input, the importer must schedule the ticks.
   bool is_time_based() const { return interval_variability != IntervalVariability::triggered; }
 };
 
-/// Contains the attributes that only variables of FMI 3.0 have.
+/// The attributes that only variables of FMI 3.0 have.
 struct Fmi3Part {
   std::vector<Dimension> dimensions;  ///< empty for a scalar
   std::vector<Value> starts;          ///< start values of an array in row-major order; a single value applies to all
@@ -115,7 +114,7 @@ struct Fmi3Part {
   bool operator==(const Fmi3Part&) const = default;
 };
 
-/// Holds a variable's Fmi3Part. For variables of FMI 2.0, the holder is empty and has the size of one pointer.
+/// Holds a variable's Fmi3Part. Variables of FMI 2.0 have an empty holder, which takes the memory of one pointer.
 class Fmi3Holder {
  public:
   Fmi3Holder() = default;
@@ -132,9 +131,9 @@ class Fmi3Holder {
   std::shared_ptr<const Fmi3Part> part_;
 };
 
-/// Describes a <ScalarVariable> of FMI 1.0 or 2.0, or a variable of FMI 3.0. If `unit`, `quantity`, `min`, `max` or
-/// `nominal` is missing in the file, it has the value of the declared type. If `causality`, `variability` or `initial`
-/// is missing, it has FMI's default.
+/// A <ScalarVariable> of FMI 1.0 or 2.0, or a variable of FMI 3.0. If the file omits `unit`, `quantity`, `min`, `max`
+/// or `nominal`, it has the value of the declared type. If the file omits `causality`, `variability` or `initial`, it
+/// has FMI's default.
 struct Variable {
   std::string name;
   std::uint32_t value_reference = 0;
@@ -156,14 +155,14 @@ struct Variable {
   bool can_handle_multiple_set_per_time_instant = true;
   std::string text;
   std::optional<OsmpPart> osmp;
-  /// For a negated alias (FMI 1.0), the FMU's value reference of the variable that the alias negates. The alias itself
-  /// has a value reference that no other variable has.
+  /// The FMU's value reference of the variable that a negated alias (FMI 1.0) negates. The alias itself has a unique
+  /// value reference.
   std::optional<std::uint32_t> negated_reference;
   Fmi3Holder fmi3;
   bool operator==(const Variable&) const = default;
 };
 
-/// Contains an entry of the model structure: a variable and the variables on which it depends. Indices refer to
+/// An entry of the model structure: a variable and the variables on which it depends. Both are indices in
 /// ModelDescription::variables.
 struct Unknown {
   std::size_t variable = 0;
@@ -172,7 +171,7 @@ struct Unknown {
   bool operator==(const Unknown&) const = default;
 };
 
-/// Contains the attributes that <CoSimulation> and <ModelExchange> have in common.
+/// The attributes that <CoSimulation> and <ModelExchange> share.
 struct Implementation {
   std::string model_identifier;  // name of the shared library without suffix
   bool needs_execution_tool = false;
@@ -185,13 +184,13 @@ struct Implementation {
   bool operator==(const Implementation&) const = default;
 };
 
-/// Contains the attributes of the <CoSimulation> element, which exists if the FMU supports co-simulation.
+/// The attributes of the <CoSimulation> element.
 struct CoSimulation : Implementation {
   bool can_handle_variable_communication_step_size = false;
   bool can_interpolate_inputs = false;
   std::uint32_t max_output_derivative_order = 0;
   bool can_run_asynchronuously = false;
-  // Only FMUs of FMI 3.0 can have an event mode and return early.
+  // The following attributes exist only in FMI 3.0.
   bool has_event_mode = false;
   bool might_return_early = false;
   bool can_return_early_after_intermediate_update = false;
@@ -201,8 +200,7 @@ struct CoSimulation : Implementation {
   bool operator==(const CoSimulation&) const = default;
 };
 
-/// Contains the attributes of the <ModelExchange> element, which exists if the FMU provides derivatives for an external
-/// solver.
+/// The attributes of the <ModelExchange> element.
 struct ModelExchange : Implementation {
   bool completed_integrator_step_not_needed = false;
   bool operator==(const ModelExchange&) const = default;
@@ -215,7 +213,7 @@ struct DefaultExperiment {
   std::optional<double> step_size_s;
   bool operator==(const DefaultExperiment&) const = default;
 
-  /// Returns the tolerance if it is a finite number above 0, so that it can be passed to an FMU.
+  /// Returns the tolerance if it can be passed to an FMU: if it is finite and above 0.
   std::optional<double> usable_tolerance() const;
 };
 
@@ -225,18 +223,18 @@ struct LogCategory {
   bool operator==(const LogCategory&) const = default;
 };
 
-/// Indexes a list by name, so that lookups take logarithmic time. The index takes four bytes per element.
+/// Indexes a list by name, so that lookups take logarithmic time.
 class NameIndex {
  public:
-  /// Indexes elements that have a member `name`. If several elements have the same name, the first one is found.
+  /// Indexes elements that have a member `name`. If several elements share a name, find() returns the first of them.
   template <typename T>
   void build(const std::vector<T>& list) {
     positions_.resize(list.size());
     std::iota(positions_.begin(), positions_.end(), std::uint32_t{0});
     std::ranges::stable_sort(positions_, {}, [&](std::uint32_t i) { return std::string_view(list[i].name); });
   }
-  /// Returns the element of `list` with this name, or null. If the size of `list` has changed since it was indexed,
-  /// searches linearly.
+  /// Returns the element of `list` with this name, or null. If the list has changed its size since build(), searches
+  /// linearly.
   template <typename T>
   const T* find(const std::vector<T>& list, std::string_view name) const {
     if (positions_.size() != list.size()) {
@@ -287,15 +285,15 @@ struct ModelDescription {
   bool is_fmi1() const { return fmi_version == "1.0"; }
   bool is_fmi3() const { return fmi_version == "3.0"; }
 
-  /// Indexes variables, units and types by name. Functions that read descriptions call it at their end. index_names()
-  /// must be called again after a change of names or of the order of a list.
+  /// Indexes variables, units and types by name. The functions that read descriptions call it. Call it again after a
+  /// change of names or of the order of a list.
   void index_names();
-  /// Returns the variable with this name; null if no variable has it. The search takes logarithmic time after
-  /// index_names(), and linear time without it.
+  /// Returns the variable with this name, or null. The search takes logarithmic time after index_names(), and linear
+  /// time before.
   const Variable* find(std::string_view name) const { return variable_index.find(variables, name); }
-  /// Returns the definition of the unit with this name; null if the unit is not defined.
+  /// Returns the definition of the unit with this name, or null.
   const Unit* unit(std::string_view name) const { return unit_index.find(units, name); }
-  /// Returns the definition of the type with this name; null if the type is not defined.
+  /// Returns the definition of the type with this name, or null.
   const TypeDefinition* type_definition(std::string_view name) const { return type_index.find(types, name); }
 
   NameIndex variable_index;

@@ -9,10 +9,9 @@
 
 namespace mebots::modeldesc {
 
-/// Identifies the format of a shared library.
 enum class BinaryFormat { elf, pe, mach_o };
 
-/// Describes a combination of operating system and processor, and contains the names that FMI defines for it.
+/// A combination of operating system and processor, with the names that FMI defines for it.
 struct Platform {
   BinaryFormat format = BinaryFormat::elf;
   int bits = 64;
@@ -26,27 +25,25 @@ struct Platform {
   bool operator==(const Platform& other) const { return fmi3_folder == other.fmi3_folder; }
 };
 
-/// Returns all known platforms.
 std::span<const Platform> platforms();
 
 /// Returns the platform that this program was built for.
 const Platform& this_platform();
 
-/// Returns the platforms for which a shared library is built, according to the file's header. A universal library of
-/// macOS can have several platforms. Returns an empty list if the file is not a library for a known platform. Throws
-/// mebots::Error if the file cannot be read.
+/// Returns the platforms of a shared library, according to the file's header. A universal library of macOS can have
+/// several platforms. Returns an empty list if the file is not a library for a known platform. Throws mebots::Error if
+/// the file cannot be read.
 std::vector<const Platform*> find_platforms(const std::filesystem::path& library);
 
-/// Returns whether find_platforms() contains `platform`.
 bool is_built_for(const Platform& platform, const std::filesystem::path& library);
 
 /// Returns the first platform of a shared library. Throws mebots::Error if the library has no known platform.
 const Platform& platform_of(const std::filesystem::path& library);
 
 /// Returns the folder of an unpacked FMU that contains the libraries for this machine: `binaries/` and the platform's
-/// name. For FMI 1.0 and 2.0, returns `binaries/linux64` if this folder does not exist, but the library `file` in
-/// `binaries/linux64` is for this machine. Reason: FMI 2.0 has no name for Linux on processors other than x86, and some
-/// tools use `linux64` for all processors.
+/// name. For FMI 1.0 and 2.0, returns `binaries/linux64` if that folder is missing and `binaries/linux64` contains a
+/// library `file` for this machine. FMI 2.0 has no name for Linux on processors other than x86, so some tools use
+/// `linux64` for all processors.
 std::filesystem::path binaries_folder(const std::filesystem::path& fmu, bool is_fmi3, std::string_view file);
 
 }  // namespace mebots::modeldesc

@@ -7,8 +7,7 @@
 
 namespace mebots::modeldesc {
 
-/// Describes a <Terminal> of terminalsAndIcons.xml (FMI 3.0 and 2.0.4). A terminal is a set of variables that a tool
-/// connects together.
+/// A <Terminal> of terminalsAndIcons.xml (FMI 3.0 and 2.0.4): a set of variables that a tool connects together.
 struct DeclaredTerminal {
   struct Member {
     std::string name;  ///< may be empty
@@ -21,8 +20,8 @@ struct DeclaredTerminal {
   std::vector<Member> members;
 };
 
-/// Reads the text of a terminalsAndIcons.xml. Error messages contain `source` as the name of the text. Throws
-/// mebots::Error if the text is not XML.
+/// Reads the text of a terminalsAndIcons.xml. `source` is the name of the text in messages. Throws mebots::Error if the
+/// text is not XML.
 std::vector<DeclaredTerminal> read_terminals(std::string_view text, std::string_view source);
 
 }  // namespace mebots::modeldesc

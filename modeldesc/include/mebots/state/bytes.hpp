@@ -11,7 +11,7 @@
 #include <type_traits>
 #include <vector>
 
-/// Converts values to bytes in the byte order of this machine, because a state is restored only on the same kind of
+/// Converts values to bytes in the byte order of this machine. A state can be restored only on the same kind of
 /// machine.
 namespace mebots::state {
 
@@ -24,7 +24,7 @@ class Writer {
 
   void put(const std::string& text) { put(std::span<const char>(text)); }
 
-  /// Writes the number of elements, then the elements.
+  /// Writes the number of elements before the elements.
   template <typename T, std::size_t Extent>
   requires std::is_trivially_copyable_v<T>
   void put(std::span<T, Extent> values) {
@@ -78,7 +78,7 @@ class Reader {
 
   bool at_end() const { return bytes_.empty(); }
 
-  /// Reads the number of elements of a list. Throws if the remaining bytes are too few for this number of elements.
+  /// Reads the number of elements of a list. Throws Error if fewer elements remain in the bytes.
   std::size_t count(std::size_t element_size) {
     const auto n = get<std::uint64_t>();
     if (n > bytes_.size() / element_size)

@@ -16,7 +16,7 @@
 
 namespace mebots::state {
 
-/// Contains a saved state, and the name and offset of each value in it.
+/// A saved state, and the name and offset of each value in it.
 struct Listing {
   struct Variable {
     std::string path;  ///< names joined by dots, "cluster.core[3].hart.x"
@@ -30,7 +30,6 @@ struct Listing {
   std::vector<std::byte> bytes;
 };
 
-/// Saves a state and records the offset of each value.
 class Lister final : public Saver {
  public:
   Lister() : Saver(writer_, Purpose::list) {}
@@ -83,7 +82,7 @@ Listing list(const T& object) {
   return lister.take();
 }
 
-/// Describes the first variable in which two states differ, and contains its value in each state.
+/// The first variable in which two states differ, and its value in each state.
 struct Difference {
   std::string path;
   std::string first;
@@ -174,8 +173,8 @@ std::optional<Difference> first_difference(const T& first, const T& second) {
   return first_difference(list(first), list(second));
 }
 
-/// Returns the first difference between two saved states of one object. Restores both states into `object`, which is
-/// then in the second state.
+/// Returns the first difference between two saved states of one object. Restores first one and then the other state
+/// into `object`.
 template <Visited T>
 std::optional<Difference> first_difference(T& object, std::span<const std::byte> first,
                                            std::span<const std::byte> second) {

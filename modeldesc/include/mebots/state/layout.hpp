@@ -10,7 +10,7 @@
 namespace mebots::state {
 
 /// Computes a hash (64-bit FNV-1a) of the names, types, sizes and order of all visited values. The values themselves do
-/// not affect the hash. If two builds have the same hash, their states can be exchanged.
+/// not affect the hash. A build can restore states of another build if both have the same hash.
 class Layout final : public Visitor {
  public:
   Layout() : Visitor(Purpose::layout) {}

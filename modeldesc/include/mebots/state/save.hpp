@@ -9,7 +9,6 @@
 
 namespace mebots::state {
 
-/// Writes the values that it visits to a Writer.
 class Saver : public Visitor {
  public:
   explicit Saver(Writer& writer) : Saver(writer, Purpose::save) {}
@@ -49,8 +48,7 @@ class Restorer final : public Visitor {
   Reader& reader_;
 };
 
-/// Appends the object's state to the writer's bytes. Accepts constant objects, because a visitor that only reads does
-/// not change them.
+/// Appends the object's state to the writer's bytes. `object` is constant, because a Saver does not change it.
 template <Visited T>
 void save(const T& object, Writer& writer) {
   Saver saver(writer);
@@ -65,14 +63,14 @@ std::vector<std::byte> save(const T& object) {
 }
 
 /// Restores the object from the bytes that save() wrote. Throws Error (state_damaged) if the bytes end too early or do
-/// not fit. After this error, the object may be partly restored.
+/// not fit. The object may then be partly restored.
 template <Visited T>
 void restore(T& object, Reader& reader) {
   Restorer restorer(reader);
   object.visit(restorer);
 }
 
-/// Restores an object from `bytes`, which must contain the object's state and nothing else.
+/// Restores an object from `bytes`. Throws Error if the bytes continue after the object's state.
 template <Visited T>
 void restore(T& object, std::span<const std::byte> bytes) {
   Reader reader(bytes);

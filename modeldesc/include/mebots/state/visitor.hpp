@@ -15,7 +15,8 @@
 #include <variant>
 #include <vector>
 
-/// Each class declares its state once, in a member function
+/// Each class declares its state once, in a member function visit(), which passes every value with its name to the
+/// visitor:
 ///
 ///     void Cell::visit(state::Visitor& v) {
 ///       v("soc", soc_);
@@ -23,21 +24,20 @@
 ///       if (v.restores()) find_curve();  // what follows from the values above
 ///     }
 ///
-/// that passes every value with its name to the visitor. Saving and restoring (mebots/state/save.hpp), the layout hash
-/// (mebots/state/layout.hpp) and the comparison of two states (mebots/state/difference.hpp) all use this function. Two
-/// rules keep them consistent. The set of visited names depends only on the construction of the object, and never on
-/// values that change. A list or an optional is visited as a whole. An object changes only if restores() is true.
+/// Saving and restoring (mebots/state/save.hpp), the layout hash (mebots/state/layout.hpp) and the comparison of two
+/// states (mebots/state/difference.hpp) all call this function. The function must follow two rules. It visits the same
+/// names in every call: they depend only on the construction of the object, not on values that change. It changes the
+/// object only if restores() is true. A list or an optional is visited as a whole.
 namespace mebots::state {
 
 class Visitor;
 
-/// Contains the types that have a member function visit().
 template <typename T>
 concept Visited = requires(T& value, Visitor& visitor) {
   value.visit(visitor);
 };
 
-/// Contains the types whose values have no parts: numbers, Booleans and enumerations.
+/// Numbers, Booleans and enumerations.
 template <typename T>
 concept Plain = std::is_arithmetic_v<T> || std::is_enum_v<T>;
 
@@ -73,7 +73,7 @@ constexpr Type type_of() {
   }
 }
 
-/// Describes a fixed number of plain values in contiguous memory.
+/// A fixed number of plain values in contiguous memory.
 struct Values {
   Type type;
   std::size_t size;  ///< size of one value in bytes
@@ -83,7 +83,7 @@ struct Values {
   std::size_t bytes() const { return size * count; }
 };
 
-/// Gives access to a variable number of plain values in contiguous memory: a vector or a text.
+/// A variable number of plain values in contiguous memory: a vector or a text.
 class List {
  public:
   virtual ~List() = default;
@@ -91,19 +91,17 @@ class List {
   virtual void resize(std::size_t count) = 0;
 };
 
-/// Base class of all visitors. A visitor reads or restores the state of objects. A visitor may be used by one thread at
-/// a time.
+/// Base class of all visitors. A visitor reads or restores the state of objects. Not thread-safe.
 class Visitor {
  public:
   virtual ~Visitor() = default;
   Visitor(const Visitor&) = delete;
   Visitor& operator=(const Visitor&) = delete;
 
-  /// True if this visitor restores values.
   bool restores() const { return purpose_ == Purpose::restore; }
 
-  /// Visits a plain value, an object with visit(), or an array, vector, text, optional or variant of these. The name of
-  /// a value is the name of the member without the underscore. It needs to be valid only during the call.
+  /// Visits a plain value, an object with visit(), or an array, vector, text, optional or variant of these. `name` is
+  /// the member's name without the underscore, and must be valid only during the call.
   template <typename T>
   void operator()(std::string_view name, T& value) {
     if constexpr (Visited<T>) {
@@ -116,7 +114,7 @@ class Visitor {
     }
   }
 
-  /// Visits plain values whose number is fixed when the object is constructed.
+  /// Visits plain values. Their number must not change after the construction of the object.
   template <typename T, std::size_t Extent>
   void operator()(std::string_view name, std::span<T, Extent> values) {
     if constexpr (Plain<T>) {
@@ -133,10 +131,10 @@ class Visitor {
 
   virtual void fixed(std::string_view name, const Values& values) = 0;
   virtual void changing(std::string_view name, List& list) = 0;
-  /// Visits the size of a list of objects. `present` is the size before the visit. Returns the size that the caller
-  /// must give the list.
+  /// Visits the size of a list of objects. `present` is the current size. The caller must resize the list to the
+  /// returned size.
   virtual std::size_t count(std::string_view name, std::size_t present) = 0;
-  /// Opens a scope: all values up to the matching leave() are parts of `name`. Called only for visitors that use names.
+  /// Opens a scope: all values up to the matching leave() are parts of `name`.
   virtual void enter(std::string_view /*name*/) {}
   virtual void leave() {}
 
@@ -225,7 +223,6 @@ class Visitor {
     if (value) (*this)(name, *value);
   }
 
-  /// Visits the active alternative and its index.
   template <typename... Types>
   void parts(std::string_view name, std::variant<Types...>& value) {
     auto kind = static_cast<std::uint8_t>(value.index());
@@ -243,7 +240,8 @@ class Visitor {
     std::visit([&](auto& held) { (*this)(name, held); }, value);
   }
 
-  /// Visits one default-constructed element if this visitor computes a layout, even if the list is empty.
+  /// If this visitor computes a layout, visits one default-constructed element and returns true. The layout then
+  /// includes the element type also for an empty list.
   template <typename T>
   bool show_one_as_pattern(std::string_view name) {
     if (purpose_ != Purpose::layout) return false;
