@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Measures the cost of configuring and building each part: wall and processor seconds without a compiler cache, in a temporary folder. The first row
-# is the core alone. Each other row is the core with one part. Usage: bench/build_parts.sh [PART...] of core chip world python pages tests all
+# Measures the cost of configuring and building each part: wall and processor seconds without a compiler cache, in a
+# temporary folder. The first row is the core alone. Each other row is the core with one part. Usage:
+# bench/build_parts.sh [PART...], where PART is core, chip, world, python, pages, tests or all
 set -euo pipefail
 cd "$(dirname "$0")/.."
 export CCACHE_DISABLE=1

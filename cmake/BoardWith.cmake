@@ -25,8 +25,8 @@ function(mebots_board_devices board names kinds)
 endfunction()
 
 # mebots_board_has_companion(<variable> <board file>)
-# Returns whether a flight controller on this board gets its set-points by UART. Stops with an error if the board has a UART
-# that the firmware of fmu_soc/firmware/flight cannot use.
+# Sets the variable to true if a flight controller on this board receives its set-points by UART. Stops with an error if
+# the firmware of fmu_soc/firmware/flight cannot use the board's UART.
 function(mebots_board_has_companion result board_file)
   file(READ ${board_file} board)
   mebots_board_devices("${board}" names kinds)
@@ -49,7 +49,7 @@ function(mebots_board_has_companion result board_file)
 endfunction()
 
 # mebots_board_begin(<variable> <board file> <name> <text>)
-# Returns the JSON of a board with another name and text.
+# Returns the JSON of a board with a new name and text.
 function(mebots_board_begin result board_file name text)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${board_file})
   file(READ ${board_file} board)
@@ -60,7 +60,7 @@ function(mebots_board_begin result board_file name text)
 endfunction()
 
 # mebots_board_add(<variable with a board as JSON> <device as JSON>)
-# Adds a device to a board. A device of the same name is replaced.
+# Adds a device to a board. Replaces a device with the same name.
 function(mebots_board_add variable device)
   set(board "${${variable}}")
   string(JSON name GET "${device}" name)
@@ -74,7 +74,7 @@ function(mebots_board_add variable device)
 endfunction()
 
 # mebots_board_with(<file> NAME <name> TEXT <text> BOARD <board file> DEVICES <file of one device>...)
-# Generates a board from another board and additional devices. A device of the same name is replaced.
+# Generates a board from another board and additional devices. Replaces devices with the same names.
 function(mebots_board_with file)
   cmake_parse_arguments(ARG "" "NAME;TEXT;BOARD" "DEVICES" ${ARGN})
   if(ARG_UNPARSED_ARGUMENTS OR NOT ARG_NAME OR NOT ARG_TEXT OR NOT ARG_BOARD OR NOT ARG_DEVICES)

@@ -2,8 +2,8 @@
 include(${CMAKE_CURRENT_LIST_DIR}/BoardWith.cmake)
 
 # mebots_gap8_drone_board(<file>)
-# Generates board gap8_drone: board gap8 with flight link, gauge and mission parameters of board ai_deck, at addresses that are
-# free in GAP8's map. Both files are its source, so that nothing is written twice.
+# Generates board gap8_drone from the files of two boards: board gap8, with flight link, gauge and mission parameters of
+# board ai_deck at addresses that are free in GAP8's map.
 function(mebots_gap8_drone_board file)
   set(boards ${PROJECT_SOURCE_DIR}/configs/boards)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${boards}/ai_deck.json)

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 # Included if a project is built for another platform (MEBOTS_PLATFORM, cmake/MebotsPlatforms.cmake). Compiles the
 # libraries of FMUs from the installed sources, because the installed libraries are for this machine. MEBOTS_HOST_TOOLS
-# is the folder of this machine's programs.
+# is the folder with programs for this machine.
 
-# These libraries consist of headers, which are the same on all platforms. They are linked into a separate folder,
-# because /usr/include also has headers of this machine.
+# These libraries contain only headers, which are the same on all platforms. They are linked into a separate folder,
+# because /usr/include also contains headers for this machine.
 foreach(library "fmt::fmt-header-only;fmt;libfmt-dev" "nlohmann_json::nlohmann_json;nlohmann;nlohmann-json3-dev")
   list(GET library 0 target)
   list(GET library 1 folder)

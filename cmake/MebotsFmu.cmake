@@ -16,12 +16,12 @@
 #   [MODEL <target>]              the model's library of another mebots_add_fmu(), instead of MODEL_SOURCES
 #   [FMI <version>...]            2, 3 or both; default: "fmi" of description.json, else 2
 # )
-# Uses description.json, src/fmu.cpp, LICENSE, model.png and reference/ of the calling folder. reference/ belongs to the FMU whose
-# archive has the name in description.json.
-# Builds ${MEBOTS_FMU_DIR}/<name>.fmu; the default of MEBOTS_FMU_DIR is fmus/ in the build folder. With both versions of FMI, this
-# archive is of FMI 2.0, and <name>_fmi3.fmu of FMI 3.0. The targets are <name>_archive and <name>_fmi3_archive.
-# Works inside this tree and after find_package(mebots). MEBOTS_PLATFORMS and MEBOTS_FMU_SOURCES (MebotsPlatforms.cmake) add binaries of other
-# platforms and the sources.
+# Uses description.json, src/fmu.cpp, LICENSE, model.png and reference/ of the calling folder. Only the FMU whose
+# archive has the name in description.json contains reference/. Builds ${MEBOTS_FMU_DIR}/<name>.fmu; by default,
+# MEBOTS_FMU_DIR is fmus/ in the build folder. With both versions of FMI, this archive is of FMI 2.0, and
+# <name>_fmi3.fmu is of FMI 3.0. The targets are <name>_archive and <name>_fmi3_archive. Can be used in this tree and
+# after find_package(mebots). MEBOTS_PLATFORMS adds binaries for other platforms, MEBOTS_FMU_SOURCES adds the sources
+# (MebotsPlatforms.cmake).
 include(${CMAKE_CURRENT_LIST_DIR}/MebotsPlatforms.cmake)
 include(${CMAKE_CURRENT_LIST_DIR}/MebotsFmuSources.cmake)
 
@@ -209,7 +209,7 @@ function(mebots_add_fmu name)
   endforeach()
 endfunction()
 
-# Returns the versions of FMI to build: the given ones, else those of the description, else 2.
+# Returns the versions of FMI to build: the arguments, else the versions in the description, else 2.
 function(_mebots_fmi_versions result description)
   set(versions ${ARGN})
   if(NOT versions)
@@ -232,7 +232,7 @@ function(_mebots_fmi_versions result description)
   set(${result} "${versions}" PARENT_SCOPE)
 endfunction()
 
-# Adds the shared library of the FMU `name` for one version of FMI. It exports only the functions of that version.
+# Adds the shared library of the FMU `name` for one version of FMI. It exports only the functions of this version.
 function(_mebots_fmu_library target name model identifier version folder)
   add_library(${target} MODULE $<TARGET_OBJECTS:${name}_binding>)
   mebots_target(${target})
@@ -248,13 +248,13 @@ function(_mebots_fmu_library target name model identifier version folder)
   target_link_options(${target} PRIVATE -Wl,--version-script=${version_script} -Wl,--disable-new-dtags)
   set_target_properties(${target} PROPERTIES LINK_DEPENDS ${version_script})
   if(NOT MEBOTS_SANITIZE)
-    # Leaves out unused code, such as the C++ library's functions that change the process: a library that imports none
-    # of them can run several missions of a study in one process.
+    # Omits unused code, such as functions of the C++ library that change the process. A library that imports none of
+    # them can run several missions of a study in one process.
     target_link_options(${target} PRIVATE -static-libstdc++ -static-libgcc -Wl,-z,defs -Wl,--gc-sections)
   endif()
 endfunction()
 
-# Linkers for Windows have no version scripts and take the exported names from a list.
+# Linkers for Windows do not support version scripts. They read a list of the exported names.
 function(_mebots_export_from_dll target version)
   set(list ${CMAKE_CURRENT_BINARY_DIR}/${target}.def)
   set(script ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/list_exports.cmake)

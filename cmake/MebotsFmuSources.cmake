@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# The folder sources/ of an FMU: all that a C++20 compiler needs to build its library. The folder itself is the only include folder.
+# The folder sources/ of an FMU contains all files that a C++20 compiler needs to build its library. The folder itself
+# is the only include folder.
 include(${CMAKE_CURRENT_LIST_DIR}/MebotsMuslSource.cmake)
 set(MEBOTS_MODELDESC ${CMAKE_CURRENT_LIST_DIR}/../modeldesc)
 if(MEBOTS_ROOT AND EXISTS ${MEBOTS_ROOT}/sources/modeldesc)
@@ -7,7 +8,8 @@ if(MEBOTS_ROOT AND EXISTS ${MEBOTS_ROOT}/sources/modeldesc)
 endif()
 
 # _mebots_stage_sources(<identifier> <generated folder> <versions of FMI> <model source>...)
-# Fills <generated folder>/sources<version> with the files that no build changes, and lists the files to compile in sources<version>.txt.
+# Fills <generated folder>/sources<version> with the files that no build changes. Writes a list of the files to compile
+# to sources<version>.txt.
 function(_mebots_stage_sources identifier out_dir versions)
   mebots_musl_source(musl musl_files)
   file(GLOB data_files RELATIVE ${MEBOTS_MODELDESC}/data ${MEBOTS_MODELDESC}/data/*.cpp)
@@ -49,7 +51,8 @@ function(_mebots_stage_sources identifier out_dir versions)
 endfunction()
 
 # _mebots_add_sources(<variable> <fmu> <version> <its folder> <generated folder> <description folder> <model source>...)
-# Adds the rule that puts the project's own and the generated files into the folder. Returns the file that the rule writes.
+# Adds the rule that copies the project's own files and the generated files into the folder. Returns the rule's output
+# file.
 function(_mebots_add_sources variable name version source_dir out_dir description_dir)
   set(folder ${out_dir}/sources${version})
   set(stamp ${folder}.stamp)

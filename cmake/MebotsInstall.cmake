@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# The files that `cmake --install` writes. None contains the path of the installation, so the tree can be moved.
+# The files that `cmake --install` writes. No file contains the path of the installation, so the tree can be moved.
 #
 #   bin/                                  programs
 #   include/mebots/                       public headers: to run systems; in fmu/ to write FMUs; in soc/ to write devices
@@ -14,7 +14,7 @@ include(GNUInstallDirs)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/mebots)
 set(share ${CMAKE_INSTALL_DATADIR}/mebots)
 
-# Programs are exported separately from libraries, because building firmware needs no dependencies of the libraries.
+# Exports programs separately from libraries, because building firmware needs no dependencies of the libraries.
 set(programs mebots mebots-fmu-host mebots-modeldesc)
 set(libraries mebots_master mebots_modeldesc mebots_shell mebots_data mebots_fmt mebots_interface mebots_math)
 if(MEBOTS_CHIP)
@@ -47,8 +47,8 @@ foreach(count IN LISTS MEBOTS_WORLD_DRONES)
   list(APPEND world_fmus fmu_world_${count} fmu_world_${count}_fmi3)
 endforeach()
 
-# The headers to run systems and to write FMUs, and the headers that these include. Each header is installed once, because the
-# compiler would treat a second copy as another file and reject its repeated declarations.
+# Installs the headers for running systems and for writing FMUs, and the headers that they include. Each header is
+# installed once, because the compiler would treat a second copy as another file and reject its repeated declarations.
 install(DIRECTORY master/include/mebots DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 file(GLOB_RECURSE modeldesc_headers RELATIVE ${PROJECT_SOURCE_DIR}/modeldesc/include CONFIGURE_DEPENDS modeldesc/include/*.hpp)
 set(private_headers ${modeldesc_headers})
@@ -160,13 +160,12 @@ if(MEBOTS_CHIP)
   foreach(board gap8_drone ai_deck_uart flight_controller_uart)
     install(FILES ${PROJECT_BINARY_DIR}/boards/${board}.json DESTINATION ${share}/configs/boards)
   endforeach()
-  # mebots_soc_fmu() needs these headers, because it compiles its model with the variables of each board. They are not
-  # public.
+  # Private headers for mebots_soc_fmu(), which compiles its model with the variables of each board.
   install(FILES fmu_soc/description.json fmu_soc/model.png DESTINATION ${share}/fmu_soc)
   install(DIRECTORY fmu_soc/boards DESTINATION ${share}/fmu_soc)
   install(FILES fmu_soc/src/fmu.cpp DESTINATION ${share}/fmu_soc/src)
   install(FILES fmu_soc/src/fmu/model.cpp fmu_soc/src/fmu/variable_fields.cpp DESTINATION ${share}/fmu_soc/src/fmu)
-  # These three headers include headers of the chip, which are determined during the installation.
+  # Installs the headers that these three files include. They are determined during the installation.
   install(CODE "
     set(root \"${PROJECT_SOURCE_DIR}/fmu_soc/src\")
     include(\"${PROJECT_SOURCE_DIR}/cmake/MebotsHeaders.cmake\")
@@ -185,8 +184,7 @@ if(MEBOTS_CHIP)
   endforeach()
 endif()
 
-# The file is not at the top of the build folder, because find_package() would take it there for the package of that
-# folder.
+# The file is not at the top of the build folder, because find_package() would use it as that folder's package.
 set(installed_package ${PROJECT_BINARY_DIR}/generated/package)
 configure_package_config_file(cmake/mebotsConfig.cmake.in ${installed_package}/mebotsConfig.cmake
   INSTALL_DESTINATION ${package_dir} PATH_VARS share CMAKE_INSTALL_BINDIR NO_SET_AND_CHECK_MACRO)
@@ -197,7 +195,7 @@ install(FILES ${installed_package}/mebotsConfig.cmake ${installed_package}/mebot
   cmake/MebotsPlatforms.cmake
   DESTINATION ${package_dir})
 
-# The sources of the libraries of FMUs, for other platforms and for the sources in an FMU.
+# Installs the sources of the libraries of FMUs, for other platforms and for FMUs with sources.
 install(FILES modeldesc/CMakeLists.txt DESTINATION ${share}/sources/modeldesc)
 install(DIRECTORY modeldesc/data modeldesc/include modeldesc/math modeldesc/shell DESTINATION ${share}/sources/modeldesc)
 
@@ -210,7 +208,7 @@ file(COPY_FILE ${installed_package}/mebotsConfigVersion.cmake ${build_package}/m
 include(MebotsManual)
 include(MebotsPackage)
 
-# Programs of the build find the same files next to bin/.
+# Links these files next to bin/, where programs of the build search for them.
 foreach(data configs master/new_folder/templates)
   get_filename_component(name ${data} NAME)
   file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${data} ${PROJECT_BINARY_DIR}/${name} SYMBOLIC)

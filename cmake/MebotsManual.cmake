@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Manual pages and completion for bash, fish and zsh. The programs generate them from their parsers. They are installed where
-# these shells search below a prefix.
+# Installs manual pages, and completion for bash, fish and zsh. The programs generate both from their parsers.
 set(manual_folder ${PROJECT_BINARY_DIR}/manual)
 file(MAKE_DIRECTORY ${manual_folder}/man1 ${manual_folder}/bash ${manual_folder}/fish ${manual_folder}/zsh)
 set(told)

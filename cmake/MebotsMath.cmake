@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-# Adds the target mebots_math: the mathematical functions of musl's C library, copied from Debian's static archive or, for other platforms, compiled
-# from Debian's sources. glibc selects variants of sin(), exp(), pow() ... by the processor (with FMA or without), and their last bits differ. musl
-# has one variant of each, for any x86-64. Functions that are exact in both (sqrt, floor, fmod, remainder ...) are still glibc's.
+# Adds the target mebots_math: the mathematical functions of musl's C library. They are copied from Debian's static
+# archive, or compiled from Debian's sources for other platforms. glibc selects variants of sin(), exp(), pow() and
+# others by the processor (with or without FMA), and their last bits differ. musl has one variant for any x86-64.
+# Functions that are exact in both libraries (sqrt, floor, fmod, remainder and others) are those of glibc.
 
 include(${CMAKE_CURRENT_LIST_DIR}/MebotsMathNames.cmake)
 
@@ -20,8 +21,7 @@ else()
   set(folder ${PROJECT_BINARY_DIR}/musl)
   set(members ${MEBOTS_MATH_FUNCTIONS} ${MEBOTS_MATH_HELPERS})
   list(TRANSFORM members APPEND .lo)
-  # Members of the archive that have not changed keep their time stamps. So a new configuration does not link everything
-  # again.
+  # Keeps the time stamps of members that have not changed, so that a new configuration does not link everything again.
   file(MAKE_DIRECTORY ${folder}/extracted)
   execute_process(COMMAND ${CMAKE_AR} x ${MUSL_ARCHIVE} ${members} WORKING_DIRECTORY ${folder}/extracted COMMAND_ERROR_IS_FATAL ANY)
   foreach(member IN LISTS members)
@@ -33,18 +33,19 @@ else()
   set_source_files_properties(${objects} PROPERTIES EXTERNAL_OBJECT ON)
 endif()
 
-# If the compiler evaluated a call, or replaced it by another function, the bits could differ from the library's.
+# Prevents the compiler from evaluating calls or replacing functions, because the bits could then differ from the
+# library's.
 set(options ${MEBOTS_MATH_FUNCTIONS})
 list(TRANSFORM options PREPEND -fno-builtin-)
 
-# Programs do not export these functions to the libraries that they load: foreign FMUs use their own functions.
+# Programs do not export these functions, so that foreign FMUs use their own.
 add_library(mebots_math STATIC ${objects})
 set_target_properties(mebots_math PROPERTIES LINKER_LANGUAGE CXX EXPORT_NAME math UNITY_BUILD OFF)  # each file of musl has static names
 target_compile_options(mebots_math INTERFACE ${options})
 target_link_options(mebots_math INTERFACE LINKER:--exclude-libs,libmebots_math.a)
 add_library(mebots::math ALIAS mebots_math)
 
-# The licence for the archives into which the library is linked.
+# The licence for archives that contain the library.
 if(CMAKE_CROSSCOMPILING)
   mebots_musl_part(math_part)
   target_compile_options(mebots_math PRIVATE -O2 -ffp-contract=off ${options})

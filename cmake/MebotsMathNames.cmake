@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Files of musl's mathematical functions, without their endings.
+# The files of musl's mathematical functions, without their suffix.
 set(MEBOTS_MATH_FUNCTIONS
   acos acosh asin asinh atan atan2 atanh cbrt cos cosh erf exp exp10 exp2 expm1 hypot lgamma log log10 log1p log2
   pow sin sincos sinh tan tanh tgamma)

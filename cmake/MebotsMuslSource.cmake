@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# The sources of musl's mathematical functions, for platforms without Debian's archive and for the sources in an FMU.
+# The sources of musl's mathematical functions, for platforms without Debian's archive and for FMUs with sources.
 
 set(MEBOTS_MUSL_VERSION 1.2.3)
 set(MEBOTS_MUSL_URL "http://deb.debian.org/debian/pool/main/m/musl/musl_${MEBOTS_MUSL_VERSION}.orig.tar.gz")
@@ -12,7 +12,8 @@ if(MEBOTS_ROOT AND EXISTS ${MEBOTS_ROOT}/sources/modeldesc)
 endif()
 
 # mebots_musl_source(<folder variable> <files variable>)
-# Returns a folder with the functions, their headers and COPYRIGHT, and the names of the files to compile. A changed archive is refused.
+# Returns a folder with the functions, their headers and COPYRIGHT, and the names of the files to compile. Refuses an
+# archive with another hash.
 function(mebots_musl_source folder_variable files_variable)
   set(place ${PROJECT_BINARY_DIR}/musl)
   set(folder ${place}/math)

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-# A Debian package of the installation: `cpack` in the build folder. scripts/package.sh builds the package and tests it in a clean
-# system. dpkg-shlibdeps finds the libraries that the programs need. Building firmware or FMUs with it also needs the compilers.
-# The address ends in .invalid, which is never a real domain (RFC 2606). scripts/release.sh requires the address of the publisher.
+# Builds a Debian package of the installation: run `cpack` in the build folder. scripts/package.sh builds the package
+# and tests it in a clean system. dpkg-shlibdeps finds the libraries that the programs need. Building firmware or FMUs
+# with the package also needs the compilers. The default address ends in .invalid, which is never a real domain (RFC
+# 2606). scripts/release.sh requires the publisher's address.
 set(MEBOTS_MAINTAINER "nobody yet <unset@mebots.invalid>" CACHE STRING "The maintainer that the Debian package names, as NAME <ADDRESS>")
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME mebots)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Third-party software in the build: the source of the licence files and of the bills of materials.
 
-# Debian's packages, as regular expressions, and their licences as SPDX expressions. A package that is not listed gets
-# NOASSERTION. The text of its licence is included in any case.
+# Regular expressions for Debian's packages, and their licences as SPDX expressions. Other packages have the licence
+# NOASSERTION. The text of the licence is always included.
 set(MEBOTS_PACKAGE_LICENSES
   "libstdc\\+\\+-.*-dev|GPL-3.0-or-later WITH GCC-exception-3.1"
   "g\\+\\+-mingw-w64-.*|GPL-3.0-or-later WITH GCC-exception-3.1"
@@ -30,8 +30,8 @@ set(MEBOTS_PACKAGE_LICENSES
   "libseccomp.*|LGPL-2.1-only")
 
 # mebots_part(<variable> linked|bundled|needed <file>)
-# Returns a line for the list of parts (modeldesc/src/pack_fmu.hpp): the Debian package to which <file> belongs. Empty if it
-# belongs to none.
+# Returns a line for the list of parts (modeldesc/src/pack_fmu.hpp): the Debian package that contains <file>. If no
+# package contains it, returns an empty text.
 function(mebots_part variable relation file)
   set(${variable} "" PARENT_SCOPE)
   get_filename_component(real_file ${file} REALPATH)
@@ -72,7 +72,7 @@ function(mebots_part variable relation file)
 endfunction()
 
 # mebots_write_parts(<file> <line>...)
-# Writes the file only if its content has changed, because the archives depend on it.
+# Writes the file only if its content has changed, because archives depend on it.
 function(mebots_write_parts file)
   set(lines ${ARGN})
   list(REMOVE_DUPLICATES lines)
@@ -86,7 +86,7 @@ function(mebots_write_parts file)
 endfunction()
 
 # mebots_license_of(<file> <variable>)
-# Returns the SPDX expression of a licence's text, if it is a known one.
+# Returns the SPDX expression of a licence's text; empty if the text is not known.
 function(mebots_license_of file variable)
   set(${variable} "" PARENT_SCOPE)
   file(READ ${file} text LIMIT 2000)

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-# FMUs with binaries for several platforms. MEBOTS_PLATFORMS lists them, such as "linux64;win64;aarch64-linux". A project is configured once more
-# for each platform other than this machine's, with Debian's cross compiler, and mebots_add_fmu() merges the archives.
+# Builds FMUs with binaries for several platforms. MEBOTS_PLATFORMS lists the platforms, such as
+# "linux64;win64;aarch64-linux". For each platform other than this machine's, the project is configured again with
+# Debian's cross compiler. mebots_add_fmu() merges the archives.
 include(ExternalProject)
 
 set(MEBOTS_PLATFORMS "" CACHE STRING "Platforms of the FMUs: linux64, win64, aarch64-linux; if empty, this machine's alone")
 option(MEBOTS_FMU_SOURCES "Pack the FMUs' sources into the archives, so that the importing tool can compile them" OFF)
 
-# Returns system, processor and target triplet of a platform, the ending of its compilers' names and their Debian package.
+# Returns a platform's system, processor and target triplet, the suffix of its compilers' names, and their Debian
+# package.
 function(_mebots_platform name system processor triplet ending package)
   if(name STREQUAL "linux64")
     set(row Linux x86_64 x86_64-linux-gnu "" g++-x86-64-linux-gnu)
@@ -23,7 +25,7 @@ function(_mebots_platform name system processor triplet ending package)
   endforeach()
 endfunction()
 
-# Returns this machine's platform; empty if it is not one of the table.
+# Returns this machine's platform. If the table lacks it, returns an empty text.
 function(_mebots_own_platform variable)
   set(${variable} "" PARENT_SCOPE)
   if(CMAKE_SYSTEM_NAME STREQUAL "Linux" AND CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
@@ -33,7 +35,7 @@ function(_mebots_own_platform variable)
   endif()
 endfunction()
 
-# Writes the toolchain file of a platform. A missing compiler is an error that names its package.
+# Writes the toolchain file of a platform. If the compiler is missing, stops with an error that names its package.
 function(_mebots_write_toolchain name file)
   _mebots_platform(${name} system processor triplet ending package)
   find_program(_mebots_compiler ${triplet}-g++${ending} NO_CACHE)
@@ -107,7 +109,7 @@ function(_mebots_merge_archives fmu own_archive archive)
   else()
     set(command mebots::mebots fmu-platforms ${archives} --out ${archive})
   endif()
-  # Always runs, because only the builds for the other platforms can determine whether their archives are new.
+  # Always runs, because only the other builds can determine whether their archives are new.
   add_custom_target(${fmu}_archive ALL
     COMMAND ${CMAKE_COMMAND} -E make_directory ${MEBOTS_FMU_DIR}
     COMMAND ${command}

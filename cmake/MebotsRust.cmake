@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 #
-# Rust (no_std) in firmware: finds a compiler with the library `core` for RV32IMC, or builds this library from the compiler's sources.
+# Rust (no_std) in firmware. Finds a compiler with the library `core` for RV32IMC, or builds this library from the
+# compiler's sources.
 
 set(mebots_rust_target riscv32imc-unknown-none-elf)
 
@@ -31,9 +32,9 @@ function(mebots_find_rustc)
 endfunction()
 
 # mebots_rust_library(<variable>)
-# Adds the target mebots_rust_core, and returns the compiler options with which a crate finds `core`. If the compiler
-# has only the sources of `core`, the target builds it (about ten seconds). The crate compiler_builtins is built empty,
-# because libgcc and the firmware's runtime define its functions.
+# Adds the target mebots_rust_core, and returns the compiler options for crates that use `core`. If the compiler has
+# only the sources of `core`, the target builds it (about ten seconds). The crate compiler_builtins is empty, because
+# libgcc and the firmware's runtime define its functions.
 function(mebots_rust_library result)
   mebots_find_rustc()
   if(IS_DIRECTORY ${MEBOTS_RUST_SYSROOT}/lib/rustlib/${mebots_rust_target}/lib)
@@ -55,7 +56,7 @@ function(mebots_rust_library result)
   file(MAKE_DIRECTORY ${libraries})
   file(CONFIGURE OUTPUT ${folder}/compiler_builtins.rs CONTENT
     "#![no_std]\n#![feature(compiler_builtins)]\n#![allow(internal_features)]\n#![compiler_builtins]\n")
-  # The standard libraries use unstable features of their own compiler.
+  # Permits unstable features, which the standard libraries use.
   set(compile ${CMAKE_COMMAND} -E env RUSTC_BOOTSTRAP=1 ${MEBOTS_RUSTC} --target ${mebots_rust_target} --crate-type rlib
       -C panic=abort -C opt-level=3 -Z force-unstable-if-unmarked --cap-lints allow --sysroot ${folder} --out-dir ${libraries})
   add_custom_command(

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 
 # mebots_require_same_fmu(<archive> <archive of this build>)
-# Fails unless <archive> has all files of this build's archive with the same bytes. Then its binaries for other
-# platforms are from the same code. The documentation is not compared.
+# Fails if a file of this build's archive is missing in <archive> or has other bytes there. This ensures that the
+# binaries for other platforms are from the same code. Ignores the documentation.
 function(mebots_require_same_fmu archive own)
   set(folder ${own}.compared)
   file(REMOVE_RECURSE ${folder})

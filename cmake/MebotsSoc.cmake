@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 #
-# Functions for a board: headers, firmware, and the chip's FMU with this board. A folder that calls mebots_soc_board(),
-# mebots_add_firmware() and mebots_soc_fmu() adds a board with its sensors. No other file must be changed.
+# Functions for a board: headers, firmware, and the chip's FMU for this board. To add a board with its sensors, a folder
+# calls mebots_soc_board(), mebots_add_firmware() and mebots_soc_fmu(). No other file must be changed.
 
-# These functions work inside this tree and after find_package(mebots), which sets the folder with the chip's sources,
-# the firmware's runtime and drivers in fmu_soc/, and the boards in configs/boards/.
+# These functions can be used in this tree and after find_package(mebots), which sets MEBOTS_ROOT. This folder contains
+# the chip's sources and the firmware's runtime and drivers in fmu_soc/, and the boards in configs/boards/.
 if(NOT MEBOTS_ROOT)
   get_filename_component(MEBOTS_ROOT ${CMAKE_CURRENT_LIST_DIR}/.. ABSOLUTE)
 endif()
@@ -13,7 +13,7 @@ include(${CMAKE_CURRENT_LIST_DIR}/BoardWith.cmake)
 include(${CMAKE_CURRENT_LIST_DIR}/MebotsRust.cmake)
 
 # mebots_find_riscv_gcc()
-# Sets MEBOTS_RISCV_GCC and MEBOTS_RISCV_LIBGCC in the cache. Stops with an error if there is no such compiler.
+# Sets MEBOTS_RISCV_GCC and MEBOTS_RISCV_LIBGCC in the cache. Stops with an error if the compiler is missing.
 function(mebots_find_riscv_gcc)
   find_program(MEBOTS_RISCV_GCC riscv64-unknown-elf-gcc DOC "Bare-metal RISC-V C compiler for the firmware")
   if(NOT MEBOTS_RISCV_GCC)
@@ -23,8 +23,8 @@ function(mebots_find_riscv_gcc)
   if(MEBOTS_RISCV_LIBGCC)
     return()
   endif()
-  # GCC has no library for rv32imc, so that for rv32im is used. The -march for linking has no _zicsr, because GCC 12
-  # would otherwise not find its 32-bit libraries.
+  # Uses the library for rv32im, because GCC has none for rv32imc. The -march for linking has no _zicsr: GCC 12 would
+  # otherwise not find its 32-bit libraries.
   execute_process(
     COMMAND ${MEBOTS_RISCV_GCC} -march=rv32im -mabi=ilp32 -print-libgcc-file-name
     OUTPUT_VARIABLE libgcc OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
@@ -32,7 +32,7 @@ function(mebots_find_riscv_gcc)
 endfunction()
 
 # mebots_require_picolibc()
-# If the RISC-V compiler has no picolibc, stops with the name of the missing package.
+# Stops with the name of the missing package if the RISC-V compiler has no picolibc.
 function(mebots_require_picolibc)
   execute_process(COMMAND ${MEBOTS_RISCV_GCC} --specs=picolibc.specs -E -x c /dev/null
     OUTPUT_QUIET ERROR_QUIET RESULT_VARIABLE result)
@@ -42,7 +42,7 @@ function(mebots_require_picolibc)
 endfunction()
 
 # mebots_soc_board(<name> <board file>)
-# Adds the target <name>_headers: board.h for the firmware and board.hpp for device models in C++, in generated/<name>.
+# Adds the target <name>_headers: board.h for firmware and board.hpp for device models in C++, both in generated/<name>.
 function(mebots_soc_board name file)
   get_filename_component(file ${file} ABSOLUTE)
   set(out ${PROJECT_BINARY_DIR}/generated/${name})
@@ -59,14 +59,16 @@ endfunction()
 
 # mebots_add_firmware(<name> SOURCES <file>... [DRIVERS <name>...] [DATA <file>...] [BOARD <name of mebots_soc_board>]
 #   [NO_CLUSTER] [C_LIBRARY] [OPTIONS <compiler option>...] [LINKER_SCRIPT <file>])
-# Compiles C, C++ (.cpp: C++20 without exceptions, RTTI and heap) and assembler sources, links them with the runtime of fmu_soc/firmware, and builds
-# ${PROJECT_BINARY_DIR}/firmware/<name>.elf as target <name>_firmware. DRIVERS are names in fmu_soc/firmware/drivers; DATA are files that assembler
-# sources include. The default BOARD is the AI-deck; NO_CLUSTER is for a board without a cluster. C_LIBRARY links picolibc (Debian's
-# picolibc-riscv64-unknown-elf): printf(), malloc(), <math.h> on the fabric controller (fmu_soc/firmware/runtime/c_library.c). On a board with GAP8's
-# own event unit, files of fmu_soc/firmware/gap8 replace those of the same names. OPTIONS follow the standard ones, so that -Os or -O3 overrides -O2.
-# LINKER_SCRIPT replaces that of the runtime (firmware/runtime/link.ld.in), and must define the same symbols; the C preprocessor inserts the board's
-# memory map. If the board's `isa` begins with rv32imafc, the program uses the core's floats (-mabi=ilp32f). A .rs file is the root of a crate in
-# Rust 2021 without its standard library (MebotsRust.cmake); OPTIONS do not apply to it.
+# Compiles C, C++ (.cpp: C++20 without exceptions, RTTI and heap) and assembler sources, and links them with the runtime
+# of fmu_soc/firmware. Builds ${PROJECT_BINARY_DIR}/firmware/<name>.elf as target <name>_firmware. DRIVERS are names in
+# fmu_soc/firmware/drivers. DATA are files that assembler sources include. The default BOARD is the AI-deck. NO_CLUSTER
+# is for a board without a cluster. C_LIBRARY links picolibc (Debian's picolibc-riscv64-unknown-elf): printf(),
+# malloc(), <math.h> on the fabric controller (fmu_soc/firmware/runtime/c_library.c). On a board with GAP8's own event
+# unit, files of fmu_soc/firmware/gap8 replace files with the same names. OPTIONS follow the standard options, so that
+# -Os or -O3 overrides -O2. LINKER_SCRIPT replaces the runtime's script (firmware/runtime/link.ld.in), and must define
+# the same symbols; the C preprocessor inserts the board's memory map. If the board's `isa` begins with rv32imafc, the
+# program uses the core's floats (-mabi=ilp32f). A .rs file is the root of a crate in Rust 2021 without its standard
+# library (MebotsRust.cmake); OPTIONS do not apply to it.
 function(mebots_add_firmware name)
   cmake_parse_arguments(ARG "NO_CLUSTER;C_LIBRARY" "BOARD;LINKER_SCRIPT" "SOURCES;DRIVERS;DATA;OPTIONS" ${ARGN})
   mebots_find_riscv_gcc()
@@ -81,14 +83,14 @@ function(mebots_add_firmware name)
   endif()
   get_target_property(board_dir ${ARG_BOARD}_headers MEBOTS_BOARD_DIR)
   get_target_property(board_file ${ARG_BOARD}_headers MEBOTS_BOARD_FILE)
-  # On a board with GAP8's own devices, files of firmware/gap8 replace those of the same names.
+  # On a board with GAP8's own devices, files of firmware/gap8 replace files with the same names.
   set(overlay)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${board_file})
   file(READ ${board_file} board_text)
   if(board_text MATCHES "\"kind\"[ \t\r\n]*:[ \t\r\n]*\"gap8_event_unit\"")
     set(overlay ${firmware_dir}/gap8)
   endif()
-  # If the board's core has floating-point registers, programs use floating-point instructions, and pass floats in these
+  # If the board's core has floating-point registers, uses floating-point instructions, and passes floats in these
   # registers.
   set(isa rv32imc)
   set(abi ilp32)
@@ -124,7 +126,8 @@ function(mebots_add_firmware name)
     get_filename_component(script_source ${ARG_LINKER_SCRIPT} ABSOLUTE)
   endif()
 
-  # This order determines that of the code in memory, and therefore the number of refills of the instruction cache.
+  # The order of the sources determines the order of the code in memory, and therefore the number of instruction cache
+  # refills.
   set(sources crt0.S console.c exit.c memory.c sleep.c trap.c)
   if(ARG_C_LIBRARY)
     list(APPEND sources c_library.c)
@@ -138,7 +141,8 @@ function(mebots_add_firmware name)
       list(APPEND sources dma.c)
     endif()
   endif()
-  # Only programs with C++ call constructors before main(), so that the code of other programs, and its cycles, do not change.
+  # Calls constructors before main() only in programs with C++, so that the code and the cycles of other programs do not
+  # change.
   if(ARG_SOURCES MATCHES "\\.cpp(;|$)")
     list(APPEND sources cxx.cpp)
     list(APPEND options -DWITH_CONSTRUCTORS)
@@ -170,7 +174,7 @@ function(mebots_add_firmware name)
   set(objects)
   set(crates)
   foreach(source IN LISTS sources)
-    # Objects are named by their path in the project, or in MEbots, so that names are unique.
+    # Derives unique names of objects from the sources' paths in the project, or in MEbots.
     file(RELATIVE_PATH shown ${PROJECT_SOURCE_DIR} ${source})
     if(shown MATCHES "^\\.\\./")
       file(RELATIVE_PATH shown ${root} ${source})
@@ -236,8 +240,9 @@ function(mebots_add_firmware name)
 endfunction()
 
 # mebots_add_flight_controller(<name> SOURCES <file>... [BOARD <name of mebots_soc_board>] [OPTIONS <compiler option>...])
-# Builds a flight controller as firmware <name>: SOURCES define the controller (fmu_soc/firmware/flight/controller.h); sensors, estimator, set-points
-# and loop are those of fmu_soc/firmware/flight. The default BOARD is configs/boards/flight_controller.json.
+# Builds a flight controller as firmware <name>. SOURCES define the controller (fmu_soc/firmware/flight/controller.h).
+# Sensors, estimator, set-points and loop are those of fmu_soc/firmware/flight. The default BOARD is
+# configs/boards/flight_controller.json.
 function(mebots_add_flight_controller name)
   cmake_parse_arguments(ARG "" "BOARD" "SOURCES;OPTIONS" ${ARGN})
   get_property(root GLOBAL PROPERTY MEBOTS_ROOT)
@@ -263,7 +268,7 @@ endfunction()
 
 # mebots_device_library(<name> SOURCES <file>...)
 # Builds a library of device kinds in C++ (mebots/soc/device_kind.hpp) as target <name>_devices:
-# ${PROJECT_BINARY_DIR}/devices/<name>.so, which a board names under "libraries".
+# ${PROJECT_BINARY_DIR}/devices/<name>.so. A board lists this file under "libraries".
 function(mebots_device_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES" ${ARGN})
   add_library(${name}_devices MODULE ${ARG_SOURCES})
@@ -274,7 +279,7 @@ function(mebots_device_library name)
   if(TARGET soc_files)
     target_include_directories(${name}_devices PRIVATE $<TARGET_PROPERTY:soc_files,INTERFACE_INCLUDE_DIRECTORIES>)
   endif()
-  # The library contains its own copy of the C++ library, like an FMU, so that it runs on the same machines.
+  # Includes a copy of the C++ library, as in an FMU, so that the library runs on the same machines as an FMU.
   if(NOT MEBOTS_SANITIZE)
     target_link_options(${name}_devices PRIVATE -static-libstdc++ -static-libgcc -Wl,-z,defs)
   endif()
@@ -282,10 +287,10 @@ endfunction()
 
 # mebots_soc_fmu(<name> BOARD <board file> [FIRMWARE <name of mebots_add_firmware>...] [DEVICES <name of mebots_device_library>...]
 #   [FMI <version>...])
-# Builds a chip FMU with another board and other firmware as target <name>_archive: ${MEBOTS_FMU_DIR}/<name>.fmu. The first
-# firmware runs, unless the parameter `firmware` names another one. Without FIRMWARE, that parameter must be the path of a
-# program. Its variables are those of fmu_soc/description.json and of the board's devices. DEVICES are the libraries that the
-# board names; the archive contains them. FMI is as in mebots_add_fmu(); default: 2.
+# Builds the chip's FMU with another board and other firmware as target <name>_archive: ${MEBOTS_FMU_DIR}/<name>.fmu.
+# The parameter `firmware` selects the program; the default is the first FIRMWARE. Without FIRMWARE, this parameter must
+# be the path of a program. The FMU's variables are those of fmu_soc/description.json and of the board's devices. The
+# archive contains the libraries DEVICES, which the board lists. FMI is as in mebots_add_fmu(); the default is 2.
 function(mebots_soc_fmu name)
   cmake_parse_arguments(ARG "" "BOARD" "FIRMWARE;DEVICES;FMI" ${ARGN})
   if(NOT ARG_FMI)
@@ -330,7 +335,7 @@ endfunction()
 
 # mebots_run_firmware(<target> FIRMWARE <name of mebots_add_firmware> [DEVICES <name of mebots_device_library>...]
 #   [OPTIONS <option of mebots-soc run>...])
-# `cmake --build <folder> --target <target>` runs the firmware on its board, outside any FMU; DEVICES as for
+# `cmake --build <folder> --target <target>` runs the firmware on its board without an FMU. DEVICES is as in
 # mebots_soc_fmu().
 function(mebots_run_firmware target)
   cmake_parse_arguments(ARG "" "FIRMWARE" "DEVICES;OPTIONS" ${ARGN})
@@ -348,7 +353,8 @@ function(mebots_run_firmware target)
 endfunction()
 
 # mebots_run_mission(<target> CONFIG <file> [FMUS <name of mebots_add_fmu or mebots_soc_fmu>...] [OPTIONS <option of mebots run>...])
-# `cmake --build <folder> --target <target>` runs a config, which names this project's FMUs without path.
+# `cmake --build <folder> --target <target>` runs a config. The config contains the names of this project's FMUs without
+# a path.
 function(mebots_run_mission target)
   cmake_parse_arguments(ARG "" "CONFIG" "FMUS;OPTIONS" ${ARGN})
   get_filename_component(config ${ARG_CONFIG} ABSOLUTE)

@@ -2,7 +2,7 @@
 
 # mebots_target(<target>)
 # Sets the compiler options of our own code: warnings, hidden symbols, equal floating-point results on all machines,
-# assertions, sanitizers, hardening in releases, and options that keep paths of this machine out of the output.
+# assertions, sanitizers, and hardening in releases. Also keeps paths of this machine out of the output.
 function(mebots_target target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_link_libraries(${target} PRIVATE mebots::math)
@@ -46,7 +46,7 @@ function(mebots_test name)
   target_link_libraries(${name} PRIVATE ${ARG_LIBRARIES} mebots_test_support GTest::gmock GTest::gtest_main)
   target_compile_definitions(${name} PRIVATE MEBOTS_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                              MEBOTS_BINARY_DIR="${PROJECT_BINARY_DIR}")
-  # Tests compile faster at -O1. The libraries under test keep their optimisation.
+  # Compiles tests at -O1, which is faster. The libraries under test keep their optimisation.
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   set(longest_s 300)
   if(MEBOTS_SANITIZE)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Toolchain of scripts/arm64.sh: Debian's cross compiler for 64-bit ARM, with the libraries below CMAKE_SYSROOT and
-# qemu-user for the programs that the build itself runs.
+# Toolchain of scripts/arm64.sh: Debian's cross compiler for 64-bit ARM. CMAKE_SYSROOT contains the libraries. qemu-user
+# runs programs during the build.
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)
 set(CMAKE_C_COMPILER aarch64-linux-gnu-gcc)

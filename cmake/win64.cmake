@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Toolchain of scripts/platforms.sh: Debian's MinGW-w64 with POSIX threads for 64-bit Windows, with the libraries below
+# Toolchain of scripts/platforms.sh: Debian's MinGW-w64 with POSIX threads for 64-bit Windows. The libraries are in
 # build/win64-sysroot (scripts/win64_sysroot.sh).
 set(CMAKE_SYSTEM_NAME Windows)
 set(CMAKE_SYSTEM_PROCESSOR x86_64)

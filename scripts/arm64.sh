@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds MEbots for 64-bit ARM with Debian's cross compiler, runs a mission with it under qemu-user and compares the results with those of a build for
-# this machine: the bits must be equal (docs/concepts/determinism.md#64-bit-arm). On ARM, the chip is interpreted, because its translation to host
-# code exists only for x86-64. Needs crossbuild-essential-arm64, qemu-user-static and mmdebstrap, and scripts/setup.sh once before.
+# Builds MEbots for 64-bit ARM with Debian's cross compiler, and runs a mission with it under qemu-user. The results
+# must have the same bits as the results of a build for this machine (docs/concepts/determinism.md#64-bit-arm). On ARM,
+# the chip is interpreted, because its translation to host code exists only for x86-64. Needs
+# crossbuild-essential-arm64, qemu-user-static and mmdebstrap. Run scripts/setup.sh once before.
 #
 #   scripts/arm64.sh [BUILD_FOLDER [ARGUMENT...]]    the build for this machine (build/release); arguments of `mebots run`
 set -euo pipefail
@@ -25,8 +26,8 @@ cmake --preset release -B build/arm64 "-DCMAKE_TOOLCHAIN_FILE=$PWD/cmake/arm64.c
   -DMEBOTS_SOC_TRANSLATE=OFF -DMEBOTS_EXAMPLES=OFF -DMEBOTS_PYTHON=OFF -DMEBOTS_PAGES=OFF
 cmake --build build/arm64
 
-# A fused multiply-add gives other bits than a multiplication and an addition, which x86-64 uses. So the binaries must
-# not contain one.
+# Checks that the binaries contain no fused multiply-add. It gives other bits than a multiplication and an addition,
+# which x86-64 uses.
 mapfile -t binaries < <(find build/arm64/fmu_binaries -name "*.so")
 ((${#binaries[@]} > 0)) || { echo "arm64.sh: build/arm64/fmu_binaries has no *.so to check for fused products and sums" >&2; exit 1; }
 for binary in "${binaries[@]}" "$sysroot/usr/lib/aarch64-linux-gnu/libccd.so.2.0"; do

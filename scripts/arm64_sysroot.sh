@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Puts Debian's libraries for 64-bit ARM into build/arm64-sysroot, for scripts/arm64.sh. Rebuilds ODE, libccd and libpng from Debian's sources:
-# Debian's own builds fuse a product and a sum into one operation with one rounding, as compilers for ARM do by default. So their last bits
-# differ from those of x86-64. ARKODE is not rebuilt: it is C99, for which compilers do not fuse. Fetches musl's sources, which
-# cmake/MebotsMath.cmake compiles.
+# Installs Debian's libraries for 64-bit ARM in build/arm64-sysroot, for scripts/arm64.sh. Rebuilds ODE, libccd and
+# libpng from Debian's sources. Debian's own builds fuse a product and a sum into one operation with one rounding, so
+# their last bits differ from x86-64. ARKODE is not rebuilt: it is C99, for which compilers do not fuse. Also fetches
+# musl's sources, which cmake/MebotsMath.cmake compiles.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/debian_sources.sh
@@ -12,15 +12,15 @@ mirror=${DEBIAN_MIRROR:-http://deb.debian.org/debian}
 target=aarch64-linux-gnu
 libraries=$sysroot/usr/lib/$target
 
-# Lists the libraries of scripts/setup.sh for that processor, except those for tests and translation.
+# Lists the libraries of scripts/setup.sh, except those for tests and translation.
 packages=$(sed -n '/^packages=(/,/^)/p' scripts/setup.sh | sed 's/#.*//' | grep -oE '\b[a-z0-9.+-]+-dev\b' |
   grep -vE '^(libxbyak|libgtest|libgmock|libbenchmark|libclang-rt-[0-9]+|python3|pybind11)-dev$' | paste -sd,)
 place=$PWD/build/arm64-sources
 plain="-O2 -fPIC -ffp-contract=off"
 begin_sysroot "$sysroot" "$place" "$packages $(cat scripts/arm64_sysroot.sh scripts/debian_sources.sh cmake/arm64.cmake | sha256sum)"
 
-# Uses an empty folder, as mmdebstrap requires. The folder for the libraries is not empty, because it contains
-# the marks of finished steps.
+# Unpacks into an empty folder, as mmdebstrap requires. The sysroot is not empty, because it contains marks of finished
+# steps.
 unpack_packages() {
   rm -rf "$place/root"
   mmdebstrap --quiet --variant=extract --architectures=arm64 "--include=libc6-dev,libstdc++-12-dev,$packages" bookworm "$place/root" "$mirror"

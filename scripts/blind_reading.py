@@ -5,12 +5,12 @@
 Usage: scripts/blind_reading.py [--seed N] [--commit COMMIT] [--texts] [--code [LINES]] [--tree PATH [PATHSPEC...]]
 
 Prints 40 comments, 20 messages, 10 help texts and the names of 5 pages. Equal seed and commit give equal texts. A reader lists
-every sentence that was not clear at the first reading. With --texts the pages are printed too. The headings contain the number of
+every sentence that was not clear at the first reading. With --texts, also prints the pages. The headings contain the number of
 sentences: texts of at least three words between full stops. A heading or a cell of a table counts as a text, also if it is a
 fragment. Code, comments of HTML and targets of links do not count.
 
-With --code each comment is followed by the next lines of code (default: 3), for a docstring by its definition. With --tree only
-comments are drawn, from the git checkout of any project; git pathspecs exclude its third-party files.
+With --code, each comment is followed by the next lines of code (default: 3); a docstring is followed by its definition. With
+--tree, only comments are drawn, from the git checkout of any project; git pathspecs exclude its third-party files.
 """
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ import prose_lint
 COUNTS = {"comments": 40, "messages": 20, "help texts": 10, "pages": 5}
 MESSAGES = {"error", "warning", "log", "output", "text"}
 HELP = {"help", "variable", "schema"}
-# Excludes lists of changes and generated reports, which are not read as a page.
+# Excludes lists of changes and generated reports.
 NOT_PAGES = {"CHANGELOG.md", "examples/paper/REPORT.md", "docs/blind-reading.md"}
 # Excludes licences and instructions to tools.
 NO_PROSE = re.compile(r"SPDX|Mozilla[\s*]+Public[\s*]+License|Copyright \(c\)|clang-format o|NOLINT")
-# In these languages a line that starts with # is for the preprocessor, or a private member.
+# In these languages, a line that starts with # is a preprocessor directive or a private member.
 NO_HASH_COMMENTS = {".hpp", ".h", ".cpp", ".c", ".ts", ".mjs"}
 BLOCK = re.compile(r"^[ \t]*/\*+(.*?)\*/", re.MULTILINE | re.DOTALL)
 
@@ -81,8 +81,7 @@ def block_comments(source: str) -> Iterator[Comment]:
 
 
 def comments(commit: str | None, paths: list[str], code_lines: int) -> Iterator[Draw]:
-    """Yields comments of whole lines and docstrings, each up to its end, and the first ``code_lines`` lines of the code
-    after it."""
+    """Yields comments of whole lines and docstrings, each with the first ``code_lines`` lines of the code after it."""
     for path in list_messages.names(commit, paths):
         suffix = pathlib.Path(path).suffix
         if suffix not in prose_lint.SOURCES:

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Tests the chip's instruction set with suites by others, from checkouts in one folder: riscv-tests, riscv-arch-test with Spike's results, Embench-IoT
-# and CoreMark with Spike's count of instructions. Prints a page (docs/conformance.md). The exit code is 1 if a difference has no known cause, and 2
-# if something is missing. Takes about two minutes on two cores.
+# Tests the chip's instruction set with suites from checkouts in FOLDER: riscv-tests, riscv-arch-test with Spike's
+# results, Embench-IoT, and CoreMark with Spike's count of instructions. Prints a page (docs/conformance.md). The exit
+# code is 1 if a difference has no known cause, and 2 if a suite or program is missing. Takes about two minutes on two
+# cores.
 #
 #   scripts/setup.sh bench                      Spike, once
 #   git clone --recursive https://github.com/riscv-software-src/riscv-tests FOLDER/riscv-tests

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-# For scripts that build Debian's libraries for other platforms. Each step is done once, so that an interrupted script continues where it was.
+# For scripts that build Debian's libraries for other platforms. Each step runs once, so an interrupted script continues
+# where it stopped.
 
 # begin_sysroot SYSROOT SOURCES WANTED
-# Creates the folders for the libraries and for their sources. Deletes what an earlier run left if WANTED, which describes the build, has changed.
+# Creates the folders for libraries and sources. WANTED describes the build: if it has changed, deletes the files of
+# earlier runs.
 begin_sysroot() {
   steps=$1/.steps
   log=$2/build.txt
@@ -16,7 +18,8 @@ begin_sysroot() {
 }
 
 # step NAME COMMAND...
-# Executes COMMAND, with its output in the log, unless it has succeeded before. Prints the time that it took.
+# Executes COMMAND with its output in the log, and prints the time that it took. If COMMAND has succeeded before, does
+# nothing.
 step() {
   local name=$1
   shift
@@ -28,7 +31,7 @@ step() {
 }
 
 # debian_sources FOLDER PACKAGE...
-# Fetches the packages' sources with Debian's patches into FOLDER, with a separate configuration of apt.
+# Fetches the packages' sources with Debian's patches into FOLDER. Uses a separate configuration of apt.
 debian_sources() {
   local place=$1 mirror=${DEBIAN_MIRROR:-http://deb.debian.org/debian}
   shift

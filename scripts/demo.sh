@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Installs what is needed, builds MEbots and runs the easy gate mission; its page and pictures are in results/gate_easy.
+# Installs the dependencies, builds MEbots and runs the easy gate mission. Its page and pictures are in
+# results/gate_easy.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds the site into build/docs/html: Sphinx over docs/ and the READMEs, Doxygen for C++, and a notebook that runs a mission. A warning or a broken
-# link ends the script with exit code 1. The script installs what only the site needs: Debian's doxygen, and Sphinx into a separate virtual
-# environment.
+# Builds the site in build/docs/html: Sphinx for docs/ and the READMEs, Doxygen for C++, and a notebook that runs a
+# mission. The exit code is 1 after a warning or a broken link. Installs the tools that only the site needs: Debian's
+# doxygen, and Sphinx in a separate virtual environment.
 #
 #   scripts/docs.sh [BUILD]    BUILD: a build with the programs and FMUs that the pages describe; default build/release, built if necessary
 set -euo pipefail
@@ -33,7 +33,7 @@ mkdir -p build/docs
 doxygen docs/site/Doxyfile
 sed -i '/<derivedcompoundref/d' build/docs/doxygen/xml/*.xml  # breathe refers to labels that it does not create; bases are shown
 
-# The notebook uses the programs and the Python package of the same build.
+# The notebook uses programs and Python package of this build.
 export MEBOTS_DOCS_BUILD=$PWD/$build MEBOTS_DOCS_XML=$PWD/build/docs/doxygen/xml
 export PATH=$MEBOTS_DOCS_BUILD/bin:$PATH PYTHONPATH=$MEBOTS_DOCS_BUILD/python
 "$environment/bin/python" -m sphinx -b html -E -n -W --keep-going -j 2 -q -c docs/site -d build/docs/doctrees . build/docs/html

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Defines the style of all figures: one palette, thin axes, units in square brackets.
 
-The palette is Okabe and Ito's, as on the page of a run (web/src/theme.ts): people with any kind of colour vision can
-distinguish its colours. Success is blue and failure vermilion; they are never drawn over each other.
+The palette is Okabe and Ito's, as on the page of a run (web/src/theme.ts): people with any kind of colour vision can distinguish
+its colours. Success is blue, failure is vermilion.
 """
 
 import matplotlib
@@ -26,7 +26,7 @@ plt.rcParams.update({
 
 
 def label_line(axes, text, colour, at=-1, line=None, offset=(5, 0), **more):
-    """Writes a curve's name next to the curve in its colour, in place of a legend. `at` is the index of the point."""
+    """Writes the name of a curve next to the curve, in place of a legend. `at` is the index of the point."""
     line = line or axes.lines[-1]
     x, y = line.get_xdata()[at], line.get_ydata()[at]
     axes.annotate(text, (x, y), xytext=offset, textcoords="offset points", color=colour, va="center", fontsize=9,

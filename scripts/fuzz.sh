@@ -1,18 +1,18 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Fuzzes one reader of files with libFuzzer, address and undefined-behaviour sanitizers (clang 14), on one core.
+# Fuzzes a reader of files with libFuzzer on one core, with sanitizers for addresses and undefined behaviour (clang 14).
 # Usage: scripts/fuzz.sh NAME [EXECUTIONS] [OPTION...]
 #   NAME        a mebots_fuzz() of tests/fuzz/CMakeLists.txt (elf, board, gdb, archive, config, ssp, ssp_folder, osp, scenario,
 #               checkpoint, model_description, fmi3, description, state, cell, rotor, scene,
 #               network)
 #   OPTION      of libFuzzer, after those of this script: -max_len=16384, -max_total_time=3600 ...
-# Starts from the stored inputs (scripts/fuzz_corpora.sh), and collects inputs in build/fuzz/corpus/NAME. Prints statistics, and adds them to
-# build/fuzz/NAME.runs. An input that shows an error is left in build/fuzz/found/NAME. Correct the code, then keep the input by
-# scripts/fuzz_corpora.sh add NAME FILE; ctest replays it.
+# Starts from the stored inputs (scripts/fuzz_corpora.sh), and collects inputs in build/fuzz/corpus/NAME. Prints
+# statistics, and appends them to build/fuzz/NAME.runs. Stores an input that shows an error in build/fuzz/found/NAME.
+# Correct the code, then keep the input with scripts/fuzz_corpora.sh add NAME FILE, so that ctest replays it.
 #
-# These options follow from a profile. Most of the time goes into libFuzzer's own bookkeeping, which grows with the features that an input shows
-# (-entropic=0, inputs of at most 2 KiB). The rest goes into the sanitizer's stacks of every allocation (malloc_context_size=1; repeat a finding with
-# the sanitizer's default to see where its memory came from).
+# The options result from a profile. libFuzzer's own bookkeeping takes most of the time, and grows with the features of
+# inputs (therefore -entropic=0 and inputs of at most 2 KiB). The rest is the sanitizer's stack for each allocation
+# (therefore malloc_context_size=1; repeat a finding with the default to see where its memory was allocated).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 name=${1:?usage: scripts/fuzz.sh NAME [EXECUTIONS] [OPTION...]}
@@ -33,10 +33,9 @@ case $name in
   checkpoint) longest=4096 ;; # large enough for the state of a run
   gdb) longest=512 ;;         # enough, because packets are short
 esac
-# Deletes longer inputs, because libFuzzer would truncate them, and truncated JSON or XML is rarely useful.
-# ctest replays them complete.
+# Deletes longer inputs, because libFuzzer would truncate them. ctest replays them completely.
 find "$build/kept/$name" -type f -size +"$longest"c -delete
-# If /dev/shm exists, the readers unpack archives into memory instead of onto a disk.
+# If /dev/shm exists, unpacks archives into memory.
 if [[ -d /dev/shm ]]; then export TMPDIR=/dev/shm; fi
 export ASAN_OPTIONS=detect_leaks=1:quarantine_size_mb=1:malloc_context_size=1
 result=0

@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Manages the inputs with which a fuzz target is replayed. They are one archive, tests/fuzz/corpus/NAME.tar.xz.
+# Manages the stored inputs of a fuzz target. They are in the archive tests/fuzz/corpus/NAME.tar.xz, and ctest replays
+# them.
 #   scripts/fuzz_corpora.sh list NAME              lists its content
 #   scripts/fuzz_corpora.sh unpack NAME FOLDER
 #   scripts/fuzz_corpora.sh add NAME FILE...       adds inputs, by their file names
-# Equal inputs give equal bytes of the archive: order, times and owners are fixed.
+# Equal inputs give equal archives: order, times and owners are fixed.
 set -euo pipefail
 usage="usage: scripts/fuzz_corpora.sh list|unpack|add NAME [FOLDER|FILE...]"
 command=${1:?$usage} name=${2:?$usage}

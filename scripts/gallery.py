@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Answers the questions of the site's front page (docs/index.md) with their own commands, and draws their pictures.
+"""Answers the questions of the site's front page (docs/index.md) with the commands on the page, and draws the pictures.
 
     scripts/gallery.py BUILD [--results DIR] [--check | --short]
 
-BUILD is a build folder with the programs and FMUs. The commands run in a scratch folder, or in DIR, which then keeps the results and is
-reused. ``--check`` draws nothing: it compares what the commands print with what the page states. ``--short`` does the same with one flight of
-each design: the best design must be the page's, and all values must be near the page's.
+BUILD is a build folder with the programs and FMUs. The commands run in a temporary folder, or in DIR, which keeps the results for
+the next call. ``--check`` draws nothing: it compares the output of the commands with the page. ``--short`` does the same with one
+flight per design: the best design must be the page's, and all values must be close to the page's.
 """
 
 import argparse
@@ -29,8 +29,7 @@ PYTHON = ROOT / ".venv/bin/python"
 
 @dataclasses.dataclass(frozen=True)
 class Question:
-    """Describes a section of the page: its heading, one command, the lines of the command's output that are the answer,
-    and a picture."""
+    """A section of the page: its heading, one command, the lines of the command's output that are the answer, and a picture."""
 
     title: str
     command: str
@@ -45,7 +44,7 @@ class Question:
 
 
 def read_questions(page=PAGE):
-    """Returns the questions below the heading "Five questions". Raises ValueError for a section that lacks a part."""
+    """Returns the questions below the heading "Five questions". Raises ValueError if a section lacks a part."""
     chapter = page.read_text(encoding="utf-8").split("\n## Five questions\n")[1].split("\n## ")[0]
     questions = []
     for section in chapter.split("\n### ")[1:]:
@@ -60,8 +59,7 @@ def read_questions(page=PAGE):
 
 
 def ask(question, build, folder):
-    """Runs the command of a question in a folder, as a user would type it in a checkout. Returns the output of the
-    command."""
+    """Runs the command of a question in a folder, as a user runs it in a checkout. Returns its output."""
     if not (folder / "configs").exists():
         (folder / "configs").symlink_to(ROOT / "configs")
     environment = os.environ | {
@@ -73,8 +71,7 @@ def ask(question, build, folder):
 
 
 def missing_lines(question, output):
-    """Returns the lines of the page's answer that the output does not contain in the same order. "..." stands for any
-    lines."""
+    """Returns the lines of the page's answer that the output lacks, or has in another order. "..." means any lines."""
     lines = [line.rstrip() for line in output.splitlines()]
     missing, at = [], 0
     for wanted in question.answer:
@@ -98,8 +95,8 @@ def shorten_studies(folder):
 
 
 def stated_values(lines):
-    """Reads headlines and rows of tables. Returns {key: (value, low, high)}, where the key contains the objective or
-    column and the design, and the set of best designs."""
+    """Reads headlines and rows of tables. Returns {key: (value, low, high)} and the set of best designs. A key contains the
+    objective or column and the design."""
     texts, best = {}, []
     for line in lines:
         if headline := re.match(r"(?:Lowest|Highest) (\S+) .*: (.+), (-?\d+(?:\.\d+)?(?: \w+)?(?: \([^)]*\))?)\. ", line):
@@ -117,7 +114,7 @@ def stated_values(lines):
 
 
 def far_values(question, output):
-    """Returns what the output of a shortened study contradicts in the page's answer. A value must be within the page's interval,
+    """Returns the values of a shortened study that contradict the page's answer. A value must be within the page's interval,
     widened on each side by the interval's width and 0.1 % of the value.
     """
     (page, page_best), (values, best) = stated_values(question.answer), stated_values(output.splitlines())
@@ -137,8 +134,8 @@ def table(folder, name):
 
 
 def columns(folder, factor, objective, scale=1.0):
-    """Returns the designs' values of a factor, and mean, lower and upper end of an objective. If a design has no
-    interval, both ends are its mean."""
+    """Returns the designs' values of a factor, and the mean and both ends of the interval of an objective. If a design has no
+    interval, both ends are the mean."""
     names, means, ends = [], [], ([], [])
     for row in table(folder, "designs.csv"):
         mean = float(row[f"{objective}: mean"])
@@ -150,7 +147,7 @@ def columns(folder, factor, objective, scale=1.0):
 
 
 def draw_bars(axis, names, values, label, colour, digits):
-    """Draws horizontal bars in the order of the study, the first one at the top, each with its value."""
+    """Draws horizontal bars with their values, in the order of the study from top to bottom."""
     axis.barh(names[::-1], values[::-1], color=colour, height=0.62)
     for place, value in enumerate(values[::-1]):
         axis.annotate(f"{value:.{digits}f}", (value, place), xytext=(4, 0), textcoords="offset points", va="center", fontsize=9)

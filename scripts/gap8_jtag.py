@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Acts as the host at GAP8's JTAG for the programs of gap_sdk's utils/openocd_tools, which run unmodified on board
-gap8.
+"""Acts as the host at GAP8's JTAG for programs of gap_sdk's utils/openocd_tools. These programs run unmodified on board gap8.
 
     gap8_jtag.py flash MEBOTS_SOC FLASHER [--bytes N]    N pseudo-random bytes from the second sector on, at most 262144;
                                                          tests/conformance/gap8/read_flash.S, which is loaded into the
@@ -9,7 +8,7 @@ gap8.
     gap8_jtag.py dump MEBOTS_SOC DUMPER IMAGE            the flash contains IMAGE: its first two sectors are dumped
     gap8_jtag.py fuse MEBOTS_SOC FUSER                   bits of two fuses are programmed, and all 1024 read
 
-Memory is read and written by mebots-soc's gdb server. gap_flasher.c, gap_dumper.c and tcl/fuser.tcl of gap_sdk define the words
+Uses mebots-soc's gdb server to read and write memory. gap_flasher.c, gap_dumper.c and tcl/fuser.tcl of gap_sdk define the words
 of the bridges. `flash` needs riscv64-unknown-elf-gcc.
 """
 import argparse
@@ -38,7 +37,7 @@ LONGEST_WAIT_S = 120
 
 
 class Chip:
-    """Controls a program in mebots-soc. The program is stopped except during run()."""
+    """A program in mebots-soc. The program is stopped except during run()."""
 
     def __init__(self, soc, program, *options):
         self.said = tempfile.TemporaryFile("a+")  # a file, because a full pipe without a reader would stop the program
@@ -124,7 +123,7 @@ class Chip:
             slice_s = min(2 * slice_s, SLICES_S[1])
 
     def load(self, program):
-        """Loads the program as a host does: bytes of the segments, and the pc at the entry."""
+        """Loads a program as a host does: writes the segments and sets the pc to the entry."""
         data = program.read_bytes()
         entry, headers = struct.unpack_from("<II", data, 24)
         size, count = struct.unpack_from("<HH", data, 42)
@@ -149,8 +148,8 @@ def bridge_at(chip, pointer, ready):
 
 
 def sector_bridge(chip):
-    """Returns the addresses of the bridge of flasher or dumper and of its buffer. Resets the bridge's ready flag and
-    sets its run flag."""
+    """Returns the addresses of flasher's or dumper's bridge and of its buffer. Clears the bridge's ready flag and sets its run
+    flag."""
     bridge = bridge_at(chip, BRIDGE_POINTER, GAP_READY)
     chip.put(bridge + GAP_READY, 0)
     chip.put(bridge + RUN, 1)
@@ -193,7 +192,7 @@ def dump(chip, place, count):
 
 
 class Fuser:
-    """Reads and programs fuses by requests to the program gap_fuser, through its bridge in the chip's memory."""
+    """Reads and programs fuses through the program gap_fuser. Requests go through its bridge in the chip's memory."""
 
     TO_CHIP, TO_HOST, COMMAND, BIT, COUNT, STATUS, BITS = 8, 12, 16, 20, 24, 28, 36
     READ, PROGRAM = 0, 1
@@ -204,7 +203,7 @@ class Fuser:
         self.bridge = bridge_at(chip, FUSER_POINTER, self.TO_HOST)
 
     def ask(self, command, bit, count):
-        """Sends a command, and returns the program's status: 0 is success."""
+        """Sends a command. Returns the program's status, which is 0 for success."""
         for offset, value in ((self.BIT, bit), (self.COUNT, count), (self.COMMAND, command), (self.TO_HOST, 0),
                               (self.TO_CHIP, 1)):
             self.chip.put(self.bridge + offset, value)
@@ -259,8 +258,8 @@ def run_dump(arguments):
 
 
 def run_fuse(arguments):
-    """Programs the fuses with which a GAPuino boots from its HyperFlash, according to fuser.tcl: 0x10 in the first
-    fuse, and 1 in the fuse at bit 296."""
+    """Programs the fuses that make a GAPuino boot from its HyperFlash, as fuser.tcl does: 0x10 in the first fuse, and 1 in the
+    fuse at bit 296."""
     with Chip(arguments.soc, arguments.program) as chip:
         fuser = Fuser(chip)
         wanted = bytearray(FUSES)

@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Runs published GAP8 programs, unmodified, on board gap8, and prints a table of their progress. FOLDER contains these checkouts; missing ones are
-# left out:
+# Runs published GAP8 programs without changes on board gap8, and prints a table of their progress. FOLDER contains
+# these checkouts. Programs of missing checkouts are omitted:
 #   git clone https://github.com/pulp-platform/pulp-dronet             PULP-Dronet's ELF, flash image (for the dumper, too) and weights
 #   git clone https://github.com/pulp-platform/Himax_Dataset           pictures of its camera
 #   git clone https://github.com/GreenWaves-Technologies/gap_sdk       flasher, fuser
-# and hello, which gvsoc/gvsoc has as examples/pulp-open/hello at e4a7e8c. If GVSoC is installed (MEBOTS_GVSOC names its program, or it is on PATH),
-# the programs that both simulators support run on both. CoreMark is one of them:
+# and hello, which gvsoc/gvsoc has as examples/pulp-open/hello at e4a7e8c. If GVSoC is installed (MEBOTS_GVSOC contains
+# its path, or it is on PATH), the programs that both simulators support run on both. CoreMark is one of them:
 #   git clone https://github.com/eembc/coremark
-# Build first: cmake --build --preset release --target mebots-soc. Needs NumPy for the integers of the reference, and riscv64-unknown-elf-gcc.
+# Build first: cmake --build --preset release --target mebots-soc. Needs NumPy for the reference's integers, and
+# riscv64-unknown-elf-gcc.
 set -euo pipefail
 if [[ $# -ne 1 || ! -d "$1" ]]; then
   echo "usage: scripts/gap8_programs.sh FOLDER   (see the comment at its top)" >&2
@@ -21,10 +22,11 @@ python=${PYTHON:-.venv/bin/python}
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 
-# The exit code is 0 unless an available program does not reach its milestone.
+# The exit code is 1 if an available program does not reach its milestone.
 failed=0
 row() { printf '%-34s %-12s %s\n' "$1" "$2" "$3"; }
-# milestone NAME ELF REQUIRED-OUTPUT [OPTIONS...] runs a program, and prints whether it printed the required output.
+# milestone NAME ELF REQUIRED-OUTPUT [OPTIONS...] runs a program, and prints whether its output contains the required
+# output.
 milestone() {
   local name=$1 elf=$2 wanted=$3
   shift 3
@@ -64,7 +66,7 @@ else
   row PULPDroNet_GAPuino "not there" "$image, $pictures"
 fi
 bins=$folder/gap_sdk/utils/openocd_tools/gap_bins
-# with_host COMMAND NAME [MORE...] runs the program NAME with a host at its JTAG, and prints whether this succeeded.
+# with_host COMMAND NAME [MORE...] runs the program NAME with a host at its JTAG, and prints whether it succeeded.
 with_host() {
   local command=$1 name=$2
   shift 2

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Makes each call that writes a file of a run, a page or a study fail, one call after the other. The faults are a full
-# disk, a failing disk, an interrupted call and a short write. A fault affects one call, or that call and all later
-# ones. Prints a table of the outcomes, and exits with 1 if a fault did not end as docs/exploration.md requires.
+# Tests faults in calls that write files of a run, a page or a study. In each test, one call fails, or this call and all
+# later calls fail. The faults are a full disk, a failing disk, an interrupted call and a short write. Prints a table of
+# the outcomes. The exit code is 1 if an outcome contradicts docs/exploration.md.
 #
 # Usage: scripts/inject_faults.sh [BUILD_FOLDER]   build/ci by default; 8 minutes on a busy machine
 set -euo pipefail

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Runs MEbots' FMUs and those of others in mebots, FMPy, OMSimulator and libcosim, alone and connected, and prints a Markdown table of the differences
-# from mebots' results (docs/interop.md). The script searches for OMSimulator in $OMSIMULATOR and on PATH. Usage: scripts/interop.sh [BUILD_FOLDER]
-# [--tool NAME] [--system NAME] (build/release)
+# Runs MEbots' FMUs and other FMUs in mebots, FMPy, OMSimulator and libcosim, alone and connected. Prints a Markdown
+# table of differences from mebots' results (docs/interop.md). Searches for OMSimulator in $OMSIMULATOR and on PATH.
+# Usage: scripts/interop.sh [BUILD_FOLDER] [--tool NAME] [--system NAME] (build/release)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 build=build/release

@@ -2,11 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs clang-tidy with the rules of .clang-tidy over all C++ sources, tests and benchmarks included.
 
-The build folder must have been built by a preset with unity builds. Most of clang-tidy's time is spent in library
-headers, so sources that share them are checked together. A group is checked only if the group, one of its headers or a
-rule has changed since the group was last clean; the clean groups are stored in ~/.cache/mebots-lint. clang-tidy comes
-from PyPI: Debian's also checks library headers, which takes four times as long. The build folder is GCC's; clang-tidy
-does not support all of GCC's warnings.
+The build folder must have been built by GCC and a preset with unity builds. Most of clang-tidy's time is spent in library
+headers, so sources with common headers are checked together. A group is checked only if the group, one of its headers or a rule
+has changed since the group was last clean. ~/.cache/mebots-lint lists the clean groups. clang-tidy comes from PyPI: Debian's
+version also checks library headers, which takes four times as long. It does not support all of GCC's warnings.
 
 Usage: scripts/lint.py [BUILD_DIR]
 """
@@ -25,8 +24,8 @@ TIDY = ROOT / ".venv/bin/clang-tidy"
 REMEMBERED = pathlib.Path(os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache") / "mebots-lint"
 OPTIONS = ["-quiet", "-extra-arg=-Wno-unknown-warning-option", "-extra-arg=-Wno-deprecated-declarations"]
 PRODUCT = re.compile(r"(modeldesc|fmu_[a-z]+|master)/")
-# Tests start other programs, check that code throws, use reproducible random numbers, count in whole pixels and ticks, and need not be fast.
-# Therefore these rules do not apply to tests.
+# Exempts tests from these rules. Tests start other programs, check that code throws, use reproducible random numbers, count in
+# whole pixels and ticks, and need not be fast.
 OFF_IN_TESTS = ("bugprone-command-processor bugprone-empty-catch bugprone-implicit-widening-of-multiplication-result "
                 "bugprone-derived-method-shadowing-base-method bugprone-reserved-identifier bugprone-integer-division "
                 "bugprone-unchecked-string-to-number-conversion bugprone-random-generator-seed bugprone-float-loop-counter "
@@ -40,8 +39,7 @@ def groups(build):
 
 
 def dependencies(build):
-    """Maps each object file, by its path in the build folder, to the files that its compilation read, as Ninja recorded
-    them."""
+    """Maps each object file, by its path in the build folder, to the files that its compilation has read. Ninja recorded them."""
     found, files = {}, []
     for line in subprocess.run(["ninja", "-C", build, "-t", "deps"], capture_output=True, text=True, check=True).stdout.splitlines():
         if line.startswith("    "):
@@ -62,7 +60,7 @@ def version():
 
 
 def key(build, entry, options, files):
-    """Returns a hash of everything that affects the result. The folder of the checkout has no effect on it."""
+    """Returns a hash of everything that affects the result. The path of the checkout does not affect it."""
     text = [version(), digest(ROOT / ".clang-tidy"), *options, entry["command"]]
     text += [f"{file} {digest(build / file)}" for file in files if not file.endswith("_cxx.cxx")]
     text += [pathlib.Path(entry["file"]).read_text()]

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Lists every text that users of MEbots can see, so that it can be read as a whole.
+"""Lists every text that users of MEbots can see.
 
 Usage: scripts/list_messages.py [--commit COMMIT] [--kind KIND...] [PATH...] > messages.txt
 
 Prints one text per line: kind, file:line, text. The kinds are error, warning, log, help, output, page, variable, schema and text.
-Adjacent literals are one text.
+Joins adjacent literals.
 """
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from typing import NamedTuple
 
 import prose_lint
 
-# Folders whose texts reach a user. Tests, benchmarks and examples print only for their developers.
+# Folders with texts for users. Tests, benchmarks and examples print only for developers.
 PRODUCT = re.compile(r"^(?:master|modeldesc|fmu_\w+|web/src|configs/schemas)/")
 SUFFIXES = {".cpp", ".hpp", ".c", ".h", ".py", ".ts"}
-# Matches comments and characters, too, so that quotes in them do not start a literal.
+# Also matches comments and character literals, so that quotes in them do not start a literal.
 CPP = re.compile(
     r"(?P<skip>//[^\n]*|/\*.*?\*/|(?<!\w)'(?:[^'\\\n]|\\.)+')"
     r'|R"(?P<fence>\w*)\((?P<raw>.*?)\)(?P=fence)"'
@@ -67,7 +67,7 @@ def names(commit: str | None, paths: list[str]) -> list[str]:
 
 
 def is_prose(text: str) -> bool:
-    """Returns True if people read the text: it has at least two words of letters, and is no path, pattern or code."""
+    """True if the text is prose: it has at least two words of letters, and is no path, pattern or code."""
     return len(re.findall(r"(?:^|\s)\(?[A-Za-z']{2,}[,.:;)]?(?=\s|$)", text)) >= 2 and not re.search(r"\{\{|;\s*(?:\n|$)|\bvoid\b|#include|=>|&&", text)
 
 
@@ -96,7 +96,7 @@ def literals(path: str, source: str) -> Iterator[Text]:
 
 
 def described(path: str, source: str) -> Iterator[Text]:
-    """Yields the descriptions in a JSON file. They describe an FMU's variables, or a schema's keys."""
+    """Yields the descriptions in a JSON file: those of an FMU's variables, or of a schema's keys."""
     kind, keys = ("schema", "description|title") if "schemas/" in path else ("variable", "description|text")
     for found in re.finditer(rf'"(?:{keys})":\s*("(?:[^"\\]|\\.)*")', source):
         yield Text(kind, path, source.count("\n", 0, found.start()) + 1, json.loads(found[1]))

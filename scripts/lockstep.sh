@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 #
-# Compares the SoC's instruction set with independent references over many random instructions: the standard part with QEMU, Xpulp v2 with a second
-# description of its instructions (tests/soc/lockstep, tests/soc/xpulp). Prints the counts.
+# Compares the SoC's instruction set with independent references for many random instructions: the standard part with
+# QEMU, Xpulp v2 with a second description of its instructions (tests/soc/lockstep, tests/soc/xpulp). Prints the counts.
 #
 #   scripts/lockstep.sh [INSTRUCTIONS] [BUILD_FOLDER]     (default 10 million, build/ci)
 set -euo pipefail

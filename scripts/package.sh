@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds the Debian package in build/deb and tests it in a clean Debian 12 (scripts/try_package.sh). Needs scripts/setup.sh once before,
-# root and debootstrap. MEBOTS_INSTALL_FMUS=build/platforms takes the FMUs for several platforms (scripts/platforms.sh).
-# MEBOTS_MAINTAINER='NAME <ADDRESS>' sets the package's maintainer.
+# Builds the Debian package in build/deb and tests it in a clean Debian 12 (scripts/try_package.sh). Run
+# scripts/setup.sh once before. Needs root and debootstrap. With MEBOTS_INSTALL_FMUS=build/platforms, the package
+# contains the FMUs for several platforms (scripts/platforms.sh). MEBOTS_MAINTAINER='NAME <ADDRESS>' sets the package's
+# maintainer.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds the FMUs for 64-bit Windows and 64-bit ARM Linux on Debian 12, merges their binaries into the archives of this machine's build,
-# runs them under wine and qemu-user, and compares all values with this machine's (docs/platforms.md). Not part of CI. Continues where an earlier
-# run was interrupted.
+# Builds the FMUs for 64-bit Windows and 64-bit ARM Linux on Debian 12, and merges their binaries into the archives of
+# this machine's build. Runs them under wine and qemu-user, and compares all values with this machine's
+# (docs/platforms.md). Not part of CI. An interrupted script continues where it stopped.
 #
 #   scripts/platforms.sh [--install] [BUILD_FOLDER]    the build for this machine (build/release), with its FMUs
 #
-# --install installs the packages first, which needs root. The merged archives are in build/platforms. $MEBOTS_PLATFORM_FMUS has other FMUs
-# than the default ones.
+# --install first installs the packages, which needs root. The merged archives are in build/platforms.
+# $MEBOTS_PLATFORM_FMUS selects other FMUs than the default ones.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 packages=(g++-mingw-w64-x86-64-posix wine64 crossbuild-essential-arm64 qemu-user-static mmdebstrap dpkg-dev)
@@ -25,7 +25,7 @@ for fmu in $fmus; do
   [[ -e $host/fmus/$fmu.fmu ]] || { echo "platforms.sh: no $host/fmus/$fmu.fmu to compare with: build it (cmake --preset release)" >&2; exit 2; }
 done
 
-# build NAME OPTION... builds the FMUs for one platform, with this machine's generators.
+# build NAME OPTION... builds the FMUs for a platform. Uses this machine's generators.
 build() {
   local name=$1
   shift

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Draws the pictures in the READMEs of fmu_battery and fmu_motors from the built FMUs.
+"""Draws the pictures in the READMEs of fmu_battery and fmu_motors. Uses the built FMUs.
 
     PYTHONPATH=build/release/python .venv/bin/python scripts/plot_fmus.py build/release/fmus
 """
@@ -23,7 +23,7 @@ ROTORS = ("crazyflie_bench", "crazyflie_legacy")
 
 
 def discharge(_):
-    """Draws a discharge: runs the hover mission with a drone of 32.9 g plus its cell, until the protection opens."""
+    """Draws a discharge: a hover mission of a drone of 32.9 g plus its cell, until the cell's protection opens."""
     figure, axis = plt.subplots(figsize=(7, 3.6))
     for cell in CELLS:
         with mebots.Mission(ROOT / "configs/hover.json", set={"battery.cell.name": cell, "world.drone.dry_mass": 0.0329},
@@ -50,7 +50,7 @@ def settled(fmus, rotor, rows):
 
 
 def thrust(fmus):
-    """Draws the thrust and power of both rotor files, and the measurements of 2015."""
+    """Draws thrust and power for both rotor files, and the measurements of 2015."""
     data = json.loads((ROOT / "fmu_motors/params/rotors/crazyflie_bench.json").read_text())
     rows = np.array(data["bench"]["rows"])
     figure, (left, right) = plt.subplots(1, 2, figsize=(8, 3.4))

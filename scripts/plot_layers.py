@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Draws which folders of a part include which others: docs/img/layers.png.
+"""Draws the includes between the folders of a part: docs/img/layers.png.
 
     plot_layers.py OUT.png [--part master] [ROOT...]
 
-Draws a panel for each checkout ROOT, or for this one. A row is a layer of tests/structure/layers.json, the lowest one at
-the bottom. Arrows between folders of a cycle are vermilion, all others grey; their width grows with the number of includes.
+Draws a panel for each checkout ROOT, by default for this checkout. A row is a layer of tests/structure/layers.json, the lowest
+layer at the bottom. Arrows between folders of a cycle are vermilion, all others are grey. Their width grows with the number of
+includes.
 """
 import argparse
 import json
@@ -21,13 +22,13 @@ import structure  # noqa: E402
 
 
 def short(folder, part):
-    """Returns the short name of a folder that readers use, such as `engine` for master/src/engine/algorithm."""
+    """Returns a short name for readers, such as `engine` for master/src/engine/algorithm."""
     steps = folder.relative_to(part).parts
     return "/".join(steps[1:2] if steps[0] == "src" and len(steps) > 1 else steps[:1]) or "."
 
 
 def graph_of(root, part):
-    """Returns {(folder, folder): number of includes}, and maps each folder to the row in which it is drawn."""
+    """Returns {(folder, folder): number of includes}, and the row of each folder."""
     order = json.loads((REPOSITORY / "tests/structure/layers.json").read_text())
     tree = structure.Structure(root, order)
     edges, rows = Counter(), {}

@@ -24,7 +24,7 @@ SCENES = ROOT / "fmu_world" / "params" / "scenes"
 
 
 def read_run(folder, build):
-    """Reads the results of a run with the Python package of a build."""
+    """Reads the results of a run. Uses the Python package of a build."""
     sys.path.insert(0, str(build / "python"))
     try:
         import mebots
@@ -49,8 +49,8 @@ def draw_gates(axes, scene):
 
 
 def mean_power(time, energy, window=1.0):
-    """Returns the mean power over the last `window` seconds, from the energy since the start. Chip and camera switch
-    many times between two rows. Samples of the power would miss this, but the energy includes it.
+    """Returns the mean power over the last `window` seconds, from the energy since the start. Chip and camera switch many times
+    between two rows. Samples of the power would miss this.
     """
     first = np.searchsorted(time, time - window)
     first[0] = 0

@@ -4,8 +4,8 @@
 
 Usage: plot_profile.py PROFILE.json [--out PICTURE.png] [--profiles time energy]
 
-The file is speedscope's, so speedscope.app can open it too. This script draws its call trees as a picture: each box is
-a function, and is on top of the box of its caller. Its width is the share of the function and its callees.
+The file has speedscope's format, so speedscope.app can also open it. Each box is a function, on top of the box of its caller. The
+width of a box is the share of the function and its callees.
 """
 
 import argparse
@@ -21,12 +21,11 @@ from figure_style import PALETTE, plt, save
 
 SCALES = {"nanoseconds": (1e-9, "s")}
 ROW_INCHES = 0.3
-LEAST_SHARE = 0.004  # minimum share of a box for which a row is added
+LEAST_SHARE = 0.004  # boxes below this share do not add a row
 
 
 def read_stacks(profile, names, left_out):
-    """Returns [(stack of frames, own cost)] of an evented profile. Omits stacks that contain one of the names in
-    `left_out`."""
+    """Returns [(stack of frames, own cost)] of an evented profile. Omits stacks with a name in `left_out`."""
     stacks, stack, last = [], [], 0
     for event in profile["events"]:
         if stack and event["at"] > last and not any(names[frame] in left_out for frame in stack):
@@ -40,8 +39,7 @@ def read_stacks(profile, names, left_out):
 
 
 def boxes(stacks):
-    """Returns (depth, start, width, frame) of every box. Stacks are in the order of the tree, so equal beginnings
-    are merged."""
+    """Returns (depth, start, width, frame) of every box. Merges equal beginnings of successive stacks."""
     found, open_boxes, at = [], [], 0
     for stack, cost in stacks + [((), 0)]:
         same = 0
@@ -56,8 +54,8 @@ def boxes(stacks):
 
 
 def colour(name):
-    """Returns a colour of the palette that is light enough for black text. A function has the same colour in every
-    picture. Sleep and interrupts, which are not functions, are grey."""
+    """Returns a light colour of the palette for black text. A function has the same colour in every picture. Sleep and
+    interrupts, which are not functions, are grey."""
     if name.startswith("["):
         return "#d9dce0"
     tone = to_rgb(PALETTE[zlib.crc32(name.encode()) % (len(PALETTE) - 1)])

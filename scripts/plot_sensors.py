@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Draws docs/img/sensors.png from the built fmu_world: a picture with boxes, its depth picture, and a map of the multi-ranger.
+"""Draws docs/img/sensors.png with the built fmu_world: a picture with boxes, its depth picture, and a map of the multi-ranger.
 
     .venv/bin/python scripts/plot_sensors.py build/release/fmus/fmu_world.fmu
 """
@@ -33,7 +33,7 @@ class World:
         self.variables = {v.name: v for v in self.description.modelVariables}
 
     def step(self, start, outputs):
-        """Returns outputs after one step of 2 ms from these start values."""
+        """Returns outputs after a step of 2 ms from these start values."""
         model = FMU2Slave(guid=self.description.guid, unzipDirectory=self.folder,
                           modelIdentifier=self.description.coSimulation.modelIdentifier, instanceName="world")
         model.instantiate()
@@ -72,7 +72,7 @@ def pictures(world, left, middle):
 
 
 def ranger_map(world, axis):
-    """Turns a drone once around itself in front of the gate, and draws what the multi-ranger measures."""
+    """Turns a drone once around its vertical axis in front of the gate, and draws the multi-ranger's measurements."""
     names = [f"multiranger.{word}" for word in ("front", "left", "back", "right")]
     place = 3.0
     points = [[] for _ in names]

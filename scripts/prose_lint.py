@@ -4,8 +4,8 @@
 
 Usage: scripts/prose_lint.py [--base COMMIT] [--all] [PATH...]
 
-Each pattern has no good use in this project; its row gives the reason and the alternative. The list is short on
-purpose: a reader decides, not a count. With --all the whole tree is checked instead of the added lines.
+Each pattern has no good use in this project. Its row contains the reason and the alternative. The list is short on purpose,
+because a reader decides, not a count. With --all, checks the whole tree.
 """
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ import sys
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-# The last commit before the rules.
+# The last commit before these rules.
 START = "f1c70247b077e697e1d377e31d068388a3039c41"
 
 
@@ -44,7 +44,7 @@ SOURCES = {".hpp", ".h", ".cpp", ".c", ".py", ".ts", ".mjs", ".cmake", ".sh"}
 PAGES = {".md", ".rst"}
 COMMENT = re.compile(r'^\s*(?://+<?|#(?!include|define|if|endif|pragma|!)|\*|""")\s?(.*)')
 MESSAGE = re.compile(r'"((?:[^"\\]|\\.){12,})"')
-# Exempts files that quote the patterns, or texts by others.
+# Exempts files that quote the patterns, or texts by other authors.
 EXEMPT = {"scripts/prose_lint.py", "CONTRIBUTING.md", "docs/blind-reading.md"}
 
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 #
-# Runs many random programs on the SoC's cluster, each in all ways that must give the same bits (tests/soc/cluster_random_test). The test in CI runs
-# fewer programs. Stops at the first difference.
+# Runs random programs on the SoC's cluster. Each program runs in all ways that must give the same bits
+# (tests/soc/cluster_random_test). CI runs fewer programs. Stops at the first difference.
 #
 #   scripts/random_cluster.sh [PROGRAMS] [FIRST] [BUILD_FOLDER]     (default 1000 from 1, build/ci)
 set -euo pipefail

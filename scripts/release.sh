@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Runs the checklist before a release. Runs every proof, continues after a failure, and prints a table; the output of each proof is in
-# build/release-check. Exit code 1 if a proof failed. A proof that cannot run here is skipped, with the reason in the table. A proof that passed but
-# did not run all its tests counts as skipped, unless may_be_left_out permits these omissions. Without --dry-run nothing may be skipped; if all have
-# passed, the version is tagged. Pushing the tag is up to you.
+# Runs the checklist before a release. Runs every proof, even after a failure, and prints a table. The output of each
+# proof is in build/release-check. The exit code is 1 if a proof failed. A proof that cannot run here is skipped; the
+# table contains the reason. A proof that passed but omitted tests counts as skipped, unless may_be_left_out permits
+# these omissions. Without --dry-run, no proof may be skipped. If all proofs have passed, tags the version. Pushing the
+# tag is up to you.
 #
 #   scripts/release.sh --dry-run [PROOF...]    all proofs, or these
 #   MEBOTS_CORPUS=FOLDER        checkouts with FMUs of others, for the proof `corpus` (docs/interop.md names them)
@@ -58,7 +59,7 @@ docs() { scripts/docs.sh; }
 built() { scripts/setup.sh && cmake --preset release && cmake --build --preset release; }  # always, because an existing build may be of
                                                                                            # another commit
 
-# Succeeds for tests that may be left out of a proof. A release is possible without them.
+# Succeeds for a test that a proof may omit.
 may_be_left_out() {  # may_be_left_out PROOF TEST
   case $1:$2 in
     *:Interop.*OMSimulator*) ;;  # OMSimulator has to be built from source
@@ -94,7 +95,7 @@ for name in "${chosen[@]}"; do
     77) result=skipped remark=$(sed -n 's/^skipped: //p' "$logs/$name.txt" | tail -n 1) skipped=$((skipped + 1)) ;;
     *) result=FAILED remark=$(tail -n 1 "$logs/$name.txt") failed=$((failed + 1)); tail -n 5 "$logs/$name.txt" ;;
   esac
-  # Lists tests that ctest omitted. If there are any, the proof is incomplete.
+  # Lists tests that ctest omitted. Each makes the proof incomplete.
   left_out=
   while IFS= read -r test; do
     left_out+="${left_out:+, }$test"

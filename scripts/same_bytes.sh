@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds FMUs from a copy of the sources in another folder, without a compiler cache, and compares them with those of a build folder, byte
-# for byte. Exit code 1 if one differs; prints the entries that differ. Usage: scripts/same_bytes.sh [BUILD_FOLDER] [FMU...]
-# (build/release; all four)
+# Builds FMUs from a copy of the sources in another folder without a compiler cache. Compares them byte for byte with
+# the FMUs of a build folder, and prints the entries that differ. The exit code is 1 if an FMU differs. Usage:
+# scripts/same_bytes.sh [BUILD_FOLDER] [FMU...] (build/release; all four)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 build=${1:-build/release}
@@ -16,7 +16,7 @@ place=$(mktemp -d "${TMPDIR:-/tmp}/mebots-same-bytes-XXXXXX")
 trap 'rm -rf "$place"' EXIT
 mkdir "$place/a copy"
 git ls-files -z | xargs -0 cp --parents -t "$place/a copy"
-# Reads the settings that affect code from the existing build.
+# Copies the settings that affect code from the existing build.
 settings=()
 while IFS= read -r line; do settings+=("-D$line"); done < <(grep -E '^(CMAKE_BUILD_TYPE|CMAKE_CXX_COMPILER|CMAKE_UNITY_BUILD|CMAKE_UNITY_BUILD_BATCH_SIZE|MEBOTS_ASSERTIONS|MEBOTS_WARNINGS_AS_ERRORS):' "$build/CMakeCache.txt")
 export CCACHE_DISABLE=1

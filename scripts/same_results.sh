@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Runs the easy mission with each of several builds, with and without AVX, FMA and BMI, and in an emulated processor that has none of them
-# (if qemu-x86_64 is installed). Prints a Markdown table of hashes. Exit code 1 if results differ. Usage: scripts/same_results.sh
-# BUILD_FOLDER... [--config FILE] [--stop-time S]    (configs/gate_easy.json to its end)
+# Runs the easy mission with each of several builds: with and without AVX, FMA and BMI, and in an emulated processor
+# that has none of them (if qemu-x86_64 is installed). Prints a Markdown table of hashes. The exit code is 1 if results
+# differ. Usage: scripts/same_results.sh BUILD_FOLDER... [--config FILE] [--stop-time S]    (configs/gate_easy.json to
+# its end)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 builds=() config=configs/gate_easy.json more=()
@@ -19,8 +20,8 @@ place=$(mktemp -d)
 trap 'rm -rf "$place"' EXIT
 hashes=()
 
-# fly BUILD PROCESSOR COMMAND... runs the mission with a build. COMMAND starts it on the processor that PROCESSOR
-# describes.
+# fly BUILD PROCESSOR COMMAND... runs the mission with a build. COMMAND starts the mission on a processor. PROCESSOR
+# describes this processor.
 fly() {
   local build=$1 processor=$2 of cache=$1/CMakeCache.txt
   shift 2

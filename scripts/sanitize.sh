@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds with sanitizers and runs all tests that work with them, whole missions included. Then prints a table of tests by area, and lists the omitted
-# tests with the reasons. Exit code 1 if a test fails. Usage: scripts/sanitize.sh [PRESET...] [-- CTEST_OPTION...]
+# Builds with sanitizers and runs all tests that support them, including whole missions. Prints a table of tests by
+# area, and lists the omitted tests with the reasons. The exit code is 1 if a test fails. Usage: scripts/sanitize.sh
+# [PRESET...] [-- CTEST_OPTION...]
 #   PRESET        asan-ubsan (address and undefined behaviour), tsan (threads); default: both, one after the other
 #   CTEST_OPTION  to run a part of the tests: -R Battery
 set -euo pipefail

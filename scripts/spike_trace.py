@@ -4,9 +4,9 @@
 
 Usage: spike_trace.py PROGRAM.elf [--tool build/release/bin/mebots-soc] [--spike spike] [--keep FOLDER]
 
-Runs the program in both, removes Spike's boot code and everything after the store to tohost, and leaves out what only
-Spike logs: the value of mstatus after mret, the registers mstatush and tcontrol, reads of counters that count cycles.
-Prints the number of compared lines and the first one that differs; then the exit code is 1.
+Runs the program in both. Removes Spike's boot code and everything after the store to tohost. Omits items that only Spike logs:
+the value of mstatus after mret, the registers mstatush and tcontrol, reads of counters that count cycles. Prints the number of
+compared lines. If a line differs, prints it, and the exit code is 1.
 """
 
 import argparse
@@ -67,7 +67,7 @@ def main():
                         "--log-commits", f"--log={theirs}", arguments.program], check=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         count = 0
         tohost = table.get("tohost")
-        # The log of Spike may be longer, because Spike has no limit that works with traps.
+        # Spike's log may be longer, because Spike has no limit that works with traps.
         expected = itertools.islice(lines(theirs, tohost, entry), arguments.max_instructions)
         for a, b in itertools.zip_longest(lines(ours, tohost), expected):
             if a != b:

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Installs what is needed, builds MEbots with warnings as errors, checks format and English, and runs all tests.
+# Installs the dependencies, builds MEbots with warnings as errors, checks format and English, and runs all tests.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

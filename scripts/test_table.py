@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Prints tests by area, from ctest's results. Usage: scripts/test_table.py BUILD_FOLDER JUNIT_FILE
 
-An area is a folder below tests/. `skipped` are tests that reported that they cannot run; `not run` are those that ctest could not
-start, or that are disabled. Both are listed below the table, as are failed ones.
+An area is a folder in tests/. `skipped` tests reported that they cannot run. ctest could not start `not run` tests, or they are
+disabled. Both kinds and the failed tests are listed below the table.
 """
 
 import collections
@@ -14,7 +14,7 @@ import sys
 import xml.etree.ElementTree
 
 
-# Kinds of results, in ctest's words. For a test that was skipped, ctest writes "notrun" with a message.
+# Kinds of results in ctest's words. For a skipped test, ctest writes "notrun" with a message.
 KINDS = ("passed", "failed", "skipped", "not run")
 
 
@@ -28,7 +28,7 @@ def kind_of(case):
 
 
 def areas(build):
-    """Maps the name of each test to its area, according to the folders of the build."""
+    """Maps the name of each test to its area. Uses the folders of the build."""
     shown = subprocess.run(["ctest", "--test-dir", build, "--show-only=json-v1"], check=True, capture_output=True, text=True)
     found = {}
     for test in json.loads(shown.stdout)["tests"]:

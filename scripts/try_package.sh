@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Installs a package of MEbots in a clean Debian 12, runs the shipped mission there, removes the package and checks for remaining files.
-# Needs root and debootstrap. Usage: scripts/try_package.sh FILE.deb|FILE.whl
+# Installs a package of MEbots in a clean Debian 12, and runs the included mission there. Removes the package and checks
+# for remaining files. Needs root and debootstrap. Usage: scripts/try_package.sh FILE.deb|FILE.whl
 set -euo pipefail
 package=${1:?FILE.deb or FILE.whl}
 if ((EUID != 0)) || ! command -v debootstrap >/dev/null; then

@@ -4,8 +4,8 @@
 
     .venv/bin/python scripts/update_golden.py build/release/fmus
 
-Row k of _in.csv contains the inputs that are set at its time and held until the next row; row k of _out.csv contains the
-outputs at that time. Parameters have their start values. Check the difference before you commit it.
+Row k of _in.csv contains the inputs from its time until the next row. Row k of _out.csv contains the outputs at this time.
+Parameters have their start values. Before you commit the files, check the differences.
 """
 import csv
 import math
@@ -20,8 +20,8 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 def battery(k):
-    """Returns the battery's inputs in step k of a flight of 40 g. The flight ends when the protection opens. A source
-    supplies power for a minute."""
+    """Returns the battery's inputs in step k of a flight of 40 g. The flight ends when the protection opens. For one minute, a
+    source supplies power."""
     return {
         "motors.power": 9.5 + math.sin(0.3 * k) if k > 2 else 0.0,
         "soc.power": 0.06 if k % 4 else 0.12,
@@ -49,8 +49,8 @@ def motors(k):
 
 
 def world(k):
-    """Returns the inputs of the world in step k of a flight without control. The drone rises from the ground in a side
-    wind with a little yaw torque, and then drops and crashes."""
+    """Returns the inputs of the world in step k of a flight without control. In a side wind with a little yaw torque, the drone
+    rises from the ground, and then drops and crashes."""
     thrust = 0.12 if k < 20 else 0.08 if k < 32 else 0.0
     return {
         **{f"rotor[{i}].thrust": thrust for i in (1, 2, 3, 4)},
@@ -70,8 +70,8 @@ def write(path, header, rows):
 
 
 def run(archive, inputs_at, step, count):
-    """Runs an FMU. Returns the names and rows of the inputs, and of the Real and Boolean outputs, at count + 1
-    communication points."""
+    """Runs an FMU. Returns the names and the rows of inputs, and of Real and Boolean outputs, at count + 1 communication
+    points."""
     description = fmpy.read_model_description(archive)
     folder = fmpy.extract(archive)
     references = {v.name: v.valueReference for v in description.modelVariables}

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds the wheel in build/wheels with all of Debian's libraries that it needs and their licences, installs it into a new environment and
-# runs a mission there. MEBOTS_INSTALL_FMUS=build/platforms takes the FMUs for several platforms that scripts/platforms.sh made. Needs
-# scripts/setup.sh once before; takes scikit-build-core, pybind11, auditwheel and NumPy from PyPI.
+# Builds the wheel in build/wheels with the libraries of Debian that it needs, and their licences. Installs it in a new
+# environment and runs a mission there. With MEBOTS_INSTALL_FMUS=build/platforms, the wheel contains the FMUs for
+# several platforms (scripts/platforms.sh). Run scripts/setup.sh once before. Fetches scikit-build-core, pybind11,
+# auditwheel and NumPy from PyPI.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 rm -rf build/wheels build/wheel-tools build/wheel-trial
@@ -14,7 +15,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK=1
   ${MEBOTS_INSTALL_FMUS:+-C "cmake.define.MEBOTS_INSTALL_FMUS=$(realpath "$MEBOTS_INSTALL_FMUS")"} .
 PATH=$tools:$PATH auditwheel repair -w build/wheels/repaired build/wheels/linked/mebots-*.whl
 
-# An included library is Debian's lib/<name>.so.<version>, renamed to <name>-<hash>.so.<version>.
+# An included library is Debian's lib/<name>.so.<version> with the name <name>-<hash>.so.<version>.
 "$tools/wheel" unpack --dest build/wheels/unpacked build/wheels/repaired/mebots-*.whl >/dev/null
 tree=$(echo build/wheels/unpacked/mebots-*)
 for library in "$tree"/mebots.libs/*.so*; do

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds the libraries that the FMUs link, for 64-bit Windows, from Debian's sources. They are in build/win64-sysroot, for scripts/platforms.sh.
-# Fetches musl's sources, which cmake/MebotsMath.cmake compiles. Needs g++-mingw-w64-x86-64-posix and dpkg-dev, and the headers that scripts/setup.sh
-# installs. Continues where an earlier run was interrupted.
+# Builds the libraries that the FMUs link, for 64-bit Windows, from Debian's sources, in build/win64-sysroot (for
+# scripts/platforms.sh). Also fetches musl's sources, which cmake/MebotsMath.cmake compiles. Needs
+# g++-mingw-w64-x86-64-posix and dpkg-dev, and the headers that scripts/setup.sh installs. An interrupted script
+# continues where it stopped.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/debian_sources.sh
@@ -14,7 +15,7 @@ toolchain=$PWD/cmake/win64.cmake
 plain="-O2 -ffp-contract=off"
 begin_sysroot "$sysroot" "$place" "$(cat scripts/win64_sysroot.sh scripts/debian_sources.sh cmake/win64.cmake | sha256sum)"
 
-# Copies headers without libraries, because such headers are the same on all platforms.
+# Copies headers of header-only libraries, which are the same on all platforms.
 copy_headers() {
   mkdir -p "$sysroot"/{include,lib/cmake,share/cmake}
   cp -r /usr/include/{fmt,nlohmann,eigen3,xbyak} "$sysroot/include/"

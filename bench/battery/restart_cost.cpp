@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures the cost of a communication point. Every point changes the loads, so the integrator must restart. Compares
+// Measures the cost of a communication point at which the loads change, so that the integrator must restart. Compares
 // ARKODE's ERKStep with CVODE on the cell's equations, and times the step of the complete model.
 #include "model.hpp"
 
@@ -88,8 +88,8 @@ class Vectors {
   N_Vector tolerances = nullptr;
 };
 
-/// Repeats a restart and a step. `step` stores the reached time in its argument, and returns true if the integrator
-/// reached the end of the step.
+/// Repeats a restart and a step. `step` stores the reached time in its argument. It returns true if this is the end of
+/// the step.
 void time_steps(benchmark::State& state, Problem& problem, const Vectors& vectors, auto step) {
   for ([[maybe_unused]] auto _ : state) {
     vectors.next(problem);
@@ -159,7 +159,7 @@ void whole_model_step(benchmark::State& state) {
   for ([[maybe_unused]] auto _ : state) {
     const bool even = (now / kStepNs) % 2 == 0;
     inputs.load_power_w = {even ? 2.1 : 1.9, even ? 0.05 : 0.06, 0.003, 0.96, 0};
-    // At a low charge, the source charges the cell, so that the cell never becomes empty.
+    // Charges the cell at a low charge, so that it never becomes empty.
     inputs.source_power_w = outputs.cell_state_of_charge < 0.5 ? 8 : 0;
     model.step(inputs, now, kStepNs, outputs);
     now += kStepNs;

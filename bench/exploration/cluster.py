@@ -1,11 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs many missions on a Dask cluster of two workers on this machine. One worker is killed after a third of the
-missions.
+"""Runs many missions on a Dask cluster of two workers on this machine. Kills one worker after a third of the missions.
 
-Usage: cluster.py FMU MISSIONS     with the package mebots in PYTHONPATH. The FMU must have the parameters and inputs of
-the probe FMU (tests/fmus). Prints the duration, the time at which the worker was killed, and the number of times that
-each mission is in the journal.
+Usage: cluster.py FMU MISSIONS (with the package mebots in PYTHONPATH). The FMU must have the parameters and inputs of the probe
+FMU (tests/fmus). Prints the duration, the time at which the worker was killed, and how many times each mission is in the journal.
 """
 
 import collections

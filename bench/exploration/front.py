@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Measures the processor time to determine the designs on the Pareto front. There are two objectives, 30 missions per
-design, and noise with a standard deviation of 0.05.
+"""Measures the processor time for determining the Pareto front of designs. There are two objectives, 30 missions per design, and
+noise with a standard deviation of 0.05.
 
-Usage: front.py FMU DESIGNS...     with the package mebots in PYTHONPATH. In one case, the means are spread over a unit
-square. In the other case, all of them are on the front, a quarter of a circle.
+Usage: front.py FMU DESIGNS... (with the package mebots in PYTHONPATH). In one case, the means are spread over a unit square. In
+the other case, all are on the front, a quarter of a circle.
 """
 
 import json
@@ -24,7 +24,7 @@ NOISE = 0.05
 
 
 def study(fmu):
-    """Returns a study that has two objectives. The measurement does not use its other parts."""
+    """Returns a study with two objectives. The measurement does not use the other parts of the study."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         (folder / "mission.json").write_text(json.dumps({

@@ -1,13 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Measures missions per second of a study whose missions compute nothing. This is the overhead of orders, journal,
-answers and tables.
+"""Measures missions per second of a study whose missions compute nothing: the overhead of orders, journal, answers and tables.
 
 Usage: many.py FMU MISSIONS DESIGNS [OUT]     with the package mebots in PYTHONPATH; the FMU's real input 'motors.power' or
 'real_in' is drawn. Prints missions, processor time, missions per second, and peak memory and disk space of the study's process.
 
-The executor answers immediately in the calling thread, with lines of 330 bytes. It also supports the protocols of older
-versions (before batches and before columns), so that two versions can be compared.
+The executor answers immediately in the calling thread, with lines of 330 bytes. It also supports the protocols of older versions
+(before batches and before columns), so that versions can be compared.
 """
 
 import concurrent.futures
@@ -38,7 +37,7 @@ def record(order):
 
 
 class Instant(concurrent.futures.Executor):
-    """Executes no mission, and returns results immediately."""
+    """Executes no mission. Returns results immediately."""
 
     def submit(self, function, order):
         del function

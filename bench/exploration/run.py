@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Measures missions per second of one FMU with four programs: mebots sweep with one and two jobs, a shell loop of
-mebots run, and FMPy with dask.bag.
+"""Measures missions per second of one FMU: mebots sweep with one and two jobs, a shell loop of mebots run, and FMPy with
+dask.bag.
 
 Usage: run.py BUILD_DIR [MISSIONS]
 
-Each program runs the battery's FMU with the same draws of its load. The programs alternate, and the fastest of three
-rounds counts. Processor time is the sum of all processes. It does not depend on other work on the machine.
+Each program runs the battery's FMU with the same draws of its load. The programs alternate, and the fastest of three rounds
+counts. Processor time is the sum over all processes.
 """
 
 import json
@@ -33,7 +33,7 @@ if __name__ == '__main__':
 
 
 def timed(command, environment):
-    """Returns wall and processor time of a command with all its descendants [s]."""
+    """Returns wall and processor time of a command and its descendants [s]."""
     before, begun = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
     done = subprocess.run(command, env=environment, capture_output=True, text=True)
     if done.returncode != 0:

@@ -4,8 +4,7 @@
 
     .venv/bin/python bench/flight/brushless.py FOLDER
 
-FOLDER is described in flight_data.py. There is no rotor file for these rotors, because no public data have their electrical
-power.
+FOLDER is described in flight_data.py. There is no rotor file for these rotors, because their electrical power is not public.
 """
 import argparse
 from pathlib import Path

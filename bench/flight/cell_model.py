@@ -14,7 +14,7 @@ GRID = np.linspace(0, 1, 4001)
 
 
 class Rotors:
-    """Computes the steady power of the four rotors of a rotor file with `motor`."""
+    """Computes the steady power of the four rotors in a rotor file with `motor`."""
 
     def __init__(self, name="crazyflie_legacy"):
         data = json.loads((PARAMS / f"fmu_motors/params/rotors/{name}.json").read_text())
@@ -32,7 +32,7 @@ class Rotors:
         return 4 * self._power(np.minimum(needed, supply_v), speed, supply_v)
 
     def driven(self, duty, supply_v):
-        """Returns the power of four rotors together [W]. Their duty cycles are the first axis of `duty`."""
+        """Returns the power of four rotors together [W]. The first axis of `duty` contains their duty cycles."""
         effective = duty * supply_v
         square = self.ohm * self.drag / self.emf
         speed = 2 * effective / (self.emf + np.sqrt(self.emf**2 + 4 * square * effective))
@@ -48,7 +48,7 @@ def _curve(data):
 
 @dataclass
 class Cell:
-    """Contains the curves of a cell over GRID. `resistance` scales all resistances."""
+    """The curves of a cell over GRID. `resistance` scales all resistances."""
     open_circuit: np.ndarray
     series: np.ndarray
     pairs: list                # list of (resistance, time constant)
@@ -71,9 +71,8 @@ def at(curve, charge):
 
 
 def discharge(cell, rest_v, factor, power, steps, rest_w):
-    """Returns the mean voltage in each of `steps` intervals, one row per flight. The state of charge follows from
-    the voltage at rest. `factor` scales all resistances of a flight; power(k, voltage) is the power of all loads
-    in interval k."""
+    """Returns the mean voltage in each of `steps` intervals, one row per flight. The voltage at rest determines the state of
+    charge. `factor` scales all resistances of a flight. power(k, voltage) is the power of all loads in interval k."""
     rest_a = rest_w / rest_v
     charge = np.interp(rest_v + rest_a * factor * at(cell.series, np.full_like(rest_v, 0.9)), cell.open_circuit, GRID)
     pairs = [np.zeros_like(rest_v) for _ in cell.pairs]
@@ -102,7 +101,7 @@ CRACIUN_DECKS_W = 0.5       # assumption: the receiver of the Loco deck takes 16
 
 @dataclass
 class Set:
-    """Contains the flights of one set as arrays of equal length, padded with nan."""
+    """The flights of one set as arrays of equal length, padded with nan."""
     flights: list
     rotors: Rotors
 
@@ -129,13 +128,13 @@ class Set:
         return AVIONICS_W + (CRACIUN_DECKS_W if self.duty is None else 0)
 
     def errors(self, cell, factor):
-        """Returns the model's voltage minus the measured voltage; nan after a flight's end."""
+        """Returns the model's voltage minus the measured voltage. After the end of a flight, returns nan."""
         factor = np.broadcast_to(factor, self.rest_v.shape)
         return discharge(cell, self.rest_v, factor, self.loads_w, self.steps, self.rest_w) - self.voltage_v
 
     def best_factor(self, cell, first_s=None):
-        """Returns the factor of each flight's resistances with the least squares of errors, over the flight's first
-        seconds or over the whole flight."""
+        """Returns the factor of each flight's resistances that gives the least squares of errors, over the flight's first seconds
+        or over the whole flight."""
         last = self.steps if first_s is None else round(first_s / STEP_S)
         tries = np.geomspace(0.3, 3.0, 60)
         sums = np.array([np.nansum(self.errors(cell, t)[:, :last]**2, axis=1) for t in tries])

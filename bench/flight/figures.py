@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Draws docs/img/flight_unseen.png and flight_errors.png from flights that no fit used, and
-flight_endurance.png from hover flights of the model.
+"""Draws the figures of flights and endurance.
+
+Flights that no fit has used give docs/img/flight_unseen.png and flight_errors.png. Hover flights of the model give
+flight_endurance.png.
 
     .venv/bin/python bench/flight/figures.py FOLDER [--jobs N]
 
@@ -41,8 +43,7 @@ def quantity(kind, name, key):
 
 
 def voltage(axis, flights):
-    """Draws the voltage of the flight with the median error among the long flights, with the interval of the cell's
-    resistances."""
+    """Draws the voltage of the long flight with the median error, and the interval of the cell's resistances."""
     long = [f for f in flights if len(f.voltage_v) * data.STEP_S > LEAST_SHOWN_S]
     off = rms(Set(long, Rotors()).errors(Cell.load("bitcraze_250_flights"), 1.0))
     flight = long[int(np.argsort(off)[len(off) // 2])]
@@ -63,8 +64,8 @@ def voltage(axis, flights):
 
 
 def thrust(axis, folder):
-    """Draws the thrust over time: from weight and measured acceleration, and from the measured rotor speeds with the
-    coefficient of each rotor file."""
+    """Draws the thrust over time: from weight and measured acceleration, and from the measured rotor speeds with each rotor
+    file's coefficient."""
     flight = data.flight(folder, THRUST_FLIGHT)
     pulls = [np.mean((flight.speed_rad_per_s[:, s]**2).sum(axis=0) * flight.upright[s]) for s in flight.blocks()]
     times = [flight.time_s[s].mean() for s in flight.blocks()]
@@ -79,8 +80,8 @@ def thrust(axis, folder):
 
 
 def voltage_errors(axis, title, flights):
-    """Draws the share of flights whose error is below a limit: for three cells without a fit, and for one of them with a
-    fit to the first seconds."""
+    """Draws the share of flights whose error is below a limit: for three cells without a fit, and for one of them with a fit to
+    the first seconds."""
     flown = Set(flights, Rotors())
     curves = [(name, colour, "-", rms(flown.errors(Cell.load(name), 1.0)), "blind") for name, colour in CELLS]
     curves.append((CHARGED, style.PALETTE[3], "-", rms(flown.errors(Cell.load(CHARGED), 1.0)), "blind"))
@@ -111,7 +112,7 @@ def thrust_errors(axis, folder):
 
 
 def endurance(axis, jobs):
-    """Draws hover time over payload, with the interval of 19 draws, and published values."""
+    """Draws hover time over payload with the interval of 19 draws, and published values."""
     with tempfile.TemporaryDirectory() as scratch:
         values = hover_table.flown(Path(scratch) / "values", jobs, [HOVERING_CELL])
         draws = hover_table.flown(Path(scratch) / "draws", jobs, [HOVERING_CELL], **hover_table.DRAWS)

@@ -4,13 +4,13 @@
 
     .venv/bin/python bench/flight/fit_cell.py FOLDER [--full VOLTS]
 
-FOLDER is described in flight_data.py. The fit uses the flights whose SHA-256 is even, and never the others. The flights
-have no current: the power is that of crazyflie_legacy at the weight of the drone (cell_model.py). Open-circuit voltage
-and the shape of all curves over charge are Chen and Rincon-Mora's, and the capacity is the nominal one: flights that
-use less than half of the charge cannot separate the capacity from slow changes of the resistance. `--full` raises the
-open-circuit voltage in proportion to the charge, so that the full cell has this voltage. The fitted values are the
-series resistance, resistance and time constant of one pair, and a factor of all resistances per flight, because the
-cells are not named. A second pair gets 0 Ohm in the fit.
+FOLDER is described in flight_data.py. The fit uses only the flights whose SHA-256 is even. The flights contain no current: the
+power is that of crazyflie_legacy at the weight of the drone (cell_model.py). Open-circuit voltage and the shape of all curves
+over charge are those of Chen and Rincon-Mora. The capacity is the nominal capacity: flights that use less than half of the charge
+cannot distinguish the capacity from slow changes of the resistance. `--full` raises the open-circuit voltage in proportion to the
+charge, so that the full cell has this voltage. The fitted values are the series resistance, and resistance and time constant of
+one pair. Each flight also has a factor of all resistances, because the data do not identify the cells. A second pair gets 0 Ohm
+in the fit.
 """
 import argparse
 from dataclasses import replace
@@ -28,7 +28,7 @@ COMMON = 3      # number of values that all flights share: series resistance, re
 
 
 def scaled(base, series, pairs):
-    """Scales the curves of cell ``base``, so that the resistance and the RC pairs have the given values at full charge.
+    """Scales the curves of cell ``base``. At full charge, the resistance and the RC pairs then have the given values.
     """
     return replace(base, series=base.series / base.series[-1] * series,
                    pairs=[(ohm / ohm[-1] * value, tau / tau[-1] * time) for (ohm, tau), (value, time) in zip(base.pairs, pairs)])
@@ -55,8 +55,8 @@ def main():
         return (flown.errors(cell_of(x[:COMMON]), np.exp(x[COMMON:])) * weight)[known]
 
     def slopes(x):
-        """Returns numerical derivatives. The factor of a flight affects only the errors of this flight, so one run is
-        enough for the derivatives with respect to all these factors.
+        """Returns numerical derivatives. The factor of a flight affects only the errors of this flight, so one run suffices for
+        the derivatives with respect to all factors.
         """
         ground, step = errors(x), 1e-4
         matrix = np.zeros((ground.size, x.size))

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Fits thrust, motor and inertia of the Crazyflie's older propellers to public flights and stands.
+"""Fits thrust, motor and inertia of the Crazyflie's older propellers to data of public flights and motor stands.
 
     .venv/bin/python bench/flight/fit_rotor.py FOLDER
 
-FOLDER is described in flight_data.py. Only its CALIBRATION_* files are read. The equations are those of
-fmu_motors/src/electric_motor.hpp: i = (v - K w) / R >= 0, J dw/dt = K i - c w^2, P = v i + g v^2 (1 - d)^2, with
-c = torque_per_thrust k.
+FOLDER is described in flight_data.py. The fit uses only its CALIBRATION_* files. The equations are those of
+fmu_motors/src/electric_motor.hpp: i = (v - K w) / R >= 0, J dw/dt = K i - c w^2, P = v i + g v^2 (1 - d)^2, with c =
+torque_per_thrust k.
 """
 import argparse
 
@@ -40,7 +40,7 @@ def stand_coefficient(stand):
 
 
 def motor_at(stand, drag, law):
-    """Returns the effective voltage and the power that the law gives at the measured speed."""
+    """Returns the effective voltage and the power at the measured speed by the law of the motor."""
     emf, resistance, ripple = law
     current = drag * stand.speed_rad_per_s**2 / emf
     voltage = emf * stand.speed_rad_per_s + resistance * current
@@ -48,7 +48,7 @@ def motor_at(stand, drag, law):
 
 
 def steady_points(flight):
-    """Returns mean duty cycle, voltage and speed of each rotor in each second, in the form of a stand without thrust.
+    """Returns mean duty cycle, voltage and speed of each rotor in each second, as points of a stand without thrust.
     """
     rows = [(flight.duty[i, s].mean(), flight.voltage_v[s].mean(), flight.speed_rad_per_s[i, s].mean())
             for s in flight.blocks() for i in range(4)]
@@ -58,7 +58,7 @@ def steady_points(flight):
 
 
 def fit_motor(powered, spun, drag):
-    """Fits K, R and g by least squares of relative errors. Each source has the same weight."""
+    """Fits K, R and g by the least squares of relative errors. Each source has the same weight."""
     def errors(logs):
         law, parts = np.exp(logs), []
         for source in (powered, *spun):
@@ -71,8 +71,7 @@ def fit_motor(powered, spun, drag):
 
 
 def simulated_speed(flight, drag, law, inertia):
-    """Computes speeds with the equations, starting from the first measured speed. Small explicit steps suffice for a
-    lag of 80 ms."""
+    """Computes speeds with the equations from the first measured speed on. Small explicit steps suffice for a lag of 80 ms."""
     emf, resistance, _ = law
     speed, course = flight.speed_rad_per_s[:, 0].copy(), np.empty_like(flight.speed_rad_per_s)
     steps = np.diff(flight.time_s, append=flight.time_s[-1])
@@ -85,8 +84,8 @@ def simulated_speed(flight, drag, law, inertia):
 
 
 def fit_inertia(flights, drag, law):
-    """Returns the inertia J with the least variance of the speed error, and this variance relative to that of the speed.
-    The mean error of each rotor is attributed to differences between motors."""
+    """Returns the inertia J with the least variance of the speed error, and this variance divided by the speed's variance. The
+    mean error of each rotor counts as a difference between motors, and is removed."""
     def variance(logarithm):
         found = []
         for flight in flights:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads public flights and motor stands of the Crazyflie. States the place of each file and its permitted use.
+"""Reads data of public flights and motor stands of the Crazyflie. States the place of each file and its permitted use.
 
-A folder contains checkouts named like their repositories: crazyflie-data-collection (IMRCLab), Crazyflie-2.0-battery-data
-(RaresCraciun), nanobench-iros2026 (syediu). Most have no licence, so none of their files is in this repository. Needs the
+A folder contains checkouts with the names of their repositories: crazyflie-data-collection (IMRCLab), Crazyflie-2.0-battery-data
+(RaresCraciun), nanobench-iros2026 (syediu). Most have no licence, so this repository contains none of their files. Needs the
 package mebots in PYTHONPATH.
 """
 import csv
@@ -23,7 +23,7 @@ IMRC = "crazyflie-data-collection"
 FLIGHTS = f"{IMRC}/brushed_flights/data"
 STANDS = f"{IMRC}/system-id/data"
 
-# Fits may use only these flights and these files of stands.
+# Fits may use only these flights and stands.
 CALIBRATION_FLIGHTS = ("jana04", "jana05", "jana06")
 CALIBRATION_STANDS = ("cf21_eckart1/data.csv", "cf21_bitcraze2021/cf21_stock2.csv")
 
@@ -41,7 +41,7 @@ def digest(path):
 
 
 def distinct(paths):
-    """Returns the paths in the order of names, without files whose content is equal to that of an earlier file."""
+    """Returns the paths in the order of their names. Omits a file if an earlier file has the same content."""
     found = {}
     for path in sorted(paths):
         found.setdefault(digest(path), path)
@@ -49,15 +49,15 @@ def distinct(paths):
 
 
 def read_usd(path):
-    """Returns the columns of the event fixedFrequency in a log of Bitcraze's uSD deck. `time` is in seconds from the
-    first row."""
+    """Returns the columns of the event fixedFrequency in a log of Bitcraze's uSD deck. `time` is in seconds from the first
+    row."""
     columns = read_events(Path(path))["fixedFrequency"]
     return columns | {"time": columns["time"] - columns["time"][0]}
 
 
 @dataclass
 class Flight:
-    """Contains the rotors' data of a flight, as arrays over time. Arrays of rotors have four rows."""
+    """The rotor data of a flight, as arrays over time. Arrays of rotors have four rows."""
     name: str
     mass_kg: float
     time_s: np.ndarray
@@ -68,14 +68,14 @@ class Flight:
     climb_m_per_s: np.ndarray
 
     def blocks(self, length_s=1.0):
-        """Returns slices of about `length_s` of the flight in which every rotor turns."""
+        """Returns slices of the flight in which every rotor turns. A slice has about `length_s`."""
         edges = np.searchsorted(self.time_s, np.arange(self.time_s[0], self.time_s[-1], length_s))
         whole = [slice(a, b) for a, b in zip(edges, edges[1:])]
         return [s for s in whole if (self.speed_rad_per_s[:, s] > 500).all()]
 
 
 def flight_of(log, name, mass_kg, duty="pwm.m{}_pwm"):
-    """Converts the columns of a log to a flight. Without a state in the log, tilt and climb are zero."""
+    """Converts the columns of a log to a flight. If the log has no state, tilt and climb are zero."""
     length = len(log["time"])
     has_state = "stateEstimate.qx" in log
     upright = 1 - 2 * (log["stateEstimate.qx"]**2 + log["stateEstimate.qy"]**2) if has_state else np.ones(length)
@@ -93,7 +93,7 @@ def flight(folder, name):
 
 @dataclass
 class Stand:
-    """Contains steady points of a motor stand, as one of four equal rotors."""
+    """Steady points of a motor stand, converted to one of four equal rotors."""
     duty: np.ndarray
     voltage_v: np.ndarray
     speed_rad_per_s: np.ndarray
@@ -106,7 +106,6 @@ class Stand:
 
     @property
     def grams(self):
-        """Returns the thrust of the four rotors [g]."""
         return 4e3 * self.thrust_n / GRAVITY
 
     @property
@@ -123,8 +122,8 @@ def _rows(path):
 
 
 def stand(folder, name):
-    """Returns the points of a stand: means over the second half of each interval of constant PWM, or the rows if
-    they are already steady. The current at rest belongs to the electronics and counts as a constant power."""
+    """Returns the points of a stand: means over the second half of each interval of constant PWM, or the rows if they are already
+    steady. The current at rest is that of the electronics; its power counts as constant."""
     log = _rows(Path(folder) / STANDS / name)
     pwm = log["pwm"]
     weight = log["weight" if "weight" in log else "weight[g]"]
@@ -144,7 +143,7 @@ def stand(folder, name):
 
 @dataclass
 class Discharge:
-    """Contains the voltage of a cell during a flight in equal intervals, from the start of the motors."""
+    """The voltage of a cell during a flight, in equal intervals from the start of the motors."""
     name: str
     fitted: bool              # true if fits may use the flight
     rest_v: float             # voltage before the motors start
@@ -165,8 +164,7 @@ def _means(values, rows):
 
 
 def craciun(folder):
-    """Reads flights that have only the voltage, with 100 rows per second. Fits may use the flights with an even
-    SHA-256."""
+    """Reads flights that contain only the voltage, 100 rows per second. Fits may use the flights with an even SHA-256."""
     found = []
     for path in distinct((Path(folder) / CRACIUN).glob("*.csv")):
         voltage = np.genfromtxt(path, delimiter=",", skip_header=1)[:, 3]
@@ -181,7 +179,7 @@ def craciun(folder):
 
 
 def nanobench(folder):
-    """Reads flights with duty cycles, 100 rows per second, in order of time. Fits must not use these flights."""
+    """Reads flights with duty cycles, 100 rows per second, in the order of time. Fits must not use these flights."""
     found = []
     for path in distinct((Path(folder) / NANOBENCH).glob("*.csv")):
         with open(path, newline="") as file:

@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Predicts the voltage of flights that were not used to fit a cell, and prints the distribution of the errors.
+"""Predicts the voltage of flights that no cell was fitted to, and prints the distribution of the errors.
 
     .venv/bin/python bench/flight/judge_cell.py FOLDER
 
-FOLDER is described in flight_data.py. Sets: Craciun's flights with an odd SHA-256, and NanoBench's, whose power follows from
-the logged duty cycles. The predictions have three names. `blind` uses the cell file and the voltage at rest before the
-flight. `own start` fits one factor of all resistances to the first 20 s, and is judged on the remaining time. `flight
-before` uses the factor that was fitted to a whole earlier flight. In NanoBench, that is a flight of the same cell that
-started less than 5 minutes earlier and ended within 0.1 V below the rest voltage of the judged flight. In Craciun's
-set, where no cell is named, it is the flight with the previous number.
+FOLDER is described in flight_data.py. Sets: Craciun's flights with an odd SHA-256, and NanoBench's flights, whose power follows
+from the logged duty cycles. There are three predictions. `blind` uses the cell file and the voltage at rest before the flight.
+`own start` fits one factor of all resistances to the first 20 s, and is judged on the remaining time. `flight before` uses the
+factor of a whole earlier flight. In NanoBench, this flight used the same cell, started less than 5 minutes earlier, and ended
+within 0.1 V below the judged flight's voltage at rest. In Craciun's set, which does not name cells, this is the flight with the
+previous number.
 """
 import argparse
 
@@ -26,13 +26,13 @@ SAG_AT_S = 5.0
 
 
 def spread(values):
-    """Returns a text with the median, mean, 90th percentile and largest of the values [mV]. The values are in V."""
+    """Returns a text with the median, mean, 90th percentile and maximum of the values in mV. The argument is in V."""
     mv = 1e3 * np.asarray(values)
     return f"{np.median(mv):.0f}, {mv.mean():.0f}, {np.percentile(mv, 90):.0f}, {mv.max():.0f}"
 
 
 def before(flights, judged):
-    """Returns for each judged flight the earlier flight that provides its factor, or None."""
+    """Returns, for each judged flight, the earlier flight that provides its factor. If there is no such flight, returns None."""
     found = []
     for flight in judged:
         earlier = [f for f in flights if f.start_s < flight.start_s]
@@ -46,8 +46,8 @@ def before(flights, judged):
 
 
 def sag_and_slope(voltage, rest):
-    """Returns a text with two medians: the voltage drop from rest to 5 s after the start [mV], and the slope from 10 s to
-    the end [mV/s]."""
+    """Returns a text with two medians: the voltage drop from rest to 5 s after the start [mV], and the slope from 10 s to the end
+    [mV/s]."""
     sag = rest - voltage[:, round(SAG_AT_S / data.STEP_S)]
     slopes = []
     for row in voltage:

@@ -4,9 +4,9 @@
 
     .venv/bin/python bench/flight/judge_frame.py FOLDER
 
-FOLDER is described in flight_data.py. In flight an accelerometer does not measure gravity. Perpendicular to the rotors' axis
-it measures drag only: a = -d v / m, with v along the same body axis and a constant error of the sensor, means over 0.1 s.
-Climb: the thrust required by weight and acceleration, divided by the squares of the rotor speeds, decreases by d v.
+FOLDER is described in flight_data.py. An accelerometer in flight does not measure gravity. Perpendicular to the rotors' axis, it
+measures only drag: a = -d v / m. v is the velocity along the same body axis. The sensor has a constant error. Values are means
+over 0.1 s. Climb: the thrust that weight and acceleration require, divided by the squares of the rotor speeds, decreases by d v.
 """
 import argparse
 import json
@@ -23,7 +23,6 @@ ENDS = 5
 
 
 def body_velocity(log):
-    """Returns the estimated velocity along the body's x and y axes."""
     x, y, z, w = (log[f"stateEstimate.q{c}"] for c in "xyzw")
     velocity = np.array([log[f"stateEstimate.v{c}"] for c in "xyz"])
     forward = np.array([1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)])
@@ -46,8 +45,8 @@ def horizontal_drag(folder, name):
 
 
 def climb_drag(folder):
-    """Returns the drag along the vertical [N s/m], its standard error, and the number of slices. The first rotor's
-    sensor fails in these flights, so the mean of rotors 2 to 4 replaces the mean of all four."""
+    """Returns the drag along the vertical [N s/m], its standard error, and the number of slices. Uses the mean of rotors 2 to 4,
+    because the first rotor's sensor fails in these flights."""
     rise, share = [], []
     for name in data.CLIMBING_FLIGHTS:
         f = data.flight(folder, name)

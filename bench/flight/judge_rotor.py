@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Predicts flights and a stand that were not used to fit a rotor file, and prints every error.
+"""Predicts flights and a motor stand that no rotor file was fitted to, and prints every error.
 
     .venv/bin/python bench/flight/judge_rotor.py build/release/fmus/fmu_motors.fmu FOLDER
 
-FOLDER is described in flight_data.py. Thrust: k times the measured speeds, compared with weight and measured acceleration in
-each second. `one flight`: with k from the first flight of the same drone, judged on the others. Speed: fmu_motors with
-the logged duty cycles and voltage as inputs; `one flight`: with a factor per rotor from the first flight. Power: the steady
-state of fmu_motors at the stand's voltage and at its thrust or speed, compared with voltage times current; up and down are
-the two directions of the stand's sweep. The last table shows, without a model, the power of that stand divided by that of the
-stand to which the rotor was fitted.
+FOLDER is described in flight_data.py. Thrust: k times the measured speeds, compared with weight and measured acceleration in each
+second. `one flight`: k is from the first flight of the same drone, and is judged on the others. Speed: fmu_motors with the logged
+duty cycles and voltage as inputs. `one flight`: a factor per rotor is from the first flight. Power: the steady state of
+fmu_motors at the stand's voltage and at its thrust or speed, compared with voltage times current. Up and down are the two
+directions of the stand's sweep. The last table uses no model: it shows the power of this stand divided by the power of the stand
+that the rotor was fitted to.
 """
 import argparse
 
@@ -25,7 +25,7 @@ GRAMS = ((15, 20), (20, 25), (25, 30), (30, 35), (35, 40), (40, 45))
 
 
 def spread(errors):
-    """Returns the mean, the standard deviation, and the 5th and 95th percentile of relative errors as text, in percent.
+    """Returns mean, standard deviation, 5th and 95th percentile of relative errors as text, in percent.
     """
     e = 100 * np.asarray(errors)
     return f"{e.mean():+.1f} (sd {e.std():.1f}, 5 to 95 %: {np.percentile(e, 5):+.1f} to {np.percentile(e, 95):+.1f})"
@@ -70,8 +70,8 @@ def speed_table(sets, models):
 
 
 def stand_errors(stand, model):
-    """Returns the errors of four quantities at each point: thrust at speed, speed at duty, power at thrust and power at
-    speed."""
+    """Returns the errors of four quantities at each point: thrust at the speed, speed at the duty cycle, power at the thrust, and
+    power at the speed."""
     points = zip(stand.duty, stand.voltage_v, stand.speed_rad_per_s, stand.square_speed, stand.thrust_n, stand.power_w)
     return np.array([(model.thrust_coefficient * square / thrust - 1, model.speed_at(duty, volt) / speed - 1,
                       model.power_at_thrust(thrust, volt) / power - 1, model.power_at_speed(speed, volt) / power - 1)
@@ -94,7 +94,7 @@ def stand_table(stand, models):
 
 
 def stands_table(judged, fitted):
-    """Prints, for ranges of thrust, the power of one stand divided by that of the other at the same thrust, minus 1."""
+    """Prints, for ranges of thrust, the power of one stand divided by the power of the other at the same thrust, minus 1."""
     print("| power of stock-prop / stock2 - 1 | up and down averaged | up | down |\n|---|---|---|---|")
     rising = np.arange(len(judged.duty)) < np.argmax(judged.duty)
     order = np.argsort(fitted.grams)

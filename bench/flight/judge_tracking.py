@@ -1,20 +1,21 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the set-points of NanoBench's flights with the Crazyflie controller of fmu_world, and compares the tracking errors
-with those of the logged flights and with their spread over repetitions.
+"""Runs the set-points of NanoBench's flights with fmu_world's Crazyflie controller.
+
+Compares the tracking errors with those of the logged flights, and with their spread over repetitions.
 
     PYTHONPATH=BUILD/python .venv/bin/python bench/flight/judge_tracking.py FOLDER
 
-FOLDER is described in flight_data.py. The logged drone followed positions: the firmware's position loop, with the gain and
-limit of src/modules/src/controller/position_controller_pid.c, converts them to the velocities that fmu_world follows.
-Altitudes are passed to fmu_world unchanged. Nothing is fitted: airframe, cell and mass are those with which docs/replay.md
-replays these flights, and the charge at the start is the one of the voltage at rest.
+FOLDER is described in flight_data.py. The logged drone followed positions. Here, the firmware's position loop, with gain and
+limit of src/modules/src/controller/position_controller_pid.c, converts them to the velocities that fmu_world follows. Altitudes
+are inputs of fmu_world without changes. Nothing is fitted: airframe, cell and mass are those of these flights in docs/replay.md.
+The voltage at rest determines the charge at the start.
 
-The propellers of these flights are those of a 2.1+: at full thrust the logs have 3.06 V at a motor, and the firmware's fit has
-3.08 V for them, 2.97 V for the older ones.
+These flights used the propellers of a 2.1+: at full thrust, a motor has 3.06 V in the logs. The firmware's fit gives 3.08 V for
+these propellers, and 2.97 V for the older ones.
 
-A tracking error is the distance between the drone and its set-point at the same time. It is evaluated from 3 s after the
-set-point leaves the take-off position until the trajectory ends.
+A tracking error is the distance between the drone and its set-point at the same time. The judged time starts 3 s after the
+set-point leaves the take-off position, and ends with the trajectory.
 """
 import argparse
 import csv
@@ -45,7 +46,7 @@ GAP_M = 0.3               # if Vicon and the drone's own estimate differ by more
 
 @dataclass
 class Tracking:
-    """Contains a logged flight in equal steps of PERIOD_S. Arrays have a row for x, y, z."""
+    """A logged flight in equal steps of PERIOD_S. Arrays have a row for each of x, y, z."""
     name: str
     trajectory: str           # kind and parameters, equal for repetitions
     rest_v: float
@@ -61,7 +62,7 @@ class Tracking:
 
 
 def trajectory_of(metadata):
-    """Returns kind and parameters of a trajectory, without the number of repetitions."""
+    """Returns the kind and the parameters of a trajectory, without the number of the repetition."""
     params = re.search(r"^params:\n((?: .*\n|- .*\n)*)", metadata, re.M)[1]
     values = re.findall(r"^  (\w+): (\S+)", params, re.M)
     kind = re.search(r"^trajectory_type: (\S+)", metadata, re.M)[1]
@@ -72,7 +73,7 @@ def trajectory_of(metadata):
 
 
 def read(path):
-    """Reads a flight. Returns the flight, or the reason why it is omitted."""
+    """Returns the flight, or the reason why it is omitted."""
     with open(path, newline="") as file:
         names = next(csv.reader(file))
     log = dict(zip(names, np.genfromtxt(path, delimiter=",", skip_header=1).T))
@@ -98,7 +99,7 @@ def read(path):
 
 
 def charge_at(rest_v):
-    """Returns the state of charge at which the cell of the airframe has this open-circuit voltage."""
+    """Returns the state of charge at which the airframe's cell has this open-circuit voltage."""
     cell = json.loads(AIRFRAME.read_text())["cell"]
     curve = json.loads((ROOT / f"fmu_battery/params/cells/{cell}.json").read_text())["open_circuit_voltage"]
     grid = np.linspace(0, 1, 4001)
@@ -107,7 +108,7 @@ def charge_at(rest_v):
 
 
 def mission_file(folder):
-    """Writes the hover mission with this airframe and the Crazyflie's controller, without its stop conditions."""
+    """Writes the hover mission with this airframe and the Crazyflie's controller. Removes the mission's stop conditions."""
     airframe = json.loads(AIRFRAME.read_text())
     cell = json.loads((ROOT / f"fmu_battery/params/cells/{airframe['cell']}.json").read_text())
     config = json.loads((ROOT / "configs/hover.json").read_text())
@@ -125,7 +126,7 @@ def mission_file(folder):
 
 
 def fly(file, flight):
-    """Simulates a drone that receives the set-points of a flight. Returns its positions."""
+    """Simulates a drone that receives the set-points of a flight. Returns the drone's positions."""
     start = {f"world.start.offset.{axis}": float(value) for axis, value in zip("xy", flight.position_m[:, 0])}
     found = np.full_like(flight.position_m, np.nan)
     settings = {"battery.cell.initial_state_of_charge": charge_at(flight.rest_v)} | start
@@ -145,7 +146,7 @@ def fly(file, flight):
 
 
 def figures(flight, position_m):
-    """Returns the errors listed in FIGURES [m]."""
+    """Returns the errors in the order of FIGURES [m]."""
     level, vertical = flight.errors(position_m)
     return np.array([np.sqrt(np.mean(level**2)), level.max(), np.sqrt(np.mean(vertical**2)), np.abs(vertical).max()])
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs fmu_motors with one rotor file, driven by given duty cycles and voltage."""
+"""Runs fmu_motors with one rotor file. Its inputs are given duty cycles and voltages."""
 import json
 import tempfile
 from functools import lru_cache
@@ -37,8 +37,8 @@ class Motors:
         return slave
 
     def fly(self, flight):
-        """Returns the speeds of the four rotors and their power at each row of a flight. Duty cycles and voltages are
-        inputs. The flight starts in the air. Therefore the first row is applied until the rotors are steady."""
+        """Returns speed and power of the four rotors at each row of a flight. Duty cycles and voltages are inputs. The flight
+        starts in the air, so the first row is applied until the rotors are steady."""
         slave = self._begin()
         inputs = [self.at[n] for n in [*COMMAND, "bus.voltage"]]
         outputs = [self.at[n] for n in [*SPEED, "power"]]
@@ -58,7 +58,7 @@ class Motors:
 
     @lru_cache(maxsize=None)
     def settled(self, voltage_v):
-        """Returns the steady speed and power of one rotor at DUTIES."""
+        """Returns the steady speed and power of one rotor at each of DUTIES."""
         slave, now, rows = self._begin(), 0.0, []
         for duty in DUTIES:
             slave.setReal([self.at[n] for n in [*COMMAND, "bus.voltage"]], [duty] * 4 + [voltage_v])

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Prints the thrust of one rotor over its command for a drone file, from the FMUs of motors and battery.
+"""Prints the thrust of one rotor over its command, for a drone file. Uses the FMUs of motors and battery.
 
     MEBOTS_FMU_PATH=BUILD/fmus PYTHONPATH=BUILD/python .venv/bin/python bench/flight/thrust_curve.py
 
-Each point is a steady state: a half-charged cell supplies the motors, and its voltage is that under this load.
+Each point is a steady state: a half-charged cell supplies the motors.
 """
 import json
 import pathlib

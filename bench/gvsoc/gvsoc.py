@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs GVSoC, programs of a build folder and the cross compiler for the scripts of this folder, and reads the files
-that programs write. GVSoC is the program in the variable MEBOTS_GVSOC, else `gvsoc` on PATH."""
+"""Runs GVSoC, programs of a build folder and the cross compiler for scripts of this folder. Reads the files that programs write.
+The variable MEBOTS_GVSOC contains the path of GVSoC; otherwise, GVSoC is `gvsoc` on PATH."""
 
 import os
 import pathlib
@@ -15,7 +15,7 @@ LONGEST_S = 600
 
 
 def program(name, mend):
-    """Returns the program's path. If the program is missing, exits and prints `mend`, the remedy."""
+    """Returns the program's path. If the program is missing, prints the remedy `mend` and exits."""
     path = shutil.which(name)
     if not path:
         raise SystemExit(f"{name} is missing: {mend}")
@@ -38,7 +38,7 @@ def compiler():
 def processor_time(command, folder):
     """Runs a command. Returns (output, exit code, processor time [s])."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    # GVSoC's program starts other programs. In a separate session, all of them can be ended together.
+    # GVSoC's program starts other programs. A separate session makes it possible to end all of them together.
     with subprocess.Popen([str(part) for part in command], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                           text=True, errors="replace", start_new_session=True) as running:
         try:
@@ -55,18 +55,18 @@ def processor_time(command, folder):
 
 
 def run(program, folder):
-    """Runs an ELF on GVSoC's open PULP chip (target pulp-open), in a separate folder."""
+    """Runs an ELF in a separate folder on GVSoC's open PULP chip (target pulp-open)."""
     return processor_time([peer(), "--target=pulp-open", f"--work-dir={folder}", "--binary", pathlib.Path(program).absolute(),
                            "image", "flash", "run"], folder)
 
 
 def instructions_of(done):
-    """Returns the instructions of all cores in a run of mebots-soc, read from its output."""
+    """Returns the instructions of all cores, from the output of mebots-soc."""
     return sum(map(int, re.findall(r"^instructions .*", done[0], re.MULTILINE)[-1].split()[1:]))
 
 
 def left_by(simulator, done, folder):
-    """Returns the content of the file "result" that a successful program has written, and deletes the file."""
+    """Returns the content of the file "result" of a successful program, and deletes the file."""
     text, code, _ = done
     file = folder / "result"
     if code != 0:

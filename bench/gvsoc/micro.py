@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the micro programs of tests/soc/rtl on a core of the cluster, in mebots-soc and in GVSoC. Prints the cycles per
-iteration where the two differ.
+"""Runs the micro programs of tests/soc/rtl on a core of the cluster, in mebots-soc and in GVSoC. Prints the cycles per iteration
+of programs with different cycles.
 
 Usage: micro.py BUILD
 
-The cycles of an iteration are the difference between 64 and 32 iterations, which removes one-time costs: filling instruction
-caches, and the code around the loop. A test (soc_rtl_test) compares the cycles of mebots-soc with the RTL's. gvsoc.py
-describes how GVSoC is found.
+The cycles of an iteration are derived from the difference between 64 and 32 iterations. This excludes one-time costs: filling
+instruction caches, and the code around the loop. A test (soc_rtl_test) compares the cycles of mebots-soc with the RTL's. gvsoc.py
+states how GVSoC is found.
 """
 import csv
 import pathlib

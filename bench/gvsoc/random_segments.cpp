@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// mebots-random-segments SEED COUNT: writes random Xpulp programs as assembly text for random_xpulp.S, whose macros it
-// uses.
+// mebots-random-segments SEED COUNT writes random Xpulp programs as assembly text. The text uses the macros of
+// random_xpulp.S.
 //
 // Each segment starts with random registers and the memory of the previous segment. It ends with a record of all
-// registers. Four kinds of instructions are known to have other results in GVSoC for some operands. For these
-// instructions, operands and result are logged, and the result is overwritten. So later instructions cannot differ.
+// registers. Four kinds of instructions are known to have other results in GVSoC for some operands. Their operands and
+// results are logged, and the result is overwritten, so that later instructions cannot differ.
 #include "xpulp/random_xpulp.hpp"
 
 #include "isa/encoding.hpp"
@@ -51,8 +51,8 @@ bool is_watched(std::uint32_t word) {
   return traits.kind == OpKind::multiply_halves && traits.reads_rd && traits.rounds;
 }
 
-/// Returns true if GVSoC's open PULP chip does not support the instruction. These are the additional forms of pv.pack
-/// in GAP8, and encodings with a set bit that the RTL ignores.
+/// True if GVSoC's open PULP chip does not support the instruction: additional forms of pv.pack in GAP8, and encodings
+/// with a set bit that the RTL ignores.
 bool is_unknown(std::uint32_t word) {
   const auto name = decode(word).encoding->name;
   const bool with_ignored_bit = (word >> 25 & 1U) != 0 && (name == "pv.pack" || name.starts_with("pv.abs."));
@@ -99,8 +99,8 @@ class Author {
     return word;
   }
 
-  /// Returns a watched instruction. Half of them are loads that overwrite their own pointer and stores of their own
-  /// pointer, because these are rare among random instructions.
+  /// Returns a watched instruction. Half of them are loads that overwrite their own pointer, and stores of their own
+  /// pointer. These are rare among random instructions.
   std::uint32_t any_watched() {
     switch (random_.below(4)) {
       case 0: {

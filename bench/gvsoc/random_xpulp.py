@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs random Xpulp programs on mebots-soc and on GVSoC (target pulp-open), and compares registers after each segment, and all
+"""Runs random Xpulp programs on mebots-soc and on GVSoC (target pulp-open). Compares the registers after each segment, and all
 memory.
 
 Usage: random_xpulp.py BUILD [--programs N] [--first SEED] [--segments N] [--alone]
 
-BUILD is a build folder with tests. gvsoc.py describes how GVSoC is found. --alone compares the translated with the interpreted
-run instead. Apart from encodings that GVSoC does not support, four kinds of instructions are known to differ for some operands
-(known()). Any other difference is printed, and the exit code is 1. Needs riscv64-unknown-elf-gcc.
+BUILD is a build folder with tests. gvsoc.py states how GVSoC is found. --alone compares the translated with the interpreted run
+of mebots-soc instead. Some encodings are not supported by GVSoC. Four kinds of instructions are known to differ for some operands
+(known()). For any other difference, prints it, and the exit code is 1. Needs riscv64-unknown-elf-gcc.
 """
 import argparse
 import collections
@@ -22,8 +22,7 @@ import gvsoc
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 HERE = pathlib.Path(__file__).parent
 WATCHED = 0x80000000
-# Approximate numbers of instructions in addition to the random ones: per program, and per segment with its two watched
-# ones.
+# Approximate numbers of additional instructions: per program, and per segment with its two watched instructions.
 AROUND_PROGRAM, AROUND_SEGMENT = 393_300, 89
 DATA_BYTES = 0x40000
 MOST_SEGMENTS = 230
@@ -34,8 +33,8 @@ def signed(value, bits):
 
 
 def known(word, rs1, rs2, rd):
-    """Returns the class of instructions in which GVSoC is known to differ from RI5CY's RTL with these operands, or
-    None.
+    """Returns the class of instructions in which GVSoC is known to differ from RI5CY's RTL with these operands. If there is none,
+    returns None.
 
     >>> known(0x0045250B, 0x1C060000, 0, 0x1C060000)   # p.lw x10, 4(x10!)
     'a load with post-increment into its own pointer'
@@ -57,8 +56,7 @@ def known(word, rs1, rs2, rd):
 
 
 def rounded_sum_overflows(word, rs1, rs2, rd):
-    """True if the sum of accumulator and product of halves exceeds 32 bits, with or without the half unit of the
-    rounding.
+    """True if the sum of accumulator and product of halves exceeds 32 bits, with or without the half unit of the rounding.
 
     >>> rounded_sum_overflows(0xA28E5DDB, 0xFFFFFF60, 4, 0x80000000)   # the half unit brings it back
     True
@@ -115,7 +113,7 @@ def result(simulator, done, folder):
 
 
 def compare(one, other, seen):
-    """Returns the first difference outside of the known classes as text, or None. Counts the known cases in `seen`."""
+    """Returns the first difference outside of the known classes as text, or None. Counts known cases in `seen`."""
     for mine, its in zip(one[0], other[0]):
         if mine[0] == "watched" and its[0] == "watched" and mine[:5] == its[:5]:
             kind = known(*mine[1:5])
@@ -140,7 +138,7 @@ def compare(one, other, seen):
 
 
 def number(least, most):
-    """Returns a function that converts an option to a number in a range."""
+    """Returns a function that converts an option to a number and checks its range."""
     def read(text):
         if not text.isdecimal() or not least <= int(text) <= most:
             raise argparse.ArgumentTypeError(f"{text}: want a number from {least} to {most}")

@@ -1,14 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs programs on mebots-soc and on GVSoC (target pulp-open), the same ELF on both: a table in Markdown.
+"""Runs the same ELF files on mebots-soc and on GVSoC (target pulp-open). Prints a table in Markdown.
 
 Usage: side_by_side.py BUILD [--hello ELF] [--coremark CHECKOUT] [--repeats N]
 
-BUILD is a build folder; bench/gvsoc/gvsoc.py describes how GVSoC is found. Programs of bench/soc and CoreMark run on one core
-of the cluster, with code in L2 behind the instruction cache and data in L1; hello runs on the fabric controller of board
-pulp_open. The processor time is that of the whole process: the least of the repeats, which alternate between the
-simulators. Instructions are those executed by all cores of mebots-soc. The exit code is 1 if results differ. Needs
-riscv64-unknown-elf-gcc and picolibc.
+BUILD is a build folder; bench/gvsoc/gvsoc.py states how GVSoC is found. Programs of bench/soc and CoreMark run on one core of the
+cluster, with code in L2 behind the instruction cache and data in L1. hello runs on the fabric controller of board pulp_open. The
+processor time is that of the whole process: the minimum of the repeats, which alternate between the simulators. Instructions are
+those of all cores of mebots-soc. The exit code is 1 if results differ. Needs riscv64-unknown-elf-gcc and picolibc.
 """
 import argparse
 import pathlib
@@ -39,7 +38,7 @@ def compiled(name, sources, options, folder):
 
 
 def programs(options, folder):
-    """Returns the name, the ELF, the board and the reader of the result for each program."""
+    """Returns name, ELF, board and reader of the result for each program."""
     if options.hello:
         yield "pulp-open's hello", options.hello.resolve(), "pulp_open", greeted
     for name, turns in TURNS.items():
@@ -72,7 +71,7 @@ def computed(simulator, done, folder):
 
 
 def measure(soc, program, board, read, repeats, folder):
-    """Returns for each simulator the run with the least processor time, and the number of instructions."""
+    """Returns each simulator's run with the least processor time, and the number of instructions."""
     command = [soc, "run", program, "--board", ROOT / f"configs/boards/{board}.json", "--host-files", folder]
     ours, its = [], []
     for _ in range(repeats):

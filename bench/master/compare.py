@@ -4,13 +4,12 @@
 
 Usage: compare.py MEBOTS PASSTHROUGH.fmu [--repeats N] [--processor-time] [--json FILE]
 
-Scenes: one FMU, a chain of four, a ring of sixteen; without recording and with every output of every step as CSV.
-A tool's cost is the slope between a short and a long run, so that the time for starting does not count. The tools alternate,
-so that other work on the machine affects all of them. The result is in microseconds of wall time per communication step or,
-with --processor-time, of processor time of all threads, on which other work has less influence.
+The cost of a tool is the slope between a short and a long run, which excludes the time for starting. The tools alternate, so that
+other work on the machine affects all of them. The result is in microseconds of wall time per communication step. With
+--processor-time, it is the processor time of all threads, on which other work has less influence.
 
-The script searches for OMSimulator in $OMSIMULATOR and on PATH (its PyPI package fetches the program from its own
-server); FMPy and libcosimpy come from PyPI: scripts/setup.sh bench. Missing tools are listed.
+Searches for OMSimulator in $OMSIMULATOR and on PATH (its PyPI package fetches the program from its own server). FMPy and
+libcosimpy come from PyPI: scripts/setup.sh bench. Lists missing tools.
 """
 
 import argparse
@@ -27,7 +26,7 @@ import time
 
 STEP = 0.1
 SCENES = {
-    # Each entry maps a name to the number of instances and to the connections as (from, to).
+    # Maps a name to the number of instances and to the connections as (from, to).
     "one FMU": (1, []),
     "chain of four": (4, [(0, 1), (1, 2), (2, 3)]),
     "ring of sixteen": (16, [(i, (i + 1) % 16) for i in range(16)]),
@@ -99,7 +98,7 @@ class OMSimulator:
 
 
 class Fmpy:
-    """Runs one FMU with simulate_fmu, and several FMUs with a loop over FMPy's slaves, as a user would write it."""
+    """Runs one FMU with simulate_fmu, and several FMUs with a loop over FMPy's slaves, as a user would."""
 
     name = "FMPy"
     steps = 20_000

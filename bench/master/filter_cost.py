@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measures the cost of the system call filter and of Landlock for a step of an FMU in a separate process. Alternates
-runs with both and runs without them. In the second kind of runs, a preloaded library prevents their set-up.
-Usage: filter_cost.py MEBOTS PASSTHROUGH.fmu [--pairs 20] [--steps 50000] [--core 0]
+"""Measures the cost of the system call filter and of Landlock for a step of an FMU in a separate process. Alternates runs with
+both and runs without them. For the latter, a preloaded library prevents their set-up. Usage: filter_cost.py MEBOTS
+PASSTHROUGH.fmu [--pairs 20] [--steps 50000] [--core 0]
 
-Measures processor time of mebots and all its processes on one core, so that no process spins in parallel. Prints medians and
-quartiles. The ratio of a pair compares two consecutive runs, so that other work on the machine affects both. First, a run of
-each kind checks in /proc/PID/status whether the FMU's process has the filter. (The kernel does not show Landlock there.)
+Measures the processor time of mebots and all its processes on one core, so that no process spins in parallel. Prints medians and
+quartiles. The ratio of a pair compares two consecutive runs, so that other work on the machine affects both. First, a run of each
+kind checks in /proc/PID/status whether the FMU's process has the filter. (The kernel does not show Landlock there.)
 """
 
 import argparse
@@ -19,7 +19,7 @@ import sys
 import tempfile
 import time
 
-# This library is preloaded in both kinds of runs, so that its cost is the same in both.
+# Both kinds of runs preload this library, so that they have the same cost of preloading.
 LIBRARY = """
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -68,7 +68,7 @@ def microseconds_a_step(steps, *what):
 
 
 def status(pid):
-    """Returns the kernel's status of a process; empty if it has ended."""
+    """Returns the kernel's status of a process. If the process has ended, returns an empty dict."""
     try:
         return dict(line.split(":", 1) for line in pathlib.Path(f"/proc/{pid}/status").read_text().splitlines())
     except (FileNotFoundError, ProcessLookupError):
@@ -88,8 +88,8 @@ def below(pid):
 
 
 def check_the_filter(*what):
-    """Exits if no process of an FMU has a filter in a run with filters, or if one has a filter in a run without them.
-    Does not count the filters of this process, which a container may have added.
+    """Exits if no process of an FMU has a filter in a run with filters, or if a process has a filter in a run without them.
+    Ignores the filters of this process, which a container may have added.
     """
     def filters(of):
         return int(of.get("Seccomp_filters", 0))

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measures the cost of separate processes: opening an instance, and its communication step, in the master's process, in
-a separate process and in a sandbox. Usage: isolation.py MEBOTS PASSTHROUGH.fmu [--sizes 1,50,500] [--repeats 3]
+"""Measures the cost of separate processes. Compares the master's process, a separate process and a sandbox: opening an instance,
+and its communication step. Usage: isolation.py MEBOTS PASSTHROUGH.fmu [--sizes 1,50,500] [--repeats 3]
 
-Measures processor time of mebots and all its processes, on which other work has little influence, and wall time. A step is the
-difference between a long run and a short one, divided by steps and instances. An opening is the short run minus that of one
-instance in the master's process, divided by instances. The least of the repeats counts.
+Measures wall time and the processor time of mebots and all its processes. A step is the difference between a long run and a short
+run, divided by steps and instances. An opening is the short run minus the short run of one instance in the master's process,
+divided by instances. The minimum of the repeats counts.
 """
 
 import argparse
@@ -21,7 +21,7 @@ CALLS = 20_000  # approximate product of steps and instances in the long run
 
 
 def run(program, config, folder):
-    """Runs a config, and returns processor and wall seconds."""
+    """Runs a config. Returns processor and wall seconds."""
     def used():
         usage = resource.getrusage(resource.RUSAGE_CHILDREN)
         return usage.ru_utime + usage.ru_stime

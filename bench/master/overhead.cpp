@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures the master's cost in addition to the FMU calls. In one process, it alternates between a bare loop over the
-// FMU's C functions and Simulation. It also measures the cost of single calls. Usage: bench_master_overhead
-// PASSTHROUGH.fmu [REPEATS]
+// Measures the master's cost in addition to the FMU calls. Alternates in one process between a bare loop over the FMU's
+// C functions and Simulation. Also measures the cost of single calls. Usage: bench_master_overhead PASSTHROUGH.fmu
+// [REPEATS]
 #include "fmi/call/foreign_call.hpp"
 #include "fmi/fmu.hpp"
 #include "message/message_hub.hpp"
@@ -35,7 +35,7 @@ struct Shape {
 constexpr std::int64_t kStepNs = 100'000'000;
 constexpr std::int64_t kInstanceSteps = 4'000'000;  // per measurement: long compared with the clock's resolution
 
-/// Returns the processor time of this thread. Other programs only affect it through the caches.
+/// Returns the processor time of this thread.
 double cpu_seconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -70,7 +70,7 @@ SystemDescription system_of(const Shape& shape, const std::filesystem::path& fmu
   return system;
 }
 
-/// Returns the nanoseconds per instance and step that the necessary calls take: set u, step, get y.
+/// Returns the nanoseconds per instance and step of the necessary calls: set u, step, get y.
 double bare(const Shape& shape, Fmu& fmu, std::int64_t steps) {
   const auto& f = fmu.functions<Fmi2Functions>();
   fmi2CallbackFunctions callbacks{};
@@ -111,8 +111,8 @@ double by_master(const Shape& shape, const std::filesystem::path& fmu, FmuLibrar
   return time * 1e9 / static_cast<double>(steps * shape.instances);
 }
 
-/// Contains times of a call of fmi2GetReal [ns]. `watched` includes the check of the floating-point environment. In
-/// `by_master`, the master also sets the instance for callbacks and checks the result.
+/// Times of a call of fmi2GetReal [ns]. `watched` includes the check of the floating-point environment. `by_master`
+/// also includes setting the instance for callbacks and checking the result.
 struct CallCosts {
   double bare, watched, by_master;
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures the cost of recording per communication point: ten Real variables whose 17 digits change in every row.
+// Measures the cost of recording per communication point. Each row has ten Real variables, all 17 digits of which
+// change in every row.
 //
 //     recorder_cost FILE.fmu    (the probe of tests/fmus: build/ci/test_fmus/probe.fmu)
 #include "io/config/load_system.hpp"
@@ -25,7 +26,7 @@ class Silent final : public MessageSink {
   void message(const mebots::Message& /*message*/) override {}
 };
 
-/// Simulates five instances in a ring, whose values never repeat.
+/// Simulates five instances in a ring. Their values never repeat.
 class Ring {
  public:
   Ring() {
@@ -59,7 +60,6 @@ class Ring {
   std::optional<Simulation> simulation_;
 };
 
-/// Measures steps without recording.
 void steps(benchmark::State& state) {
   Ring ring;
   const Recorder watched(ring.system(), ring.simulation().ensemble());  // reads the same values
@@ -67,7 +67,7 @@ void steps(benchmark::State& state) {
   for ([[maybe_unused]] auto _ : state) ring.simulation().step();
 }
 
-/// Measures steps that are recorded to results.csv. The difference to `steps` is the cost of recording.
+/// Measures steps with recording to results.csv. The difference from `steps` is the cost of recording.
 void steps_with_csv(benchmark::State& state) {
   Ring ring;
   OutputFile file(ring.folder() / "results.csv");
@@ -79,7 +79,7 @@ void steps_with_csv(benchmark::State& state) {
   recorder.flush();
 }
 
-/// Measures the recorder's work on the simulation's thread for a row of ten values.
+/// Measures the recorder's work for a row of ten values on the simulation's thread.
 void rows(benchmark::State& state) {
   Ring ring;
   OutputFile file("/dev/null");

@@ -4,9 +4,9 @@
 
 Usage: sizes.py MEBOTS [OTHER_MEBOTS...] [--sizes N,N,...] [--only NAME,...] [--limit SECONDS]
 
-Each run takes two steps. The programs alternate at each size. Prints processor seconds and the peak of resident memory.
-The last column is the growth of the time from size to size: 4 times the size may take 5 times as long. If a program
-fails or exceeds the limit, it is not run at larger sizes of that part.
+Each run takes two steps. The programs alternate at each size. Prints processor seconds and the peak of resident memory. The last
+column is the growth of the time from size to size; for 4 times the size, 5 times the time is permitted. If a program fails or
+exceeds the limit, skips the larger sizes of this part.
 """
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def names(count: int, kind: str = "y") -> list[str]:
     return [f"i0.{kind}[{i}]" for i in range(count)]
 
 
-# Each function takes the size and a function that builds an FMU of a width. It returns a config.
+# Each function takes the size and a function that builds an FMU of a given width. It returns a config.
 SCENES = {
     "instances in a ring": lambda n, wide: base(wide(1), n) | {
         "connections": [{"from": f"i{k}.y[0]", "to": f"i{(k + 1) % n}.u[0]"} for k in range(n)]},
@@ -102,7 +102,7 @@ SCENES = {
 
 
 def measured(program: str, config: pathlib.Path, limit: float) -> tuple[float, float, int]:
-    """Runs a config once. Returns processor seconds, peak memory [MB] and exit code."""
+    """Runs a config. Returns processor seconds, peak memory [MB] and exit code."""
     out = config.parent / "out"
     command = ["/usr/bin/env", "timeout", str(limit), program, "run", str(config), "--out", str(out), "--quiet"]
     with open(config.parent / "log", "w") as log:

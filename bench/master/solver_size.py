@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Measures the processor time of model exchange over the number of states: a ring of masses on springs, one FMU each, whose
-forces depend on both neighbours.
+"""Measures the processor time of model exchange over the number of states. The system is a ring of masses on springs. Each mass
+is one FMU, whose forces depend on both neighbours.
 
 Usage: solver_size.py MEBOTS SPRINGS.fmu [STATES...]
 
-Prints a row for each size: states, steps and evaluations of the solver, and the processor time for a simulated second. The
-time up to t = 0 (a dry run) is subtracted, so that opening the FMUs does not count.
+Prints a row for each size: states, steps and evaluations of the solver, and processor time per simulated second. Subtracts the
+time up to t = 0 (a dry run), which excludes the time for opening the FMUs.
 """
 
 import json

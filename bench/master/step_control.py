@@ -1,19 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measures the error over the number of steps with fixed and with controlled communication steps, on the quarter truck
-of libcosim. Compares it with libcosim's ECCO. Writes a Markdown table and a figure.
+"""Measures the error over the number of steps, with fixed and with controlled communication steps.
+
+The system is libcosim's quarter truck. Compares the result with libcosim's ECCO. Writes a Markdown table and a figure.
 
     step_control.py MEBOTS FOLDER OSCILLATOR.fmu [--out docs/img/step_control.png]
 
-FOLDER is tests/data/fmi2/quarter_truck of a checkout of libcosim (github.com/open-simulation-platform/libcosim): Chassis.fmu and
-Wheel.fmu. libcosimpy comes from PyPI (scripts/setup.sh bench); it is left out if it is missing.
+FOLDER is tests/data/fmi2/quarter_truck of a checkout of libcosim (github.com/open-simulation-platform/libcosim). It contains
+Chassis.fmu and Wheel.fmu. libcosimpy comes from PyPI (scripts/setup.sh bench). If it is missing, it is omitted.
 
-OSCILLATOR.fmu is made from tests/fmus/oscillator.c. With it, the same truck is at rest for 1.0034 s; then its wheel meets a kerb that
-the master cannot predict. The states of this FMU can be restored. Those of libcosim's FMUs cannot: the FMUs return to their first saved
-state in every step while a state is kept (noSetFMUStatePriorToCurrentPoint = false).
+OSCILLATOR.fmu is built from tests/fmus/oscillator.c. With it, the same truck is at rest for 1.0034 s. Then its wheel meets a kerb
+that the master cannot predict. The states of this FMU can be restored. The states of libcosim's FMUs cannot: while a state is
+stored, these FMUs return to their first saved state in every step (noSetFMUStatePriorToCurrentPoint = false).
 
-The truck is linear (nd = 0.5), so its exact course is a matrix exponential. Steps inside the FMUs are so short that their own error is
-below that of the coupling. The error is the largest difference of the positions of chassis and wheel from the exact course at any
-communication point within 4 s, divided by the largest position.
+The truck is linear (nd = 0.5), so its exact course is a matrix exponential. Steps inside the FMUs are so short that their own
+error is below the error of the coupling. The error is the largest difference of the positions of chassis and wheel from the exact
+course at any communication point within 4 s, divided by the largest position.
 """
 
 import argparse
@@ -40,7 +41,7 @@ NAMESPACE = "http://opensimulationplatform.com/MSMI/OSPSystemStructure"
 
 
 class ExactTruck:
-    """Computes the exact positions of chassis and wheel over time. The ground rises at a given time."""
+    """Computes the exact positions of chassis and wheel over time. The ground rises at `kerb_time`."""
 
     def __init__(self, kerb_time):
         self.kerb_time = kerb_time
@@ -63,7 +64,7 @@ def error_of(exact, times, chassis, wheel):
 
 
 class LibcosimTruck:
-    """Describes a truck that consists of libcosim's FMUs. The ground rises at the start."""
+    """The truck of libcosim's FMUs. The ground rises at the start."""
 
     kerb_time = 0.0
     positions = ("chassis.position", "wheel.position")
@@ -78,8 +79,7 @@ class LibcosimTruck:
 
 
 class OwnTruck:
-    """Describes the quarter truck that consists of MEbots' FMUs. Positions are relative to the truck's position after
-    the kerb."""
+    """The quarter truck of MEbots' FMUs. Positions are relative to the truck's final position on the kerb."""
 
     kerb_time = KERB_TIME
     positions = ("chassis.x", "wheel.x")
@@ -95,7 +95,7 @@ class OwnTruck:
 
 
 def held(fmu, target):
-    """Writes a copy of the FMU without time derivatives, as libcosim's FMUs have none."""
+    """Writes a copy of the FMU without time derivatives, which libcosim's FMUs do not have either."""
     with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(target, "w") as copy:
         for name in source.namelist():
             content = source.read(name)
@@ -116,7 +116,7 @@ def config(truck, step, control=None, algorithm="jacobi"):
 
 
 def run(mebots, truck, *settings, **more):
-    """Runs a truck. Returns the number of steps, including repeated ones, and the error."""
+    """Runs a truck. Returns the number of steps (repeated steps included) and the error."""
     exact = ExactTruck(truck.kerb_time)
     system = config(truck, *settings, **more)
     with tempfile.TemporaryDirectory() as name:
@@ -182,7 +182,7 @@ def measure_truck(mebots, truck, rollback, add):
 
 
 def measure(mebots, folder, fmu):
-    """Measures all trucks and kinds of steps. Returns {truck: {kind of step: [(setting, steps, error)]}}."""
+    """Measures all trucks with all kinds of steps. Returns {truck: {kind of step: [(setting, steps, error)]}}."""
     trucks = {}
 
     def adder(truck, suffix=""):

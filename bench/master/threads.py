@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Measures whether runs with several threads are slower than runs with one thread. Alternates the same systems with
-`threads` 1 and "auto".
+"""Checks whether runs with several threads are slower than runs with one thread. Alternates runs with `threads` 1 and "auto".
 
 Usage: threads.py MEBOTS PASSTHROUGH.fmu [CONFIG...] [--repeats N]
 
-Systems: rings of four and sixteen of the cheapest FMU, a ring of four whose steps take about 60 us, and every given CONFIG
-(configs/gate_easy.json, for example). Prints wall seconds of stepping from summary.json; results.csv must have the same bytes.
+Systems: rings of four and of sixteen instances of the cheapest FMU, a ring of four instances whose steps take about 60 us, and
+every given CONFIG (for example configs/gate_easy.json). Prints wall seconds of stepping from summary.json. results.csv must have
+the same bytes.
 """
 
 import argparse
@@ -26,7 +26,7 @@ def ring(fmu, count, work, steps):
 
 
 def run(mebots, config, threads, folder):
-    """Runs a config. Returns the seconds of stepping, and the hash of the results."""
+    """Runs a config. Returns the seconds of stepping and the hash of the results."""
     file = folder / "config.json"
     file.write_text(json.dumps(config | {"threads": threads}))
     out = folder / "out"

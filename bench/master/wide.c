@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An FMU with COUNT inputs, outputs and parameters (-DCOUNT=...). y[i] is u[i] of the previous step, or the present
-// u[i] with -DDIRECT. sizes.py compiles it and writes its description.
+// An FMU with COUNT inputs, outputs and parameters (-DCOUNT=...). y[i] is u[i] of the previous step; with -DDIRECT, it
+// is the current u[i]. sizes.py compiles this file and writes the description.
 #include "fmi2.h"
 
 #include <stdlib.h>

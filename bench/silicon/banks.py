@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Compares the cycles of cores that access the same banks of L1 at the same time, on board gap8, with the RTL's
-arbitration. Prints a table in Markdown with the mean deviation of a core and that of the last core, for rotating orders
-and for the tree's order.
+"""Compares the cycles of cores that access the same banks of L1 at the same time, on board gap8, with the RTL's arbitration.
+Prints a table in Markdown with the mean deviation of a core and the deviation of the last core, for rotating orders and for the
+tree's order.
 
 Usage: banks.py BUILD [--each] [--quanta 32,64,128]
 
 The rule of the RTL is that of pulp-platform/cluster_interconnect (ArbitrationTree.sv, FanInPrimitive_Req.sv): each bank counts
-its grants modulo the number of cores. A binary tree over the cores selects at each node the side given by a bit of the count,
-if that side requests, from the least bit at the leaves to the highest at the root. Thus the bank goes to the core for which
-number XOR count is least. --each prints the cycles of every core. --quanta prints instead the deviation of cores with the tree's
-order in quanta of these lengths, as the mean over runs that start at six places of a quantum. The fabric controller is awake
-here, which limits quanta to 256. Needs riscv64-unknown-elf-gcc.
+its grants modulo the number of cores. A binary tree over the cores selects a side at each node: if the side given by a bit of the
+count requests access, it is selected. The nodes use the lowest bit at the leaves and the highest bit at the root. Thus the bank
+grants access to the core with the least value of number XOR count. --each prints the cycles of every core. --quanta prints
+instead the deviation with the tree's order in quanta of these lengths: means over runs that start at six places of a quantum. The
+fabric controller is awake here, which limits quanta to 256. Needs riscv64-unknown-elf-gcc.
 """
 import argparse
 import json
@@ -34,17 +34,17 @@ DELAYS = (0, 13, 27, 38, 51, 77)  # cycles of delay before each run
 
 
 def any_bank(seed):
-    """Returns instructions that load from random banks, mixed with other instructions. Each core accesses words whose
-    index is greater by five than for the previous core."""
+    """Returns instructions that load from random banks, mixed with other instructions. The indices of a core's words exceed those
+    of the previous core by five."""
     pick = random.Random(seed)
     body = [pick.randrange(BANKS) for _ in range(16)] + [None] * 16
     pick.shuffle(body)
     return body, 5
 
 
-# For each form, two values. The first lists the instructions of one iteration of the loop: the word that a load reads,
-# or None for another instruction. The second is the distance in words between the words that the same load reads in two
-# consecutive cores.
+# Each form has two values. The first value lists the instructions of one iteration of the loop: the word that a load reads, or
+# None for another instruction. The second value is the distance between the words that the same load reads in two consecutive
+# cores.
 FORMS = {
     "one_bank": ([0] * 16, 0),                   # loads one bank in every cycle
     "straight": ([0] * 256, 0),                  # does the same without the end of a loop, in blocks of 64 instructions
@@ -54,7 +54,7 @@ FORMS = {
 
 
 def expected(form, cores, loads):
-    """Returns the cycles that each core needs by the RTL's rule, if all cores start in the same cycle."""
+    """Returns each core's cycles by the RTL's rule, if all cores start in the same cycle."""
     body, step = FORMS[form]
     program = body * turns_of(form, loads)
     at = [0] * cores
@@ -82,7 +82,7 @@ def expected(form, cores, loads):
 
 
 def turns_of(form, loads):
-    """Returns the number of iterations of the loop for `loads` loads, or None if it is not a whole number."""
+    """Returns the number of iterations of the loop for `loads` loads. If it is not a whole number, returns None."""
     in_body = sum(word is not None for word in FORMS[form][0])
     return loads // in_body if loads % in_body == 0 else None
 
@@ -126,7 +126,7 @@ def source(cases, delay):
 
 
 def measured(soc, folder, cases, **arbitration):
-    """Returns the cycles of each core in each case, with these options of the cluster's arbitration."""
+    """Returns each core's cycles in each case. `arbitration` contains options of the cluster's arbitration."""
     board = json.loads((ROOT / "configs/boards/gap8.json").read_text())
     for memory in board["memories"]:
         if memory.get("place") == "cluster":
@@ -145,7 +145,7 @@ def assembled(folder, cases, delay=0):
 
 
 def deviation(here, rtl):
-    """Returns the mean relative deviation of a core's cycles, and the deviation of the last core."""
+    """Returns the mean relative deviation of a core's cycles, and the relative deviation of the last core."""
     return sum(abs(ours / its - 1) for ours, its in zip(here, rtl)) / len(rtl), max(here) / max(rtl) - 1
 
 

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Compares the cycles of 18 kernels on board gap8 with the published cycles of GreenWaves' CNN benchmark on a GAPuino
-(cycles.json). The kernels are written after that benchmark. Prints a table in Markdown: seven rows are fits, eight are
-validations, and three are not comparable.
+"""Compares the cycles of 18 kernels on board gap8 with published cycles of GreenWaves' CNN benchmark on a GAPuino (cycles.json).
+The kernels follow this benchmark. Prints a table in Markdown: seven rows are fits, eight are validations, and three are not
+comparable.
 
 Usage: cycles.py BUILD [--check] [--gvsoc]
 
-BUILD is a build folder. The exit code is 1 if forms of a kernel have different results; with --check also if a fit deviates
-by more than 5 %, or a validation by more than 15 %. --gvsoc also runs the same ELF on GVSoC (see bench/gvsoc/gvsoc.py), whose
-results must be equal. Needs riscv64-unknown-elf-gcc.
+BUILD is a build folder. The exit code is 1 if forms of a kernel have different results. With --check, it is also 1 if a fit
+deviates by more than 5 %, or a validation by more than 15 %. --gvsoc also runs the same ELF on GVSoC (see bench/gvsoc/gvsoc.py),
+whose results must be equal. Needs riscv64-unknown-elf-gcc.
 """
 import argparse
 import json
@@ -24,7 +24,8 @@ sys.path.insert(0, str(ROOT / "bench/gvsoc"))
 import gvsoc  # noqa: E402
 
 MOST_OFF = {"fit": 0.05, "validation": 0.15}
-# In this layer the filter is at another address, as in the benchmark. Therefore it is not the layer that was fitted.
+# In this row, the filter is at another address than in the other rows of the layer, as in the benchmark. Therefore its result is
+# not compared with theirs.
 OTHER_FILTER = ("linear, vector", 8)
 
 

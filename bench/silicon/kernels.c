@@ -3,7 +3,7 @@
 
 #include "runtime/xpulp.h"
 
-// Number of bits by which a sum is shifted to convert it to a byte.
+// A shift by this number of bits converts a sum to a byte.
 #define SHIFT 7
 
 static int8_t narrow(int32_t sum) {
@@ -11,7 +11,7 @@ static int8_t narrow(int32_t sum) {
   return (int8_t)(value > 127 ? 127 : value < -128 ? -128 : value);
 }
 
-// Returns the index of the core's first row; `count` rows are divided between the cores.
+// Returns the first row of a core. All cores together compute `count` rows.
 static unsigned first_of(unsigned count, const job_t* job, unsigned core) {
   return count * core / job->cores;
 }
@@ -32,7 +32,7 @@ void convolution_plain(const job_t* shared, unsigned core) {
   }
 }
 
-// A row of five taps, ordered so that no instruction uses the result of the load directly before it.
+// A row of five taps. No instruction uses the result of the load directly before it.
 // clang-format off
 #define TAPS_OF_A_ROW                                                 \
   XPULP_LB_POST("t0", "1", "%[p]") XPULP_LB_POST("t1", "1", "%[w]")   \
@@ -65,7 +65,8 @@ void convolution_scalar(const job_t* shared, unsigned core) {
   }
 }
 
-// Moves along a column: four words and four bytes are kept in registers, and each step loads one word and one byte.
+// Computes the outputs of a column from top to bottom. Keeps the window's first four rows in registers (four words and
+// four bytes), and loads the fifth row: a word and a byte.
 void convolution_vector(const job_t* shared, unsigned core) {
   const job_t job = *shared;  // copies the job, which is in L2
   const unsigned begin = first_of(kOut, &job, core);
@@ -84,7 +85,7 @@ void convolution_vector(const job_t* shared, unsigned core) {
     uint32_t last = (uint8_t)q[0] | (uint32_t)(uint8_t)q[kWidth] << 8 | (uint32_t)(uint8_t)q[2 * kWidth] << 16 |
                     (uint32_t)(uint8_t)q[3 * kWidth] << 24;
     q += 4 * kWidth;
-    // The loop is unrolled four times, so that no word moves between registers.
+    // Unrolls the loop four times, so that no word moves between registers.
 #pragma GCC unroll 4
     for (unsigned y = begin; y < end; ++y) {
       const uint32_t r4 = xpulp_lw_post(p, kWidth);
@@ -107,7 +108,7 @@ void convolution_vector(const job_t* shared, unsigned core) {
 }
 
 // Two products with their loads. The second product directly follows the load of its operand, so it waits one cycle.
-// With this wait, the kernel takes as many cycles as GreenWaves published for its kernel.
+// With this wait, the kernel takes as many cycles as GreenWaves' published kernel.
 // clang-format off
 #define PRODUCT_PAIR(load, product, step)                                    \
   load("t0", step, "%[p]") load("t1", step, "%[w]") load("t2", step, "%[p]") \
@@ -124,7 +125,7 @@ void linear_plain(const job_t* shared, unsigned core) {
   }
 }
 
-// Implements the layer for both forms, which differ in the bytes per load.
+// Implements both forms of the layer, which differ in the bytes per load.
 // clang-format off
 #define LINEAR(name, load, product, bytes)                                                                     \
   void name(const job_t* shared, unsigned core) {                                                              \
@@ -191,7 +192,7 @@ void pool_vector(const job_t* shared, unsigned core) {
   }
 }
 
-// Implements the layer for both forms. They take 8 and 7 cycles per pixel, as in the published values.
+// Implements both forms of the layer. They take 8 and 7 cycles per pixel, as published.
 // clang-format off
 #define AVERAGE(name, instructions, body)                                                                    \
   void name(const job_t* shared, unsigned core) {                                                            \
@@ -211,7 +212,7 @@ AVERAGE(average_scalar, "8",
         XPULP_LB_POST("t0", "1", "%[top]") XPULP_LB_POST("t1", "1", "%[top]")
         XPULP_LB_POST("t2", "1", "%[bottom]") XPULP_LB_POST("t3", "1", "%[bottom]")
         "add t0, t0, t1\n\t" "add t2, t2, t3\n\t" ".insn r 0x5b, 2, 2, t0, t0, t2\n\t" /* p.addN: >> 2 */)
-// Each of the two pixels of a row is a halfword. shuffle2 joins them to a word, and waits a cycle for its load.
+// The two pixels of a row are a halfword. shuffle2 joins two halfwords to a word, and waits a cycle for its load.
 AVERAGE(average_vector, "6",
         XPULP_LH_POST("t0", "2", "%[top]") XPULP_LH_POST("t1", "2", "%[bottom]")
         ".insn r 0x57, 1, 0x64, t0, t1, %[halves]\n\t" /* pv.shuffle2.b */
@@ -222,7 +223,7 @@ static unsigned bit_of(const int8_t* bits, unsigned at) {
   return (uint8_t)bits[at / 8] >> at % 8 & 1;
 }
 
-// Computes for each window the number of bits that equal the filter's bits.
+// Counts, for each window, the bits that equal the filter's bits.
 void xnor_plain(const job_t* shared, unsigned core) {
   const job_t job = *shared;  // copies the job, which is in L2
   const unsigned end = first_of(kOut, &job, core + 1);
@@ -239,13 +240,14 @@ void xnor_plain(const job_t* shared, unsigned core) {
   }
 }
 
-// Returns six bits, starting at the bit address `at`.
+// Returns six bits from the bit address `at` on.
 static uint32_t six_bits(const int8_t* bits, unsigned at) {
   const xpulp_half half = *(const xpulp_half*)(bits + at / 8);
   return (uint32_t)half >> at % 8 & 63;
 }
 
-// Moves along two columns at the same time. A word contains five rows of six bits; each step loads one row.
+// Computes the outputs of two columns from top to bottom. The window is a word of five rows of six bits. Each step
+// loads one row.
 void xnor_scalar(const job_t* shared, unsigned core) {
   const job_t job = *shared;  // copies the job, which is in L2
   const unsigned end = first_of(kOut / 2, &job, core + 1);

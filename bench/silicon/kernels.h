@@ -2,8 +2,8 @@
 // Kernels of GreenWaves' CNN benchmark of GAP8 (gap_sdk, benchmarks/gap8/cnn), written from the description in its
 // README and code. The convolution is 5 x 5 on 100 x 100 pixels of a byte (docs/chip/silicon.md explains why not 112 x
 // 112), and the xnor convolution on the same number of bits. The pools are 2 x 2 on 112 x 112 pixels. The linear layer
-// has 1024 inputs and 16 outputs. Each kernel has some of these forms with the same result: plain RV32IMC, Xpulp's
-// scalar instructions, Xpulp's vectors of bytes.
+// has 1024 inputs and 16 outputs. The forms of a kernel have the same result: plain RV32IMC, Xpulp's scalar
+// instructions, Xpulp's vectors of bytes. Some kernels lack a form.
 #pragma once
 
 #include <stdint.h>
@@ -20,7 +20,7 @@ typedef struct {
   unsigned cores;
 } job_t;
 
-// Computes the part of the job that belongs to core number `core` of `job->cores` cores.
+// Computes a core's part of the job. `core` is from 0 to `job->cores` - 1.
 typedef void (*kernel_t)(const job_t* job, unsigned core);
 
 void convolution_plain(const job_t* job, unsigned core);

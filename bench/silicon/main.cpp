@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// mebots-silicon-phases measures the cost of each phase of phases.c on a chip with the given energies. Prints JSON for
-// power.py: seconds, cycles and instructions of the cluster, joules of each part.
+// mebots-silicon-phases measures each phase of phases.c on a chip with the given energies. Prints JSON for power.py:
+// seconds, cycles and instructions of the cluster, and joules of each part.
 
 #include "mebots/error.hpp"
 #include "soc/soc.hpp"
@@ -17,7 +17,7 @@ namespace {
 
 using namespace mebots::soc;
 
-/// Contains the state of the chip when the program prints a line.
+/// The state of the chip when the program prints a line.
 struct Mark {
   std::string line;
   Picoseconds time = 0;
@@ -60,7 +60,7 @@ void run(const std::string& board_path, const std::string& energy, const Setting
   auto board = read_board(board_path);
   board.energy = energy;
   auto chip_data = chip_of(board);
-  // Published values are for 100 MHz at 1.0 V, which is beyond the chip's table.
+  // Extends the chip's table, because published values are for 100 MHz at 1.0 V.
   chip_data.cluster_clock_at_lowest_voltage_hz =
       std::max(chip_data.cluster_clock_at_lowest_voltage_hz, settings.cluster_clock_hz);
   std::vector<Mark> marks;

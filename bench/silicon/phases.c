@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the phases that GreenWaves' benchmark measured with an oscilloscope, one after the other. Prints a line "begin
-// NAME" before each phase and "end" after it. The fabric controller sleeps in all phases.
+// Runs the phases that GreenWaves' benchmark measured with an oscilloscope. Prints a line "begin NAME" before each
+// phase, and "end" after it. The fabric controller sleeps in all phases.
 #include "kernels.h"
 
 #include "drivers/timer.h"
@@ -42,7 +42,7 @@ static void run(void* argument) {
   }
 }
 
-// Hash of all results, with which the forms of a kernel are compared.
+// A hash of all results. It must be equal for all forms of a kernel.
 static uint32_t checksum;
 static void add_up(void* argument) {
   (void)argument;

@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Compares the chip's energy model with published values of GAP8 (points.json): a table in Markdown.
+"""Compares the chip's energy model with published values of GAP8 (points.json). Prints a table in Markdown.
 
 Usage: power.py BUILD [--dronet FOLDER] [--calibrate]
 
 BUILD is a build folder. --dronet runs PULP-Dronet v1 from the checkouts in FOLDER, which scripts/gap8_programs.sh lists.
---calibrate rewrites fmu_soc/params/gap8_silicon.json from gap8.json and the points whose use is calibration; build again
-afterwards.
+--calibrate rewrites fmu_soc/params/gap8_silicon.json from gap8.json and the points for calibration. Build again afterwards.
 """
 import argparse
 import json
@@ -20,7 +19,7 @@ HERE = pathlib.Path(__file__).parent
 MODELS = ("gap8", "gap8_silicon")
 TOP = (1.2, 250, 175)
 CAMERA_W = 1.75e-3 * 2.8  # power of the camera in configs/boards/gap8.json
-# Numbers of pictures in two runs of PULP-Dronet. One-time costs cancel in the difference of the runs.
+# The numbers of pictures in two runs of PULP-Dronet. The difference of the runs excludes one-time costs.
 FEW, MANY = 2, 6
 
 
@@ -50,7 +49,7 @@ def joules(phase):
 
 
 class Model:
-    """Measures a chip that has one set of energies. The phases at a point are measured when the point is first used."""
+    """Measures a chip with one set of energies. The phases at an operating point are measured at their first use."""
 
     def __init__(self, build, name):
         self.build, self.name, self.at = build, name, {}
@@ -71,13 +70,12 @@ class Model:
         return phase["leakage"] / phase["seconds"]
 
     def gain(self, over, name, cycles):
-        """Returns the energy of phase `over` divided by that of phase `name`. Each energy is computed for the phase's
-        number of cycles."""
+        """Returns the energy of phase `over` divided by the energy of phase `name`, each for the phase's number of cycles."""
         return self.power_w(over) * cycles[0] / (self.power_w(name) * cycles[1])
 
 
 def of_dronet(build, model, folder):
-    """Returns the time per picture of PULP-Dronet, and the energies of the chip and of the devices per picture."""
+    """Returns the time per picture of PULP-Dronet, and the energy of the chip and of the devices per picture."""
     dronet = folder / "pulp-dronet/pulp-dronet-v1"
     frames = sorted((folder / "Himax_Dataset/test_2").glob("frame_2[2-9].pgm"))
     found = []
@@ -100,7 +98,7 @@ def of_dronet(build, model, folder):
 
 
 def figure(model, point, rail_v, dronet):
-    """Returns the model's value for a published point, in the point's unit; None if the model has no such value."""
+    """Returns the model's value for a published point, in the point's unit. If the model has no such value, returns None."""
     kind = point.get("figure")
     extra_w = CAMERA_W if "camera" in point.get("plus", ()) else 0
     if kind in ("power", "leakage"):
@@ -118,9 +116,9 @@ def figure(model, point, rail_v, dronet):
 
 
 def extremes(model, points, rail_v, dronet):
-    """Returns a text with the least and the greatest ratio of silicon to model. It covers all currents and energies
-    that were not used for the calibration and whose program was run. The leakage of a chip in reset is left out. These
-    values are few, so the result is not a confidence interval.
+    """Returns a text with the least and the greatest ratio of silicon to model. It covers all currents and energies that were not
+    used for the calibration and whose program was run, except the leakage of a chip in reset. These values are few, so the result
+    is not a confidence interval.
     """
     fixed = {"gap8": (), "gap8_silicon": ("calibration",)}[model.name]
     ratios = {}
@@ -149,8 +147,7 @@ def scaled(table, factor, source):
 
 
 def calibrate(model, points, rail_v):
-    """Computes four factors on the values of gap8.json from four currents. Each is mentioned in the sources of the
-    values that it changed."""
+    """Computes four factors on values of gap8.json from four currents. The sources of the changed values mention their factor."""
     chip = json.loads((ROOT / "fmu_soc/params/gap8.json").read_text())
     wanted_w = {point["name"]: point["value"] * 1e-3 * rail_v for point in points if point["use"] == "calibration"}
     reset_w, fabric_w, idle_w, eight_w = wanted_w.values()
@@ -161,8 +158,8 @@ def calibrate(model, points, rail_v):
 
     leakage = reset_w / watts("fc_asleep 0 1", "leakage")
     fabric = (fabric_w - reset_w) / watts("fc_asleep 0 1", "fc_background")
-    # The leakage of the cluster's cores and banks is scaled with that of the fabric controller. The fabric controller's
-    # own leakage is not scaled.
+    # Scales the leakage of the cluster's cores and banks as that of the fabric controller. Does not scale the cluster's own
+    # leakage.
     own_w = chip["energy"]["cluster_leakage"]["values"]["25"]["1.2"]["any"]
     others_w = watts("cluster_idle 0 1", "leakage") - watts("fc_asleep 0 1", "leakage") - own_w
     clocked_w = watts("cluster_idle 0 1", "cluster_background", "dma", "cluster_cores")

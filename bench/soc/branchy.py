@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes a C program with a given code size: branchy functions that are called in turn, so that all code is hot.
+"""Writes a C program with a given code size. It calls many functions with branches in turn, so that all code is hot.
 
-Every function has conditions on bits of its argument, a short loop, loads and stores, like the code of a real program; no two
+Every function has conditions on bits of its argument, a short loop, loads and stores, like the code of a real program. No two
 functions are equal. Equal sizes give equal programs.
 """
 
@@ -33,13 +33,13 @@ def function(number, chance):
 
 
 def source(code_bytes):
-    """Returns the C source of `unsigned turn(unsigned)`. It calls each of several functions once. Together, these
-    functions have about `code_bytes` bytes of code."""
+    """Returns the C source of `unsigned turn(unsigned)`, which calls several functions once. The functions together have about
+    `code_bytes` bytes of code."""
     chance = random.Random(20)
     count = max(1, round(code_bytes / FUNCTION_BYTES))
     functions = "\n".join(function(number, chance) for number in range(count))
     calls = [f"  x = f{number}(x, {chance.randrange(1, 1 << 12)});" for number in range(count)]
-    # A single function with thousands of calls takes too long to compile.
+    # Divides the calls into groups, because a function with thousands of calls takes too long to compile.
     groups = [calls[first:first + 50] for first in range(0, count, 50)]
     parts = "\n".join(f"static __attribute__((noinline)) unsigned part{i}(unsigned x) {{\n" + "\n".join(group) +
                       "\n  return x;\n}" for i, group in enumerate(groups))

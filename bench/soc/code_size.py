@@ -5,14 +5,14 @@
     scripts/setup.sh bench
     bench/soc/code_size.py [--build build/release] [--repeats 3] [--sizes 1,4,16,64,256,512] [--plot FILE.png]
 
-Generates a program of each size [KiB] (branchy.py): branchy functions that are called in turn, so that all code is hot.
-mebots-soc runs it bare (configs/boards/ri5cy.json) and behind GAP8's instruction cache of 4 KiB
-(configs/boards/gap8_bare.json, up to 448 KiB, because its L2 has 512). Each simulator runs a short and a long version; the rate is
+For each size [KiB], generates a program of branchy functions that are called in turn, so that all code is hot (branchy.py).
+mebots-soc runs it bare (configs/boards/ri5cy.json) and behind GAP8's instruction cache of 4 KiB (configs/boards/gap8_bare.json,
+up to 448 KiB, because its L2 has 512). Each simulator runs a short and a long version. The rate is
 
     (instructions of the long run - of the short run) / (processor time of the long run - of the short run)
 
-and the short one is long enough that hot code is translated in it. Prints the median of the repeats, simulators alternating. Exit
-code 1 if a program's checksums differ.
+In the short run, hot code is already translated. Prints the median of the repeats; the simulators alternate. The exit code is 1
+if a program's checksums differ.
 """
 
 import argparse
@@ -33,8 +33,7 @@ CACHED_BASE = 0x1C000000
 
 
 def build_programs(size, instructions, folder):
-    """Builds the programs. Returns the ELF files as (long, kind of program) -> file. The kind is "bare", "qemu" or
-    "cached"."""
+    """Builds the programs. Returns ELF files as (long, kind of program) -> file. The kind is "bare", "qemu" or "cached"."""
     source = folder / f"branchy-{size}.c"
     code = folder / f"branchy-{size}.o"
     source.write_text(branchy.source(size * 1024))
@@ -57,7 +56,7 @@ def build_programs(size, instructions, folder):
 
 
 def contenders(build):
-    """Returns the simulators as name -> (beginning of the command line, kind of program)."""
+    """Returns the simulators as name -> (start of the command line, kind of program)."""
     found = {name: (command, "qemu" if for_qemu else "bare") for name, (command, for_qemu) in simulators(build).items()
              if name != "mebots interpreter"}
     soc, _ = found.pop("mebots translated")
@@ -71,7 +70,7 @@ def instructions_of(text):
 
 
 def measure(size, sims, instructions, repeats, folder):
-    """Returns simulator -> rates [million instructions per second], and whether all checksums are equal."""
+    """Returns simulator -> rates [million instructions per second]. Also returns whether all checksums are equal."""
     files = build_programs(size, instructions, folder)
     rates = {sim: [] for sim, (_, kind) in sims.items() if (False, kind) in files}
     counts, checksums, good = {}, {}, True
@@ -91,8 +90,8 @@ def measure(size, sims, instructions, repeats, folder):
 
 
 def spread(heights, least):
-    """Returns heights for the labels of a plot, in the order of the argument. Raises heights until neighbours differ by
-    at least `least`."""
+    """Returns heights for the labels of a plot, in the order of the argument. Raises heights so that neighbours differ by at
+    least `least`."""
     lifted, below = {}, float("-inf")
     for i in sorted(range(len(heights)), key=heights.__getitem__):
         below = lifted[i] = max(heights[i], below + least)

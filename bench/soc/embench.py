@@ -5,10 +5,10 @@
     git clone https://github.com/embench/embench-iot; git clone https://github.com/eembc/coremark
     bench/soc/embench.py --embench embench-iot --coremark coremark [--build build/release] [--repeats 3] [--only crc32,ud]
 
-Every program is compiled with Debian's cross compiler (-O2) and runs behind GAP8's instruction cache of 4 KiB
-(configs/boards/gap8_bare.json). The rate is computed as in run.py: difference of a long and a short run, processor time, median of
-the repeats, simulators alternating. Every program checks its own result. Exit code 1 if one is wrong, or if the ratios miss their
-targets: a geometric mean of 2, none below 0.4.
+Every program is compiled with Debian's cross compiler (-O2), and runs behind GAP8's instruction cache of 4 KiB
+(configs/boards/gap8_bare.json). The rate is computed as in run.py: difference of a long and a short run, processor time, median
+of the repeats, simulators alternate. Every program checks its own result. The exit code is 1 if a result is wrong, or if the
+ratios miss their targets: a geometric mean of 2, none below 0.4.
 """
 
 import argparse
@@ -24,13 +24,13 @@ from run import GCC, HERE, ROOT, run, simulators
 BASE = 0x1C000000
 LEAST_MEAN = 2.0
 LEAST = 0.4
-# Approximate numbers of instructions in the short and the long run. The programs' repetitions are chosen to reach them.
+# Approximate numbers of instructions in the short and the long run. The programs' repetitions are chosen accordingly.
 SHORT_INSTRUCTIONS, LONG_INSTRUCTIONS = 30e6, 300e6
 BOARD_SUPPORT = "void initialise_board(void) {}\nvoid start_trigger(void) {}\nvoid stop_trigger(void) {}\n"
 
 
 def compile_command(sources, options, place, path):
-    # The C library must be built for this architecture. The compiler has no suitable default.
+    # Selects the C library for this architecture, because the compiler has no suitable default.
     flags = [flag for flag in GCC if flag not in ("-nostdlib", "-ffreestanding")]
     return (flags + ["-march=rv32imc", "--specs=picolibc.specs", "-nostartfiles", "-w"] + place + options +
             ["-T", HERE / "programs/link.ld", HERE / "programs/start.S", *sources, "-lm", "-o", path])
@@ -42,8 +42,7 @@ def compile_program(sources, options, for_qemu, path):
 
 
 def embench_programs(checkout, support):
-    """Returns the sources and options of each program by name. The options depend on the scale of the program's length.
-    """
+    """Returns {name: function}. The function takes a scale of the program's length, and returns sources and options."""
     common = [checkout / "support" / name for name in ("main.c", "beebsc.c", "board.c")]
     options = [f"-I{support}", f"-I{checkout / 'support'}", "-DWARMUP_HEAT=1", "-DHAVE_CONFIG_H"]
     (support / "config.h").write_text("")
@@ -64,7 +63,7 @@ def instructions_of(text):
 
 
 def scales(name, program, soc, folder):
-    """Returns the scales of the short and of the long run, computed from a measured run."""
+    """Measures the program once. Returns the scales of the program's length for the short and for the long run."""
     path = folder / f"{name}-once.elf"
     compile_program(*program(1), False, path)
     once = instructions_of(run(soc + [path])[0])
@@ -72,7 +71,7 @@ def scales(name, program, soc, folder):
 
 
 def measure(name, program, sims, repeats, folder):
-    """Returns simulator -> rate [million instructions per second], and whether all results are correct."""
+    """Returns simulator -> rate [million instructions per second]. Also returns whether all results are correct."""
     files = {}
     for is_long, scale in scales(name, program, sims["mebots"][0], folder).items():
         sources, options = program(scale)

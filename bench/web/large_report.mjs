@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Usage: node bench/web/large_report.mjs PAGE.html [CHROMIUM]
-// Measures the time to open a study's page, and the time of the page's panels to follow a brush.
-// tests/web/make_studies.py writes large.html with 1,000 designs and 10,000 missions.
+// Usage: node bench/web/large_report.mjs PAGE.html [CHROMIUM]. Measures the time for opening a study's page, and the
+// time in which the panels follow a brush. tests/web/make_studies.py writes large.html with 1,000 designs and 10,000
+// missions.
 import { resolve } from "node:path";
 import { launch, open } from "../../tests/web/browser.mjs";
 
@@ -11,8 +11,8 @@ const BRUSHES = 20;
 
 const median = (values) => [...values].sort((a, b) => a - b)[Math.floor(values.length / 2)];
 
-/** Moves a brush in steps. Returns the duration of the frames, and the time until all panels are drawn after each
- * step [ms]. */
+/** Moves a brush in steps. Returns the duration of the frames [ms], and the time from each step until all panels are
+ * drawn [ms]. */
 async function follow(page) {
   return page.evaluate(async (steps) => {
     const { selection } = window.mebots;

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Compares the downwash formula of gym-pybullet-drones, as in fmu_world, with the prediction of Neural-Swarm2's networks.
+"""Compares fmu_world's downwash, the formula of gym-pybullet-drones, with the prediction of Neural-Swarm2's networks.
 
 Usage: .venv/bin/python bench/world/downwash.py FOLDER [--height METRES]
 
-FOLDER contains phi_S.pth, phi_G.pth and rho_S.pth from github.com/aerorobotics/neural-swarm, data/models/models/output. That repository has no
-licence, so MEbots contains no part of it: the files are yours. Two small drones (Crazyflies, 34 g) hover, one above the other.
+FOLDER contains phi_S.pth, phi_G.pth and rho_S.pth from github.com/aerorobotics/neural-swarm, data/models/models/output. That
+repository has no licence, so you must fetch the files yourself. Two small drones (Crazyflies, 34 g) hover, one above the other.
 """
 
 import argparse
@@ -23,7 +23,7 @@ ROTOR_RADIUS_M = 0.02355  # default of rotors.radius
 
 
 class Weights(pickle.Unpickler):
-    """Reads a dict of tensors from the archive of torch.save(), and creates no other objects."""
+    """Reads a dict of tensors from an archive of torch.save(). Creates no other objects."""
 
     def __init__(self, archive: zipfile.ZipFile, folder: str):
         super().__init__(io.BytesIO(archive.read(f"{folder}/data.pkl")))
@@ -66,7 +66,7 @@ def predicted_n(networks, above_m, aside_m, height_m):
 
 
 def formula_n(above_m, aside_m):
-    """fmu_world/src/dynamics/downwash.hpp, positive = up."""
+    """The force by fmu_world/src/dynamics/downwash.hpp, positive = up."""
     width_m = 0.16 * above_m - 0.11
     if width_m <= 0:
         return 0.0

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compiles unmodified sources from a checkout of crazyflie-firmware into a library. A file of this folder, which calls
-them, is part of the library.
+"""Compiles unmodified sources from a checkout of crazyflie-firmware, together with a file of this folder that calls them, into a
+library.
 """
 import subprocess
 from pathlib import Path
@@ -11,7 +11,7 @@ INCLUDE = ("src/modules/interface", "src/modules/interface/controller", "src/mod
 
 
 def compiled(checkout, folder, caller, sources):
-    """Compiles the file `caller` of this folder together with `sources`, which are below the checkout's src."""
+    """Compiles the file `caller` of this folder together with `sources`, whose paths are relative to the checkout's src."""
     (folder / "autoconf.h").write_text("#define CONFIG_PLATFORM_CF2 1\n")
     library = folder / f"{caller}.so"
     checkout = checkout.resolve()

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The PID cascade of a crazyflie-firmware checkout as a function: bench/world/firmware_steps.py compiles this file with
-// the checkout's sources. Frames and units are those of fmu_world; the firmware's are degrees, and its pitch is
-// positive nose up.
+// Calls the PID cascade of a crazyflie-firmware checkout. bench/world/firmware_steps.py compiles this file with the
+// checkout's sources. Frames and units of the arguments are those of fmu_world. The firmware uses degrees, and its
+// pitch is positive nose up.
 #include "controller_pid.h"
 #include "power_distribution.h"
 #include "stabilizer_types.h"
@@ -16,7 +16,7 @@ void begin(void) {
 }
 
 // state: position, velocity (world), roll, pitch, yaw, body rate. goal: forward and left velocity, yaw rate, altitude.
-// command: duty cycles of the four motors; they keep their values between two attitude periods.
+// command: duty cycles of the four motors. They keep their values between two attitude periods.
 void step(const double state[12], const double goal[4], unsigned tick, double command[4]) {
   static control_t control;
   state_t now;

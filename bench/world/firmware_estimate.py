@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Compares fmu_world's estimate with that of the Crazyflie's own firmware, from the same samples of the same sensors.
+"""Compares fmu_world's estimate with that of the Crazyflie's own firmware. Both use the same samples of the same sensors.
 
     git clone https://github.com/bitcraze/crazyflie-firmware /tmp/firmware
     git -C /tmp/firmware checkout 2a18fc299d7b48cf094d26c38a79f33dec64b5d7
     .venv/bin/python bench/world/firmware_estimate.py build/release/fmus/fmu_world.fmu /tmp/firmware
 
-A Crazyflie takes off, flies two legs and turns between them on its own estimate, with noise in all sensors. Each millisecond the
-firmware's Kalman filter (kalman_core.c, mm_flow.c, mm_tof.c, unmodified) gets the readings of the FMU's sensors. The
-table has the largest and the root mean square difference between both filters, and between each filter and the truth.
+A Crazyflie takes off, flies two legs and turns between them, controlled by its own estimate, with noise in all sensors. Each
+millisecond, the firmware's Kalman filter (kalman_core.c, mm_flow.c, mm_tof.c, unmodified) receives the readings of the FMU's
+sensors. The table contains the largest and the root mean square difference between both filters, and between each filter and the
+truth.
 """
 import argparse
 import ctypes
@@ -31,7 +32,7 @@ ROWS = {"level position [m]": [0, 1], "height [m]": [2], "velocity [m/s]": [3, 4
 
 
 def wish(t):
-    """Returns the mode, the forward velocity and the yaw rate that the drone is commanded at a time."""
+    """Returns the mode, the forward velocity and the yaw rate that are commanded at a time."""
     if t < 5.0:
         return 1, 0.0, 0.0
     return 2, 0.6 if 6.0 < t < 14.0 or 22.0 < t < 30.0 else 0.0, 0.5 if 16.0 < t < 20.0 else 0.0

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The Kalman filter of a crazyflie-firmware checkout as a function. It is called each millisecond, in the order of the
-// firmware's estimator task. bench/world/firmware_estimate.py compiles this file with the checkout's sources.
+// Calls the Kalman filter of a crazyflie-firmware checkout each millisecond, in the order of the firmware's estimator
+// task. bench/world/firmware_estimate.py compiles this file with the checkout's sources.
 #include "axis3fSubSampler.h"
 #include "filter.h"
 #include "kalman_core.h"
@@ -44,7 +44,7 @@ void begin(const double start[4]) {
   kalmanCoreInit(&core, &params, 0);
 }
 
-// force [m/s2], rate [rad/s]; counts of the flow sensor with flags for new and valid; distance [m], negative if not
+// force [m/s2], rate [rad/s]; counts of the flow sensor, new and valid if `flow` is true; distance [m], negative if not
 // new. state: position, velocity, roll, pitch, yaw.
 void step(unsigned ms, const double force[3], const double rate[3], const double counts[2], bool flow, double distance,
           bool flying, double state[9]) {

@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Compares step responses of fmu_world's controllers with the Crazyflie's own firmware and an identified Crazyflie.
+"""Compares step responses of fmu_world's controllers with those of the Crazyflie's own firmware and of an identified Crazyflie.
 
     git clone https://github.com/bitcraze/crazyflie-firmware /tmp/firmware
     git -C /tmp/firmware checkout 2a18fc299d7b48cf094d26c38a79f33dec64b5d7
     pip download --no-deps --no-binary :none: crazyflow==0.4.0 -d /tmp && unzip -d /tmp/crazyflow /tmp/crazyflow-*.whl
     .venv/bin/python bench/world/firmware_steps.py build/release/fmus/fmu_world.fmu /tmp/firmware --identified /tmp/crazyflow
 
-The firmware's controller_pid.c and its dependencies are compiled unmodified and control the body of fmu_world: from its outputs to
-commands, through the same rotors (the drone file's thrust curve, a first-order lag) as the FMU's own controllers. So the rows
-`crazyflie` and `firmware` differ only by our transcription. `identified` is crazyflow's second-order response of a real Crazyflie
-(cf2x_L250) to attitude commands, fitted to flights by its authors (dynamics/so_rpy/params.toml). Its gain is not 1, so it is judged
-relative to its own final value.
+The firmware's controller_pid.c and its dependencies are compiled unmodified, and control the body of fmu_world: they read its
+outputs, and their commands go through the same rotors as for the FMU's own controllers (the drone file's thrust curve, a
+first-order lag). Therefore the rows `crazyflie` and `firmware` differ only by our transcription. `identified` is crazyflow's
+second-order response of a real Crazyflie (cf2x_L250) to attitude commands. Its authors fitted it to flights
+(dynamics/so_rpy/params.toml). Its gain is not 1, so it is judged relative to its own final value.
 """
 import argparse
 import ctypes
@@ -35,7 +35,7 @@ STATE = ([f"drone.position.{a}" for a in "xyz"] + [f"drone.velocity.{a}" for a i
          [f"drone.angular_velocity.{a}" for a in "xyz"])
 COMMAND = [f"rotor[{i}].command" for i in (1, 2, 3, 4)]
 HOVER = {"forward": 0.0, "left": 0.0, "yaw_rate": 0.0, "altitude": 1.0}
-# Each row: name, goal after the step, column of the state, its value before and after the step, judged seconds.
+# Each row: name, goal after the step, column of the state, value of the column before and after the step, judged seconds.
 STEPS = {
     "pitch, 20 degrees": ({"forward": 3.0}, 7, 0.0, np.radians(20.0), 0.6),
     "velocity, 0.5 m/s": ({"forward": 0.5}, 3, 0.0, 0.5, 8.0),
@@ -74,7 +74,7 @@ class Fmu:
 
 
 def fly(archive, unpacked, drone, goal, seconds, lag, controller, library=None):
-    """Returns the state at each step, beginning with the change of the goal."""
+    """Returns the state at each step, from the change of the goal on."""
     fmu = Fmu(archive, unpacked, controller)
     own = None
     if library:  # loads a copy for each flight, because the controller's state is in global variables
@@ -119,7 +119,7 @@ def judged(values, begin, end):
 
 
 def identified(folder, seconds):
-    """Returns the response to a step of the commanded pitch, relative to its final value."""
+    """Returns the response to a step of the commanded pitch, divided by its final value."""
     p = tomllib.loads(next(folder.glob("**/dynamics/so_rpy/params.toml")).read_text())["cf2x_L250"]
     angle, rate, given = p["rpy_coef"][1], p["rpy_rates_coef"][1], p["cmd_rpy_coef"][1]
     a = np.array([[0.0, 1.0], [angle, rate]])
@@ -152,7 +152,7 @@ def main():
         print("|---|---|---|---|---|---|")
         for name, (goal, column, begin, end, seconds) in STEPS.items():
             theirs = fly(given.fmu, unpacked, drone, goal, seconds, given.lag, 0, library)[:, column]
-            # The ideal stabiliser commands another pitch than the firmware.
+            # Omits the ideal stabiliser for the step of the pitch, because it commands another pitch than the firmware.
             for controller, number in (("crazyflie", 1),) if column == 7 else (("ideal", 0), ("crazyflie", 1)):
                 ours = fly(given.fmu, unpacked, drone, goal, seconds, given.lag, number)[:, column]
                 line(name, controller, judged(ours, begin, end), f"{100 * np.abs(ours - theirs).max() / abs(end - begin):.2f} %")

@@ -1,11 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Prints the table of docs/hover.md, seconds of hover over cell and payload with their intervals, and draws
-docs/img/hover_cells.png from it.
+"""Prints the table of docs/hover.md: seconds of hover over cell and payload, with intervals. Also draws docs/img/hover_cells.png.
 
     PYTHONPATH=BUILD/python .venv/bin/python bench/world/hover_table.py [--jobs N]
 
-Each cell of the table is one run with the values of the data files, and 19 with parameters drawn from their intervals, as in
+Each cell of the table is one run with the values of the data files, and 19 runs with parameters drawn from their intervals, as in
 `mebots run configs/hover.json --uncertainty calibration`.
 """
 import argparse
@@ -50,8 +49,8 @@ def flown(folder, jobs, cells=CELLS, **sections):
 
 
 def shown(value, draws):
-    """Returns the least and the greatest value of the draws. Also returns the number of draws in which the drone did
-    not take off, or descended before the cell was empty."""
+    """Returns the least and the greatest value of the draws. Also returns the number of draws in which the drone did not take
+    off, or descended before the cell was empty."""
     seconds = [time for time, _ in draws]
     early = sum(outcome != "battery_empty" for _, outcome in draws)
     (time, outcome), = value

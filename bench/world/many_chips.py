@@ -22,7 +22,7 @@ POSE = ["position.x", "position.y", "position.z", "yaw", "velocity.x", "velocity
 
 
 def of_drone(variable):
-    """Returns the name in a group of drones for a variable of the mission of one drone."""
+    """Returns the name of a variable in the mission of several drones, from its name in the mission of one drone."""
     instance, name = variable.split(".", 1)
     if instance != "world":
         return f"{instance}[{{i}}].{name}"

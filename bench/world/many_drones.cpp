@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures speed and memory of a world with several drones. The speed is the number of drones times simulated time over
-// wall-clock time. The drones hover with the Crazyflie's own cascade; each rotor is a first-order lag. There are no
-// pictures, chips or master.
+// Measures speed and memory of a world with several drones. The speed is the number of drones times simulated time,
+// divided by wall-clock time. The drones hover with the Crazyflie's own cascade. Each rotor is a first-order lag. There
+// are no pictures, chips or master.
 #include "model.hpp"
 #include "scene/load.hpp"
 #include "stabiliser/stabiliser.hpp"
@@ -32,7 +32,6 @@ double resident_mib() {
   return static_cast<double>(resident * sysconf(_SC_PAGESIZE)) / (1024.0 * 1024.0);
 }
 
-/// Returns the processor time of this process, on which other load of the machine has little influence.
 double processor_s() {
   timespec time{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);

@@ -6,9 +6,9 @@
     git -C /tmp/dataset checkout 5a16f969dc18214ba977fff4ffe492d33f94f73c
     .venv/bin/python bench/world/measured_velocity.py build/release/fmus/fmu_world.fmu /tmp/dataset/drone?/flight1/posCtl1.csv
 
-Ten times per second, the log contains the position controller's set-point and its requested velocity. That velocity is the
-firmware's gain, 2 1/s, times the position error (PID_POS_X_KP; I and D are 0), from which the drone's position follows. The drone
-kept its heading. The requested velocities are inputs of fmu_world, whose position and forward speed are then compared with the
+Ten times per second, the log contains the position controller's set-point and its requested velocity. This velocity is the
+firmware's gain, 2 1/s, times the position error (PID_POS_X_KP; I and D are 0), so it determines the drone's position. The drone
+kept its heading. The requested velocities are inputs of fmu_world. Position and forward speed of fmu_world are compared with the
 flight.
 """
 import argparse
@@ -27,8 +27,8 @@ LONGEST_DELAY = 1.0
 
 
 def measured(path, least_height):
-    """Returns times from 0 on, requested velocities and positions of the log's first flight. The flight begins when the
-    height of the set-point exceeds ``least_height``, and ends when it is below it, or at the end of the log.
+    """Returns times from 0 on, requested velocities and positions of the log's first flight. The flight begins when the height of
+    the set-point first exceeds ``least_height``. It ends when this height falls below the limit, or at the end of the log.
     """
     log = np.genfromtxt(path, delimiter=",", names=True)
     level = log["posCtltargetZ"] > least_height
@@ -45,8 +45,8 @@ def measured(path, least_height):
 
 
 def flown(archive, unpacked, times, asked, lag):
-    """Simulates a drone with the same requested velocities. Returns its positions at the times, by linear interpolation
-    between rows."""
+    """Simulates a drone with the same requested velocities. Returns its positions at the times, interpolated linearly between
+    rows."""
     drone = json.loads((Path(unpacked) / "resources/drones/crazyflie.json").read_text())
     curve = drone["thrust_curve"]
     fmu = Fmu(archive, unpacked, CRAZYFLIE)
@@ -70,8 +70,7 @@ def flown(archive, unpacked, times, asked, lag):
 
 
 def delay(times, asked, place):
-    """Returns the delay of the flown velocity relative to the requested velocity. It is the shift with the least sum of
-    squares."""
+    """Returns the delay of the flown velocity relative to the requested velocity: the shift with the least sum of squares."""
     speed = np.gradient(place, times)
     shifts = np.arange(0.0, LONGEST_DELAY, 0.01)
     inner = times > shifts[-1]

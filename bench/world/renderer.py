@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Measures the processor time of a picture: of the shipped scenes, and over the number of objects in a scene.
+"""Measures the processor time of a picture: for the shipped scenes, and over the number of objects in a scene.
 
     .venv/bin/python bench/world/renderer.py build/release/bin/mebots-camera
 
 Each value is the fastest of several pictures of 320 x 320 pixels, without noise and blur, one metre above the start. The objects
-are crates and firs, alternating, on a field of 40 m x 40 m around the camera, placed by a seed.
+are crates and firs in alternation. A seed places them on a field of 40 m x 40 m around the camera.
 """
 import argparse
 import json

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Calls the controller with 4000 states and set-points from a generator of whole numbers, and prints a checksum
-// (FNV-1a) of the bits of all its outputs. This file is compiled for the chip and for the host.
+// Calls the controller with 4000 states and set-points from an integer generator. Prints a checksum (FNV-1a) of the
+// bits of all outputs. This file is compiled for the chip and for the host.
 #include "crazyflie.h"
 
 #include <math.h>
@@ -10,7 +10,7 @@
 static uint32_t random_state = 1;
 static uint64_t checksum = 0xcbf29ce484222325U;
 
-// Returns a random number from -size to size. All steps are exact in float.
+// Returns a random number from -size to size. All operations are exact in float.
 static float number(float size) {
   random_state = 1664525U * random_state + 1013904223U;
   return size * ((float)(int32_t)(random_state >> 8) / 8388608.0F - 1.0F);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Implements flight/controller.h with the controller of crazyflie.c. Converts state and goal to the firmware's units
 // (degrees, g; the pitch of `attitude` is positive with the nose up). Uses the firmware's own power distribution, and
-// compensates the battery as the firmware does.
+// its battery compensation.
 #include <math.h>
 #include <string.h>
 
@@ -38,8 +38,8 @@ static float wrapped_degrees(float yaw) {
   return kDegrees * (yaw - 6.28318531F * turns);
 }
 
-// Returns the duty cycle for a share of the greatest thrust at the present voltage, as in the firmware's motor driver.
-// The motor voltage is the root of the driver's cubic of thrust over motor voltage, found by Newton's method.
+// Returns the duty cycle for a share of the greatest thrust at this voltage, as the firmware's motor driver does. The
+// motor voltage is the root of the driver's cubic of thrust over voltage, found by Newton's method.
 static float compensated(float share, float supply_v) {
   const float thrust = THRUST_MAX * share;
   if (thrust < THRUST_MIN || supply_v < 2.0F) return 0.0F;
@@ -88,8 +88,8 @@ void controller_update(const flight_goal_t* goal, const flight_state_t* state, b
   motors_thrust_pwm_t capped;
   powerDistribution(&control, &shares);
   powerDistributionCap(&shares, &capped);
-  // The firmware receives the voltage in slow messages of its power manager. Therefore the voltage is filtered here. A
-  // fast reaction to the sag would increase the sag.
+  // Filters the voltage, because the firmware receives it in slow messages of its power manager. A fast reaction to the
+  // voltage sag would increase the sag.
   static float supply_v;
   const float measured_v = 0.001F * (float)BATTERY_VOLTAGE;
   supply_v = first ? measured_v : supply_v + 0.005F * (measured_v - supply_v);

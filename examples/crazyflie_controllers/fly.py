@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Builds the Crazyflie's controllers from a checkout, compares chip and host, flies them, and prints a table.
+"""Builds the Crazyflie's controllers from a checkout, compares chip and host, flies the controllers, and prints a table.
 
     ./fly.py BUILD CHECKOUT [--out FOLDER]
 """
@@ -26,7 +26,7 @@ def run(*command, **options):
 
 
 class MEbots:
-    """Contains the paths of programs and files in a build folder, or in an installation."""
+    """The paths of programs and files in a build folder or in an installation."""
 
     def __init__(self, folder):
         folder = folder.resolve()
@@ -47,7 +47,7 @@ def checksum(text):
 
 
 def compare(mebots, build, name, math):
-    """Runs a controller on host and chip. Returns both checksums, and the chip's cycles."""
+    """Runs a controller on host and chip. Returns both checksums and the chip's cycles."""
     report = build / "report.json"
     host = checksum(run(build / f"checksum_{name}_{math}"))
     chip = checksum(run(mebots.programs / "mebots-soc", "run", build / f"firmware/checksum_{name}_{math}.elf", "--board",

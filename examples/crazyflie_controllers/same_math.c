@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Functions of the mathematical library that use only +, -, *, / and sqrt of doubles. So they have the same bits on
-// every machine. Accuracy is about 1e-7; the checksums only need that chip and host agree.
+// Mathematical functions that use only +, -, *, / and sqrt of doubles. Therefore they have the same bits on every
+// machine. Their accuracy is about 1e-7, which suffices: the checksums of chip and host must only agree.
 #include <math.h>
 #include <stdint.h>
 
@@ -17,7 +17,7 @@ static double sine(double x) {
   return sum;
 }
 
-// Halves the angle three times, so that the series converges fast.
+// Halves the angle three times, so that the series converges quickly.
 static double arc_tangent(double x) {
   for (int i = 0; i < 3; ++i) x = x / (1.0 + sqrt(1.0 + x * x));
   double power = x;
@@ -50,7 +50,7 @@ float asinf(float x) {
 float acosf(float x) {
   return (float)arc_tangent_of(sqrt(1.0 - (double)x * x), x);
 }
-// Computes squares; the controllers need no other powers. For other exponents, returns NaN.
+// Computes squares. For other exponents, which the controllers do not use, returns NaN.
 float powf(float x, float y) {
   return y == 2.0F ? x * x : NAN;
 }

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Flies a leader that broadcasts its position, and two followers that keep their distance to it by ranging.
+"""Flies a leader that broadcasts its position, and two followers that keep their distance to the leader by ranging.
 
 Usage: run.py [--build BUILD_FOLDER] [--out FOLDER]
 
-BUILD_FOLDER (build/release) contains a build of MEbots; firmware and FMUs are built there if they are missing.
+BUILD_FOLDER (build/release) contains a build of MEbots. If firmware and FMUs are missing, they are built there.
 """
 
 import argparse
@@ -35,7 +35,7 @@ def require(good, complaint):
 
 
 def fly(build, out, *settings):
-    """Runs the mission. Returns its printed text, its columns and its summary."""
+    """Runs the mission. Returns its output, its columns and its summary."""
     text = call(build / "bin/mebots", "run", HERE / "mission.json", "--out", out, *settings)
     with (out / "results.csv").open(newline="") as file:
         rows = list(csv.reader(file))
@@ -59,7 +59,7 @@ def check_distances(columns):
 def check_loss(summary):
     sent = summary["sent"]
     for name, lost in summary["lost"]["each"].items():
-        # The last packet may not have arrived yet.
+        # The last packet may still be under way.
         require(abs(lost + summary["received"]["each"][name] - sent) <= 1, f"packets of drone {name} are not accounted for")
         require(abs(lost - sent * LOSS) < 4 * math.sqrt(sent * LOSS * (1 - LOSS)), f"drone {name} lost {lost} of {sent} packets")
     print(f"of {sent} packets, {' and '.join(str(lost) for lost in summary['lost']['each'].values())} were lost, {LOSS:.0%} of them by chance")
@@ -68,7 +68,7 @@ def check_loss(summary):
 def check_energy(summary):
     for name, energy in summary["energy"]["radio"]["each"].items():
         given = summary["energy"]["radio_of_the_battery"]["each"][name]
-        # The battery receives the power of a load one step late.
+        # The battery receives the power of a load one step later.
         require(abs(given / energy - 1) < 1e-3, f"the battery gave radio {name} {given} J, it took {energy} J")
     print(f"the radios took {summary['energy']['radio']['least']:.2f} to {summary['energy']['radio']['most']:.2f} J")
 

@@ -4,7 +4,7 @@
 
 Usage: run.py [--build BUILD_FOLDER] [--out FOLDER] [--stop-time S]
 
-BUILD_FOLDER (build/release) contains a build of MEbots; the FMU is built there if it is missing.
+BUILD_FOLDER (build/release) contains a build of MEbots. If the FMU is missing, it is built there.
 """
 
 import argparse

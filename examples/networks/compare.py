@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Compares the sight network at three widths on gate_easy and gate_hard: success, latency and energy. Writes into FOLDER the deployed
-networks, both studies with their results, and table.md.
+"""Compares the sight network at three widths on gate_easy and gate_hard: success, latency and energy. Writes the deployed
+networks, both studies with their results, and table.md into FOLDER.
 
 Usage: python examples/networks/compare.py FOLDER [--flights N] [--mebots PROGRAM]"""
 
@@ -15,14 +15,14 @@ import sys
 HERE = pathlib.Path(__file__).resolve().parent
 CONFIGS = HERE.parents[1] / "configs"
 NETWORKS = ("sight", "sight_three_quarters", "sight_half")
-# Maps a mission to the parameters that the sight firmware needs in it, and to the ranges of the random starts. Both are
-# those of examples/paper/sight.
+# Maps a mission to parameters of the sight firmware, and to the ranges of the random starts. Both are those of
+# examples/paper/sight.
 MISSIONS = {
     "gate_easy": (
         {"soc.firmware": ["sight"], "soc.mission.policy": ["adaptive"], "soc.mission.yaw_rate_scale": [0.8], "soc.mission.frame_period": [0.033]},
         {"world.start.offset.x": 0.5, "world.start.offset.y": 0.5, "world.start.yaw_offset": 0.3},
     ),
-    # An unsuccessful flight ends at this time. A successful flight takes 35 s.
+    # A stop time of 90 s ends unsuccessful flights. A successful flight takes 35 s.
     "gate_hard": ({"/stop_time": [90]}, {"world.start.offset.x": 0.3, "world.start.offset.y": 0.1, "world.start.yaw_offset": 0.02}),
 }
 OBJECTIVES = {
@@ -36,8 +36,7 @@ COLUMNS = ("network", "mission", "flights", "passed", "of them touched", "infere
 
 
 def study(mission, folder, flights):
-    """Returns the study of a mission. An empty name of a network selects the network in the firmware, with kernels
-    scheduled by hand.
+    """Returns the study of a mission. An empty network name selects the firmware's network, whose kernels are scheduled by hand.
     """
     settings, ranges = MISSIONS[mission]
     draws = {name: {"uniform": [-most, most]} for name, most in ranges.items()} | {"world.sensors.seed": {"integer": [1, 1_000_000]}}
@@ -51,7 +50,7 @@ def study(mission, folder, flights):
 
 
 def rows_of(mission, results):
-    """Returns a row of the table for each network, computed from the missions of a study."""
+    """Computes a row of the table for each network from the missions of a study."""
     with open(results / "missions.csv", newline="", encoding="utf-8") as file:
         missions = list(csv.DictReader(file))
     for network in dict.fromkeys(one["soc.network"] for one in missions):

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Measures the accuracy of PULP-DroNet v2 on the Himax data set, in float and in integers. Prints the intervals of both
-accuracies and of their difference.
+"""Measures the accuracy of PULP-DroNet v2 on the Himax data set, in float and in integers. Prints intervals of both accuracies
+and of their difference.
 
 MODEL is model_original_himax.onnx or model_original.onnx of github.com/pulp-platform/pulp-dronet (pulp-dronet-v2/gapflow);
-PICTURES is a checkout of github.com/pulp-platform/Himax_Dataset. The data set has no labels for steering, so the root
+PICTURES is a checkout of github.com/pulp-platform/Himax_Dataset. The data set has no labels for steering. For steering, the root
 mean square difference between integers and float is printed."""
 
 import argparse
@@ -22,7 +22,7 @@ REPETITIONS = 10_000
 
 
 def read_labels(folder):
-    """Returns the collision label of each picture, by the picture's path."""
+    """Returns {path of a picture: its collision label}."""
     labels = {}
     for file in folder.rglob("labels.txt"):
         frames = sorted(file.parent.glob("frame_*.pgm"), key=lambda one: int(one.stem.split("_")[1]))
@@ -35,7 +35,7 @@ def read_labels(folder):
 
 
 def interval(values, random):
-    """Returns the 95 % confidence interval of a mean, computed by resampling pictures."""
+    """Returns the 95 % confidence interval of a mean, by resampling the pictures."""
     chosen = random.integers(0, len(values), (REPETITIONS, len(values)))
     return np.percentile(values[chosen].mean(axis=1), [2.5, 97.5])
 

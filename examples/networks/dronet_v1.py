@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes PULP-DroNet v1 as ONNX, from the weights in 16 bits that its repository publishes.
+"""Writes PULP-DroNet v1 as ONNX, from the 16-bit weights that its repository publishes.
 
-WEIGHTS is pulp-dronet-v1/weights/binary of a checkout of github.com/pulp-platform/pulp-dronet. The layers, and the binary digits behind
-the point of their weights, are those of its src/config.h. The input is in grey levels: deploy it with --input-scale 1.
+WEIGHTS is pulp-dronet-v1/weights/binary of a checkout of github.com/pulp-platform/pulp-dronet. The layers and the fractional bits
+of their weights are those of its src/config.h. The input is in grey levels: deploy it with --input-scale 1.
 
 Usage: dronet_v1.py WEIGHTS OUT.onnx"""
 
@@ -24,7 +24,8 @@ class Writer:
         self.constants = []
 
     def read(self, name, shape, digits):
-        """Reads 16-bit integers from a file and adds them, divided by 2 to the power of ``digits``, as a constant. Returns its name."""
+        """Reads 16-bit integers from a file, divides them by 2 to the power of ``digits``, and adds them as a constant. Returns
+        the constant's name."""
         values = np.fromfile(self.folder / f"{name}.hex", "<i2").reshape(shape) * 2.0**-digits
         self.constants.append(numpy_helper.from_array(values.astype(np.float32), name))
         return name
@@ -40,7 +41,7 @@ class Writer:
         return self.node("Conv", source, weight, bias, output=f"conv{number}", kernel_shape=shape[2:], strides=[stride] * 2, pads=[pads[0]] * 2 + [pads[1]] * 2)
 
     def block(self, source, first, before, channels, pads, digits):
-        """Adds a residual block of three convolutions, the first of which has the number ``first``."""
+        """Adds a residual block of three convolutions. ``first`` is the number of the first convolution."""
         inner = self.node("Relu", self.conv(self.node("Relu", source), first, (channels, before, 3, 3), 2, 14, pads))
         inner = self.conv(inner, first + 1, (channels, channels, 3, 3), 1, 14, SAME)
         return self.node("Add", inner, self.conv(source, first + 2, (channels, before, 1, 1), 2, digits, (0, 0)))

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Derives narrower networks from the sight network, without training. In each layer, it keeps the channels from which
-the next layer can be computed best. Then it fits the remaining weights by least squares to the layers of the whole
-network.
+"""Derives narrower networks from the sight network, without training. In each layer, keeps the channels from which the next layer
+can be computed best. Then fits the remaining weights to the layers of the whole network by least squares.
 
 Usage: python examples/networks/narrower.py PICTURES TEST...
 
-PICTURES and TEST are sets of pictures of `mebots-dataset --task sight --out`. Writes sight_three_quarters.weights and sight_half.weights next
-to this file, in the format of fmu_soc/firmware/nn/sight.weights, and prints the errors of all networks over the sets TEST."""
+PICTURES and TEST are sets of pictures of `mebots-dataset --task sight --out`. Writes sight_three_quarters.weights and
+sight_half.weights next to this file, in the format of fmu_soc/firmware/nn/sight.weights. Prints the errors of all networks over
+the sets TEST."""
 
 import argparse
 import pathlib
@@ -40,13 +40,12 @@ def shapes(channels):
 
 
 def in_float(layers):
-    """Returns the (weights, biases) of each layer in float, in counts of the layer's output."""
+    """Returns (weights, biases) of each layer in float, in counts of the layer's output."""
     return [(w.astype(np.float32) * 2.0 ** -s.astype(np.float32)[:, None, None, None], b * 2.0 ** -s.astype(np.float32)) for w, b, s in layers]
 
 
 def in_integers(layers):
-    """Converts layers to integer weights, biases and shifts. Each shift is the greatest with which the weights fit into
-    a byte."""
+    """Converts layers to integer weights, biases and shifts. Each shift is the greatest for which the weights fit into a byte."""
     result = []
     for weights, biases in layers:
         largest = np.abs(weights).max(axis=(1, 2, 3)).clip(1e-6)
@@ -65,8 +64,8 @@ def windows(values, kernel, stride):
 
 
 def sums(number, layer, values):
-    """Returns the values of layer `number` before they are limited. For the first layer, returns them after its pool,
-    which gives the same result."""
+    """Returns the values of layer `number` before they are limited. For the first layer, returns the values after its pool, which
+    gives the same result."""
     weights, biases = layer
     stride = STRIDES[number] if number < len(STRIDES) else 1
     result = windows(values, weights.shape[1], stride) @ weights.reshape(len(weights), -1).T + biases
@@ -91,7 +90,7 @@ def pictures_of(pixels):
 
 
 def drawn(values, number, kernel, random):
-    """Returns windows of layer `number` at random places, and the indices of these places."""
+    """Returns windows of layer `number` at random places, and the indices of the places."""
     stride = STRIDES[number] if number < len(STRIDES) else 1
     seen = windows(values, kernel, stride)
     places = random.integers(0, np.prod(seen.shape[:3]), min(SAMPLES, np.prod(seen.shape[:3])))
@@ -99,14 +98,14 @@ def drawn(values, number, kernel, random):
 
 
 def solved(gram, product, prior=0.0, ridge=RIDGE):
-    """Solves a least-squares problem. A ridge, relative to the scale of the values, keeps the solution near `prior`."""
+    """Solves a least-squares problem. A ridge, relative to the scale of the values, keeps the solution close to `prior`."""
     inner = gram + ridge * np.trace(gram) / len(gram) * np.eye(len(gram))
     return prior + np.linalg.solve(inner, product - gram @ prior if np.ndim(prior) else product)
 
 
 def chosen(seen, weights, keep):
-    """Returns the channels of the input that are kept. Removes one channel after the other. In each round, this is the
-    channel whose removal least impairs the fit of the layer."""
+    """Returns the channels of the input that are kept. Removes one channel per round: the channel whose removal impairs the fit
+    of the layer least."""
     outputs, window, channels = len(weights), weights.shape[1] * weights.shape[2], weights.shape[3]
     if window > 9:  # too many unknowns for a fit, so keeps the channels that contribute most to the sums
         part = weights.reshape(outputs, window, channels) ** 2 * seen.var(axis=0).reshape(window, channels)
@@ -126,8 +125,8 @@ def chosen(seen, weights, keep):
 
 
 def fitted(seen, wanted, weights, limits):
-    """Fits weights and biases, starting from `weights`. A value beyond a limit counts as the limit. Such a value is an
-    error only if the wanted value is within the limits."""
+    """Fits weights and biases, starting from `weights`. A value beyond a limit counts as the limit. It is an error only if the
+    wanted value is within the limits."""
     seen = np.column_stack([seen, np.ones(len(seen))])
     prior = np.vstack([weights.reshape(len(weights), -1).T, (wanted - seen[:, :-1] @ weights.reshape(len(weights), -1).T).mean(axis=0)])
     gram = seen.T @ seen
@@ -141,7 +140,7 @@ def fitted(seen, wanted, weights, limits):
 
 
 def narrowed(whole, channels, pixels):
-    """Returns the layers of a narrower network with these numbers of channels."""
+    """Returns the layers of a narrower network. `channels` contains the numbers of channels."""
     random = np.random.default_rng(1)
     narrow = []
     wide = mine = pictures_of(pixels)  # inputs of the present layer in the whole and in the narrower network
@@ -170,8 +169,8 @@ def read(path):
 
 
 def errors(layers, path):
-    """Returns the median errors over pictures with a gate, in units of the outputs, and the shares of missed and of
-    false gates."""
+    """Returns the median errors over pictures with a gate, in units of the outputs, and the shares of missed and of false
+    gates."""
     pixels, labels = read(path)
     values = pictures_of(pixels)
     for number, layer in enumerate(layers):

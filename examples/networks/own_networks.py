@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes MEbots' networks as ONNX, each with pictures for the calibration (.npy): navigator and sight, which are
-shipped as firmware, and the sight network with three quarters and a half of the channels (narrower.py).
+"""Writes MEbots' networks as ONNX, each with pictures for the calibration (.npy): navigator and sight, which are shipped as
+firmware, and the sight network with three quarters and with half of the channels (narrower.py).
 
-Their weights are whole numbers, so the float model has nearly the values of the firmware's own kernels."""
+Their weights are whole numbers, so the float model has nearly the values of the firmware's kernels."""
 
 import argparse
 import pathlib
@@ -21,8 +21,8 @@ HERE = "examples/networks"
 
 
 class Known(typing.NamedTuple):
-    """Describes a network to write. ``channels`` are the channels of the convolutions. ``pictures`` names golden
-    pictures of the training, which serve for the calibration."""
+    """A network to write. ``channels`` are the channels of the convolutions. ``pictures`` is the name of the training's golden
+    pictures, which are used for the calibration."""
 
     folder: str
     channels: tuple
@@ -39,7 +39,7 @@ NETWORKS = {
 
 
 def read_layers(name):
-    """Reads the file that export.py wrote. Returns weights (out, in, rows, columns), biases and shifts of each layer.
+    """Reads a file of export.py. Returns weights (out, in, rows, columns), biases and shifts of each layer.
     """
     folder, channels, outputs, _ = NETWORKS[name]
     content = (ROOT / folder / f"{name}.weights").read_bytes()
@@ -63,8 +63,8 @@ def read_layers(name):
 
 
 def scaled(layer, step_in, step_out):
-    """Returns the layer's weights and bias in float. An input and an output have the given step sizes. The biases of the
-    file include half a unit for rounding, and the result does not."""
+    """Returns the layer's weights and bias in float, for these step sizes of input and output. The biases in the file include
+    half a unit for rounding. The result does not."""
     weights, biases, shifts = layer
     factor = 2.0 ** -shifts.astype(float) * step_out
     half = 2.0 ** (shifts.astype(float) - 1)
@@ -72,8 +72,7 @@ def scaled(layer, step_in, step_out):
 
 
 def model(name):
-    """Returns the network as an ONNX model in float. Its input is grey levels / 255 - 128 / 255, and its outputs are in
-    [-1, 1]."""
+    """Returns the network as an ONNX model in float. Its input is grey levels / 255 - 128 / 255. Its outputs are in [-1, 1]."""
     layers = read_layers(name)
     nodes = []
     constants = [numpy_helper.from_array(np.float32(value), key) for key, value in (("least", 0), ("most", 1))]
@@ -92,7 +91,6 @@ def model(name):
         border = weights.shape[2] // 2
         geometry = {"strides": [STRIDES[number]] * 2, "pads": [border] * 4, "kernel_shape": list(weights.shape[2:])}
         nodes.append(helper.make_node("Conv", [source, f"w{number}", f"b{number}"], [f"c{number}"], name=f"conv{number}", **geometry))
-        # A byte is at most 255.
         nodes.append(helper.make_node("Clip", [f"c{number}", "least", "most"], [f"r{number}"], name=f"clip{number}"))
         source = f"r{number}"
         if number == 0:

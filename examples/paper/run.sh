@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Runs both experiments of the paper on all cores and writes results/paper/report.html. Options are passed to study/study.py: --parts
-# experiments landing clocks shipped easy hard, --chip BOARD, --count N, --jobs N, --build DIR, --out DIR.
+# Runs both experiments of the paper on all cores, and writes results/paper/report.html. Passes options to
+# study/study.py: --parts experiments landing clocks shipped easy hard, --chip BOARD, --count N, --jobs N, --build DIR,
+# --out DIR.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 

@@ -4,7 +4,7 @@
 
 Usage: .venv/bin/python examples/rover/mission.py [--build BUILD_FOLDER] [--out FOLDER]
 
-BUILD_FOLDER (build/release) contains a build of MEbots; FMUs are built there if they are missing.
+BUILD_FOLDER (build/release) contains a build of MEbots. If FMUs are missing, they are built there.
 """
 
 import argparse
@@ -35,7 +35,8 @@ def fly(build, out, *settings):
 
 
 def check_range(columns):
-    """The drone is level up to 0.05 rad, so the sensor measures the height above the roof or the ground with little error."""
+    """Checks that the sensor measures the height above the roof or the ground. The drone is level up to 0.05 rad, so the error is
+    small."""
     over = 0
     for row in range(1, len(columns["time"])):
         x, y = (columns[f"world.drone[1].position.{axis}"][row] - columns[f"world.robot[1].place.{axis}"][row] for axis in "xy")
@@ -45,7 +46,7 @@ def check_range(columns):
         over += 1
         height = columns["world.drone[1].position.z"][row] - ROOF_M
         error = abs(columns["world.drone[1].range.down"][row] - height)
-        # The noise of a sample is 2.5 mm, and the last sample is up to 25 ms old.
+        # The noise of a sample is 2.5 mm. The last sample is up to 25 ms old.
         speed = abs(columns["world.drone[1].position.z"][row] - columns["world.drone[1].position.z"][row - 1]) / 0.002
         require(error < 0.02 + 0.03 * speed, f"the range sensor is wrong by {error:.3f} m at {columns['time'][row]:.3f} s")
     require(over > 1000, "the drone was hardly ever over the roof")

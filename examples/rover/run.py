@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs a rover whose chip consists of board.json and a firmware: alone, then as an FMU with wheels and a floor in Python.
+"""Runs a rover whose chip is defined by board.json and a firmware: alone, then as an FMU with wheels and a floor in Python.
 
 Usage: .venv/bin/python examples/rover/run.py [--build BUILD_FOLDER]
 
@@ -24,8 +24,8 @@ STUCK, BUMPED = 3, 2  # the firmware's exit codes
 
 
 class Rover:
-    """Simulates the robot's wheels, which follow the requested speed with a lag. The right wheel is 3 % thinner than
-    the firmware assumes."""
+    """The robot's wheels, which follow the requested speed with a lag. The right wheel is 3 % thinner than the firmware
+    assumes."""
 
     LAG_S, TRACK_M, THINNER = 0.1, 0.2, 0.97
 
@@ -49,8 +49,8 @@ def require(good, complaint):
 
 
 def run_alone(build):
-    """Runs the firmware alone, without a simulation of the wheels, so the wheels do not turn. The firmware detects
-    this. Every variable of board.json has its value `start`."""
+    """Runs the firmware without a simulation of the wheels, so the wheels do not turn. The firmware must detect this. Every
+    variable of board.json has its value `start`."""
     done = subprocess.run([build / "bin/mebots-soc", "run", build / "firmware/rover.elf", "--board", HERE / "board.json"],
                           text=True, capture_output=True, check=False)
     print(done.stdout, end="")
@@ -59,7 +59,7 @@ def run_alone(build):
 
 
 def drive(archive, errand, wall_m=math.inf):
-    """Runs the FMU with a rover around it until the firmware ends. Returns the rover and the exit code."""
+    """Runs the FMU and the rover until the firmware ends. Returns the rover and the exit code."""
     description = fmpy.read_model_description(archive)
     reference = {variable.name: variable.valueReference for variable in description.modelVariables}
     folder = fmpy.extract(archive)
@@ -100,11 +100,11 @@ def main():
     rover, code = drive(build / "fmus/rover.fmu", {"errand.distance": 2.0, "errand.speed": 0.4})
     print(f"errand of 2 m at 0.4 m/s: exit code {code}, x {rover.x:.3f} m, y {rover.y:.3f} m, heading {rover.heading:.4f} rad")
     require(code == 0, "it did not arrive")
-    # The rover stops late by one period of 20 ms and by the lag of the wheels: 0.4 m/s x 0.13 s. The thinner right
-    # wheel shortens the way by 1.5 %.
+    # The rover stops one period of 20 ms and the lag of the wheels late: 0.4 m/s x 0.13 s. The thinner right wheel shortens the
+    # way by 1.5 %.
     require(1.95 < rover.x < 2.06, "it did not stop where it should")
-    # Without steering, the way of the right wheel would be shorter by 3 % of 2 m. On a track of 0.2 m, this would turn
-    # the rover by 0.3 rad.
+    # Without steering, the way of the right wheel would be shorter by 3 % of 2 m. With a track of 0.2 m, this would turn the
+    # rover by 0.3 rad.
     require(abs(rover.heading) < 0.1, "the gyro does not keep its heading")
 
     rover, code = drive(build / "fmus/rover.fmu", {"errand.distance": 2.0}, wall_m=0.8)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the easy gate mission undisturbed and with each of the scenarios, and draws them in one picture.
+"""Runs the easy gate mission without disturbance and with each of the scenarios. Draws all flights in one picture.
 
 Usage: run.py [--build BUILD_FOLDER] [--out FOLDER]
 
@@ -22,8 +22,7 @@ COLUMNS = ["world.drone.position.*", "motors.power"]
 
 
 def fly(build, scenario, out):
-    """Runs one flight and returns its results. The config is that of the mission. It also records the variables that
-    are drawn."""
+    """Runs one flight. Returns its results. Adds the drawn variables to the mission's recorded variables."""
     config = json.loads((ROOT / "configs" / "gate_easy.json").read_text())
     config["record"] = COLUMNS
     config.pop("pictures")
@@ -40,7 +39,7 @@ def fly(build, scenario, out):
 
 
 def running_mean(values, count):
-    """Returns the moving mean over `count` steps, which hides the stabiliser's changes from step to step."""
+    """Returns the moving mean over `count` steps. It hides the stabiliser's changes from step to step."""
     total, result = 0.0, []
     for k, value in enumerate(values):
         total += value - (values[k - count] if k >= count else 0.0)

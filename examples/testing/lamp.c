@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A lamp with a button and a serial port. The button switches the lamp on and off. The program answers each line with
-// the line's length, and ends at "off".
+// A lamp with a button and a serial port. The button switches the lamp. The program answers each line with its length,
+// and ends at the line "off".
 #include <stdint.h>
 
 #define REGISTER(type, address) (*(volatile type*)(address))

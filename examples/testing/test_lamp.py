@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests lamp.c on the board of this folder. Run the tests with: pytest test_lamp.py."""
+"""Tests lamp.c on the board of this folder. Run: pytest test_lamp.py."""
 
 import pathlib
 import subprocess

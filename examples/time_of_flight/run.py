@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs a firmware that reads a time-of-flight sensor defined only by an entry of board.json: alone, then in flight.
+"""Runs a firmware that reads a time-of-flight sensor: alone, then in flight.
+
+An entry of board.json is the sensor's only definition.
 
 Usage: run.py [--build BUILD_FOLDER] [--out FOLDER]
 
-BUILD_FOLDER (build/release) contains a build of MEbots; firmware and FMU are built there if they are missing.
+BUILD_FOLDER (build/release) contains a build of MEbots. If firmware and FMU are missing, they are built there.
 """
 
 import argparse
@@ -46,7 +48,7 @@ def run_alone(build):
 
 
 def fly(build, out):
-    """Runs the mission with the FMUs of this build. Returns the columns of its results, and its summary."""
+    """Runs the mission with the FMUs of this build. Returns the columns and the summary of its results."""
     text = call(build / "bin/mebots", "run", HERE / "mission.json", "--out", out / "flight")
     print(text, end="")
     with (out / "flight/results.csv").open(newline="") as file:
@@ -62,7 +64,7 @@ def check_flight(text, columns, summary):
     changes = [k for k in range(1, len(reported)) if reported[k] != reported[k - 1]]
     require(len(changes) > MEASUREMENTS // 2, f"the drone climbs, but only {len(changes)} different distances came")
     for k in changes:
-        # The distance was measured in one of the last steps. It is the world's output at the start of that step.
+        # The distance was measured in one of the last steps. It is the world's output at the start of this step.
         candidates = [round(below[i], 3) for i in range(max(0, k - 3), k)]
         require(any(abs(reported[k] - candidate) < 1e-9 for candidate in candidates),
                 f"row {k}: the chip reported {reported[k]} m, the world was at {candidates} m")
@@ -70,7 +72,7 @@ def check_flight(text, columns, summary):
     require(reported[changes[-1]] > reported[changes[0]], "the drone did not climb")
     ranging_j = MEASUREMENTS * SUPPLY_V * RANGING_A * RANGING_S
     require(abs(summary["sensor_energy"] / ranging_j - 1) < 0.01, "the sensor's energy is not that of its data sheet")
-    # The battery receives the loads a step late, so 2 ms of standby are missing.
+    # The battery receives the loads one step later, so 2 ms of standby are missing.
     require(abs(summary["sensor_energy_of_the_battery"] / summary["sensor_energy"] - 1) < 1e-3,
             f"the battery gave the sensor another energy: {summary}")
     print(f"\n{len(changes)} distances from {reported[changes[0]]} m to {max(reported)} m, each as the world had it; "

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks the claims of the paper's study on a few of its flights, with the study's own tools."""
+"""Tests claims of the paper's study on a few of its flights. Uses the study's own functions."""
 
 import copy
 import dataclasses
@@ -50,14 +50,13 @@ class Batteries(unittest.TestCase):
 
     def test_a_lighter_cell_of_the_same_capacity_uses_less(self):
         saved = 1 - self.charge_used("ufx_250", False) / self.charge_used("bitcraze_250", False)
-        # The mass differs by 1.3 g of 40 g. The power is proportional to the mass to the power of 1 to 1.5, apart from a constant
-        # part.
+        # The masses differ by 1.3 g of 40 g. Most of the power is proportional to the mass to the power of 1 to 1.5.
         self.assertGreater(saved, 0.025)
         self.assertLess(saved, 0.05)
 
     def test_at_equal_mass_the_charge_used_goes_with_one_over_the_capacity(self):
         ratio = self.charge_used("cyclone_300", True) / self.charge_used("lipol_350", True)
-        # The difference is due to the cells' resistance, which uses a few per cent of the energy.
+        # The tolerance covers the loss in the cells' resistance, a few per cent of the energy.
         self.assertAlmostEqual(ratio, 350 / 300, delta=0.03)
 
     def test_a_lighter_cell_uses_less_with_its_own_mass_than_with_the_heaviests(self):
@@ -78,7 +77,7 @@ class EasyFlight(unittest.TestCase):
         for consumer in ("motors", "chip", "camera", "converters", "cell"):
             self.assertGreater(phases["cruise"][consumer], 0)
         everything = sum(sum(consumers.values()) for consumers in phases.values())
-        # The table does not include self-discharge and the time before the first sample.
+        # The table omits self-discharge and the time before the first sample.
         self.assertAlmostEqual(everything / summary["energy"]["open_circuit"], 1, delta=1e-3)
 
 
@@ -86,12 +85,13 @@ class HardFlightAdaptive(unittest.TestCase):
     def test_the_adaptive_policy_slows_down_to_turn_and_crosses_the_hard_gates_opening(self):
         base = next(f for f in experiments.speeds() if f.name == "b-adaptive")
         summary, trace = flown(base)
-        # The motion after the contact is chaotic: the last bits decide whether the drone passes the frame.
+        # The motion after the contact is chaotic, so the test does not check whether the drone passes the frame.
         self.assertTrue(summary["gate"]["crossed"])
         asked = trace["soc.setpoint.velocity.x"][trace["world.drone.phase"] == CRUISE]
         self.assertEqual(asked[: len(asked) // 3].min(), 0.0, "the gate at the edge of the picture stops the drone")
         self.assertAlmostEqual(asked.max(), 1.0 * KM_H, delta=1e-4)
-        # 0.3 km/h, the fastest constant speed that passes, needs 5.8 m / 0.083 m/s from the start of its cruise.
+        # At 0.3 km/h, the fastest constant speed that passes, the drone reaches the gate 5.8 m / 0.083 m/s after the start of its
+        # cruise.
         self.assertLess(trace.time_at_gate(), 5.8 / (0.3 * KM_H))
 
 
@@ -120,7 +120,7 @@ class HardMission(unittest.TestCase):
         self.assertFalse(summary["gate"]["touched"])
         self.assertLess(abs(summary["lateral_error"]), 0.1)
         flying = trace["world.drone.phase"] == CRUISE
-        # Each camera period has a picture, because an inference takes less time.
+        # Each period of the camera has a picture, because an inference takes less time than the period.
         self.assertGreater(summary["pictures"], 0.95 * flying.sum() * 0.1 / 0.033)
         asked = trace["soc.setpoint.velocity.x"][flying]
         self.assertAlmostEqual(asked.max(), 1.0 * KM_H, delta=1e-4)

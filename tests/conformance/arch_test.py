@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs riscv-arch-test, and compares the result words of its programs with those of Spike.
 
-A test states to which machines it applies, in lines such as this one:
+A test states the machines to which it applies, in lines such as:
 
     RVTEST_CASE(0,"//check ISA:=regex(.*32.*);check ISA:=regex(.*I.*C.*);def TEST_CASE_1=True;",cadd)
 
@@ -33,7 +33,7 @@ HERE = ROOT / "tests/conformance"
 
 
 def holds(condition, isa):
-    """Returns the macros of a test case that applies to this machine; None if the case does not apply."""
+    """Returns the macros of a test case. If the case does not apply to this machine, returns None."""
     macros = []
     for clause in filter(None, (part.strip() for part in condition.lstrip("/ ").split(";"))):
         kind, text = clause.split(maxsplit=1)
@@ -55,8 +55,8 @@ def cases(source, isa=ISA):
 
 
 def letters(source, isa, core):
-    """Returns the letters of the ISA. They contain C only for tests of compressed instructions, because an assembler
-    would otherwise compress instructions of other tests.
+    """Returns the letters of the ISA. Includes C only for tests of compressed instructions, because the assembler would otherwise
+    compress instructions of other tests.
     """
     name, _, others = core.partition("_")
     base = name.replace("c", "") if cases(source, isa.replace("C", "")) == cases(source, isa) else name
@@ -64,7 +64,7 @@ def letters(source, isa, core):
 
 
 def judge(folder, soc, work, each):
-    """Returns verdicts of all tests that apply to this machine."""
+    """Returns the verdicts of all tests that apply to this machine."""
     suite = checkout(folder, "riscv-arch-test", ADDRESS) / "riscv-test-suite"
     reference = spike()
     tests = [(name, source) for name in SUITES for source in sorted((suite / "rv32i_m" / name / "src").glob("*.S"))

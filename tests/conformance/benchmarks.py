@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs Embench-IoT and CoreMark, whose programs check their own results. Compares their instruction counts with
-Spike's.
+"""Runs Embench-IoT and CoreMark, whose programs check their own results. Compares the instruction counts with Spike's.
 """
 
 import re
@@ -15,7 +14,7 @@ BASE = 0x80000000  # where start.S and Spike's memory are
 
 
 def count_of_spike(reference, program):
-    """Returns the number of instructions up to the store that ends the program. Spike itself detects this store some
+    """Returns the number of instructions up to the store that ends the program. Spike itself detects this store only some
     thousand instructions later.
     """
     _, symbols = run([COMPILER.replace("-gcc", "-nm"), program])

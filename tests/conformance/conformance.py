@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests the chip with suites by others (scripts/conformance.sh): prints a Markdown page, that of docs/conformance.md.
+"""Tests the chip with suites by others (scripts/conformance.sh). Prints the Markdown page docs/conformance.md.
 
-Every program runs translated and interpreted. The exit code is 1 if a failure is not named in EXPLAINED, or if a named
-one passes. It is 2 if a checkout or a tool is missing; the command that fetches it is printed.
+Every program runs translated and interpreted. The exit code is 1 if a failure is not named in EXPLAINED, or if a named one
+passes. If a checkout or a tool is missing, prints the command that fetches it, and the exit code is 2.
 """
 
 import argparse
@@ -23,7 +23,7 @@ EXPLAINED = {
 
 
 def each_on(jobs):
-    """Runs the tests on several processors, and shows the progress. The results are in the order of the tests."""
+    """Runs the tests on several processors, and shows the progress. Returns the results in the order of the tests."""
 
     def each(function, tests):
         done = []

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Definitions that riscv-arch-test requires of a machine: the end of a program (Spike's tohost), and the place of its
-// result words.
+// Definitions that riscv-arch-test requires of a machine: how a program ends (Spike's tohost), and where its result
+// words are.
 #pragma once
 
 #define RVMODEL_BOOT

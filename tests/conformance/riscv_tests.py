@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs riscv-tests, which are small programs that test the instruction set and check themselves, in the environment "p"
-(one hart, machine mode).
+"""Runs riscv-tests in the environment "p" (one hart, machine mode). These small programs test the instruction set and check
+themselves.
 """
 
 import re
@@ -17,7 +17,7 @@ LIMIT = 10_000_000  # instructions; the longest needs some ten thousand
 
 
 def environment(folder):
-    """Returns the test environment: the one inside a recursive clone, or a separate checkout next to the clone."""
+    """Returns the test environment: that of a recursive clone, or a separate checkout next to the clone."""
     for path in (folder / "riscv-tests/env", folder / "riscv-test-env"):
         if (path / "p/riscv_test.h").exists():
             return path
@@ -31,13 +31,13 @@ def names(suite_folder):
 
 
 def flags(isa, suite):
-    """Returns -march and -mabi as in the suites' Makefile."""
+    """Returns -march and -mabi of the suites' Makefile."""
     text = (isa / "Makefile").read_text()
     return re.search(rf"compile_template,{suite},([^)]*)\)", text)[1].split()
 
 
 def judge(folder, soc, work, each):
-    """Returns verdicts of all tests; `each` maps a function over them."""
+    """Returns the verdicts of all tests. `each` maps a function over the tests."""
     top = checkout(folder, "riscv-tests", ADDRESS)
     isa, env = top / "isa", environment(folder)
     tests = [(suite, name) for suite in SUITES for name in names(isa / suite)]

@@ -17,8 +17,8 @@ SECONDS = 120  # wall time for one program in one simulator
 
 
 def soc_run(soc, isa="rv32imc"):
-    """Returns the command of mebots-soc with a core that has no properties beyond the specification. Other cores
-    require handlers at larger alignments than the 4 bytes of the suites' handlers.
+    """Returns the command of mebots-soc with a core that has no properties beyond the specification. Other cores require an
+    alignment of handlers that the suites' handlers, with 4 bytes, do not have.
     """
     return [soc, "run", "--core", isa]
 
@@ -37,7 +37,7 @@ class CannotRun(Exception):
 
 
 def run(command, **options):
-    """Returns exit code and output. After a timeout, the code is None."""
+    """Returns exit code and output. After a timeout, the exit code is None."""
     try:
         done = subprocess.run([str(part) for part in command], capture_output=True, text=True, errors="replace", timeout=SECONDS,
                               **options)
@@ -47,7 +47,7 @@ def run(command, **options):
 
 
 def build(command):
-    """Returns the compiler's error message; empty if it succeeded."""
+    """Returns the compiler's error message; empty if the compilation succeeded."""
     code, text = run(command)
     return None if code == 0 else f"does not compile: {text.strip().splitlines()[0] if text.strip() else code}"
 

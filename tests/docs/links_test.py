@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that every link between pages of the documentation leads to a file and, if the link has a heading, to this
-heading. Needs no Sphinx and takes a second."""
+"""Checks that every link between pages of the documentation leads to a file and, if the link contains a heading, to this heading.
+Does not need Sphinx."""
 
 import re
 import sys

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Tests that the shipped missions begin without notices, because each input has a source or a value in the config, and that a take-off logs no
-# warning: the time above the cell's continuous current is a fact of the flight, in one line at its end. Usage: no_notices.sh MEBOTS CONFIGS
+# Tests that the shipped missions start without notices, because each input has a source or a value in the config. Also
+# tests that a take-off logs no warning: one line at the end of the flight reports the time above the cell's continuous
+# current. Usage: no_notices.sh MEBOTS CONFIGS
 set -euo pipefail
 mebots=$1 configs=$2 count=0
 for config in "$configs"/*.json; do

@@ -70,14 +70,14 @@ def main():
             runs.append(again["battery.cell.voltage"])
         assert (runs[0] == runs[1]).all() and len(runs[0]) == 31
 
-        # This is also true for an instance in a separate process, whose program is next to the package.
+        # Equal bits also for an instance in a separate process, whose program is next to the package.
         isolated = mebots.Mission(config(folder, process="own"))
         isolated.set("motors.rotor[1].command", 0.5)
         isolated.set_stop_time(0.3)
         isolated.run()
         assert (isolated["battery.cell.voltage"] == runs[0]).all()
 
-        # Mistakes are reported.
+        # Mistakes must raise errors.
         raises(mebots.InputError, lambda: mebots.Mission("nowhere.json"), "nowhere.json")
         fresh = mebots.Mission(config(folder))
         raises(mebots.InputError, lambda: fresh.set("batery.x", 1), "battery")
@@ -88,8 +88,8 @@ def main():
         raises(KeyError, lambda: fresh["world.drone"], "is not recorded")
         raises(KeyError, lambda: fresh["battery.cell.voltag"], "battery.cell.voltage")
 
-        # A mission with all arguments as keywords is closed before its end. Its files must equal those of the command line, and read back to the same
-        # bits.
+        # Closes a mission with all arguments as keywords before its end. Its files must equal those of the command line, and must
+        # have the same bits after reading.
         out = pathlib.Path(folder) / "out"
         points = []
         with mebots.Mission(path, set={"motors.rotor[1].command": 0.5, "battery.cell.name": "lipol_350"}, stop_time=0.5,
@@ -111,7 +111,7 @@ def main():
         raises(mebots.InputError, lambda: mebots.read("nowhere"), "no such folder")
         assert mebots.Mission.run.__doc__ and mebots.Mission.__doc__ and mebots.read.__doc__
 
-        # Listeners may read at a point and request the end, but not step; their errors fail the run, not Python.
+        # Listeners may read at a point and request the end, but may not step. Their errors fail the run, but not Python.
         seen = []
         watched = mebots.Mission(path)
         watched.on_point(lambda time: time > 0 and seen.append(watched.value("battery.cell.voltage")))
@@ -129,7 +129,7 @@ def main():
         assert early.state == "ended" and early.outcome == "interrupted"
         raises(mebots.InputError, lambda: early.value("battery.cell.voltage"), "has not reached t = 0")
 
-        # Any numeric type is accepted. Changes are reported in one order, whatever the order of the calls.
+        # Any numeric type is accepted. The order of reported changes does not depend on the order of the calls.
         changed = mebots.Mission(path, out=out)
         changed.set_stop_time(2)
         changed.set("motors.rotor[1].command", np.float32(0.5))
@@ -138,7 +138,7 @@ def main():
         assert changed.summary["inputs"]["changes"] == ["set motors.rotor[1].command=0.5", "stop_time 0.1"]
         raises(TypeError, lambda: mebots.Mission(path).set("motors.rotor[1].command", None), "bool, int, float or str")
 
-        # A listener that raises fails the mission, which then calls no FMU; errors have codes.
+        # If a listener raises, the mission fails and calls no FMU. Errors have codes.
         bad = mebots.Mission(path)
         bad.on_point(lambda time: 1 / 0)
         raises(ZeroDivisionError, bad.run, "division")

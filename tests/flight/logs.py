@@ -27,8 +27,8 @@ def usd_log(events, records, version=2):
 
 
 def ulog(messages, start_us=1000):
-    """Returns a ULog file. ``messages`` maps names to (fields as in "float voltage_v;", struct letters, rows of (time
-    in us, values))."""
+    """Returns a ULog file. ``messages`` maps names to (fields as in "float voltage_v;", struct letters, rows of (time in us,
+    values))."""
 
     def message(kind, body):
         return struct.pack("<HB", len(body), ord(kind)) + body

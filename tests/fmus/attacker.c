@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// An FMU that attacks the user who runs it. Each attack tries to access something outside of the FMU, and undoes its
-// effect if it succeeds. `targets` lists what the test has set up: "key=value;key=value". After the first step,
-// `report` has a line per attack: "name<tab>reached|held<tab>what it tries".
+// An FMU that attacks the user who runs it. Each attack tries to access something outside of the FMU. If it succeeds,
+// it undoes its effect. `targets` lists the targets that the test has set up: "key=value;key=value". After the first
+// step, `report` has a line per attack: "name<tab>reached|held<tab>what it tries".
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE
 #endif
@@ -58,7 +58,7 @@ typedef struct {
 static const char* all_targets;
 static char own_folder[512];
 
-/// Returns the value of a key in `targets`; empty if there is none. The text is valid during the next three calls.
+/// Returns the value of a key in `targets`; empty if the key is missing. The text is valid during the next three calls.
 static const char* target(const char* key) {
   static char values[4][PATH];
   static int turn;
@@ -82,7 +82,7 @@ static pid_t victim(void) {
   return (pid_t)atoi(target("process"));
 }
 
-/// Opens a file, and closes it again. Returns true if it could be opened.
+/// Returns true if a file can be opened. Closes the file.
 static int opens(const char* path, int flags) {
   const int file = open(path, flags | O_CLOEXEC, 0600);
   if (file >= 0) close(file);
@@ -740,7 +740,7 @@ static const Attack attacks[] = {
     ATTACK(real_time, "take real-time priority"),
 };
 
-/// Runs an attack in a separate process. The effects of the attack on the process end with this process.
+/// Runs an attack in a separate process, so that its effects on the process end with this process.
 static int reached_by_child(int (*reach)(void)) {
   const pid_t child = fork();
   if (child == 0) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A lag, dy/dt = (u - y) / 1 s. By default, it has no fault. If its GUID contains the name of a fault, such as
-// "{culprit:leak}", it commits this fault.
+// A lag, dy/dt = (u - y) / 1 s. If its GUID contains the name of a fault, such as "{culprit:leak}", the FMU commits
+// this fault.
 #include "mebots/fmi2/functions.hpp"
 
 #include "frame.h"

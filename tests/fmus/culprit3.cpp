@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An FMU of FMI 3.0 that integrates its input. It commits the fault that its instantiation token names:
-// {culprit3:crime}.
+// An FMU of FMI 3.0 that integrates its input. It commits the fault in its instantiation token: {culprit3:fault}.
 #include "mebots/fmi3/functions.hpp"
 
 #include <cmath>
@@ -184,7 +183,7 @@ fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance, std::size_t* count) {
   return fmi3OK;
 }
 
-// Returns the value of the output for all requested elements.
+// Sets all requested elements to the value of the output.
 #define MEBOTS_DEFINE(name, type)                                                                              \
   fmi3Status fmi3Get##name(fmi3Instance instance, const fmi3ValueReference[], std::size_t, type values[],      \
                            std::size_t count) {                                                                \
@@ -203,7 +202,7 @@ fmi3Status fmi3SetString(fmi3Instance, const fmi3ValueReference[], std::size_t, 
   return fmi3Error;
 }
 
-// Functions that the FMU does not support. They return an error.
+// Functions that the FMU does not support.
 fmi3Status fmi3EnterConfigurationMode(fmi3Instance) {
   return fmi3Error;
 }

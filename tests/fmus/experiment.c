@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A foreign FMU whose values depend on the arguments of fmi2SetupExperiment. Its Booleans are true with a number other
-// than 1, and its text is not UTF-8.
+// A foreign FMU whose values depend on the arguments of fmi2SetupExperiment. For true Booleans, it uses another number
+// than 1. Its text is not UTF-8.
 //
 //   x' = -x, by explicit Euler in internal steps of `tolerance` (0.125 if none is passed)
 //   clock = the time that the FMU has reached: the end of the step, or the stop time if one is passed. FMUs of some

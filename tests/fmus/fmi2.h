@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The part of the FMI 2.0 C interface that the test FMUs need, independent of MEbots' own headers, so that errors in
-// those headers are detected.
+// The part of the FMI 2.0 C interface that the test FMUs need. It does not depend on MEbots' own headers, so that tests
+// detect errors in these headers.
 #ifndef MEBOTS_TEST_FMI2_H
 #define MEBOTS_TEST_FMI2_H
 

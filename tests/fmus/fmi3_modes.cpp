@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Functions of FMI 3.0 that do nothing, for FMUs of the tests. The definitions are weak: an FMU whose modes do
-// something defines the function itself.
+// Functions of FMI 3.0 that do nothing, for test FMUs. The definitions are weak: an FMU whose modes have effects
+// defines the function itself.
 #include "mebots/fmi3/functions.hpp"
 
 #define FMI3_NOTHING(function)                              \

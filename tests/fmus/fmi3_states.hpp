@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Saved states of FMI 3.0, for FMUs of the tests.
+// Saved states of FMI 3.0 for test FMUs.
 #pragma once
 
 #include "mebots/fmi3/functions.hpp"
 
 #include <cstring>
 
-/// Defines the functions for saved states. A saved state is a copy of the bytes of a `State`. of(instance) must return
-/// a reference to a State, or to a class that is derived from it.
+/// Defines the functions for saved states. A saved state is a copy of a `State`. of(instance) must return a reference
+/// to a State, or to a class derived from it.
 #define FMI3_SAVED_STATES(State)                                                                                    \
   fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState* state) {                                          \
     *state = new State(of(instance));                                                                               \

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// An FMU of FMI 3.0 for co-simulation that calls back within its steps: x[i]' = u[i], by ten midpoint steps. It
-// requests the inputs at each midpoint, so inputs that change linearly are integrated exactly. `updates` counts the
-// callbacks. If an input exceeds `limit`, setting it returns fmi3Error.
+// An FMU of FMI 3.0 for co-simulation that calls back in its steps: x[i]' = u[i], by ten midpoint steps. It requests
+// the inputs at each midpoint, so it integrates linearly changing inputs exactly. `updates` counts the callbacks.
+// Setting an input above `limit` returns fmi3Error.
 #include "mebots/fmi3/functions.hpp"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shared by the functions of all test FMUs, for C and C++. Include the interface first: "fmi2.h" (independent of
-// MEbots' own headers) or "mebots/fmi2/functions.hpp".
+// Functions that all test FMUs share, for C and C++. Include the interface first: "fmi2.h" (independent of MEbots' own
+// headers) or "mebots/fmi2/functions.hpp".
 #pragma once
 
 #ifdef __cplusplus
@@ -9,7 +9,7 @@
 #define FMI2_DEFINE FMI2_EXPORT
 #endif
 
-/// Defines a function that only returns `status`.
+/// Defines a function that returns `status` without effect.
 #define FMI2_ANSWER(status, name, ...)       \
   FMI2_DEFINE fmi2Status name(__VA_ARGS__) { \
     return status;                           \
@@ -24,8 +24,8 @@
   }                                                \
   FMI2_ANSWER(fmi2OK, fmi2SetDebugLogging, fmi2Component, fmi2Boolean, size_t, const fmi2String[])
 
-// Defines functions that return an error. Some tools load a library only if it has all functions of the standard,
-// including those that the FMU does not support.
+// Defines functions that return an error. Some tools load a library only if it exports all functions of the standard,
+// including functions that the FMU does not support.
 #define FMI2_NO_STATE                                                   \
   FMI2_ANSWER(fmi2Error, fmi2GetFMUstate, fmi2Component, fmi2FMUstate*) \
   FMI2_ANSWER(fmi2Error, fmi2SetFMUstate, fmi2Component, fmi2FMUstate)  \
@@ -59,7 +59,7 @@
   }
 
 /// Defines the functions that get and set the variables of one type. The variables are the array FIELD(component) with
-/// NUMBER values. CHANGED(component) is called after a change.
+/// NUMBER values. The functions call CHANGED(component) after a change.
 #define FMI2_VALUES(TYPE, FIELD, NUMBER, CHANGED)                                                                 \
   FMI2_DEFINE fmi2Status fmi2Get##TYPE(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2##TYPE v[]) { \
     for (size_t i = 0; i < n; ++i) {                                                                              \

@@ -8,8 +8,8 @@
 // simulation. A time event adds `kick` to the velocity at `kick_time`. The discrete input `brake` stops the mass. After
 // `nan_time`, the derivative of v is not a number. Four GUIDs select a fault. With "{mass:nan}", the derivative is not
 // a number. With "{mass:endless}", events do not end. With "{mass:forgets}", a restored state lacks the speed. With
-// "{mass:kicked}", a kick of 1 is at 0.15 s. `calls` counts evaluations. Only if `impure` is true does a derivative
-// depend on them.
+// "{mass:kicked}", a kick of 1 occurs at 0.15 s. `calls` counts evaluations. If `impure` is true, a derivative depends
+// on this number.
 #include "fmi2.h"
 
 #include "frame.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // An FMU of FMI 3.0 with clocks. `beat` ticks every 0.3 s from 0.15 s on. Each beat starts the countdown `echo` of
-// `delay` s. At each echo, the output clock `tock` ticks, and `tock_time` is its time. At each tick of the input clock
-// `tap`, the FMU adds `heard` to `sum`, and `taps` counts the ticks. With `endless`, an echo starts the next one after
+// `delay` s. At each echo, the output clock `tock` ticks, and `tock_time` is set to its time. At each tick of the input
+// clock `tap`, `heard` is added to `sum`, and `taps` increases by 1. With `endless`, an echo starts another echo after
 // 0 s.
 #include "fmi3_states.hpp"
 
@@ -93,7 +93,7 @@ fmi3Status fmi3GetClock(fmi3Instance instance, const fmi3ValueReference[], std::
   return fmi3OK;
 }
 
-/// Handles the ticks of the input clocks that the importer sets.
+/// Handles the ticks of input clocks, which the importer sets.
 fmi3Status fmi3SetClock(fmi3Instance instance, const fmi3ValueReference references[], std::size_t count,
                         const fmi3Clock[]) {
   auto& metronome = of(instance);

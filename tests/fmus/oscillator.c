@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// A foreign FMU: half of an oscillator, to be bound to another by force and velocity.
+// A foreign FMU: half of an oscillator. Force and velocity connect it to the other half.
 //
 //   m x'' = -k (x - rest) + force - pull,   y' = other_velocity       (m = 1, k = 10 unless parameters say otherwise)
 //   pull = grip (x - y) + damping (x' - other_velocity), the force on the mass at y
 //
-// With grip = 0, it is a mass on a spring; its input is a force and its output the velocity. With grip > 0, it also has
-// a spring to another mass, whose velocity is an input. Within a step, the inputs are v + d tau. The classical
+// With grip = 0, the FMU is a mass on a spring. Its input is a force, its output is the velocity. With grip > 0, it
+// also has a spring to another mass, whose velocity is an input. In a step, the inputs are v + d tau. The classical
 // Runge-Kutta method with 64 steps makes internal errors negligible compared with those of the coupling.
 //
 //   energy = m v^2/2 + k x^2/2 + grip (x - y)^2/2
 //
-// If damping and rest are 0, only the work of force and pull changes it. So the sum of both halves' energies only
-// changes by the energy that the coupling adds. From `rest_until` on, rest is 0: a jump that no other FMU can predict.
+// If damping and rest are 0, only the work of force and pull changes it. Therefore the sum of both halves' energies
+// changes only by the energy that the coupling adds. From `rest_until` on, rest is 0. No other FMU can predict this
+// jump.
 #include "fmi2.h"
 
 #include "frame.h"
@@ -52,7 +53,7 @@ static void compute(Model* m) {
       (r[MASS] * r[VELOCITY] * r[VELOCITY] + r[STIFFNESS] * r[X] * r[X] + r[GRIP] * (r[X] - r[Y]) * (r[X] - r[Y])) / 2;
 }
 
-/// Returns the state of the body after `length`, integrated from time tau on.
+/// Returns the state `length` after the time tau.
 static Body integrated(const Model* m, double rest, Body s, double tau, double length) {
   const double h = length / PARTS;
   for (int part = 0; part < PARTS; ++part) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The cheapest FMU that can be connected. After a step, y is the u at the start of the step, and `sum` is the sum of
-// all y. `work` makes a step longer by this number of dependent multiplications, for measurements with threads.
+// all y. `work` lengthens a step by this number of dependent multiplications, for measurements with threads.
 #include "mebots/fmi2/functions.hpp"
 
 #include "frame.h"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A small FMU that uses no code of MEbots. It computes values that a test can check by hand, and commits faults on
-// request.
+// A small FMU that uses no code of MEbots. A test can check its values by hand. It commits faults on request.
 //
 //   real_out = gain * real_in + offset     (direct, also in initialisation mode)
 //   integral += h * real_in                (forward Euler with the step's held input)
@@ -8,8 +7,8 @@
 //   steps counts steps, last_end and last_step hold t + h and h of the last one
 //   set_backs counts the steps after which an earlier state may be set (noSetFMUStatePriorToCurrentPoint is false)
 //   fault names the fault that occurs in the step that reaches fault_time
-// With PROBE_STEADY its only faults are "slow" and "error", and it imports no function that changes the process: a
-// clean FMU, steady.fmu. Like some FMUs, it lacks the functions of capabilities that it does not declare.
+// With PROBE_STEADY, its only faults are "slow" and "error", and it imports no function that changes the process
+// (steady.fmu). Like some FMUs, it lacks the functions of capabilities that it does not declare.
 #define _GNU_SOURCE
 #include "fmi2.h"
 
@@ -88,7 +87,7 @@ typedef struct {
   int bad_string;  // true if string_out is at an invalid address
 } Probe;
 
-/// These C++ exceptions are in probe_throw.cpp.
+/// Throws C++ exceptions; defined in probe_throw.cpp.
 void probe_throw(const char* kind);
 
 static void say(Probe* p, fmi2Status status, const char* category, const char* text, double value) {
@@ -151,7 +150,7 @@ FMI2_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
   return p;
 }
 
-/// Changes settings of the process, which affect all code in it.
+/// Changes settings that affect the whole process.
 static void meddle(void) {
   umask(0);
   if (chdir("/") != 0) abort();
@@ -161,7 +160,7 @@ static void meddle(void) {
   close(0);
 }
 
-/// Changes the environment, which other instances see. One entry is in memory that is unloaded with the library.
+/// Changes the environment, which other instances read. One entry is in memory that is unloaded with the library.
 static void change_environment(void) {
   static char own_entry[] = "PROBE_ENTRY=1";
   setenv("PROBE_INTEGRAL", "7", 1);
@@ -196,7 +195,7 @@ static void meddle_with_thread(void) {
   if (timer_create(CLOCK_MONOTONIC, &event, &timer) == 0) timer_settime(timer, 0, &much_later, NULL);
 }
 
-// If one of these is set, the library ends the process when it is unloaded.
+// If one of these is set, unloading the library ends the process.
 static int dies_at_end = 0;
 static int exits_at_end = 0;
 __attribute__((destructor)) static void end(void) {
@@ -226,7 +225,7 @@ FMI2_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tole
   return fmi2OK;
 }
 
-// Runs in a thread that continues long after the FMU was freed.
+// Runs in a thread that continues long after the FMU is freed.
 static void* stay(void* nothing) {
   for (int i = 0; i < 100; ++i) usleep(1000);
   return nothing;
@@ -302,7 +301,7 @@ static int deeper(int depth) {
   return deeper(depth + 1) + frame[(depth + 1) % 4096];
 }
 
-// Uses memory without checking the allocation, as many programs do.
+// Uses memory without checking whether the allocation succeeded, as many programs do.
 static void take_all_memory(void) {
   for (;;) {
     const size_t size = 16 << 20;
@@ -310,7 +309,7 @@ static void take_all_memory(void) {
   }
 }
 
-// Calls the logger with an environment that may not be the instance's, as the FMUs of some tools do.
+// Calls the logger with an environment that may belong to another instance, as FMUs of some tools do.
 static void say_for(Probe* p, void* environment, const char* name, const char* text) {
   p->callbacks.logger(environment, name, fmi2Warning, "logStatusWarning", text);
 }
@@ -323,7 +322,7 @@ static void* say_from_a_thread(void* argument) {
   return NULL;
 }
 
-// Misuses the logger in one of many ways, which `fault` names. The tests contain the resulting messages.
+// Misuses the logger. `fault` selects the way. The tests contain the resulting messages.
 static int abuse_logger(Probe* p, const char* fault) {
   void* own = p->callbacks.componentEnvironment;
   if (strcmp(fault, "log_foreign") == 0) {
@@ -349,7 +348,7 @@ static int abuse_logger(Probe* p, const char* fault) {
   return 1;
 }
 
-/// Returns the address of the memory that the master shares under this name; null if it shares none.
+/// Returns the address of the memory that the master shares under this name; null if it does not share it.
 static char* shared_memory(const char* name) {
   FILE* maps = fopen("/proc/self/maps", "r");
   char line[512];
@@ -361,10 +360,10 @@ static char* shared_memory(const char* name) {
   return (char*)start;
 }
 
-/// Offsets of members of `Control`, master/src/slave/isolation/protocol.hpp.
+/// Offsets of members of `Control` (master/src/slave/isolation/protocol.hpp).
 enum { ANSWER_BYTES = 24, LOG_BYTES = 32, CALLS = 44, ANSWERED = 8 };
 
-/// Counts up the number of calls without end, as if the next call had started.
+/// Increases the number of calls without end, as if the next call had started.
 static void* forge_calls(void* place) {
   for (;;) ++*(volatile uint32_t*)place;
 }
@@ -387,19 +386,19 @@ static void forge(const char* fault) {
   for (;;) pause();
 }
 
-/// Returns true if the system refused the call, or hid the other process in a namespace of its own.
+/// Returns true if the system refused the call, or if a process namespace hides the other process.
 static int refused(long answer) {
   return answer == -1 && (errno == EPERM || errno == EACCES || errno == ESRCH || errno == ENOENT);
 }
 
-/// Opens a file or folder of a process in /proc. Returns -1 if that fails.
+/// Opens a file or folder of a process in /proc. Returns -1 if this fails.
 static int open_of(pid_t process, const char* what, int access) {
   char path[64];
   snprintf(path, sizeof path, "/proc/%d/%s", process, what);
   return open(path, access | O_CLOEXEC);
 }
 
-/// Tries signals in every form that the kernel offers.
+/// Sends signals in every form that the kernel offers. Returns true if all were refused.
 static int takes_no_signal(pid_t process) {
   siginfo_t info = {.si_signo = SIGKILL, .si_code = SI_QUEUE};
   const int folder = open_of(process, "", O_RDONLY | O_DIRECTORY);
@@ -427,8 +426,8 @@ static int is_not_changed(pid_t process) {
          refused(fcntl(0, F_SETOWN, process)) && refused(fcntl(0, F_SETSIG, SIGKILL));
 }
 
-/// Tries every way to harm its parent and a process whose number the test passes. If a way is not refused, the run
-/// ends. In a separate process namespace, neither process is visible.
+/// Tries every way to harm its parent and a process whose number the test provides. If a way is not refused, ends the
+/// run. In a separate process namespace, neither process is visible.
 static void harm_others(void) {
   const char* bystander = getenv("MEBOTS_TEST_BYSTANDER");
   if (getppid() == 1) return;
@@ -438,7 +437,7 @@ static void harm_others(void) {
   }
 }
 
-/// Starts a process and ends it, as FMUs with a helper program do.
+/// Starts and ends a process, as FMUs with a helper program do.
 static void end_child(void) {
   const pid_t child = fork();
   if (child == 0) {
@@ -458,7 +457,7 @@ static void end_from_handler(int signal_number) {
   _exit(0);
 }
 
-/// Ends the process, or a forked process, in the way that `fault` names. "kernel_exit" bypasses the C library.
+/// Ends the process, or a forked process. `fault` selects the way. "kernel_exit" bypasses the C library.
 static void end_process(const char* fault) {
   if (strcmp(fault, "exit") == 0) exit(3);
   if (strcmp(fault, "quick_exit") == 0) quick_exit(0);
@@ -483,7 +482,7 @@ static void end_process(const char* fault) {
   }
 }
 
-/// Ends the thread, copies or replaces the process, or ends it by a signal, as `fault` states.
+/// Ends the thread, copies or replaces the process, or ends it by a signal. `fault` selects the way.
 static void leave(Probe* p, const char* fault) {
   if (strcmp(fault, "pthread_exit") == 0) pthread_exit(NULL);
   if (strcmp(fault, "cancel") == 0 || strcmp(fault, "enabled_cancel") == 0) {
@@ -530,7 +529,7 @@ static void flood_log(Probe* p) {
   free(text);
 }
 
-/// Starts a process in a new session, whose parent has ended. Then hangs.
+/// Starts a process in a new session, and ends the process's parent. Then hangs.
 static void leave_daemon(void) {
   const pid_t between = fork();
   if (between == 0) {
@@ -570,8 +569,8 @@ static fmi2Status misbehave(Probe* p, const char* fault) {
   if (strcmp(fault, "infinity") == 0) p->state.reals[INTEGRAL] = -INFINITY;
   if (strcmp(fault, "slow") == 0) usleep(20000);
   if (strcmp(fault, "nap") == 0) usleep(1500);
-  // Sends the signal of Ctrl-C, once for the folder that string_in names, even if the step is repeated. It uses a
-  // folder, because a file would count as an input of the run.
+  // Sends the signal of Ctrl-C once for the folder that string_in names, even if the step is repeated. Uses a folder,
+  // because a file would count as an input of the run.
   if (strcmp(fault, "interrupt") == 0 && mkdir(p->state.strings[STRING_IN], 0700) == 0) raise(SIGINT);
   if (strcmp(fault, "crash") == 0) raise(SIGSEGV);
   if (strcmp(fault, "null") == 0) *(volatile int*)p->null = 1;

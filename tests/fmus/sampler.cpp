@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // An FMU of FMI 3.0 for model exchange: an integrator x' = slope + drive with clocks.
 //
-// At each tick of the periodic clock `sample`, the FMU sets `control` to -gain measured. Each time x has risen by
-// another 0.3, `crossed` ticks, sets `crossing_time`, and starts the countdown `echo` of `delay`. When `tap` ticks,
-// `heard` is added to `sum`. With `endless`, an echo starts the next one without delay.
+// At each tick of the periodic clock `sample`, `control` is set to -gain measured. Each time x has risen by another
+// 0.3, `crossed` ticks, `crossing_time` is set, and the countdown `echo` of `delay` starts. When `tap` ticks, `heard`
+// is added to `sum`. With `endless`, an echo starts another echo without delay.
 //
-// The FMU returns fmi3Error for calls that the standard does not allow: clocks outside of event mode, and clocked
+// The FMU returns fmi3Error for calls that the standard does not permit: clocks outside of event mode, and clocked
 // variables while their clocks do not tick.
 #include "fmi3_states.hpp"
 

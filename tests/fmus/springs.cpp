@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// An FMU of FMI 3.0 for model exchange: `count` masses of 1 kg on springs, each with a force, as arrays.
+// An FMU of FMI 3.0 for model exchange: `count` masses of 1 kg on springs. A force acts on each mass. The variables are
+// arrays.
 //
 //   x[i]' = v[i],   v[i]' = -stiffness x[i] + force[i]
 //
-// A state event reverses the velocity of a mass at `wall`. `hits` counts the events, and `hit_time`, a Float32, is the
-// time of the last one. If x[1] is beyond `domain`, the call for derivatives returns fmi3Discard.
+// A state event reverses the velocity of a mass at `wall`. `hits` counts the events. `hit_time`, a Float32, is the time
+// of the last event. If x[1] is beyond `domain`, the evaluation of derivatives returns fmi3Discard.
 #include "mebots/fmi3/functions.hpp"
 
 #include <algorithm>
@@ -73,7 +74,7 @@ struct Springs {
         return {domain};
     }
   }
-  /// Sets an array from the first elements of `values`. Returns the number of elements that it used.
+  /// Sets an array from the first elements of `values`. Returns the number of used elements.
   std::size_t set(fmi3ValueReference reference, std::span<const double> values) {
     for (auto [array_reference, array] : {std::pair{kForce, &force}, {kX, &x}, {kV, &v}}) {
       if (array_reference != reference) continue;

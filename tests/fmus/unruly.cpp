@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An FMU of FMI 3.0 with `n` outputs `y`, each the integral of 1. From the time `at` on, it commits the fault with the
-// number `fault`.
+// An FMU of FMI 3.0 with `n` outputs `y`. Each is the integral of 1. From the time `at` on, the FMU commits the fault
+// with the number `fault`.
 #include "fmi3_states.hpp"
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An FMU of FMI 3.0 with inputs of five types of numbers. The outputs `*_out` are equal to these inputs.
+// An FMU of FMI 3.0 with inputs of five types of numbers. Each output `*_out` is equal to its input.
 #include "mebots/fmi3/functions.hpp"
 
 namespace {
@@ -46,7 +46,6 @@ fmi3Status fmi3DoStep(fmi3Instance, fmi3Float64, fmi3Float64, fmi3Boolean, fmi3B
   return fmi3OK;
 }
 
-// Defines the functions that get and set the values of one type.
 #define MEBOTS_ACCESS(Name, Type, member)                                                                             \
   fmi3Status fmi3Get##Name(fmi3Instance instance, const fmi3ValueReference[], std::size_t count, Type values[],       \
                            std::size_t) {                                                                             \

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Reads any bytes as an .fmu archive. It is rejected with an Error, or all entries are inside the folder and within the
-// size limits. Runs in memory; some of the inputs also go through the disk, to test interactions between the entries'
-// names.
+// Reads any bytes as an .fmu archive. The reader must throw Error, or return entries that are inside the folder and
+// within the size limits. Runs in memory. Some inputs are also unpacked on the disk, to test interactions between the
+// entries' names.
 #include "checks.hpp"
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/archive_reader.hpp"
@@ -21,7 +21,7 @@ using mebots::fuzz::require;
 
 constexpr mebots::modeldesc::UnpackLimits kLimits{.total_bytes = 1U << 20, .entries = 100};
 
-/// A separate folder, in memory if possible, with space for one archive and its unpacked content.
+/// A folder, in memory if possible, for one archive and its unpacked content.
 struct Place {
   mebots::modeldesc::TemporaryFolder folder{"mebots-fuzz", fs::exists("/dev/shm") ? "/dev/shm" : ""};
   fs::path archive = folder.path() / "input.fmu";
@@ -63,7 +63,8 @@ void unpack_to_disk(std::string_view bytes) {
   require(outside == 1, "nothing is written beside the folder");
 }
 
-/// Returns true for one input in 64, chosen by its bytes. The kept corpus is small enough to use all inputs.
+/// Returns true for one input in 64, selected by its bytes. For the stored corpus, which is small, returns true for all
+/// inputs.
 bool chosen_for_disk(std::string_view bytes) {
   unsigned sum = 0;
   for (const char byte : bytes) sum = sum * 31U + static_cast<unsigned char>(byte);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads any text as a cell and as converters. It is rejected with an Error, or gives data with which a model can
-// compute.
+// Reads any text as a cell and as converters. The reader must throw Error, or return data that a model can use.
 #include "cell.hpp"
 #include "converter.hpp"
 

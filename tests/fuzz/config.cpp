@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Reads any text as a config. It is rejected with an InputError, or gives a consistent system. FMUs must exist, so the
-// corpus names the root folder as one: the reader of configs does not open them.
+// Reads any text as a config. The reader must throw InputError, or return a consistent system. FMUs must exist, so the
+// corpus uses the root folder as an FMU: the reader of configs does not open FMUs.
 #include "mebots/input_error.hpp"
 
 #include "io/config/load_system.hpp"

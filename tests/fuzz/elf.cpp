@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads any bytes as a program. They are rejected with an Error, or give a program that satisfies all assumptions of
-// the platform.
+// Reads any bytes as a program. The reader must throw Error, or return a program that satisfies all assumptions of the
+// platform.
 #include "elf/elf.hpp"
 
 #include "mebots/error.hpp"

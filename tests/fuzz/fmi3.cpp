@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Reads any text as a modelDescription.xml of FMI 3.0. The reader must throw Error, or return a description with valid
-// references, also after the arrays are replaced by their elements. The target links only the reader: the checks and
-// the archive code would take most of the time.
+// references, also after the replacement of arrays by their elements. The target links only the reader, because the
+// checks and the archive code would take most of the time.
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/array_elements.hpp"
 #include "mebots/modeldesc/xml.hpp"
@@ -40,7 +40,7 @@ void require_sound(const ModelDescription& model) {
   }
 }
 
-/// Returns false for sizes on which a single input would spend seconds.
+/// Returns false if the sizes of arrays would take seconds for a single input.
 bool is_small(const ModelDescription& model) {
   constexpr std::uint64_t kMost = 1000;
   std::uint64_t total = 0;
@@ -56,7 +56,7 @@ bool is_small(const ModelDescription& model) {
   return total <= kMost;
 }
 
-/// The number of elements is finite, and two variables have the same reference only if they are aliases.
+/// Checks that the number of elements is finite, and that only aliases share a reference.
 void require_elements(const ModelDescription& model) {
   const auto elements = mebots::modeldesc::with_elements(model);
   require_sound(elements);

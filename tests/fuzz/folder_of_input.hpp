@@ -20,8 +20,8 @@ class FolderOfInput {
  public:
   const std::filesystem::path& path() const { return folder_.path(); }
 
-  /// Writes the files of an input: the first one, then further ones, each after a line "=== name". A file is not
-  /// written if its name leads out of the folder or already exists; then the reader does not find the file.
+  /// Writes the files of an input. The text of the first file is followed by further files, each after a line "===
+  /// name". Skips a file if its name leads out of the folder or already exists.
   void fill(std::string_view input, std::string_view first) {
     constexpr std::string_view kMark = "\n=== ";
     std::string_view name = first;
@@ -36,7 +36,6 @@ class FolderOfInput {
     }
   }
 
-  /// Removes the input's files.
   void clear() {
     for (const auto& file : files_) unlink(file.c_str());
     files_.clear();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Handles any bytes from a debugger: packets are answered or rejected until all were sent, without damage to the
-// simulator. The chip may then behave in any way, because the debugger may have written anything into it.
+// Handles any bytes from a debugger. The server must answer or reject all packets without damage to the simulator. The
+// behaviour of the chip is arbitrary, because the debugger may have written any values into it.
 #include "debug/gdb_server.hpp"
 
 #include <poll.h>
@@ -21,7 +21,7 @@ using namespace mebots::soc;
 
 constexpr std::uint32_t kRam = 0x80000000;
 
-/// Returns a program that is a loop of one instruction. Its file consists of an ELF header, one segment and the code.
+/// Returns a program that is a loop of one instruction. Its file consists of an ELF header, a segment and the code.
 Elf round_and_round() {
   struct [[gnu::packed]] File {
     std::array<std::uint8_t, 16> magic{0x7f, 'E', 'L', 'F', 1, 1, 1};
@@ -49,13 +49,13 @@ struct Debugger {
 };
 Debugger debugger;
 
-// Descriptors that are not open, so that closing them has no effect.
+// Descriptors that are not open, so closing them has no effect.
 constexpr int kListener = 1 << 28;
 constexpr int kLine = kListener + 1;
 
 }  // namespace
 
-// These functions replace the system calls of the server's connection: the linker redirects the calls (CMakeLists.txt).
+// The linker redirects the system calls of the server's connection to these functions (CMakeLists.txt).
 // NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): the linker's names
 extern "C" {
 
@@ -108,7 +108,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   debugger = {{reinterpret_cast<const char*>(data), size}, false};
   debug::GdbServer server(0, soc, debug::GdbServer::Kill::ends_run, [](std::string_view) {});
   if (!server.hart(0).before(soc.hart(0))) return 0;
-  // A request that continues the program ends a conversation; a step, a watchpoint and a breakpoint start the next one.
+  // A request that continues the program ends a conversation. A step, a watchpoint and a breakpoint start the next
+  // conversation.
   Retired retired;
   retired.access = {kRam, sizeof(std::uint32_t), true};
   for (auto left = debugger.said.size() + 1; debugger.said.size() < left;) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Handles any bytes from a client of a live run: each request is answered or rejected, and only requests with the token
-// reach the run.
+// Handles any bytes from a client of a live run. The server must answer or reject each request. Only requests with the
+// token may reach the run.
 #include "server.hpp"
 
 #include "require.hpp"
@@ -18,7 +18,7 @@ using namespace mebots;
 constexpr const char* kToken = "0123456789abcdef0123456789abcdef";
 constexpr int kPort = 8080;
 
-/// A client that has sent all its bytes and takes every answer.
+/// A client that has sent all its bytes, and accepts every answer.
 class Client final : public httplib::Stream {
  public:
   Client(const std::uint8_t* data, std::size_t size) : data_(data), left_(size) {}

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Reads any text as a modelDescription.xml. The reader must throw Error, or return a description. When this description
-// is written and read again, it must be the same. In both cases, the checks of `mebots check` must not crash.
+// Reads any text as a modelDescription.xml. The reader must throw Error, or return a description. After writing and
+// reading, the description must be the same. The checks of `mebots check` must not crash in either case.
 #include "checks.hpp"
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/xml.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads any text as the network.json of a deployed network. It is rejected with an Error, or names a program in its
-// folder.
+// Reads any text as the network.json of a deployed network. The reader must throw Error, or return a network with a
+// program in its folder.
 #include "board/network_folder.hpp"
 #include "folder_of_input.hpp"
 #include "mebots/error.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Reads any files as an OspSystemStructure.xml and the files next to it, including two FMUs. They are rejected with an
-// InputError, or give a consistent system.
+// Reads any files as an OspSystemStructure.xml and the files next to it, including two FMUs. The reader must throw
+// InputError, or return a consistent system.
 #include "mebots/input_error.hpp"
 #include "mebots/modeldesc/archive.hpp"
 
@@ -16,7 +16,7 @@ namespace {
 
 using namespace mebots;
 
-/// A folder with two FMUs without code, because only their descriptions are read.
+/// A folder with two FMUs. They contain no code, because only their descriptions are read.
 class FolderWithFmus : public fuzz::FolderOfInput {
  public:
   FolderWithFmus() {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Replaces the fuzzer in ordinary builds: passes every file of the given folders to the fuzz target once.
+// Replaces the fuzzer in builds without it: runs the fuzz target once for every file in the given folders.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>

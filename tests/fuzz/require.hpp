@@ -6,7 +6,7 @@
 
 namespace mebots::fuzz {
 
-/// Checks a condition that must hold for every input; the fuzzer keeps an input that violates it.
+/// Checks a condition that must be true for every input. The fuzzer stores an input that violates the condition.
 inline void require(bool holds, const char* what) {
   if (holds) return;
   std::fprintf(stderr, "does not hold: %s\n", what);

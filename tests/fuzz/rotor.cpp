@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads any text as a rotor file. It is rejected with an Error, or read.
+// Reads any text as a rotor file. The reader must throw Error, or return a rotor.
 #include "rotor_data.hpp"
 
 #include "mebots/error.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads any text as a scenario file, alone and for a system. It is rejected with an Error, or gives overrides of
+// Reads any text as a scenario file, alone and for a system. The reader must throw Error, or return overrides of
 // existing instances.
 #include "io/config/load_system.hpp"
 #include "mebots/error.hpp"

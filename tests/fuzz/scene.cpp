@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads any text as a scene and as a drone. It is rejected with an Error, or read.
+// Reads any text as a scene and as a drone. The readers must throw Error, or return a scene or drone.
 #include "scene/load.hpp"
 
 #include "mebots/error.hpp"

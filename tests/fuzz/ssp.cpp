@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Reads any text as the files of an SSP. They are rejected with an InputError, or give a config that is JSON and
-// describes a consistent system. An input is SystemStructure.ssd, then further files, each after a line "=== path".
+// Reads any text as the files of an SSP. The reader must throw InputError, or return a config that is JSON and
+// describes a consistent system. An input contains SystemStructure.ssd, then further files, each after a line "===
+// path".
 #include "mebots/input_error.hpp"
 
 #include "io/config/load_system.hpp"
@@ -35,7 +36,7 @@ class MemoryFiles final : public mebots::master::ssp::Files {
 
   bool holds(const std::filesystem::path& inside) const override { return files_.contains(inside); }
   std::string read(const std::filesystem::path& inside) const override { return files_.at(inside); }
-  /// The reader of configs only checks that this file exists.
+  /// The reader of configs only checks that this path exists.
   std::filesystem::path place(const std::filesystem::path& /*inside*/) const override { return "/"; }
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads any files as an unpacked SSP. They are rejected with an InputError, or give a consistent system.
+// Reads any files as an unpacked SSP. The reader must throw InputError, or return a consistent system.
 #include "mebots/input_error.hpp"
 
 #include "folder_of_input.hpp"

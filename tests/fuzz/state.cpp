@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Reads any bytes after the checksum of an FMU's state: fmi2DeSerializeFMUstate and fmi2SetFMUstate reject them, or the
-// instance continues from there. The model has one member of each kind that a state can contain.
+// Reads any bytes after the checksum of an FMU's state. fmi2DeSerializeFMUstate and fmi2SetFMUstate must reject the
+// bytes, or the instance must continue from the state. The model has one member of each kind that a state can contain.
 #include "mebots/fmi2/functions.hpp"
 #include "mebots/fmu/definition.hpp"
 #include "mebots/state/bytes.hpp"
@@ -139,7 +139,7 @@ fmi2Component started() {
   return instance;
 }
 
-/// Returns everything before the checksum, from a state of this build.
+/// Returns the header of a state of this build, up to the checksum.
 std::vector<std::byte> header() {
   auto* const instance = started();
   fmi2FMUstate state = nullptr;

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Runs one of the scripts of this folder in an empty folder, with the installed programs in PATH. Sources and build are hidden behind empty
-# folders in a separate mount namespace. If the machine does not allow a namespace, they stay visible. Usage: away.sh SOURCES
-# BUILD WORK SCRIPT
+# Runs a script of this folder in an empty folder, with the installed programs in PATH. Empty folders in a separate
+# mount namespace hide sources and build. If the machine does not permit a namespace, they stay visible. Usage: away.sh
+# SOURCES BUILD WORK SCRIPT
 set -euo pipefail
 sources=$1 build=$2 work=$3 script=$4
 place=$(mktemp -d "${TMPDIR:-/tmp}/mebots away XXXXXX")

@@ -43,7 +43,8 @@ for board in ai_deck gap8; do
   grep -q '^root 1.414214, too large: 1$' library.log || { cat library.log; echo "FAILED: printf on $board"; exit 1; }
 done
 
-# Tests a program in Rust: formatted text, 64-bit division, floats, and a panic. A compiler that has not even the sources of core is a skip.
+# Tests a program in Rust: formatted text, 64-bit division, floats, and a panic. If the compiler does not even have the
+# sources of core, skips this test.
 mebots new-firmware rusty --language rust
 if ! cmake -S rusty -B rusty/build -G Ninja >configure.log 2>&1; then
   cat configure.log

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Tests that every installed header compiles alone, includes no third-party header and exists once. Also tests that
-# <mebots/run.hpp> includes only a few headers.
+# Tests that every installed header compiles alone, includes no third-party header and is installed once. Also tests
+# that <mebots/run.hpp> includes only a few headers.
 set -euo pipefail
 include=$MEBOTS/include
 count=0
@@ -15,7 +15,8 @@ while IFS= read -r header; do
 done < <(find "$include" -name '*.hpp')
 [[ $count -gt 0 ]]
 
-# To the compiler, a second copy would be another file, and all its declarations would occur twice.
+# No header may be installed twice, because the compiler would treat the second copy as another file and read its
+# declarations again.
 twice=$( (cd "$include" && find . -name '*.hpp'; cd "$MEBOTS/share/mebots/fmu_soc/src" && find . -name '*.hpp') | sort | uniq -d)
 [[ -z $twice ]] || { echo "FAILED: these are installed twice:"; echo "$twice"; exit 1; }
 

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# Tests that no file of the installation contains paths of sources or build. This includes texts, programs, libraries,
-# and the files in an FMU. Because of this, the FMUs have the same bytes from any folder (scripts/same_bytes.sh builds
-# them in two folders). Paths relative to the build folder are rejected, too, because a compiler cache may put them in
-# place of absolute ones.
+# Tests that no file of the installation contains paths of sources or build: texts, programs, libraries, and the files
+# in FMUs. Therefore the FMUs have the same bytes from any folder (scripts/same_bytes.sh builds them in two folders).
+# Also rejects paths relative to the build folder, because a compiler cache may put them in place of absolute paths.
 set -euo pipefail
 mkdir unpacked
 for fmu in "$MEBOTS"/share/mebots/fmus/*.fmu; do

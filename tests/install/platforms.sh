@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Tests an FMU with sources and binaries for several platforms: the same bits on Linux, under wine, and from a library that FMPy compiles from
-# the sources. Fetches musl's sources.
+# Tests an FMU with sources and binaries for several platforms. It must give the same bits on Linux, under wine, and
+# from a library that FMPy compiles from the sources. Fetches musl's sources.
 set -euo pipefail
 cp "$NEEDED/descriptions/motor_thermal.json" .
 mebots new-fmu motor_thermal.json --out own
@@ -43,7 +43,7 @@ for fmu in motor_thermal motor_thermal_fmi3; do
   "$PYTHON" inputs.py "$archive" >inputs.csv
   run "$archive" "linux_$fmu"
 
-  # FMPy takes C++20 from buildDescription.xml; in FMI 2.0 a description cannot say it.
+  # FMPy reads the language C++20 from buildDescription.xml. FMI 2.0 has no such file, so CXXFLAGS selects the language.
   CXXFLAGS="-std=gnu++20 -ffp-contract=off -fno-builtin" "$PYTHON" - "$archive" compiled.fmu >fmpy.log 2>&1 <<'P' || { tail -n 40 fmpy.log; exit 1; }
 import os, shutil, sys, zipfile
 from fmpy.build import build_platform_binary

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Tests the package of the installation: missions that name its FMUs, and instances in separate processes.
+# Tests the package of the installation: missions that use its FMUs, and instances in separate processes.
 set -euo pipefail
 export PYTHONPATH=$(dirname "$(dirname "$(find "$MEBOTS/lib" -name '_mebots*.so')")") PYTHONDONTWRITEBYTECODE=1
 unset MEBOTS_FMU_PATH

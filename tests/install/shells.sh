@@ -1,16 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-# Tests that manual pages have no errors, and that the installed shells complete commands, options and values.
+# Tests that manual pages contain no errors, and that the installed shells complete commands, options and values.
 set -euo pipefail
 share=$MEBOTS/share
 pages=$(find "$share/man/man1" -name '*.1' | wc -l)
 ((pages >= 15)) || { echo "FAILED: $pages manual pages"; exit 1; }
 if command -v mandoc >/dev/null; then
   mandoc -T lint -W error "$share"/man/man1/*.1
-  # A pipe into grep -q would sometimes fail: grep exits at its first match, and SIGPIPE then ends the writer.
+  # Does not use a pipe into grep -q, which would sometimes fail: grep exits at its first match, and SIGPIPE then ends
+  # the writer.
   grep -q 'mebots run configs/gate_easy.json --out' <<<"$(mandoc -T ascii "$share/man/man1/mebots-run.1")" \
     || { echo "FAILED: the page of mebots-run lacks its examples"; exit 1; }
 fi
-# Every program that people start has a page and a completion, and every command that the help lists has a page.
+# Every program for users has a page and a completion. Every command in the help has a page.
 for program in "$MEBOTS"/bin/*; do
   name=$(basename "$program")
   if [[ $name == mebots-fmu-host || $name == mebots-windows-host.exe ]]; then continue; fi  # the master starts these
@@ -50,7 +51,8 @@ if command -v fish >/dev/null; then
   grep -q '^--stop-time' <<<"$offered" || { echo "FAILED: fish offers: $offered"; exit 1; }
 fi
 if command -v zsh >/dev/null; then
-  # zsh completes only in an interactive line. Therefore this loads the function, and zsh's own parser checks the lists of options.
+  # zsh completes only in an interactive line. Therefore this only loads the function, and zsh's own parser checks the
+  # lists of options.
   zsh -f -c "autoload -Uz compinit && compinit -u -d '$PWD/zcompdump' && source '$share/zsh/site-functions/_mebots' && [[ \$_comps[mebots] == _mebots ]]" \
     || { echo "FAILED: zsh does not take the completion"; exit 1; }
 fi

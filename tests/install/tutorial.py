@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the commands of a tutorial in the way a user would type them, in an empty home folder, with MEbots from a wheel
-(wheel_of.py).
+"""Runs the commands of a tutorial as a user would, in an empty home folder, with MEbots from a wheel (wheel_of.py).
 
-Usage: tutorial.py SOURCES WHEEL_WORK NAME. The script also saves the files that the page asks the reader to save, and
-makes the page's changes to files, in the order of the text. Commands that cannot run here are listed below with the
-reason. The code of a notebook runs as one program.
+Usage: tutorial.py SOURCES WHEEL_WORK NAME. Also saves the files that the page asks the reader to save, and makes the page's
+changes to files, in the order of the text. SKIPPED lists commands that cannot run here, with the reason. The code of a notebook
+runs as one program.
 
-Exit code 77: the tutorial needs what this machine lacks. `MEBOTS_CHECKOUTS` names a folder with the repositories that a page clones.
+Exit code 77: this machine lacks something that the tutorial needs. `MEBOTS_CHECKOUTS` is the path of a folder with the
+repositories that a page clones.
 """
 
 import dataclasses
@@ -21,7 +21,7 @@ import sys
 import tempfile
 import time
 
-# Beginnings of commands that do not run here, with the reason.
+# Maps the start of a command that cannot run here to the reason.
 SKIPPED = {
     "first-flight": {
         "scripts/demo.sh": "builds the checkout",
@@ -41,13 +41,13 @@ SKIPPED = {
         "mebots sweep study.json --out results": "twelve hard missions take minutes; --dry-run before it checks the study",
     },
 }
-# These commands are skipped, too, if /usr/bin/python3 has no PyTorch, which is 5 GB with its libraries.
+# These commands are also skipped if /usr/bin/python3 has no PyTorch, which takes 5 GB with its libraries.
 WITHOUT_TORCH = {"mebots deploy mine.onnx": "the export before it needs PyTorch (setup.sh training); the page names the version that it was run with"}
 SKIPPED["cflib"] = {
     "pip install cflib": "the environment has it",
     "CFLIB_URI=": "the example is cflib's; tests/link flies it. The page's own script runs in its place",
 }
-# These commands fail on purpose, because the page shows their errors.
+# The page shows that these commands fail.
 FAILING = {
     "own-fmu": ["mebots test heater/test/heater.mebots-test.json"],
 }
@@ -63,15 +63,15 @@ class Step:
 
 
 def saved_name(text):
-    """Returns the name of the file that a paragraph asks the reader to save or replace with the following block; empty
-    if there is none.
+    """Returns the name of the file that a paragraph asks the reader to save or replace with the following block. If it does not
+    ask for this, returns an empty text.
     """
     found = re.search(r"(?:[Ss]ave this as|replace) `([^`]+)`(?: next to it| by)?[^`]*:?$|[Ss]ave this as `([^`]+)`", text.replace("\n", " ").strip())
     return (found[1] or found[2]) if found else ""
 
 
 def read_steps(page):
-    """Returns the steps of a page in their order, and the remaining code blocks with their language."""
+    """Returns the steps of a page in order, and the remaining code blocks with their language."""
     steps, blocks = [], []
     paragraph, fence, block = [], None, []
     for line in page.read_text(encoding="utf-8").splitlines():
@@ -107,8 +107,8 @@ def read_notebook(page):
 
 
 def edit_heater(steps, blocks):
-    """Returns the steps with the changes that own-fmu asks for in the generated model: constructor, start and step, the
-    members, and one more test.
+    """Returns the steps with the page's changes to own-fmu's generated model: constructor, start and step, the members, and
+    another test.
     """
     code, members, test = (content for _, language, content in blocks if language == "cpp")
     script = f"""
@@ -129,14 +129,14 @@ test.write_text(text[:end] + {test!r} + "\\n" + text[end:])
 
 
 def torch_version():
-    """Returns the version of the PyTorch of /usr/bin/python3; 0 if there is none."""
+    """Returns the version of the PyTorch of /usr/bin/python3; 0 if PyTorch is missing."""
     asked = subprocess.run(["/usr/bin/python3", "-c", "import torch; print(torch.__version__)"], capture_output=True, text=True)
     return int(asked.stdout.split(".")[0]) if asked.returncode == 0 else 0
 
 
 def edit_network(steps, blocks):
-    """Returns the steps with the lines that own-network asks for in the firmware of `mebots new-firmware mine`, and
-    with the export if there is PyTorch.
+    """Returns the steps with the page's lines in the firmware of `mebots new-firmware mine`. If PyTorch is available, also
+    includes the export.
     """
     recipe = next(content for _, language, content in blocks if language == "cmake")
     program = next(content for _, language, content in blocks if language == "c")
@@ -179,8 +179,8 @@ def edit_cflib(steps, blocks):
 
 
 def edit_gap8(steps, _):
-    """Returns the steps with links to the repositories in MEBOTS_CHECKOUTS in place of the page's commands that clone
-    them.
+    """Returns the steps with links to the repositories in MEBOTS_CHECKOUTS. The links replace the page's commands that clone the
+    repositories.
     """
     checkouts = os.environ.get("MEBOTS_CHECKOUTS")
     edited = []
@@ -194,8 +194,7 @@ def edit_gap8(steps, _):
 
 
 EDITS = {"own-fmu": edit_heater, "own-network": edit_network, "cflib": edit_cflib, "gap8": edit_gap8}
-# This command makes the state with which the section "Install" of the first flight ends, because the tutorials begin
-# there.
+# Creates the state at the end of the section "Install" of the first flight, because the other tutorials start there.
 FIRST = "ln -s {package} ~/mebots && mkdir -p ~/work && cd ~/work"
 
 

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes a wheel from an existing build, with the layout of pyproject.toml and without compiling, and installs it into a new
-environment. scripts/wheel.sh builds the wheel that is published.
+"""Creates a wheel from an existing build without compiling, with the layout of pyproject.toml, and installs it in a new
+environment. scripts/wheel.sh builds the published wheel.
 
-Usage: wheel_of.py SOURCES BUILD WORK: WORK/wheels gets the wheel, WORK/drone the environment. Packages that it needs come from the
-environment that runs this script.
+Usage: wheel_of.py SOURCES BUILD WORK. Writes the wheel to WORK/wheels and the environment to WORK/drone. The packages that it
+needs are those of the environment that runs this script.
 """
 
 import base64
@@ -21,7 +21,8 @@ import zipfile
 
 
 def installed_tree(build, work):
-    """Returns a folder with the package `mebots` as a wheel has it: the Python files, and bin, lib, include and share among them."""
+    """Returns a folder with the package `mebots` in the layout of a wheel: the Python files, and bin, lib, include and share
+    among them."""
     prefix = work / "installed"
     subprocess.run(["cmake", "--install", build, "--prefix", prefix], check=True, stdout=subprocess.DEVNULL)
     tree = work / "tree"
@@ -49,7 +50,7 @@ def write_metadata(sources, tree):
 
 
 def pack(tree, info, wheel):
-    """Packs without compression, because the file exists for one test only."""
+    """Packs without compression, because the file exists for only one test."""
     record = []
     with zipfile.ZipFile(wheel, "w") as archive:
         for file in sorted(path for path in tree.rglob("*") if path.is_file()):

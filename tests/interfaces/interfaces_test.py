@@ -4,8 +4,8 @@
 
 Usage: interfaces_test.py MEBOTS CPP_RUN PROBE_FMU COUPLING_FMU FMU_DIR (with PYTHONPATH set to the package).
 
-For each case, results, log and summary (without wall-clock times) must be equal byte by byte; outcome, state and error
-must be equal, too. The C++ program runs each case twice: at once, and step by step.
+For each case, results, log and summary (without wall-clock times) must be equal byte by byte. Outcome, state and error must also
+be equal. The C++ program runs each case twice: at once, and step by step.
 """
 
 import json
@@ -147,7 +147,7 @@ def options_of(case, folder):
 
 
 def by_command_line(case, config, out):
-    """Reads outcome and state from the exit code and summary.json, as a user of the program would."""
+    """Reads outcome and state from the exit code and summary.json, as a user of the program does."""
     result = subprocess.run([MEBOTS, "run", config, "--out", out, *options_of(case, config.parent)],
                             capture_output=True, text=True, cwd=config.parent)
     if case.resume:
@@ -214,7 +214,7 @@ def without_wall_time(summary):
 
 
 def kept_in(out):
-    """Returns the contents of all files of a run by name, except checkpoint.bin."""
+    """Returns {name: content} of all files of a run except checkpoint.bin."""
     kept = {}
     for file in sorted(out.rglob("*")) if out.exists() else []:
         if file.is_dir() or file.name == "checkpoint.bin":

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests that in missions of one Python process and of a sweep, each FMU (tests/fmus/tenant) computes with the gain from
-its own archive.
+"""Tests that each FMU of tests/fmus/tenant uses the gain from its own archive: in missions of one Python process, and in missions
+of a sweep.
 
 Usage: separation_test.py MEBOTS FMU_FOLDER (with PYTHONPATH set to the package).
 """
@@ -34,8 +34,8 @@ def check(what, found, right):
 
 
 def two_missions(folder):
-    """Runs both missions at the same time, and then one after the other. The second case is tested because the loader
-    never unloads a library with unique symbols."""
+    """Runs both missions at the same time, and then one after the other. The second case also matters, because the loader never
+    unloads a library with unique symbols."""
     for kind in ("library", "unique", "opens"):
         two, three = (mebots.Mission(config(folder, f"{kind}{gain}", f"{kind}_{gain}")) for gain in (2, 3))
         for _ in range(5):

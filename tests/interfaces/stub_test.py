@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests that the stub of the C++ module declares exactly the classes, methods, properties and functions of the module.
+"""Tests that the stub of the C++ module declares exactly the module's classes, methods, properties and functions.
 """
 
 import ast
@@ -16,7 +16,7 @@ STUB = pathlib.Path(mebots.__file__).with_name("_mebots.pyi")
 
 
 def names_of(parts):
-    """Returns the public names among `parts`, which are the names in the stub or in the module."""
+    """Returns the public names in `parts`, sorted. These are names of the stub or of the module."""
     return sorted(name for name in parts if not name.startswith("_"))
 
 

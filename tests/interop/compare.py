@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs our FMUs and those of others in mebots, FMPy, OMSimulator and libcosim, alone and connected: a table of differences.
+"""Runs MEbots' FMUs and other FMUs in mebots, FMPy, OMSimulator and libcosim, alone and connected. Prints a table of differences.
 
 Usage: compare.py BUILD_FOLDER [--tool NAME]... [--system NAME]...
 
-Every output is compared with mebots' at every communication point, after the same steps with the same start values. Exit code 1
-if a tool's numbers differ, or if it rejects a system that it is known to run; 77 if only OMSimulator is requested and it is missing.
-scripts/interop.sh calls this; docs/interop.md contains its output.
+Every output is compared with mebots' output at every communication point, after the same steps with the same start values. The
+exit code is 1 if the numbers of a tool differ, or if a tool rejects a system that it is known to run. It is 77 if only
+OMSimulator is requested and OMSimulator is missing. scripts/interop.sh calls this program. docs/interop.md contains its output.
 """
 
 import argparse
@@ -22,9 +22,9 @@ import tools
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 MISSING = 77
-# FMUs that lack the functions of capabilities that they do not declare. mebots runs them; the other tools require all functions.
+# FMUs without functions of optional capabilities. mebots can run them. The other tools require all functions.
 PARTIAL = ("probe (C",)
-# All tools pass the same doubles to the same FMUs. OMSimulator writes 12 significant digits; the others do not round.
+# All tools pass the same doubles to the same FMUs. OMSimulator writes 12 significant digits. The other tools do not round.
 TOLERANCE = {"OMSimulator": 1e-11}
 
 
@@ -33,7 +33,7 @@ def alone(fmu, steps=250, step=0.002, **parameters):
 
 
 def of_config(file, fmus, seconds):
-    """Returns one of MEbots' configs, limited to some seconds."""
+    """Returns one of MEbots' configs with `seconds` as the stop time."""
     config = json.loads(file.read_text())
     for instance in config["instances"].values():
         instance["fmu"] = str(fmus / f"{instance['fmu']}.fmu")
@@ -48,8 +48,8 @@ def ring(fmu, count, source, target, steps, step):
 
 
 def of_python(folder):
-    """Returns two slaves of pythonfmu that exchange every type that it supports. pythonfmu builds an archive for every
-    platform."""
+    """Returns two FMUs of pythonfmu that exchange values of every type that pythonfmu supports. pythonfmu builds an archive for
+    every platform."""
     import pythonfmu
 
     fmu = pythonfmu.FmuBuilder.build_FMU(str(pathlib.Path(__file__).parent / "python_slave.py"), dest=str(folder))
@@ -62,7 +62,7 @@ def of_python(folder):
 
 
 def systems(build, folder):
-    """Returns name -> system, all with absolute paths."""
+    """Returns {name: system}. All paths are absolute."""
     fmus, foreign = build / "fmus", build / "test_fmus"
     passthrough = foreign / "passthrough.fmu"
     python, coupled = of_python(folder)
@@ -96,7 +96,7 @@ def make(name, mebots):
 
 
 def run_apart(name, system, mebots, folder):
-    """Runs a tool in a separate process, so that a crash of the tool becomes a line in the table."""
+    """Runs a tool in a separate process. If the tool crashes, the table contains this result."""
     folder = pathlib.Path(tempfile.mkdtemp(dir=folder))
     job, answer = folder / "job.json", folder / "answer.json"
     job.write_text(json.dumps({"tool": name, "system": system, "mebots": str(mebots)}))
@@ -117,7 +117,7 @@ def do_job(job, answer):
 
 
 def without(system, left_out):
-    """Returns the system without parts that a tool does not support."""
+    """Returns the system without the connections and parameters in `left_out`."""
     connections = [{"from": a, "to": b} for a, b, _ in tools.plain_connections(system) if f"{a} -> {b}" not in left_out]
     instances = {name: dict(i, parameters={n: v for n, v in i.get("parameters", {}).items() if f"{name}.{n}" not in left_out})
                  for name, i in system["instances"].items()}
@@ -125,7 +125,7 @@ def without(system, left_out):
 
 
 def difference(ours, theirs):
-    """Returns (compared values, how many are equal to the last bit, largest relative difference, its place)."""
+    """Returns (number of compared values, number of equal values, largest relative difference, its place)."""
     count, equal, worst, where = 0, 0, 0.0, ""
     for name, column in theirs.items():
         for k, (a, b) in enumerate(zip(ours[name], column, strict=True)):
@@ -147,7 +147,7 @@ class Table:
         self.references = {}
 
     def reference(self, name, system, left_out):
-        """Returns mebots' result for the system without parts that a tool does not support."""
+        """Returns mebots' results for the system without the parts in `left_out`."""
         key = (name, *left_out)
         if key not in self.references:
             self.references[key] = run_apart("mebots", without(system, left_out), self.mebots, self.folder)

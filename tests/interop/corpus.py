@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs every FMU below a folder by `mebots check`, `run`, `run --isolate`, and FMPy at the same times (scripts/corpus.sh).
+"""Runs every FMU below a folder in `mebots check`, `run`, `run --isolate`, and FMPy at the same times (scripts/corpus.sh).
 
-Each FMU runs alone from its default experiment's start on: with the experiment's step if it has one, else a hundredth of its length, at
-most 1000 steps. Both tools pass the default tolerance and no stop time, and times are whole nanoseconds divided by 1e9. All numeric outputs
-are compared at every communication point. Files of the same bytes count once.
+Each FMU runs alone from the start of its default experiment. The step is that of the experiment, or else a hundredth of its
+length. A run has at most 1000 steps. Both tools pass the default tolerance and no stop time. Times are whole nanoseconds divided
+by 1e9. All numeric outputs are compared at every communication point. Files with the same bytes count once.
 
-Three checks do not depend on another tool. First, truths.py has exact results of known models, and the inputs for them. Second, the FMU
-may come with a reference file. Third, an FMU that allows variable steps also runs with halved steps, and its error must not grow. Without
-exact results, the difference |y(h/2) - y(h/4)| must not exceed |y(h) - y(h/2)|.
+Three checks do not depend on another tool. First, truths.py contains exact results of known models, and the inputs for them.
+Second, the FMU may come with a reference file. Third, an FMU that permits variable steps also runs with halved steps, and its
+error must not grow. Without exact results, |y(h/2) - y(h/4)| must not exceed |y(h) - y(h/2)|.
 
-These cases are explained: an FMU that both tools refuse, one that mebots stops at NaN or infinity (FMPy continues), one that neither tool
-finishes in time, differences that FMPy shows against itself in two runs, and the disagreements with a truth that EXPLAINED names.
+These cases count as explained: both tools refuse the FMU; mebots stops at NaN or infinity (FMPy continues); neither tool finishes
+in time; two runs of FMPy differ, too; the FMU differs from a truth, and EXPLAINED contains the FMU.
 """
 
 import argparse
@@ -42,7 +42,8 @@ SAME = 1e-12   # relative: rounding of sums in another order
 HALVED_STEPS = 200  # limit for the number of steps of the coarsest run with halved steps
 GROWS = 1.05   # of an error: allowance for rounding of the last point
 
-# Differences from a truth whose cause is in the FMU, by the end of the FMU's path. The cause is printed.
+# Differences from a truth whose cause is in the FMU. The key is the end of the FMU's path. The value is the cause, which is
+# printed.
 EXPLAINED = {
     "MassSpringDamper1.fmu": "adds its steps of 0.01 s up in floating point; five points are one such step ahead, all others exact to 1e-8",
     "initializer/src/test/resources/watertank-c.fmu": "its level rises by 1 in each step, whatever the step's length",
@@ -61,7 +62,7 @@ def family(tool):
 
 
 class NotOurs(Exception):
-    """Raised for a file that is not an FMI 2.0 co-simulation FMU for this machine."""
+    """Raised for a file that is not a co-simulation FMU of FMI 2.0 for this machine."""
 
 
 def plan(fmu):
@@ -117,7 +118,7 @@ def complaint(result):
 
 
 def call(command, **more):
-    """Runs a program. A timeout is a result, too. The program's output need not be UTF-8."""
+    """Runs a program. If the program exceeds its time, returns this as a result. The program's output may not be UTF-8."""
     late = subprocess.CompletedProcess(command, 124, "", LATE)
     try:
         result = subprocess.run(["prlimit", f"--cpu={SECONDS}:{SECONDS + 1}", *command], capture_output=True, text=True,
@@ -191,7 +192,7 @@ def fmpy_child(what, target):
 
 
 def difference(one, other):
-    """Returns the largest difference relative to the largest value of its column, and its place."""
+    """Returns the largest difference, relative to the largest value of the column, and its place."""
     largest, place = 0.0, ""
     for name, values in one.items():
         if len(values) != len(other[name]):
@@ -207,7 +208,7 @@ def difference(one, other):
 
 
 def judge(row, what, folder):
-    """Sets the verdict of the row. The sign shows whether a difference is explained."""
+    """Sets the row's `verdict`, and whether a difference is explained."""
     ours, alone, theirs = row.pop("ours"), row.pop("alone"), row.pop("theirs")
     row["run"] = "runs" if "columns" in ours else ours["error"]
     row["FMPy"] = "runs" if "columns" in theirs else theirs["error"]
@@ -251,13 +252,13 @@ def times_of(what):
 
 
 def finer(what, parts):
-    """Returns the run with each step divided; the coarsest of such runs has at most HALVED_STEPS steps."""
+    """Returns the plan with each step divided into `parts`. The run without division has at most HALVED_STEPS steps."""
     steps = min(what["steps"], HALVED_STEPS)
     return what | {"step_ns": what["step_ns"] // parts, "steps": steps * parts}
 
 
 def compare_with_truths(row, what, known):
-    """Stores in the row how far the outputs of mebots deviate from each known solution."""
+    """Stores in the row the differences of mebots' outputs from each known solution."""
     row["truths"] = []
     for truth in known:
         ratio, error, place = truths.compare(truth, times_of(what), what["step_ns"] / 1e9, row["ours"].get("columns", {}))
@@ -271,8 +272,8 @@ def error_of(what, columns, known):
 
 
 def halved_steps(program, what, known, folder):
-    """Returns how the error changes with halved steps: "exact", "shrinks", "stays", "grows", or the reason why this is
-    not known."""
+    """Returns the change of the error with halved steps: "exact", "within 10 x tolerance", "shrinks", "stays", "grows from ... to
+    ...", or the reason why the change is not known."""
     if not what["variable_step"]:
         return "fixed steps only"
     if what["step_ns"] % 4:
@@ -304,7 +305,7 @@ def explanation(row):
 
 
 def judge_truths(row):
-    """Marks a difference that EXPLAINED does not name as unexplained."""
+    """Marks the row as unexplained if an output differs from a truth or the error grows, and EXPLAINED lacks the FMU."""
     wrong = [truth for truth in row.get("truths", []) if not truth["agrees"]]
     if row["run"] == "runs" and (wrong or row["halved"].startswith("grows")) and not explanation(row):
         row["explained"] = False
@@ -346,7 +347,7 @@ def different(fmus):
 
 
 def word_of(row):
-    """Returns the class of a verdict."""
+    """Returns the class of a verdict for the summary."""
     if not re.match(r"\d", row["verdict"]):
         return row["verdict"]
     return "within 1e-12" if row["difference"] <= SAME else "numbers differ"
@@ -359,7 +360,7 @@ def truth_text(row):
 
 
 def show_truths(rows):
-    """Prints the table of truths: the number of FMUs with a truth of each kind, and how many of them agree."""
+    """Prints the FMUs with their truths. Then prints, for each kind of truth, the number of FMUs and how many of them agree."""
     rows = [row for row in rows if row["verdict"] != "left out" and row["run"] == "runs"]
     print("\n| FMU | truth | halved steps | explanation |\n|---|---|---|---|")
     for row in rows:

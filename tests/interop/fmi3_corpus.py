@@ -3,9 +3,10 @@
 
 Usage: fmi3_corpus.py FOLDER MEBOTS [--match TEXT]
 
-Each FMU below the folder that has a binary for x86-64 Linux runs alone, once for each kind: FMI 3.0 as co-simulation and as model exchange,
-FMI 2.0 as model exchange if it has no co-simulation. All numeric outputs are compared at every communication point; if an FMU has none, its
-local variables. A Binary is compared by its CRC. Inputs have the constants of INPUTS.
+Runs each FMU below the folder that has a binary for x86-64 Linux alone, once for each kind. FMUs of FMI 3.0 run as co-simulation
+and as model exchange. FMUs of FMI 2.0 run as model exchange if they do not support co-simulation. All numeric outputs are
+compared at every communication point. If an FMU has no outputs, its local variables are compared. Binaries are compared by their
+CRC. The values of inputs are constant (INPUTS).
 
 - Co-simulation: a loop over FMPy's FMU3Slave makes the calls, as FMPy's simulate_fmu has no Clocks. It handles events within a step, and sets
   the Clocks that tick at known times. Values must have the same bits.
@@ -14,7 +15,7 @@ local variables. A Binary is compared by its CRC. Inputs have the constants of I
 - Reference file: NAMECS.csv or NAMEME.csv, NAME.csv, NAME_ref.csv beside the FMU, else NAME_out.csv in its extra/org.fmi-standard.fmi-ls-ref.
   mebots runs again, with the inputs of NAME_in.csv if there are any, and is compared at the times that both have.
 
-The exit code is 1 if a difference or an error is unexplained, or if nothing could be compared.
+The exit code is 1 if a difference or an error is unexplained, or if there were no comparisons.
 """
 
 import argparse
@@ -44,19 +45,19 @@ MOST_EVENTS = 1000
 SHORT_STEP_NS = 1_000_000
 MOST_SOLVER_ERROR = 1e-5  # difference of two solvers at TOLERANCE
 
-# FMUs with a known cause of an error or a larger difference, by the end of the path: the part of the message that is expected, or the
-# largest difference. docs/interop.md has the evidence.
+# FMUs with an error or a larger difference whose cause is known, by the end of their path. The value is a part of the expected
+# message, or the largest difference. docs/interop.md contains the evidence.
 EXPECTED_ERROR = {
-    # This FMU writes beyond its memory in fmi2GetDirectionalDerivative.
+    # This FMU writes outside of its memory in fmi2GetDirectionalDerivative.
     "MapleSim_2023/FMI_Export/FMI_2/ME/ControlledTemperature/ControlledTemperature.fmu": "SIGABRT",
-    # It declares hasEventMode, but has no events, and refuses to be instantiated with them for co-simulation.
+    # This FMU declares hasEventMode, but rejects instantiation with event mode for co-simulation. It has no events.
     "/Roberts.fmu": "Event Mode is not supported",
     # Debian 12 does not have this library.
     "/Description.fmu": "libgfortran.so.3: cannot open sh",
 }
 EXPECTED_DIFFERENCE = {"SlidingCrank.fmu": 1e-4}  # FMPy restarts its solver after every step, and has the larger error
 MOST_ERROR = 1e-7  # of exact values, relative to the largest
-# FMPy 0.3.32 loads this function of scheduled execution for every kind, and four test FMUs do not offer that kind.
+# FMPy 0.3.32 loads this function of scheduled execution for every kind of FMU. Four test FMUs do not export this function.
 NOT_LOADED_BY_FMPY = "undefined symbol: fmi3ActivateModelPartition"
 NEVER = math.inf
 KNOWN_AHEAD = ("constant", "fixed", "countdown")  # Clocks that the importer ticks by time; no public FMU has others
@@ -71,7 +72,7 @@ def input_value(variable):
 
 
 def elements(name, shape):
-    """Returns the names of an array's elements in row-major order, as in mebots."""
+    """Returns the names of an array's elements in row-major order. mebots uses the same names."""
     indices = [()]
     for size in shape or ():
         indices = [index + (k + 1,) for index in indices for k in range(size)]
@@ -119,7 +120,8 @@ def plans(fmu):
 
 
 def reference_of(what):
-    """Returns times and columns of the FMU's reference file, and the file of its inputs; None if there is no reference."""
+    """Returns the times and columns of the FMU's reference file, and the path of the file with its inputs. If there is no
+    reference, returns None."""
     fmu = pathlib.Path(what["fmu"])
     kind = "CS" if what["kind"] == "co_simulation" else "ME"
     files = [fmu.with_name(fmu.stem + end) for end in (f"{kind}.csv", ".csv", "_ref.csv")]
@@ -143,7 +145,7 @@ def reference_of(what):
 
 
 def compare_with_file(program, what, folder):
-    """Returns the largest difference between mebots and the reference file, as text."""
+    """Returns a text with the largest difference between mebots and the reference file."""
     reference = reference_of(what)
     if reference is None:
         return ""
@@ -166,7 +168,7 @@ def compare_with_file(program, what, folder):
 
 
 def prefixed(inputs, folder):
-    """Returns a copy of the input file whose columns are named as in a config."""
+    """Returns a copy of the input file. Its columns have names as in a config."""
     header, *rows = csv.reader(inputs.read_text().splitlines())
     copy = folder / "in.csv"
     with copy.open("w", newline="") as file:
@@ -216,7 +218,7 @@ def declared_times(fmu):
 
 
 class Stepped:
-    """A co-simulation instance in FMPy with its events and Clocks, called as an importer without connections calls it."""
+    """A co-simulation instance in FMPy, with events and Clocks. Makes the calls of an importer without connections."""
 
     def __init__(self, what):
         model = fmpy.read_model_description(what["fmu"], validate=False)
@@ -259,7 +261,8 @@ class Stepped:
                 self.next_s[name] = time_s + interval[0]
 
     def event(self, time_s):
-        """Updates the discrete states in event mode until no Clock ticks and no update is needed. Ends in step mode."""
+        """Updates discrete states in event mode until no Clock ticks and the FMU needs no further update. Then enters step
+        mode."""
         for _ in range(MOST_EVENTS):
             due = [name for name, next_s in self.next_s.items() if next_s <= time_s + 0.5e-9]
             for name in due:
@@ -353,12 +356,12 @@ def fmpy_child(what, target):
 
 
 def entry_of(table, fmu):
-    """Returns the entry of an FMU in a table by ends of paths; None if there is none."""
+    """Returns the value whose key is the end of the FMU's path. If there is none, returns None."""
     return next((entry for end, entry in table.items() if fmu.endswith(end)), None)
 
 
 def compare_with_equations(what, ours):
-    """Returns the largest difference from the exact solution as text, and false if it is too large."""
+    """Returns a text with the largest difference from the exact solution, and whether the difference is small enough."""
     if "columns" not in ours:
         return "", True
     model = fmpy.read_model_description(what["fmu"], validate=False)

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Exact values of Reference FMUs whose equations are known, for fmi3_corpus.py.
+"""Computes exact values of Reference FMUs from their equations, for fmi3_corpus.py.
 
 - Dahlquist: x' = -k x.
 - StateSpace: x' = A x + B u, y = C x + D u, with constant inputs.
 - Roberts: Robertson's kinetics. Model exchange: SciPy's Radau with a relative tolerance of 1e-12.
 
-In co-simulation these FMUs use explicit Euler with a fixed step. For the linear ones, its exact result is a power of 1 - k h, or of I + h A.
+In co-simulation, these FMUs use explicit Euler with a fixed step. For the linear FMUs, the exact result of this method is a power
+of 1 - k h, or of I + h A.
 """
 
 import numpy
@@ -23,7 +24,7 @@ def starts(model):
 
 
 def advanced(model, kind, matrix, times):
-    """Returns the factor by which x' = matrix x multiplies the state from the start to each time."""
+    """Returns the factors by which x' = matrix x multiplies the start state, one for each time."""
     if kind == "model_exchange":
         return [scipy.linalg.expm(matrix * (t - times[0])) for t in times]
     step = EULER_STEP[model.modelName]
@@ -64,7 +65,7 @@ def robertson(model, kind, times, _inputs):
         step = EULER_STEP[model.modelName]
         states, (y1, y2), done = [], (1.0, 0.0), 0
         for k, t in enumerate(times):
-            # A step of the FMU ends up to EPSILON after the communication point.
+            # Like the FMU, performs each step that ends at most EPSILON after the communication point.
             while k > 0 and (times[0] + done * step) + step - t <= EPSILON * max(t, 1.0):
                 rate1, rate2 = robertson_rates(y1, y2)
                 y1, y2, done = y1 + step * rate1, y2 + step * rate2, done + 1
@@ -76,6 +77,6 @@ EQUATIONS = {"Dahlquist": dahlquist, "StateSpace": state_space, "Robertson Probl
 
 
 def exact_columns(model, kind, times, inputs):
-    """Returns the exact outputs of a Reference FMU; None for other FMUs."""
+    """Returns the exact outputs of a Reference FMU. For any other FMU, returns None."""
     solve = EQUATIONS.get(model.modelName) if "Reference FMUs" in (model.generationTool or "") else None
     return solve(model, kind, times, inputs) if solve else None

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Validates one FMU with FMPy, and runs it in FMPy alone, with all inputs at their start values.
+"""Checks an FMU with FMPy's validation, and runs it in FMPy with all inputs at their start values.
 
 Usage: fmpy_check.py FILE.fmu
 """
@@ -34,12 +34,12 @@ def check(condition, message):
 
 
 def same(a, b):
-    """Returns True if both are equal to the last bit, column by column."""
+    """Returns True if all columns have the same bits."""
     return all(np.array_equal(a[name], b[name], equal_nan=False) for name in a.dtype.names)
 
 
 class Instance:
-    """An FMI instance with its recorded Real outputs."""
+    """An FMI instance that records its Real outputs."""
 
     def __init__(self, description, folder, name, start=True):
         self.outputs = [v for v in description.modelVariables if v.causality == "output" and v.type == "Real"]
@@ -73,7 +73,7 @@ def check_binary(folder, identifier):
     library = binaries / f"{identifier}.so"
     symbols = subprocess.run(["nm", "-D", "--defined-only", library], capture_output=True, text=True, check=True).stdout
     names = [line.split()[-1] for line in symbols.splitlines()]
-    # An FMU may declare that it is clean (docs/master/clean-fmus.md).
+    # FMUs without state outside of instances may also export mebots_keeps_no_state_outside_instances (docs/master/clean-fmus.md).
     others = [name for name in names if not name.startswith("fmi2") and name != "mebots_keeps_no_state_outside_instances"]
     check(names and not others, f"exports {len(names)} symbols, all fmi2*{' but ' + ', '.join(others) if others else ''}")
 
@@ -86,7 +86,7 @@ def check_binary(folder, identifier):
 
 
 def check_state(description, folder):
-    """Checks that a run restored from serialized state in another instance equals the straight run, bit for bit."""
+    """Checks that a run has the same bits if its state is serialized and restored in another instance."""
     h, half, end = 0.01, 10, 20
     straight = Instance(description, folder, "straight")
     expected = straight.run(0, end, h)
@@ -109,7 +109,7 @@ def check_state(description, folder):
 
 
 def first_value(description, folder, variable, changes):
-    """Returns an output at t = 0 with other start values for some inputs."""
+    """Returns an output at t = 0 for other start values of some inputs."""
     instance = Instance(description, folder, "first", start=False)
     instance.fmu.setupExperiment(startTime=0.0)
     instance.fmu.enterInitializationMode()
@@ -123,7 +123,7 @@ def first_value(description, folder, variable, changes):
 
 
 def other_start(variable):
-    """Returns a permitted start value that differs from the variable's own."""
+    """Returns a permitted value that differs from the variable's start value."""
     if variable.type == "Boolean":
         return variable.start == "false"
     if variable.type == "Enumeration":
@@ -137,8 +137,8 @@ def other_start(variable):
 
 
 def check_first_outputs(description, folder):
-    """Checks ModelStructure's dependencies at t = 0: other inputs change nothing, neither individually nor all
-    together."""
+    """Checks the dependencies in ModelStructure at t = 0. Inputs that are not listed must not change an output, neither
+    individually nor all together."""
     inputs = [v for v in description.modelVariables if v.causality == "input" and v.type != "String"
               and not v.name.endswith((".base.lo", ".base.hi", ".size"))]
     stated = 0
@@ -157,7 +157,7 @@ def check_first_outputs(description, folder):
 
 
 def check_instances(description, folder):
-    """Checks that two instances stepped alternately do not affect each other."""
+    """Checks that two instances do not affect each other if their steps alternate."""
     h, end = 0.02, 10
     alone = Instance(description, folder, "alone")
     expected = alone.run(0, end, h)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs a config with results in both formats and reads results.h5 with h5py. Compares names, units, types, and every
-bit with results.csv."""
+"""Runs a config with results in both formats, and reads results.h5 with h5py. Compares names, units, types and all bits with
+results.csv."""
 import csv
 import json
 import pathlib

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Compares a run on two kinds of processor: other_processor.py FOLDER FOLDER.
 
-Results and pictures must have the same bits. If they differ, a table lists the columns, the time of the first difference and its
-size: the earliest difference is closest to the cause.
+Results and pictures must have the same bits. If they differ, prints a table of the columns with the time of the first difference
+and the largest difference. The earliest difference is closest to the cause.
 """
 import csv
 import hashlib
@@ -16,8 +16,8 @@ def rows(folder):
 
 
 def differences(one, other):
-    """Returns for each column that differs: the time of the first difference, and the largest difference. The columns
-    are in the order of these times."""
+    """Returns the time of the first difference and the largest difference of each column that differs. The columns are in the
+    order of these times."""
     if len(one) != len(other) or one[0] != other[0]:
         sys.exit(f"results.csv: {len(one)} rows with {len(one[0])} columns beside {len(other)} rows with {len(other[0])}")
     found = {}

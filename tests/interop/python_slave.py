@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A slave for pythonfmu with all types of FMI 2.0 except enumerations."""
+"""An FMU of pythonfmu with all types of FMI 2.0 except enumerations."""
 
 from pythonfmu import Boolean, Fmi2Causality, Fmi2Slave, Fmi2Variability, Integer, Real, String
 

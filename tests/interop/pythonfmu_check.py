@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests that FMUs of pythonfmu run without preparations, each in its own process, with the Python of MEBOTS_PYTHON or
-of PATH.
+"""Tests that mebots runs FMUs of pythonfmu without preparations, each in its own process. Uses the Python interpreter of
+MEBOTS_PYTHON or of PATH.
 
 Usage: pythonfmu_check.py MEBOTS
 
-compare.py compares further outputs of such FMUs.
+compare.py compares more outputs of such FMUs.
 """
 
 import csv
@@ -51,7 +51,8 @@ def main():
     with tempfile.TemporaryDirectory(prefix="foreign fmus ") as folder:
         folder = pathlib.Path(folder)
         fmu = pythonfmu.FmuBuilder.build_FMU(str(script), dest=str(folder))
-        # The virtual environment of this program has pythonfmu: MEBOTS_PYTHON names it, and PYTHONPATH is not set.
+        # Only the virtual environment of this program contains pythonfmu. MEBOTS_PYTHON names its interpreter, and PYTHONPATH is
+        # not set.
         of_environment = dict(plain, MEBOTS_PYTHON=sys.executable)
         rows = [check("automatic", run(mebots, folder, fmu, {}, of_environment), folder),
                 check("own", run(mebots, folder, fmu, {"process": "own"}, of_environment), folder),

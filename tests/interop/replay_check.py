@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Replays the reference traces that an FMU carries in documentation/reference, and reports the first divergence.
+"""Replays the reference traces in the documentation/reference of an FMU. Reports the first difference.
 
 Usage: replay_check.py FILE.fmu [--every-output]
 
-With --every-output the trace must have a column for each Real and Boolean output, as scripts/update_golden.py writes them.
+With --every-output, the trace must have a column for each Real and Boolean output, as scripts/update_golden.py writes it.
 
-Row k of <fmu>_out.csv has the outputs at its time. The inputs of the step to the next row are those of the last row of
-<fmu>_in.csv that is not later than row k.
+Row k of <fmu>_out.csv contains the outputs at its time. The inputs of the step from row k to the next row are those of the last
+row of <fmu>_in.csv that is not later than row k.
 """
 
 import csv
@@ -18,7 +18,7 @@ import tempfile
 import fmpy
 import fmpy.fmi2
 
-# Another compiler may round the same source differently. Larger differences show a changed model.
+# Another compiler may round differently. Larger differences show that the model has changed.
 RELATIVE = 1e-6
 ABSOLUTE = 1e-9
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks bills of materials (SPDX 2.3 JSON) of FMUs and of the installation: they must be complete, and list the same parts as
-the licence files next to them.
+"""Checks that the bills of materials (SPDX 2.3 JSON) of FMUs and of the installation are complete, and list the same parts as the
+licence files next to them.
 
 Usage: sbom_check.py INSTALLATION.spdx.json FMU... ; if the package spdx-tools is installed, its validator runs too.
 """
@@ -23,7 +23,7 @@ def require(holds, what):
 
 
 def check(text, where):
-    """Checks the requirements of SPDX 2.3 on MEbots' documents (clauses 6, 7 and 11), and that all ids exist. Returns
+    """Checks the requirements of SPDX 2.3 on MEbots' documents (clauses 6, 7 and 11), and that each used id is defined. Returns
     the packages."""
     bill = json.loads(text)
     require(bill["spdxVersion"] == "SPDX-2.3" and bill["dataLicense"] == "CC0-1.0", f"{where}: not SPDX 2.3")

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests SSPs between tools: an SSP of MEbots gives the same numbers in OMSimulator, and an SSP that OMSimulator wrote
-runs in mebots.
+"""Tests the exchange of SSPs with OMSimulator. OMSimulator must compute the same numbers from an SSP of MEbots, and mebots must
+run an SSP that OMSimulator wrote.
 
 Usage: ssp_check.py MEBOTS CONFIG.json
 

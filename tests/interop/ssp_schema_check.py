@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests that an SSP written by mebots is valid according to the standard's schemas, and FMPy reads the same values from
-it.
+"""Tests that an SSP written by mebots is valid by the standard's schemas. Also tests that FMPy reads the same values from it.
 
 Usage: ssp_schema_check.py MEBOTS CONFIG.json
 """
@@ -17,7 +16,7 @@ from fmpy.ssp.ssd import read_ssd, read_ssv
 
 
 def values_of(ssp, binding):
-    """Returns the values of an external parameter set, numeric values as numbers."""
+    """Returns the values of a parameter set in a separate file. Numeric values are converted to numbers."""
     result = {}
     for parameter in read_ssv(ssp, binding.source, validate=True).parameters:
         text = {"true": True, "false": False}.get(parameter.value, parameter.value)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs one system in four tools: mebots, FMPy, OMSimulator and libcosim, each with the same fixed communication step.
+"""Runs a system in mebots, FMPy, OMSimulator and libcosim with the same fixed communication step.
 
-A system is a config of mebots with absolute paths, plain connections and `steps` instead of a stop time. Every tool returns
-{"instance.variable": [value at t = 0, h, 2 h ...]} for the outputs that it supports (None where it has no value), and
-names what it does not support. If a tool rejects a system, Refused contains its message.
+A system is a config of mebots with absolute paths, plain connections, and `steps` in place of a stop time. Every tool returns
+{"instance.variable": [value at t = 0, h, 2 h ...]} for the outputs that it supports, with None for a missing value. It also
+returns the parts of the system that it does not support. If a tool rejects a system, raises Refused with the tool's message.
 """
 
 import csv
@@ -29,7 +29,7 @@ class Refused(Exception):
 
 @functools.cache
 def read_description(fmu):
-    """Ignores errors of FMPy's check, because pythonfmu leaves attributes out."""
+    """Reads a model description without FMPy's validation, because pythonfmu omits required attributes."""
     return fmpy.read_model_description(fmu, validate=False)
 
 
@@ -38,7 +38,7 @@ def description(instance):
 
 
 def of_python(instance):
-    """True for FMUs of pythonfmu, which use the Python interpreter of the process that loads them."""
+    """True for FMUs of pythonfmu. They need the Python interpreter of the process that loads them."""
     return (description(instance).generationTool or "").startswith("PythonFMU")
 
 
@@ -47,15 +47,15 @@ def variables(instance):
 
 
 def outputs(instance, types=("Real", "Integer", "Boolean", "Enumeration", "String")):
-    """Returns the outputs to compare. String outputs are compared only for FMUs of pythonfmu: MEbots' FMUs compute the
-    base64 text of a picture when it is read."""
+    """Returns the outputs to compare. Includes String outputs only for FMUs of pythonfmu. MEbots' FMUs compute the base64 text of
+    a picture at each read."""
     texts = of_python(instance)
     return [v for v in variables(instance).values() if v.causality == "output" and v.type in types
             and not v.name.endswith(POINTERS) and (v.type != "String" or texts)]
 
 
 def plain_connections(system):
-    """Returns (from, to, type) of every connection; an OSMP buffer has three, of Integers."""
+    """Returns (from, to, type) of every connection. For an OSMP buffer, returns three connections of type Integer."""
     known = {name: variables(instance) for name, instance in system["instances"].items()}
     result = []
     for connection in system["connections"]:
@@ -66,14 +66,15 @@ def plain_connections(system):
 
 
 def number_of(variable, value):
-    """Returns the number of an enumeration's item."""
+    """Returns the number of an enumeration's item. Returns any other value unchanged."""
     if variable.type == "Enumeration" and isinstance(value, str):
         return next(int(item.value) for item in variable.declaredType.items if item.name == value)
     return value
 
 
 def environment(system):
-    """Returns the environment of a program without its own Python interpreter."""
+    """Returns the environment for a program that does not contain Python. If the system has FMUs of pythonfmu, preloads Python's
+    library."""
     if not any(of_python(instance) for instance in system["instances"].values()):
         return dict(os.environ)
     library = pathlib.Path(sysconfig.get_config_var("LIBDIR")) / sysconfig.get_config_var("INSTSONAME")
@@ -115,7 +116,7 @@ class Mebots:
 
 
 class Fmpy:
-    """Runs one FMU with simulate_fmu, and several FMUs with a loop over FMPy's slaves, as a user would write it."""
+    """Runs one FMU with simulate_fmu, and several FMUs with a loop over FMPy's slaves, as a user would write."""
 
     name = "FMPy"
 
@@ -187,10 +188,11 @@ class Fmpy:
 
 
 class OMSimulator:
-    """The program in $OMSIMULATOR or on PATH: the PyPI package fetches it from the project's server.
+    """Runs a system in OMSimulator, found in $OMSIMULATOR or on PATH. The PyPI package would fetch the program from the project's
+    server.
 
-    It has no connections of texts. In a loop of direct dependencies before t = 0, it supports only Reals. If it rejects a system,
-    the system is tried again with connections of Reals only.
+    OMSimulator does not connect Strings. In a loop of direct dependencies before t = 0, it supports only Reals. If it rejects a
+    system, runs the system again with only the connections of Reals.
     """
 
     name = "OMSimulator"
@@ -240,7 +242,7 @@ class OMSimulator:
 
 
 def read_csv(path, clean):
-    """Returns the columns of a CSV file of numbers, under cleaned names; skips the line that defines the separator
+    """Returns the columns of a CSV file of numbers by the names that `clean` returns. Skips the line that defines the separator
     for spreadsheets."""
     with path.open(newline="") as file:
         rows = list(csv.reader(line for line in file if not line.startswith('"sep=')))
@@ -249,14 +251,14 @@ def read_csv(path, clean):
 
 
 def at_points(times, step, steps):
-    """Returns the index of the last row at every communication point, because OMSimulator repeats rows at events."""
+    """Returns the index of the last row of every communication point. OMSimulator writes several rows at an event."""
     last = {round(time / step): row for row, time in enumerate(times)}
     return [last[k] for k in range(steps + 1)]
 
 
 class Libcosim:
-    """Runs a system in libcosim. Its interface has no enumerations, so connections and parameters of enumerations are
-    left out and listed."""
+    """Runs a system in libcosim. Its interface does not support enumerations, so connections and parameters of enumerations are
+    omitted and listed."""
 
     name = "libcosim"
     types = {"Real": "real", "Integer": "integer", "Boolean": "boolean", "String": "string"}

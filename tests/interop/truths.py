@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Computes known solutions for FMUs of other tools. The solutions do not come from another master (scripts/corpus.sh).
+"""Computes known solutions for FMUs of other tools, without another master (scripts/corpus.sh).
 
-A truth is an analytic solution, the model's equations solved to 1e-10, or a reference file next to the FMU. The equations come
-from the documentation of the Modelica Standard Library, of the Reference FMUs, and of the FMUs' repositories. Parameters come
-from the FMU's own description. Inputs are constant. The bound is the permitted deviation of an FMU from the truth: rounding if
-its method is exact, else the error of its documented method with the same step.
+A truth is an analytic solution, a numerical solution of the model's equations to 1e-10, or a reference file next to the FMU. The
+equations come from the documentation of the Modelica Standard Library, of the Reference FMUs, and of the FMUs' repositories.
+Parameters come from the FMU's own description. Inputs are constant. The bound is the permitted deviation of an FMU from the
+truth. If the FMU's method is exact, the bound is that of rounding. Otherwise, it is the error of the documented method with the
+same step.
 """
 
 import csv
@@ -61,8 +62,8 @@ def is_jump(times, places):
 
 
 def sources(model, block):
-    """Returns the signal and its jumps of a block of Modelica.Blocks.Sources, as the library's documentation defines
-    the block; None for other blocks.
+    """Returns the signal and the jumps of a block of Modelica.Blocks.Sources by the documentation of the library. For any other
+    block, returns None.
     """
     offset = model["offset"] if model.has("offset") else 0.0
     start = model["startTime"] if model.has("startTime") else 0.0
@@ -145,8 +146,7 @@ def modelica_block(model):
 
 
 def euler(rate, start, times, step, event=None):
-    """Returns a solution by explicit Euler with steps of `step`, which divides the distances of `times`. It has one row
-    per time."""
+    """Returns a solution by explicit Euler with one row per time. `step` must divide the distances between `times`."""
     state = np.array(start, dtype=float)
     rows = [state.copy()]
     for before, after in zip(times, times[1:]):
@@ -182,7 +182,7 @@ def columns(names, rows):
 
 
 def of_method(names, truth, rate, start, internal=None, event=None):
-    """Returns the bound of explicit Euler with the FMU's internal step, or else with the communication step."""
+    """Returns a bound for explicit Euler with the FMU's internal step. If this step is unknown, uses the communication step."""
     def bound(times, step):
         exact = truth(times)
         coarse = columns(names, euler(rate, start, times, internal or step, event))
@@ -192,7 +192,7 @@ def of_method(names, truth, rate, start, internal=None, event=None):
 
 
 def of_tolerance(model, truth):
-    """Returns the bound for a solver with error control, in which the errors of steps add up."""
+    """Returns a bound for a solver with error control. The errors of its steps add up."""
     steps = 100
 
     def bound(times, _step):
@@ -243,7 +243,7 @@ def openmodelica(model):
 
 
 def bouncing(height, speed, gravity, damping, stop_speed, times):
-    """Returns the free flight between impacts. Each impact reverses and reduces the speed."""
+    """Returns the free flight between impacts. Each impact reverses the speed and reduces its magnitude."""
     rows, begin, h, v, g = [], times[0], height, speed, gravity
     for t in times:
         while g > 0:
@@ -272,8 +272,8 @@ def ball(model, names, start, gravity, damping, stop_speed, internal, source):
 
 
 def internal_step(model, usual):
-    """Returns the step of a Reference FMU's solver: the step in its description, or the usual step. None stands for the
-    communication step, which old versions use."""
+    """Returns the step of a Reference FMU's solver: the step in its description, or the usual step. Old versions use the
+    communication step; for them, returns None."""
     said = getattr(model.description.coSimulation, "fixedInternalStepSize", None)
     return float(said) if said else usual if model.has("time") else None
 
@@ -388,7 +388,8 @@ def other(model):
 
 
 def reference_file(fmu, model):
-    """Reads `NAME_ref.csv` or `NAME_out.csv` next to the FMU, if the FMU runs without inputs from a file."""
+    """Reads the truth from `NAME_ref.csv` or `NAME_out.csv` next to the FMU. If there is no such file, or if the FMU needs inputs
+    from a file, returns None."""
     stem = fmu.with_suffix("")
     if pathlib.Path(f"{stem}_in.csv").exists():
         return None
@@ -420,9 +421,11 @@ def truths_of(fmu, description):
 
 
 def compare(truth, times, step, found):
-    """Returns the largest error of a variable divided by its bound, as (ratio, error, text). A ratio of at most 1 agrees.
+    """Returns (ratio, error, text) for a variable. The ratio is the largest error divided by its bound. The variable agrees if
+    the ratio is at most 1.
 
-    An FMU may end the run early. A bound above a quarter of the largest value proves nothing, so the ratio is infinite.
+    An FMU may end the run early. If a bound exceeds a quarter of the largest value, the ratio is infinite, because such a
+    comparison proves nothing.
     """
     reached = min((len(values) for values in found.values()), default=0)
     if reached < 2:

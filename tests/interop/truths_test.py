@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compares the corpus's truths with values computed by hand. Also checks that wrong results do not agree with them."""
+"""Compares the truths of the corpus with values computed by hand. Also checks that truths reject wrong results."""
 
 import math
 import types
@@ -11,7 +11,7 @@ import truths
 
 
 def description(name, experiment=None, internal=None, **variables):
-    """Returns a description like FMPy's, with these variables and start values."""
+    """Returns a description like FMPy's with these variables and start values."""
     return types.SimpleNamespace(
         modelName=name, defaultExperiment=experiment, coSimulation=types.SimpleNamespace(fixedInternalStepSize=internal),
         modelVariables=[types.SimpleNamespace(name=key, start=None if value is None else str(value)) for key, value in variables.items()])

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Compares an FMU of FMI 3.0 with its twin of FMI 2.0 in FMPy: the same bits, alone and, with --connected, in a system.
+"""Compares an FMU of FMI 3.0 with its twin of FMI 2.0 in FMPy. Both must give the same bits, alone and (with --connected) in a
+system.
 
 Usage: twins_check.py FOLDER NAME
        twins_check.py FOLDER --connected CONFIG.json --until SECONDS --step SECONDS
 
-FOLDER has NAME.fmu and NAME_fmi3.fmu. Alone, both receive the inputs of the reference trace of NAME.fmu. In a system, the
-connections of the config hold in both, and pictures pass as OSMP triples and as Binary.
+FOLDER contains NAME.fmu and NAME_fmi3.fmu. Alone, both receive the inputs of the reference trace of NAME.fmu. In a system, both
+have the connections of the config. Pictures pass as OSMP triples in FMI 2.0, and as Binary in FMI 3.0.
 """
 
 import argparse
@@ -37,12 +38,12 @@ def check(condition, message):
 
 
 def signed(number):
-    """Returns the 32 low bits as FMI 2.0's Integer."""
+    """Returns the low 32 bits as an Integer of FMI 2.0."""
     return ctypes.c_int32(number & 0xFFFFFFFF).value
 
 
 class Two:
-    """An instance of FMI 2.0. Values are accessed by scalar name; an OSMP triple is one value, its bytes."""
+    """An instance of FMI 2.0. Its values are accessed by scalar name. An OSMP triple counts as one value, its bytes."""
 
     def __init__(self, archive, folder, name):
         self.description = fmpy.read_model_description(str(archive))
@@ -66,7 +67,7 @@ class Two:
         return {"Enumeration": "Integer"}.get(kind, kind)
 
     def number_of(self, name, value):
-        """Returns the value of an enumeration's item named in a config."""
+        """Returns the number of an enumeration's item that a config names."""
         variable = self.variables[name]
         if variable.type != "Enumeration" or not isinstance(value, str):
             return value
@@ -95,8 +96,8 @@ class Two:
 
 
 class Three:
-    """An instance of the twin of FMI 3.0, whose values are accessed by the same scalar names. A value reference of FMI
-    3.0 is the value reference of the first scalar in FMI 2.0.
+    """An instance of the twin of FMI 3.0, with access by the scalar names of FMI 2.0. The value reference of a variable in FMI
+    3.0 is that of its first scalar in FMI 2.0.
     """
 
     def __init__(self, archive, folder, name, twin):
@@ -154,7 +155,7 @@ class Three:
 
 
 class Twins:
-    """Both FMUs, unpacked."""
+    """Both FMUs after unpacking."""
 
     def __init__(self, folder, name, into):
         self.archives = [folder / f"{name}.fmu", folder / f"{name}_fmi3.fmu"]
@@ -215,7 +216,7 @@ def at(inputs, time):
 
 
 def check_alone(twins, points):
-    """Compares outputs for the reference inputs, and restores a state in a second instance of FMI 3.0."""
+    """Compares outputs for the reference inputs. Also restores a state in a second instance of FMI 3.0."""
     inputs = read_inputs(twins.folders[0])
     two, three = twins.instances("first")
     _, other = twins.instances("second")

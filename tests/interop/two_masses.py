@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Simulates two masses with a spring between them, one in each FMU (tests/fmus/coupling.c: m = 1, k = 10, coupling 10), with mebots'
-algorithms and in libcosim. Each FMU integrates its mass exactly. Prints a Markdown table (docs/interop.md): the largest error of both
-positions over 5 s, and the ratio of the energies at the end and at the start.
+"""Simulates two masses with a spring between them, with mebots' algorithms and with libcosim. Each mass is in one FMU
+(tests/fmus/coupling.c: m = 1, k = 10, coupling 10), which integrates it exactly. Prints a Markdown table (docs/interop.md) with
+the largest error of both positions over 5 s, and the ratio of the energies at the end and at the start.
 
 Usage: two_masses.py BUILD_FOLDER
 """
@@ -18,7 +18,7 @@ SECONDS = 5
 
 
 def held(fmu, target):
-    """Returns this FMU without declared time derivatives, so that its inputs are constant during a step."""
+    """Returns a copy of the FMU without declared time derivatives, so that its inputs are constant during a step."""
     with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(target, "w") as copy:
         for name in source.namelist():
             content = source.read(name)

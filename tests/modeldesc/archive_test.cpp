@@ -29,8 +29,7 @@ void write_file(const fs::path& file, const std::string& text) {
 
 class ArchiveTest : public testing::Test {
  protected:
-  /// Returns an archive with an ordinary entry and then this entry. The archive is made with libzip itself, which
-  /// accepts any name.
+  /// Returns an archive with an ordinary entry, followed by this entry. Uses libzip directly, which accepts any name.
   fs::path with_entry(const std::string& name, const std::string& content, mode_t kind = S_IFREG) {
     const fs::path file = folder_.path() / "evil.zip";
     fs::remove(file);
@@ -229,7 +228,7 @@ TEST_F(ArchiveTest, DamagedContentIsNoticed) {
   std::string content(5000, ' ');
   for (std::size_t i = 0; i < content.size(); ++i) content[i] = static_cast<char>('a' + i * i % 23);
   std::string bytes = read_file(with_entry("a", content));
-  // This byte is inside the packed bytes of the second entry, before the directory at the end.
+  // This byte belongs to the packed bytes of the second entry. The directory follows at the end.
   bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 0x55);
   write_file(folder_.path() / "damaged.fmu", bytes);
   try {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests assertions as in the preset release, whatever the preset of this build is.
+// Tests assertions as in the preset release, in builds of any preset.
 #undef MEBOTS_ASSERTIONS
 #include "mebots/assert.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests assertions as in the presets dev and ci, whatever the preset of this build is.
+// Tests assertions as in the presets dev and ci, in builds of any preset.
 #ifndef MEBOTS_ASSERTIONS
 #define MEBOTS_ASSERTIONS
 #endif

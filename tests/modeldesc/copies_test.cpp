@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests descriptions from which two FMUs are made: one with a single copy of a part, and one with several copies.
+// Tests descriptions that serve for two FMUs: with a single copy of an object, and with several copies.
 #include "description.hpp"
 #include "fmi3_variables.hpp"
 #include "generate.hpp"

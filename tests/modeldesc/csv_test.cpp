@@ -27,7 +27,7 @@ std::vector<Row> rows_of(std::string_view text) {
   return rows;
 }
 
-/// Reads all rows, and column `numbers` (from 0) as numbers. Returns the code and the text of the error.
+/// Reads all rows, and converts column `numbers` (from 0) to numbers. Returns the code and the text of the error.
 std::pair<ErrorCode, std::string> refusal_of(std::string_view text, std::size_t numbers = 0) {
   try {
     CsvReader reader(text, "t.csv");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the reader of JSON files: places, kinds, and the report of all mistakes of a file at once.
+// Tests the reader of JSON files: places, kinds, and the report of all mistakes at once.
 #include "mebots/data/document.hpp"
 #include "mebots/data/find_file.hpp"
 #include "mebots/data/object.hpp"
@@ -180,8 +180,8 @@ TEST(Document, TakesTimeInProportionToItsLength) {
     return std::chrono::duration<double>(Clock::now() - start).count();
   };
   seconds(1000);
-  // Bounds the time. The text is 50 times as long, so a linear reader takes 50 times as long, and a quadratic one 2500
-  // times. The bound is ten times the linear time, plus a tenth of a second, because the machine may be busy.
+  // Bounds the time. The text is 50 times as long: a linear reader takes 50 times as long, a quadratic reader 2500
+  // times. The bound is ten times the linear time plus a tenth of a second, because the machine may be busy.
   EXPECT_LT(seconds(100'000), 500 * seconds(2000) + 0.1);
 }
 

@@ -24,7 +24,6 @@ class DescriptionTest : public testing::Test {
     return file;
   }
 
-  /// Reads a description that contains one variable, or several separated by commas.
   Description read(const std::string& variables, const std::string& more = "") {
     return read_description(write("description.json", R"({"name": "x", "text": "An x", "namespace": "a::x", "step": 0.1,
       "stop_time": 1, )" + more + R"("variables": [)" + variables +
@@ -139,7 +138,7 @@ TEST_F(DescriptionTest, RefusesWhatXmlCannotHold) {
 TEST_F(DescriptionTest, RefusesTheSameNameTwice) {
   const std::string a = R"({"name": "a.b", "causality": "output", "unit": "V", "text": "t"})";
   EXPECT_THAT(error_of(a + "," + a), HasSubstr("the name a.b is already taken"));
-  // The two names differ in FMI, but give the same field in C++.
+  // The names differ in FMI, but give the same C++ field.
   EXPECT_THAT(error_of(a + R"(, {"name": "a_b", "causality": "output", "unit": "V", "text": "t"})"),
               HasSubstr("the name a_b_v is already taken"));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the parts of a description for FMI 3.0: versions, arrays, structural parameters, terminals.
+// Tests the parts of a description for FMI 3.0: versions, arrays, structural parameters and terminals.
 #include "description.hpp"
 #include "fmi3_variables.hpp"
 #include "generate.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests reading modelDescription.xml of FMI 3.0, and replacing arrays by their elements.
+// Tests reading modelDescription.xml of FMI 3.0, and the replacement of arrays by their elements.
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/array_elements.hpp"
 #include "mebots/modeldesc/xml.hpp"

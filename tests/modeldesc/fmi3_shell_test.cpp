@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the shell's interface of FMI 3.0 in the way of an importing tool: unpacks an FMU, loads it with dlopen, and
-// calls its C functions.
+// Tests the shell's interface of FMI 3.0 as an importing tool uses it: unpacks an FMU, loads it with dlopen, and calls
+// its C functions.
 #include "mebots/fmi3/functions.hpp"
 #include "mebots/modeldesc/archive.hpp"
 #include "mebots/modeldesc/elf_library.hpp"
@@ -25,7 +25,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// Unpacks and loads an FMU of tests/fmus that is built for FMI 3.0.
+/// Unpacks and loads an FMU of tests/fmus for FMI 3.0.
 class Fmu3 {
  public:
   Fmu3(const char* archive, const char* identifier) : folder_("fmi3 f\xC3\xBCr tests") {
@@ -122,7 +122,7 @@ class Instance3 {
     EXPECT_EQ(CALL(fmu_, fmi3GetString)(handle_, &reference, 1, &value, 1), fmi3OK) << last_message_;
     return value;
   }
-  /// Sets an array of type Binary. Frees the memory of its bytes after the call.
+  /// Sets an array of type Binary. Frees the memory of the bytes after the call.
   fmi3Status set_binaries(const std::string& name, const std::vector<std::string>& texts) {
     const auto reference = fmu_.reference(name);
     std::vector<std::vector<std::uint8_t>> copies;

@@ -12,14 +12,13 @@
 #include <string_view>
 #include <vector>
 
-/// These classes use the test FMU "lag" in the way of an importing tool: it is unpacked, loaded with dlopen, and called
-/// through C.
+/// These classes use the test FMU "lag" as an importing tool does: they unpack it, load it with dlopen, and call its C
+/// functions.
 namespace mebots::test {
 
 using Library = fmi2::Functions;
 
-/// Gives access to the FMU lag. The FMU is unpacked once per process, into a folder with a space and an umlaut in its
-/// name.
+/// The FMU lag. It is unpacked once per process, into a folder with a space and an umlaut in its name.
 class LagFmu {
  public:
   static const LagFmu& get();
@@ -39,7 +38,6 @@ class LagFmu {
   Library library_{};
 };
 
-/// Returns the C functions of the FMU lag.
 inline const Library& library() {
   return LagFmu::get().library();
 }
@@ -61,11 +59,10 @@ class Lag {
 
   fmi2Component component() const { return component_; }
   const std::vector<Message>& messages() const { return messages_; }
-  /// Returns the text of the last message; empty if there was no message.
+  /// Returns the text of the last message. If there was no message, returns an empty text.
   std::string last_message() const { return messages_.empty() ? "" : messages_.back().text; }
 
-  /// Calls the functions from the set-up of the experiment to the end of initialisation. Afterwards the instance can be
-  /// stepped.
+  /// Calls the functions from the set-up of the experiment to the end of initialisation.
   void start(double start_s = 0);
   fmi2Status step(double point_s, double step_s);
 

@@ -47,7 +47,7 @@ class PlatformTest : public testing::Test {
     return bytes;
   }
 
-  /// Packs the test FMU with this library. Returns the archive's path.
+  /// Packs the test FMU with this library. Returns the path of the archive.
   fs::path packed(const std::string& name, const fs::path& library) {
     FmuParts parts;
     parts.description = MEBOTS_BINARY_DIR "/generated/lag/modelDescription.xml";
@@ -58,7 +58,6 @@ class PlatformTest : public testing::Test {
     return archive;
   }
 
-  /// Returns the message of the error that `action` throws.
   static std::string error_of(const std::function<void()>& action) {
     try {
       action();
@@ -100,8 +99,8 @@ TEST_F(PlatformTest, ReadsLibrariesOfMacOs) {
   const std::string thin_32("\xce\xfa\xed\xfe\x07\0\0\0", 8);
   EXPECT_THAT(find_platforms(file("x86.dylib", thin_32)),
               ElementsAre(testing::Field(&Platform::fmi2_folder, "darwin32")));
-  // Builds a universal library of macOS: the number of its platforms, then 20 bytes for each platform. The reader uses
-  // only the processor type in these bytes.
+  // Builds a universal library of macOS: the number of its platforms, and 20 bytes per platform. The reader uses only
+  // the processor type in these bytes.
   const auto row = [](char processor) { return std::string("\1\0\0", 3) + processor + std::string(16, '\0'); };
   const auto universal = std::string("\xca\xfe\xba\xbe\0\0\0\2", 8) + row('\7') + row('\14');
   EXPECT_THAT(find_platforms(file("both.dylib", universal)),

@@ -16,7 +16,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Steps the lag with changing inputs. Equal calls give equal results, bit for bit.
+/// Steps the FMU with changing inputs. Equal calls give the same bits.
 void drive(Lag& lag, int from, int to) {
   for (int i = from; i < to; ++i) {
     ASSERT_EQ(lag.set("left.u", i % 7 - 3), fmi2OK);
@@ -39,7 +39,7 @@ void expect_same_bits(Lag& a, Lag& b) {
   EXPECT_EQ(a.string("history.text"), b.string("history.text"));
 }
 
-/// Compares an uninterrupted run with a run in which `transfer` transfers the state to another instance in the middle.
+/// Compares an uninterrupted run with a run that continues in another instance. `transfer` transfers the state.
 void expect_same_bits_after(const std::function<void(Lag& from, Lag& to)>& transfer) {
   Lag straight;
   prepare(straight);
@@ -88,7 +88,7 @@ TEST(ShellState, GoesBackInTimeInTheSameInstance) {
   ASSERT_EQ(library().set_fmu_state(lag.component(), state), fmi2OK);
   drive(lag, 10, 20);
   expect_same_bits(straight, lag);
-  // A second call with the same handle stores another state in it.
+  // A second call with the same handle overwrites the stored state.
   ASSERT_EQ(library().get_fmu_state(lag.component(), &state), fmi2OK);
   ASSERT_EQ(library().free_fmu_state(lag.component(), &state), fmi2OK);
 }
@@ -170,12 +170,12 @@ TEST(ShellState, DamagedOrForeignBytesAreRefused) {
   std::vector<char> longer = good;
   longer.push_back('x');
   refused(longer);
-  // The instance continues after the restored state.
+  // The instance continues, because refused states do not change it.
   drive(lag, 5, 6);
 }
 
-/// Returns the same bytes with another hash of the layout and a correct checksum, as another build of the description
-/// would write them. The header has magic number, format, two texts with their lengths, layout and checksum.
+/// Returns the bytes with another hash of the layout and a correct checksum, as a build of another description would
+/// write them. The header has magic number, format, two texts with their lengths, layout and checksum.
 std::vector<char> of_another_build(std::vector<char> bytes) {
   const auto number_at = [&](std::size_t at) {
     std::uint64_t number = 0;

@@ -61,7 +61,7 @@ TEST(Shell, TakesEveryFormOfFileUri) {
   }
 }
 
-/// Contains the name of a function of FMI 2.0 that takes an instance, and a call of it with correct arguments.
+/// A function of FMI 2.0 that takes an instance, and a call of it with correct arguments.
 struct Call {
   const char* name;
   std::function<fmi2Status(fmi2Component)> call;
@@ -130,8 +130,7 @@ std::vector<Call> all_calls() {
   };
 }
 
-/// Returns true if FMI 2.0.4 (section 4.2.4) permits a function in a state. This is a second implementation of the
-/// rules.
+/// True if FMI 2.0.4 (section 4.2.4) permits a function in a state. This is a second implementation of the rules.
 bool is_legal(const std::string& name, const std::string& state) {
   if (name == "fmi2SetDebugLogging" || name == "fmi2Reset" || name.ends_with("FMUstate")) return true;
   if (name == "fmi2SetupExperiment") return state == "instantiated";

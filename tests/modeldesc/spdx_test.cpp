@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests lists of third-party parts, and the bill of materials that is made from them.
+// Tests lists of third-party parts, and their bill of materials.
 #include "generate.hpp"
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/archive.hpp"

@@ -46,8 +46,7 @@ TEST(Xml, KeepsNumbersToTheLastBitAndTextToTheLastCharacter) {
   expect_round_trip(x);
 }
 
-/// Returns a description in the style of another tool. It has flat names, omitted defaults, and unknown attributes and
-/// elements.
+/// Returns a description in the style of another tool: flat names, omitted defaults, unknown attributes and elements.
 std::string foreign(const std::string& variables, const std::string& structure = "") {
   return R"(<?xml version="1.0"?>
 <!DOCTYPE fmiModelDescription [<!ENTITY secret SYSTEM "file:///etc/passwd">]>
@@ -208,7 +207,7 @@ TEST(Xml, EntitiesOfADtdAreNeverExpanded) {
 constexpr const char* kUnicode =
     R"xml(<ScalarVariable name="Größe" valueReference="0" description="10 µm"><Real/></ScalarVariable>)xml";
 
-/// Returns the code points of a text in UTF-8. They must be below U+0100.
+/// Returns the code points of a text in UTF-8. All must be below U+0100.
 std::u32string code_points(const std::string& text) {
   std::u32string result;
   for (std::size_t i = 0; i < text.size(); ++i) {

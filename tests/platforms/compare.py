@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compare an FMU's binaries for other platforms with the one for this machine, value by value.
+"""Compares an FMU's binaries for other platforms with the binary for this machine, value by value.
 
     compare.py --loader PLATFORM=COMMAND... FMU...
 
-COMMAND is run_fmu of this folder, built for the platform, such as `wine64 run_fmu.exe`. Every FMU is unpacked into a folder whose name has
-blanks and letters outside of ASCII. All bits of all outputs are compared at every communication point. Exit code 1: a value differs.
+COMMAND is run_fmu of this folder, built for the platform, such as `wine64 run_fmu.exe`. Every FMU is unpacked into a folder whose
+name contains blanks and letters outside of ASCII. Compares all bits of all outputs at every communication point. The exit code is
+1 if a value differs.
 """
 
 import argparse
@@ -27,8 +28,8 @@ NAMES = {"linux64": ("linux64", "x86_64-linux", ".so"), "win64": ("win64", "x86_
 KINDS = {"Real": "real", "Integer": "integer", "Enumeration": "integer", "Boolean": "boolean", "String": "string",
          "Float64": "real", "Int32": "integer", "UInt64": None, "Binary": None}
 
-# The inputs follow a course. It is chosen by the start of an input's name, and has a mean and half of a range. Other
-# inputs keep their start values.
+# The inputs follow a course with a mean and half of a range. The start of an input's name selects the course. Other inputs keep
+# their start values.
 COURSES = {"motors.power": (6.0, 2.0), "chip.power": (0.1, 0.05), "rotor": (0.55, 0.1), "bus.voltage": (3.8, 0.1), "body.speed": (1.0, 1.0)}
 THRUST_N = (0.11, 0.02)
 
@@ -38,8 +39,8 @@ def bits(value):
 
 
 def course(name, step):
-    """Return an input's value at a step, as a saw tooth, which needs no library function. Return None for inputs that
-    stay constant.
+    """Returns an input's value at a step. The course is a saw tooth, which needs no library function. For inputs that stay
+    constant, returns None.
     """
     mean_range = next((value for start, value in COURSES.items() if name.startswith(start)), None)
     if name.endswith(".thrust"):
@@ -69,7 +70,7 @@ class Fmu:
         self.items = dict(self._items(root))
 
     def _variables(self, root):
-        """Yield name, kind, causality, value reference and number of elements of each variable."""
+        """Yields name, kind, causality, value reference and number of elements of each variable."""
         structural = {node.get("valueReference"): int(node.get("start")) for node in root.find("ModelVariables")
                       if node.get("causality") == "structuralParameter"}
         for node in root.find("ModelVariables"):
@@ -84,8 +85,7 @@ class Fmu:
 
     @staticmethod
     def _items(root):
-        """Yield the value of each item of each enumeration of FMI 2.0, with the variable and the item's name as the
-        key.
+        """Yields the value of each item of each enumeration of FMI 2.0. The key is the variable and the item's name.
         """
         types = {kind.get("name"): kind.findall("Enumeration/Item") for kind in root.iterfind("TypeDefinitions/SimpleType")}
         for node in root.iterfind("ModelVariables/ScalarVariable"):
@@ -97,7 +97,7 @@ class Fmu:
         return self.folder / "binaries" / (fmi3 if self.is_fmi3 else fmi2) / (self.identifier + suffix)
 
     def orders(self, platform, steps=STEPS):
-        """Return the list of orders for run_fmu. Under wine, the file system is at Z:."""
+        """Returns the list of orders for run_fmu. Under wine, the file system is drive Z:."""
         drive = "Z:" if platform == "win64" else ""
         resources = f"{drive}{self.folder}/resources"
         if not self.is_fmi3:
@@ -131,7 +131,7 @@ def run(command, orders):
 
 
 def compare(fmu, loaders):
-    """Print a line for each platform. Return True if all values are equal."""
+    """Prints a line for each platform. Returns True if all values are equal."""
     expected, own_s = run(loaders["linux64"], fmu.orders("linux64"))
     values = sum(len(line.split()) for line in expected)
     changing = len(set(expected))

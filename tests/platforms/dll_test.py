@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Read the tables of the FMUs' DLLs: they need only DLLs of Windows, and export only the functions of FMI.
+"""Checks the tables of the FMUs' DLLs: they may import only DLLs of Windows, and export only the functions of FMI.
 
     dll_test.py FOLDER
 
-Exit code 77, skipped: FOLDER has no DLL (scripts/platforms.sh builds them), or objdump for Windows is missing.
+Exit code 77 (skipped): FOLDER contains no DLL (scripts/platforms.sh builds them), or objdump for Windows is missing.
 """
 
 import re

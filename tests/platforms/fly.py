@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fly a mission with an FMU's binaries for several platforms at once, and compare all values at every communication point.
+"""Flies a mission with FMUs for several platforms at once, and compares all values at every communication point.
 
     fly.py --loader PLATFORM=COMMAND... [--real-s LIMIT] CONFIG FMU_FOLDER STOP_TIME
 
-COMMAND is run_fmu of this folder. This program is the master: outputs at a communication point are inputs of the step that follows. It has no
-code in common with MEbots. Pictures reach the chip as base64. Each platform has its own instances, whose inputs come from each other alone.
-LIMIT ends a flight after this many seconds of real time, and the report names the simulated time that it reached. Exit code 1: a value differs,
-or the chip took no picture.
+COMMAND is run_fmu of this folder. This program is the master: outputs at a communication point are inputs of the next step. It
+has no code in common with MEbots. Pictures reach the chip as base64. Each platform has its own instances, which are connected
+only with each other. LIMIT ends a flight after this time in seconds of real time, and the report contains the reached simulated
+time. The exit code is 1 if a value differs, or if the chip took no picture.
 """
 
 import argparse
@@ -64,7 +64,6 @@ class Instance:
 
 
 class Flight:
-    """The instances of a mission on one platform."""
 
     def __init__(self, config, fmus, platform, command):
         self.step_s = config["step"]
@@ -87,7 +86,7 @@ class Flight:
             instance.send([*orders[name], f"step {bits(step * self.step_s)} {bits(self.step_s)}", *instance.reads])
 
     def end_step(self):
-        """Return all values of this communication point."""
+        """Returns all values of this communication point."""
         found = []
         for name, instance in self.instances.items():
             values = instance.receive()

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Run an OspSystemStructure.xml whose FMUs are for Windows with a master that shares no code with MEbots, and compare all values with those
-of `mebots run`.
+"""Runs an OspSystemStructure.xml whose FMUs are for Windows with a master that shares no code with MEbots. Compares all values
+with those of `mebots run`.
 
     osp_system.py WINE RUN_FMU_EXE MEBOTS SYSTEM STOP_TIME
 
-Each FMU is in its own run_fmu (fly.py). Outputs at a communication point are inputs of the step that follows. During initialisation, outputs are
-passed to the connected inputs until no output changes. Exit code 1: a value differs.
+Each FMU is in its own run_fmu (fly.py). Outputs at a communication point are inputs of the next step. During initialisation,
+outputs are passed to the connected inputs until no output changes. The exit code is 1 if a value differs.
 """
 
 import csv
@@ -44,7 +44,7 @@ class System:
         return self._directed(*((end.get("simulator"), end.get("name")) for end in (one, other)))
 
     def _directed(self, one, other):
-        """Return the output and the input of a connection of two variables."""
+        """Returns the output and the input of a connection of two variables."""
         causalities = {variable: causality for variable, _, causality, _, _ in self.fmus[one[0]].variables}
         return (other, one) if causalities[one[1]] == "input" else (one, other)
 
@@ -55,18 +55,18 @@ class System:
         return [node.get("ref") for part in parts for node in part.iter() if node.get("ref")]
 
     def start(self, name, command):
-        """Return an instance in initialisation mode, with the initial values of the system."""
+        """Returns an instance in initialisation mode, with the initial values of the system."""
         instance = Instance(name, self.fmus[name], "win64", command)
         own = [instance.parameter(node.get("variable"), float(node[0].get("value"))) for node in self.simulators[name].iter(PLACE + "InitialValue")]
         instance.send([*instance.start, *own, "enter", *instance.reads])
         return instance
 
     def orders(self, instance, values):
-        """Return the orders that set the connected inputs of an instance."""
+        """Returns the orders that set the connected inputs of an instance."""
         return [instance.set(target[1], values[source]) for source, target in self.links if target[0] == instance.name]
 
     def started(self, command):
-        """Return the instances and their outputs after initialisation."""
+        """Returns the instances and their outputs after initialisation."""
         instances = [self.start(name, command) for name in self.fmus]
         values = read(instances)
         for _ in range(TURNS):
@@ -83,7 +83,7 @@ class System:
         return instances, read(instances)
 
     def points(self, command, count):
-        """Yield all outputs at each communication point."""
+        """Yields all outputs at each communication point."""
         instances, values = self.started(command)
         yield values
         for step in range(count - 1):
@@ -95,11 +95,11 @@ class System:
             instance.close()
 
     def time(self, step):
-        """Return the time of a communication point, which is a whole number of nanoseconds divided by 1e9."""
+        """Returns the time of a communication point: a whole number of nanoseconds, divided by 1e9."""
         return round(step * self.step_s, 9)
 
     def number(self, variable, word):
-        """Return the number that run_fmu has written in hexadecimal digits."""
+        """Converts the hexadecimal digits that run_fmu has written to a number."""
         kinds = {name: kind for name, kind, _, _, _ in self.fmus[variable[0]].variables}
         return struct.unpack(">d", bytes.fromhex(word.zfill(16)))[0] if kinds[variable[1]] == "real" else float(int(word, 16))
 
@@ -109,7 +109,7 @@ def read(instances):
 
 
 def recorded(program, file, stop_time, folder):
-    """Return for each time a row of values by name, from `mebots run`."""
+    """Returns the rows of `mebots run`: for each time, the values by name."""
     command = [program, "run", file, "--stop-time", stop_time, "--quiet", "--record", "*", "--out", folder]
     subprocess.run(command, check=True, capture_output=True)
     with (folder / "results.csv").open(newline="", encoding="utf-8") as table:

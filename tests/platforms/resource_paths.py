@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Start an FMU for Windows under wine with each way to write the place of its resources.
+"""Starts an FMU for Windows under wine. Passes the path of its resources in each possible notation.
 
     resource_paths.py WINE RUN_FMU_EXE FMU...
 
-The folder's name has blanks, a percent sign and letters outside of ASCII, and lies on drive Z:, wine's name for /, and on drive C:. An FMU that
-does not find its resources fails to initialise. The values of all starts must be equal. Exit code 1: a start fails, or a value differs.
+The folder's name contains blanks, a percent sign and letters outside of ASCII. The folder is on drive Z:, wine's name for /, and
+on drive C:. If an FMU does not find its resources, its initialisation fails. The values of all starts must be equal. The exit
+code is 1 if a start fails, or if a value differs.
 """
 
 import os
@@ -20,7 +21,7 @@ NAME = "mebots f\u00fcr 100% \u03a9 \u30e1\u30dc"
 
 
 def forms(is_fmi3, path):
-    """Yield the ways to write `path`, such as Z:/tmp/x. Each way has a description."""
+    """Yields the notations of `path`, such as Z:/tmp/x, each with a description."""
     quoted = urllib.parse.quote(path, safe="/:")
     if is_fmi3:
         yield "slashes", path

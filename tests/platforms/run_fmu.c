@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs an FMU of FMI 2.0 or 3.0 on any platform, by a list of orders, and prints all bits of the values that it reads.
-// A program of C alone, which shares no code and no header with MEbots: it declares the functions as the standard does.
+// Runs an FMU of FMI 2.0 or 3.0 on any platform. A list of orders controls it. Prints all bits of the values that it
+// reads. Shares no code and no header with MEbots: it declares the functions as the standard does.
 //
 //   run_fmu < ORDERS
 //
@@ -142,8 +142,8 @@ static double real_of(const char* bits) {
   return value;
 }
 
-// In FMI 2.0 a boolean is an int, and there are no arrays. In FMI 3.0 a boolean is a byte, an integer has
-// 32 bits, and an enumeration 64.
+// In FMI 2.0, a Boolean is an int, and there are no arrays. In FMI 3.0, a Boolean is a byte, an integer has 32 bits,
+// and an enumeration has 64.
 enum { kMost = 1024 };
 typedef int (*Access)(Component, const Reference*, size_t, void*);
 typedef int (*AccessArray)(Component, const Reference*, size_t, void*, size_t);
@@ -163,7 +163,7 @@ static int access(const char* way, const char* type, Reference reference, void* 
   return ((AccessArray)function(name))(component, &reference, 1, values, count);
 }
 
-// Sets a Real or Float64 from values that are separated by blanks. strtok() has found the first value.
+// Sets a Real or Float64 from values separated by blanks. strtok() has already returned the first value.
 static void set_reals(Reference reference, const char* value) {
   static double reals[kMost];
   size_t count = 0;
@@ -208,7 +208,7 @@ static void print_text(Reference reference) {
   printf(" %s", text);
 }
 
-// Executes an order. `rest` is the rest of the line after the order's name.
+// Executes an order. `rest` is the line after the order's name.
 static void perform(const char* order, char* rest) {
   if (strcmp(order, "library") == 0) {
     fmu = open_library(rest);

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Check that an installation takes an FMU for several platforms only if it is of the same code (cmake/MebotsSameFmu.cmake).
+"""Checks that an installation accepts an FMU for several platforms only if it is built from the same code
+(cmake/MebotsSameFmu.cmake).
 
     same_fmu_test.py CMAKE
 """

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Run all FMUs for co-simulation below a folder that have a binary for 64-bit Windows, and print tables by tool and by FMU.
+"""Runs all FMUs for co-simulation in a folder that have a binary for 64-bit Windows. Prints tables by tool and by FMU.
 
     windows_corpus.py FOLDER MEBOTS [--json FILE] [--match TEXT]
 
-An FMU without a binary for Linux runs under wine for STEPS steps. An FMU with both binaries runs twice, with one of the two binaries each, and all
-values at all communication points are compared. The step is 0.01 s; an FMU that refuses it gets the step of its default experiment, or 0.1 s,
-and a slow one 0.0001 s. Files of the same bytes count once. Exit code 1: the values of a pair differ, or no FMU ran on Windows.
+An FMU without a binary for Linux runs under wine for STEPS steps. An FMU with both binaries runs twice, once with each binary,
+and all values at all communication points are compared. The step is 0.01 s. If an FMU refuses it, the step is that of its default
+experiment, or 0.1 s. For a slow FMU, the step is 0.0001 s. Files with the same bytes count once. The exit code is 1 if the values
+of a pair differ, or if no FMU ran on Windows.
 """
 
 import argparse
@@ -27,7 +28,8 @@ FOLDERS = {"windows": NAMES["win64"], "linux": NAMES["linux64"]}
 
 
 class Archive:
-    """An FMU's platforms, tool and steps to try. Not every description of the corpus is well-formed, so it is read as text."""
+    """An FMU's platforms, tool and steps to try. Reads the description as text, because some descriptions of the corpus are not
+    well-formed."""
 
     def __init__(self, path):
         with zipfile.ZipFile(path) as packed:
@@ -52,7 +54,7 @@ class Archive:
         return found[1] if found else ""
 
     def with_one_platform(self, platform, target):
-        """Write a copy whose only binaries are those of `platform`."""
+        """Writes a copy whose only binaries are those of `platform`."""
         keep = tuple(f"binaries/{name}/" for name in FOLDERS[platform][:2])
         with zipfile.ZipFile(self.path) as packed, zipfile.ZipFile(target, "w") as copy:
             for name, member in zip(self.names, packed.infolist()):
@@ -61,7 +63,7 @@ class Archive:
 
 
 def run(program, fmu, start_s, step, folder, *more):
-    """Return the recorded rows, or the reason why there are none."""
+    """Returns the recorded rows, or the reason why there are none."""
     out = folder / "out"
     stop = str(start_s + STEPS * float(step))
     command = [program, "run", fmu, "--isolate", "--quiet", "--step", step, "--stop-time", stop, "--out", out, *more]
@@ -79,7 +81,7 @@ def run(program, fmu, start_s, step, folder, *more):
 
 
 def try_steps(program, fmu, start_s, steps, folder):
-    """Run with the first step that works. Return rows, outcome and this step."""
+    """Runs with the first step that works. Returns rows, outcome and this step."""
     first = None
     for step in steps:
         rows, outcome = run(program, fmu, start_s, step, folder, "--record", "*")
@@ -92,12 +94,12 @@ def try_steps(program, fmu, start_s, steps, folder):
 
 
 def values_of(rows):
-    """Return all values except those in the column of time."""
+    """Returns all values except those in the column of time."""
     return [value for row in rows[1:] for value in row[1:]]
 
 
 def changing_columns(rows):
-    """Return the number of recorded variables that change. It reveals an FMU that runs to its end and computes nothing.
+    """Returns the number of recorded variables that change. If it is 0, the FMU runs to its end without computing anything.
     """
     return sum(len(set(column)) > 1 for column in list(zip(*rows[1:]))[1:])
 

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Run an FMU that has a binary for Windows alone, under wine: the same results as on Linux, and every fault contained and reported.
+"""Runs an FMU that only has a binary for Windows under wine. The results must be the same as on Linux. Every fault must be
+contained and reported.
 
     windows_fmu_test.py MEBOTS FMI2_HEADER_FOLDER
 
-Exit code 77, skipped: wine, MinGW or mebots-windows-host.exe is missing.
+Exit code 77 (skipped): wine, MinGW or mebots-windows-host.exe is missing.
 """
 
 import csv
@@ -33,7 +34,7 @@ DESCRIPTION = f"""<?xml version="1.0" encoding="UTF-8"?>
 
 
 def missing():
-    """Return what is missing for this test, by the name of its package."""
+    """Returns the names of missing packages that this test needs."""
     found = {"wine64": shutil.which("wine64") or shutil.which("wine") or Path("/usr/lib/wine/wine64").exists(),
              "g++-mingw-w64-x86-64-posix": shutil.which("x86_64-w64-mingw32-gcc-posix"),
              "mebots-windows-host.exe (build again with MinGW)": (MEBOTS.parent / "mebots-windows-host.exe").exists()}
@@ -176,7 +177,7 @@ class WindowsFmu(unittest.TestCase):
         self.assertIn("locale: 1,5", done.stderr, "the FMU has set a locale with a decimal comma")
 
     def check(self, kind):
-        """Return the result of the plain run of `mebots check` and its findings."""
+        """Returns the result of the plain run of `mebots check` and its findings."""
         done = subprocess.run([MEBOTS, "check", "--json", f"{kind}/probe.fmu"], cwd=self.folder, capture_output=True, text=True, timeout=200,
                               check=False)
         plain = next(check for check in json.loads(done.stdout)["checks"] if "under wine" in check["name"])

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An FMU that compiles for Linux and for Windows, for windows_fmu_test.py. It uses no code of MEbots.
+// An FMU for Linux and Windows, for windows_fmu_test.py. It uses no code of MEbots.
 //
 //   y = y + h * (u + 0.1), text = name + "|" + count, where count is the number of steps
 //   fault names the fault that occurs in the step that reaches 0.5 s
@@ -32,8 +32,7 @@ static void say(Probe* p, fmi2Status status, const char* format, double number, 
   p->callbacks.logger(p->callbacks.componentEnvironment, p->instance, status, "console", format, number, text);
 }
 
-/// Reads the first line of line.txt in a folder. The folder's URI has percent-encoded characters, as in a call of
-/// fmi2Instantiate.
+/// Reads the first line of line.txt in a folder. The folder's URI is percent-encoded, as in a call of fmi2Instantiate.
 static void read_line(const char* uri, char* line) {
   char path[2 * TEXT_SIZE] = "";
   size_t length = 0;

@@ -57,12 +57,12 @@ def cycles(graph):
 
 
 def includes_of(file):
-    """Returns the names in the include lines of a file, without those in the text of raw strings."""
+    """Returns the names in the include lines of a file. Ignores the text of raw strings."""
     return INCLUDE.findall(RAW_STRING.sub("", file.read_text(encoding="utf-8")))
 
 
 class Part:
-    """A part of the product in C or C++: its files, and where its includes are looked up."""
+    """A part of the product in C or C++: its files, and the folders for its includes."""
 
     def __init__(self, root, name, description):
         self.name = name
@@ -81,8 +81,8 @@ class Part:
         return any(file.is_relative_to(folder) for folder in self.public)
 
     def layer(self, folder):
-        """Returns the index of a folder's layer in the order, and the entry that names the folder; None if there is
-        none.
+        """Returns the index of a folder's layer in the order, and the entry that contains the folder. If no entry contains it,
+        returns None.
         """
         found = None
         for place, layer in enumerate(self.layers):
@@ -103,7 +103,7 @@ class Structure:
                          for name in includes_of(root / file)]
 
     def find(self, file, name):
-        """Returns the file of MEbots that an include of this name reads; None if there is none."""
+        """Returns the file of MEbots that an include with this name reads. For other files, returns None."""
         part = self.owners[file]
         paths = [file.parent, *part.paths, *(path for other in self.parts.values() for path in other.paths)]
         for path in paths:
@@ -179,7 +179,7 @@ class Structure:
 
 
 def imports_of_python(root, file):
-    """Returns the modules of the package in `root` that a module imports. A package's __init__ only re-exports names."""
+    """Returns the modules of the package in `root` that a module imports. Ignores __init__, which only re-exports names."""
     known = {path.relative_to(root).with_suffix("") for path in root.rglob("*.py")}
     here = file.relative_to(root).parent
     candidates = []
@@ -210,7 +210,7 @@ def imports_of_typescript(root, file):
 
 
 def mistakes_of_modules(root, description):
-    """Checks that Python modules import each other in one direction only. Returns the violations."""
+    """Checks that imports between Python modules follow the order of the layers. Returns the violations."""
     folder = root / description["root"]
     ending, imports = {"python": (".py", imports_of_python),
                        "typescript": (".ts", imports_of_typescript)}[description["language"]]
@@ -222,7 +222,7 @@ def mistakes_of_modules(root, description):
 
 
 def table(part):
-    """Returns the layers of a part as a Markdown table, with the top layer first."""
+    """Returns the layers of a part as a Markdown table, from the top layer down."""
     lines = ["| layer | contents |", "|---|---|"]
     for layer in reversed(part.layers):
         folders = ", ".join(f"`{folder}/`" for folder in layer["folders"])

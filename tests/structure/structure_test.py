@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests that the product follows the order of tests/structure/layers.json, and that the checker finds each kind of
-mistake."""
+"""Tests that the product follows the order in tests/structure/layers.json, and that the checker finds each kind of violation."""
 import json
 import tempfile
 import unittest

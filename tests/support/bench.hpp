@@ -9,14 +9,14 @@
 #include <filesystem>
 #include <string>
 
-/// Code that the tests of the battery and of the motors share.
+/// Code that the tests of battery and motors share.
 namespace mebots::test {
 
 /// The folder params/ of the FMU under test.
 inline const std::filesystem::path kParams = MEBOTS_PARAMS;
 inline constexpr std::int64_t kMillisecond = 1'000'000;
 
-/// Returns the message of the mebots::Error that `call` throws. Fails if it throws none.
+/// Returns the message of the mebots::Error that `call` throws. If it throws none, the test fails.
 template <typename Call>
 std::string error_of(Call call) {
   try {

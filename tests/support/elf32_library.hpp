@@ -9,8 +9,8 @@
 
 namespace mebots::test {
 
-/// Returns the bytes of a library for 32-bit x86 Linux without code or symbols. It needs `libraries`, the first of them
-/// with a symbol of `version`. Its addresses are offsets in the file.
+/// Returns the bytes of a library for 32-bit x86 Linux without code or symbols. The library needs `libraries`, and a
+/// symbol of `version` from the first of them. Its addresses are offsets in the file.
 inline std::string elf32_library(const std::vector<std::string>& libraries, const std::string& version) {
   std::string strings(1, '\0');
   const auto text = [&](const std::string& value) {

@@ -7,8 +7,8 @@
 
 namespace mebots::test {
 
-/// A temporary folder, deleted by the destructor. Its name contains a space, as users' folders may, except for tests
-/// with a tool that does not support spaces.
+/// A temporary folder, which the destructor deletes. By default, its name contains a space, as users' folders may. Some
+/// tools need a name without a space.
 class Folder {
  public:
   explicit Folder(std::string_view name = "mebots test");
@@ -23,10 +23,10 @@ class Folder {
   std::filesystem::path path_;
 };
 
-/// Returns the bytes of a file; empty if it cannot be read.
+/// Returns the bytes of a file; empty if the file cannot be read.
 std::string read_file(const std::filesystem::path& file);
 
-/// Writes a file. Throws std::runtime_error if that fails.
+/// Throws std::runtime_error if the file cannot be written.
 void write_file(const std::filesystem::path& file, std::string_view bytes);
 
 }  // namespace mebots::test

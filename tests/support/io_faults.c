@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes calls of the C library on files of one folder fail. LD_PRELOAD loads it; tests/support/io_faults.py builds and
-// controls it. A fault has a kind of call, the number of the call, and an error. A "sticky" fault also applies to all
-// later calls.
+// Makes calls of the C library for files of one folder fail. LD_PRELOAD loads this library; tests/support/io_faults.py
+// builds and controls it. A fault consists of a kind of call, the number of the call, and an error. A "sticky" fault
+// also applies to all later calls.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -49,7 +49,7 @@ static long number_of(const char* variable) {
   return text == NULL ? 0 : atol(text);
 }
 
-// IO_FAULTS_COUNTS names a file of KINDS numbers, which is kept even if the process crashes.
+// IO_FAULTS_COUNTS is the path of a file with KINDS numbers. The numbers are kept even if the process crashes.
 __attribute__((constructor)) static void read_environment(void) {
   flag = getenv("IO_FAULTS_FLAG");
   const char* in = getenv("IO_FAULTS_FOLDER");
@@ -64,7 +64,7 @@ __attribute__((constructor)) static void read_environment(void) {
       (int)number_of("IO_FAULTS_STICKY"));
 }
 
-// Returns 1 for a path in the folder. The folder's lock does not count, because it is not a result.
+// Returns 1 for a path in the folder. Ignores the folder's lock, which is not a result.
 static int is_inside(const char* path) {
   return folder[0] != 0 && strncmp(path, folder, strlen(folder)) == 0 && strstr(path, ".mebots.lock") == NULL;
 }
@@ -80,7 +80,7 @@ static int is_of_folder(int descriptor) {
   return is_inside(path);
 }
 
-// A failed close of a file that was only read loses no data.
+// Ignores files that are only read, because a failed close loses no data of them.
 static int is_written(int descriptor) {
   return (fcntl(descriptor, F_GETFL) & O_ACCMODE) != O_RDONLY && is_of_folder(descriptor);
 }

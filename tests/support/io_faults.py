@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Builds the library of io_faults.c, and runs programs whose calls on files of a folder fail."""
+"""Builds the library of io_faults.c. Runs programs whose calls for files of a folder fail."""
 
 import array
 import errno
@@ -18,14 +18,14 @@ STICKY = " from then on"
 
 
 def faults_of(kind):
-    """Returns the names of the possible faults of a kind of calls. EINTR is never sticky, because a call that is interrupted each
-    time would never end."""
+    """Returns the names of the possible faults of a kind of calls. EINTR is never sticky, because a call that is always
+    interrupted would never end."""
     once = [name for name in FAULTS if name != "short write" or kind in ("write", "pwrite")]
     return once + [name + STICKY for name in once if name != "EINTR"]
 
 
 def library(folder):
-    """Compiles the library. Returns its path, or None if there is no C compiler."""
+    """Compiles the library. Returns its path. If there is no C compiler, returns None."""
     compiler = shutil.which("cc")
     if compiler is None:
         return None
@@ -36,8 +36,7 @@ def library(folder):
 
 
 def run(preload, command, folder, kind="", fault="", nth=0):
-    """Runs a command with one fault, or without. Returns the result of subprocess and the number of calls of each
-    kind."""
+    """Runs a command with or without a fault. Returns the result of subprocess, and the number of calls of each kind."""
     counts = pathlib.Path(preload).with_suffix(".counts")
     counts.write_bytes(bytes(8 * len(KINDS)))
     environment = os.environ | {
@@ -55,13 +54,12 @@ def run(preload, command, folder, kind="", fault="", nth=0):
 
 
 def numbers(count, most):
-    """Returns the numbers of the calls to fail: all of them, or a few that include the first and the last."""
+    """Returns the numbers of the calls to fail: all calls, or `most` calls that include the first and the last."""
     return range(1, count + 1) if count <= most else sorted({1 + round(at * (count - 1) / (most - 1)) for at in range(most)})
 
 
 def table_row(files, kind, fault, count, ends):
-    """Returns a row of the table of faults. ``ends`` counts the outcomes of a fault; an empty text stands for the
-    required outcome."""
+    """Returns a row of the table of faults. ``ends`` counts the outcomes of a fault. The empty text is the required outcome."""
     others = "; ".join(f"{number}: {text}" for text, number in ends.items() if text)
     return f"| {files} | {kind} | {fault} | {ends.total()} of {count} | {ends['']} | {others} |"
 

@@ -10,7 +10,7 @@ import zlib
 
 
 def page_content(page):
-    """Returns the content of a page, which is a file or its text. Skips the test in a build without pages."""
+    """Returns the content of a page. `page` is a file or its text. In a build without pages, skips the test."""
     text = page.read_text(encoding="utf-8") if isinstance(page, pathlib.Path) else page
     packed = re.search(r'id="mebots-data" type="application/octet-stream">([^<]*)<', text)
     if packed is None and "MEBOTS_PAGES=OFF" in text:

@@ -7,7 +7,7 @@
 
 namespace mebots::test {
 
-/// True if two objects have the same state, bit for bit. Otherwise, the message names the first variable that differs.
+/// True if two objects have the same state, bit for bit. Otherwise, the message contains the first different variable.
 template <state::Visited T>
 testing::AssertionResult same_state(const T& one, const T& other) {
   if (state::save(one) == state::save(other)) return testing::AssertionSuccess();

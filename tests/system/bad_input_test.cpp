@@ -11,7 +11,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-/// Runs the easy mission with a change that must prevent its start. Returns its results.
+/// Runs the easy mission with a change that must prevent its start.
 Flight refused(const std::function<void(nlohmann::ordered_json&)>& change, const std::vector<std::string>& sets = {}) {
   const Folder folder;
   auto config = shipped_config("gate_easy");

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Flies configs/gate_easy_fc.json: the control loop is firmware on a chip with sensors and PWM outputs.
+"""Runs configs/gate_easy_fc.json. Its control loop is firmware on a chip with sensors and PWM outputs.
 
 Usage: flight_controller_test.py MEBOTS
 """
@@ -11,8 +11,9 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-# Largest root mean square of estimate - truth in flight. Two to three standard deviations of the observers, with the noise of
-# flow (0.41 m/s in a sample at 1 m) and gyroscope: 0.065 m/s, 0.016 rad, and the range sensor's 2.5 mm with the lag of a climb.
+# The largest permitted root mean square of estimate - truth in flight: two to three standard deviations of the observers. The
+# noise of the flow sensor is 0.41 m/s per sample at 1 m. This noise and that of the gyroscope give 0.065 m/s and 0.016 rad. The
+# range sensor has 2.5 mm, with the lag of a climb.
 LIMITS = {
     ("fc.estimate.roll", "world.drone.roll"): 0.035,
     ("fc.estimate.pitch", "world.drone.pitch"): 0.035,

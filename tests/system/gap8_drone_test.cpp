@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the drone's missions with its firmware on GAP8's own devices: fmu_gap8_drone in place of fmu_soc.
+// Tests missions with the drone's firmware on GAP8's own devices: with fmu_gap8_drone in place of fmu_soc.
 #include "missions.hpp"
 
 #include <gmock/gmock.h>
@@ -17,8 +17,8 @@ std::filesystem::path shipped(const std::string& name) {
   return std::filesystem::path(MEBOTS_SOURCE_DIR) / "configs" / (name + ".json");
 }
 
-/// Runs an unchanged shipped mission and checks its result. A decision takes at least 20.2 ms, because the camera's
-/// frame is read out in this time.
+/// Runs an unchanged shipped mission and checks its result. A decision takes at least 20.2 ms, the read-out time of the
+/// camera's frame.
 void expect_passed(const std::string& mission, int least_pictures) {
   const Folder folder;
   const auto flight = fly(shipped(mission), folder / "out");
@@ -55,13 +55,13 @@ TEST(Gap8Drone, TheFirmwareSetsTheClocksAndTheVoltageThatTheMissionSays) {
   const auto chip_j = [](const auto& flight) {
     return flight.summary.at("chip_energy").at("total").template get<double>();
   };
-  // The time of an inference is almost inversely proportional to the cluster's clock. With the slow clock, an access to
-  // L2 takes fewer of the cluster's cycles.
+  // The time of an inference is almost inversely proportional to the cluster's clock. It is not exactly proportional,
+  // because an access to L2 takes fewer cycles of a slower clock.
   EXPECT_NEAR(inference_s(slow) / inference_s(usual), 87.0 / 25.0, 0.25);
   EXPECT_LT(chip_j(slow), 0.8 * chip_j(usual)) << "the voltage goes in squared";
 }
 
-/// Errors about pictures are reported before t = 0, with the place, both sizes and the remedy.
+/// Checks that the error about the pictures' size occurs before t = 0, with the place, both sizes and the remedy.
 TEST(Gap8Drone, PicturesOfAnotherSizeThanTheSensorsAreRefusedBeforeTheFlight) {
   const Folder folder;
   const auto flight =

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs configs/hover.json, and compares its power with the weight that the rotors carry.
+"""Runs configs/hover.json. Compares its power with the weight that the rotors carry.
 
 Usage: hover_test.py MEBOTS
 """
@@ -26,8 +26,7 @@ def hover(mebots, out, *sets):
 
 
 def bench_power(mass):
-    """Returns the electrical power [W] of four rotors that carry this mass [kg], computed with the
-    fit in the rotor file."""
+    """Returns the electrical power [W] of four rotors that carry this mass [kg], by the fit in the rotor file."""
     rotor = json.loads((ROOT / "fmu_motors/params/rotors/crazyflie_bench.json").read_text())
     thrust = mass * GRAVITY / 4
     speed = math.sqrt(thrust / rotor["thrust_coefficient"]["value"])
@@ -35,8 +34,7 @@ def bench_power(mass):
 
 
 def motor_power(mass, voltage):
-    """Returns the same power, computed with the equations of a rotor file that has the section
-    `motor`."""
+    """Returns the same power by the equations of a rotor file with a section `motor`."""
     rotor = json.loads((ROOT / "fmu_motors/params/rotors/crazyflie_legacy.json").read_text())
     emf, ohm, ripple = (rotor["motor"][key]["value"] for key in ("back_emf", "resistance", "ripple_conductance"))
     square = mass * GRAVITY / 4 / rotor["thrust_coefficient"]["value"]
@@ -64,13 +62,12 @@ def main():
         loaded = hover(mebots, out, *BENCH, "world.drone.dry_mass=0.0299")
         assert loaded["outcome"] == "battery_empty", loaded["outcome"]
         near(loaded["energy"]["motors"] / loaded["simulated_time"], bench_power(0.037), 0.005, "motor power with 10 g")
-        # The loss in the cell increases with the square of the current. Therefore the endurance
-        # decreases faster than the power increases.
+        # The loss in the cell rises with the square of the current, so the endurance falls by a larger factor than the power
+        # rises.
         powers = [AVIONICS + bench_power(mass) for mass in (0.027, 0.037)]
         assert loaded["simulated_time"] / seconds < powers[0] / powers[1], (loaded["simulated_time"], seconds)
 
-        # While the cell discharges, the bus voltage falls from 3.9 to 3.0 V. The loss due to the
-        # current ripple falls with it.
+        # During the discharge, the bus voltage falls from 3.9 to 3.0 V. The loss by the current ripple falls with the voltage.
         flown = hover(mebots, out, "world.drone.dry_mass=0.0299")
         assert flown["outcome"] == "battery_empty", flown["outcome"]
         power = flown["energy"]["motors"] / flown["simulated_time"]

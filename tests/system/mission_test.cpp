@@ -13,15 +13,14 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Returns a shipped config with a shorter recording interval: it records every communication point, as some tests
-/// need.
+/// Returns a shipped config that records every communication point, as some tests need.
 nlohmann::ordered_json every_point(const std::string& name) {
   auto config = shipped_config(name);
   config.erase("record");
   return config;
 }
 
-/// Runs the easy mission once for all tests that use it.
+/// Runs the easy mission once for all its tests.
 class GateEasy : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -49,7 +48,7 @@ TEST_F(GateEasy, DroneTakesOffPassesTheGateAndLands) {
   ASSERT_EQ(flight_->exit_code, 0) << flight_->output;
   EXPECT_EQ(flight_->summary.at("outcome"), "passed") << flight_->output;
   const auto altitude = values("world.drone.position.z");
-  // Like real motors, the motors start slowly. During that time, the reference of the climb already advances.
+  // The motors start slowly, as real motors do. Meanwhile, the reference of the climb already advances.
   EXPECT_NEAR(*std::max_element(altitude.begin(), altitude.end()), 1.0, 0.2);
   EXPECT_LT(altitude.back(), 0.05);
   EXPECT_EQ(values("world.gate.touched").back(), 0);
@@ -74,7 +73,7 @@ TEST_F(GateEasy, DroneCruisesAtTheSpeedThatItsFirmwareCommands) {
   double sum = 0;
   int count = 0;
   for (std::size_t i = 1500; i < speed.size(); ++i) {
-    // The stabiliser's transient is over three seconds after a new set-point.
+    // The stabiliser's transient ends within three seconds after a new set-point.
     if (mode[i] != 2 || asked[i] < 0.2 || asked[i] != asked[i - 1500]) continue;
     sum += speed[i];
     ++count;
@@ -91,8 +90,8 @@ TEST_F(GateEasy, EveryJouleOfTheCellIsAccountedFor) {
 }
 
 TEST_F(GateEasy, BatteryDeliversWhatTheLoadsReportOneStepLater) {
-  // The battery receives a load's mean power of one step in the next step. Therefore all energy has arrived except that
-  // of the last step.
+  // The battery receives a load's mean power of one step in the next step, so only the energy of the last step is
+  // missing.
   const double reported = values("motors.energy").back();
   const double delivered = values("battery.motors.energy").back();
   const double under_way = values("motors.power").back() * 0.002;
@@ -185,7 +184,7 @@ TEST(Mission, DroneThatSeesNothingDoesNotPass) {
 }
 
 TEST(Mission, DroneThatHangsOnTheFrameIsStuckHoweverItsCellEnds) {
-  // The drone starts a metre in front of the left post of the gate, and does not steer.
+  // The drone starts a metre in front of the gate's left post, and does not steer.
   const auto flight = fly_changed({"world.start.offset.x=4", "world.start.offset.y=0.45",
                                    "soc.mission.yaw_rate_scale=0", "battery.cell.initial_state_of_charge=0.2"});
   EXPECT_EQ(flight.exit_code, 0) << flight.output;
@@ -194,8 +193,8 @@ TEST(Mission, DroneThatHangsOnTheFrameIsStuckHoweverItsCellEnds) {
 }
 
 TEST(Mission, DroneThatComesBackThroughTheGateIsTurnedBack) {
-  // Moves the drone backwards when it has passed the gate. Lands it one second after it has flown back through the
-  // gate.
+  // Moves the drone backwards when it has passed the gate. Lands the drone one second after it has flown back through
+  // the gate.
   auto config = shipped_config("gate_easy");
   config["scenario"] = nlohmann::ordered_json::parse(R"([
     {"variable": "world.setpoint.velocity.x", "set": -0.3,

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Flies gate_easy with FMUs of FMI 2.0, of FMI 3.0 and of both: all values and pictures must be the same.
+"""Runs gate_easy with FMUs of FMI 2.0, of FMI 3.0 and of both. All values and pictures must be the same.
 
 Usage: mixed_versions.py MEBOTS CONFIG FMUS
-FMUS has NAME.fmu and NAME_fmi3.fmu. The names in the config are those of FMI 2.0: `rotor[1].thrust` is `rotor.thrust[1]`
-in FMI 3.0, and `wind.velocity.x` is `wind.velocity[1]`.
+FMUS contains NAME.fmu and NAME_fmi3.fmu. The names in the config are those of FMI 2.0: `rotor[1].thrust` is `rotor.thrust[1]` in
+FMI 3.0, and `wind.velocity.x` is `wind.velocity[1]`.
 """
 import json
 import pathlib
@@ -20,7 +20,7 @@ MIXTURES = [[], ["world"], ["soc"], ["soc", "world"], ["motors", "battery"], ["s
 
 
 def arrays_of(archive):
-    """Returns the names of an FMU's variables that have dimensions."""
+    """Returns the names of the FMU's arrays."""
     description = xml.etree.ElementTree.fromstring(zipfile.ZipFile(archive).read("modelDescription.xml"))
     return {v.get("name") for v in description.find("ModelVariables") if v.find("Dimension") is not None}
 
@@ -37,8 +37,7 @@ def element_name(name, arrays):
 
 
 def renamed(value, arrays):
-    """Replaces the names of variables in a value of the config. `arrays` maps an instance to the
-    names of its arrays."""
+    """Replaces the names of variables in a value of the config. `arrays` maps an instance to the names of its arrays."""
     if isinstance(value, dict):
         return {renamed(k, arrays): renamed(v, arrays) for k, v in value.items()}
     if isinstance(value, list):
@@ -61,7 +60,7 @@ def mixture(config, fmus, chosen):
 
 
 def fly(mebots, config, folder):
-    """Runs a config. Returns the values of results.csv, without names, and the pictures."""
+    """Runs a config. Returns the pictures, and the lines of results.csv without the header."""
     folder.mkdir()
     (folder / "config.json").write_text(json.dumps(config))
     subprocess.run([mebots, "run", folder / "config.json", "--out", folder / "out", "--quiet"], check=True)

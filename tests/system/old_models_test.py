@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs a mission with the models that were the defaults before those fitted to flights. It must have its earlier bits.
+"""Runs a mission with the older default models, which were not fitted to flights. The results must have the same bits as before.
 
 Usage: old_models_test.py MEBOTS CONFIG SHA256
 

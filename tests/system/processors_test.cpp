@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that a mission has the same bits on every x86-64 processor, because it uses no function that glibc selects by
-// processor.
+// Tests that a mission has the same bits on every x86-64 processor. It must call no function for which glibc selects a
+// variant by processor.
 #include "missions.hpp"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 namespace mebots::system_test {
 namespace {
 
-/// Makes glibc in newly started programs assume that the processor lacks these features, as long as this object exists.
+/// While this object exists, glibc in newly started programs acts as if the processor lacked these features.
 class PlainProcessor {
  public:
   PlainProcessor() { ::setenv("GLIBC_TUNABLES", "glibc.cpu.hwcaps=-AVX,-AVX2,-AVX512F,-FMA,-FMA4,-BMI1,-BMI2", 1); }
@@ -36,7 +36,8 @@ TEST(Processors, MissionHasTheSameBitsWithoutAvxFmaAndBmi) {
   const auto config = write(folder / "gate_easy.json", shipped_config("gate_easy"));
   const auto flight = fly(config, folder / "this");
   ASSERT_EQ(flight.exit_code, 0) << flight.output;
-  // Calls exp() of glibc through Python. It has variants for different processors.
+  // Calls glibc's exp() through Python. exp() has variants for different processors, so the bits show whether the
+  // features are disabled.
   const std::string sum =
       "python3 -c 'from math import exp; print(hash(tuple(exp(-i / 7300) for i in range(100000))))'";
   const auto exponentials = output_of(sum);

@@ -20,7 +20,7 @@ class Silent final : public master::MessageSink {
   void message(const Message& /*message*/) override {}
 };
 
-/// Runs the easy mission in this process up to 5 s: take-off, and the first pictures during the flight.
+/// Runs the easy mission in this process up to 5 s, which includes the take-off and the first pictures in flight.
 class Mission {
  public:
   Mission(const std::filesystem::path& config, const std::filesystem::path& results)

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Flies configs/hover_16.json for a moment: the summary's statistics follow from its values, and one drone that differs is named.
+"""Runs the start of configs/hover_16.json. Checks that the statistics in the summary follow from its values, and that the summary
+names a drone that differs.
 
 Usage: swarm_test.py MEBOTS
 """

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Flies configs/gate_easy_uart.json: the AI-deck sends its set-points by UART to the flight controller's chip.
+"""Runs configs/gate_easy_uart.json. The AI-deck sends its set-points by UART to the flight controller's chip.
 
 Usage: uart_link_test.py MEBOTS
 
-Judges the line by its closed form: a byte has ten bits, so it ends 10 / 115200 s after the one before it. binascii has another
-implementation of the frame's checksum.
+Checks the times of the bytes: a byte has ten bits, so it ends 10 / 115200 s after the previous byte. Checks the frame's checksum
+with another implementation, binascii.
 """
 import binascii
 import csv
@@ -41,7 +41,7 @@ def config_file(folder, name, scenario=None):
 
 
 class Mission:
-    """Contains the results of a run."""
+    """The results of a run."""
 
     def __init__(self, out):
         with (out / "results.csv").open(encoding="utf-8") as file:
@@ -49,8 +49,8 @@ class Mission:
         self.summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
 
     def line(self, sender):
-        """Returns (end of its stop bit [ps], value) of each byte on the line, and checks the bytes'
-        numbers."""
+        """Returns (end of the stop bit [ps], value) of each byte on the line. Checks that the numbers of the bytes are
+        consecutive."""
         found = []
         for index, row in enumerate(self.rows):
             words = row[f"{sender}.uart.sent"].split()
@@ -107,9 +107,9 @@ def frames_of(line):
 
 
 def check_delays(mission, frames):
-    """Checks the step in which each set-point takes effect. A frame arrives one step after the end of its last byte.
-    The controller reads the line in its loop, which follows a sample of the IMU by 0.1 ms and takes less than 0.1 ms.
-    So the controller uses the set-point at the end of the step that contains the first loop after the frame's arrival.
+    """Checks the step in which each set-point takes effect. A frame arrives one step after the end of its last byte. The
+    controller's loop, which reads the line, starts 0.1 ms after a sample of the IMU and takes less than 0.1 ms. Therefore the
+    controller uses the set-point at the end of the step that contains the first loop after the frame's arrival.
     """
     for end, setpoint in frames:
         arrival = end + STEP_PS
@@ -136,7 +136,7 @@ def check_line(mission):
 
 
 def check_cut(mission):
-    """From CUT_S on, no byte arrives whole. The controller holds its set-points for a second, and then lands."""
+    """From CUT_S on, no complete byte arrives. The controller keeps its set-points for a second, and then lands."""
     def changes(name):
         return [row for row in range(1, len(mission.rows)) if mission.rows[row][name] != mission.rows[row - 1][name]]
 

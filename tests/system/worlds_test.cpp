@@ -6,8 +6,8 @@
 namespace mebots::system_test {
 namespace {
 
-/// Runs the first seconds of a shipped mission: the take-off, and the flight to the first gate. The pilot sees the gate
-/// in the camera's pictures.
+/// Runs the first seconds of a shipped mission: the take-off, and the flight towards the first gate, which the pilot
+/// sees in the camera's pictures.
 Flight first_seconds(const std::string& name, const Folder& folder, const std::vector<std::string>& sets = {}) {
   auto config = shipped_config(name);
   config["stop_time"] = 9.0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that invalid input is rejected before the run: exit code 102, a reason, no result printed.
+// Tests that invalid input is rejected before the run: exit code 102, a reason, and no result.
 #include "support.hpp"
 
 #include <fmt/format.h>
@@ -154,7 +154,7 @@ TEST_F(BadInput, IsRefusedIfTheProgramDoesNotFitTheBoard) {
                  "lies outside the board's memories");
 }
 
-// Programs of gap_sdk load .data_tiny_fc into the controller's memory and address it by the memory's alias.
+// Programs of gap_sdk load .data_tiny_fc into the controller's memory, and address it by the memory's alias.
 TEST_F(BadInput, IsNotASegmentThatRunsAtTheAliasOfAMemory) {
   constexpr std::uint32_t kMemory = 0x1b000000;
   auto elf = read_file(folder_.program(fmt::format("{}{}", kOk, kTohost), kMemory));

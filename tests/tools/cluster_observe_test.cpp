@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the cluster's cores in profile and trace: each core has its own profile, and their sum is that of the chip.
+// Tests the profile and the trace of the cluster's cores. Each core has its own profile. Their sum is the chip's
+// profile.
 #include "board_system.hpp"
 #include "observe/profile.hpp"
 #include "observe/session.hpp"
@@ -20,8 +21,8 @@
 namespace mebots::soc::test {
 namespace {
 
-/// Runs a program with a profile. By default, the program is the self-test of the cluster's runtime (forks, barriers,
-/// DMA, switching the cluster off and on), which runs to its end.
+/// Runs a program with a profile. The default program is the self-test of the cluster's runtime (forks, barriers, DMA,
+/// switching the cluster off and on).
 struct ProfiledCluster {
   explicit ProfiledCluster(std::string_view file, std::string_view program = "cluster_selftest",
                            std::int64_t end_ns = 20 * kMs, bool translate = true)
@@ -50,7 +51,7 @@ struct ProfiledCluster {
   bool cluster_translates = false;
 };
 
-/// Returns the costs of each function by its name, summed over all stacks.
+/// Returns {name of a function: its costs}, summed over all stacks.
 std::map<std::string, observe::Cost> self_costs(observe::Profile& profile, unsigned number) {
   std::map<std::string, observe::Cost> costs;
   const auto& nodes = profile.hart(number).tree().nodes();
@@ -58,7 +59,7 @@ std::map<std::string, observe::Cost> self_costs(observe::Profile& profile, unsig
   return costs;
 }
 
-/// Returns the nodes of the call tree by the names of their frames, the outermost frame first.
+/// Returns the nodes of the call tree. The key contains the names of their frames, the outermost frame first.
 std::map<std::string, observe::CallTree::Node> stacks(observe::Profile& profile, unsigned number) {
   const auto& nodes = profile.hart(number).tree().nodes();
   std::map<std::string, observe::CallTree::Node> found;
@@ -194,7 +195,7 @@ TEST(ClusterTrace, HasALineForEveryInstructionOfEveryHart) {
   for (const auto& [number, count] : lines) EXPECT_EQ(count, soc.hart(number).counters().instructions) << number;
 }
 
-/// Hot code stays translated if the profile is the only observer.
+/// If the profile is the only observer, hot code stays translated.
 TEST(ClusterProfile, IsTheSameForTranslatedAndInterpretedCode) {
   for (const std::string_view program : {"cluster_selftest", "network_bench"}) {
     ProfiledCluster interpreted("interpreted.json", program, 12 * kMs, false);
@@ -214,7 +215,7 @@ TEST(ClusterProfile, IsTheSameForTranslatedAndInterpretedCode) {
         EXPECT_EQ(other.self.cycles, node.self.cycles) << number << ": " << stack;
         EXPECT_EQ(other.self.instructions, node.self.instructions) << number << ": " << stack;
         EXPECT_EQ(other.self.time_ps, node.self.time_ps) << number << ": " << stack;
-        // Each step is rounded to a whole number of femtojoules, up or down.
+        // Each step rounds up or down to a whole number of femtojoules.
         const auto most = 2.0 * static_cast<double>(steps_of(interpreted.profile, number));
         EXPECT_NEAR(static_cast<double>(other.self.energy_fj), static_cast<double>(node.self.energy_fj), most) << stack;
       }
@@ -222,8 +223,8 @@ TEST(ClusterProfile, IsTheSameForTranslatedAndInterpretedCode) {
   }
 }
 
-/// If observers are attached only at times, the chip has the same state as without an observer. This includes the
-/// instruction cache, banks, DMA, and the arbitration at devices.
+/// Observers that are attached only at times must not change the chip's state. The state includes the instruction
+/// cache, banks, DMA, and the arbitration at devices.
 TEST(ClusterObservers, ComeAndGoWithoutChangingABitOfTheRun) {
   struct Case {
     bool translate;

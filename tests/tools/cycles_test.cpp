@@ -22,8 +22,8 @@ std::int64_t sum_of(const Report& causes) {
   return sum;
 }
 
-/// Checks that the causes of each function and core add up to its cycles, and that the cycles of all functions add up
-/// to those of their core.
+/// Checks two sums: the causes of each function and core give its cycles, and the cycles of all functions give those of
+/// their core.
 void expect_sums(const Report& hart) {
   EXPECT_EQ(sum_of(hart["causes"]), hart["cycles"]);
   EXPECT_FALSE(hart["causes"].contains("other"));

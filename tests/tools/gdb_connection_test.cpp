@@ -13,7 +13,7 @@
 namespace mebots::soc::debug {
 namespace {
 
-/// Returns a blocking socket that is connected to `connection`, as a debugger's is.
+/// Returns a blocking socket that is connected to `connection`, as that of a debugger.
 Socket debugger_of(const Connection& connection) {
   Socket socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
   sockaddr_in address{};

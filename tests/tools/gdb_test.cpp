@@ -49,7 +49,7 @@ counter: .word 10
     .text
 )";
 
-/// Runs these gdb commands. Returns the output of gdb and of the run.
+/// Runs gdb commands. Contains the output of gdb and of the run.
 class Debugged {
  public:
   explicit Debugged(std::string_view commands, std::string_view program = kProgram) {
@@ -98,7 +98,7 @@ wait $tool
   }
 };
 
-/// The self-test of the cluster's runtime. The name is quoted for a shell.
+/// The self-test of the cluster's runtime, with quotation marks for a shell.
 const std::string kClusterProgram = "'" MEBOTS_BINARY_DIR "/firmware/cluster_selftest.elf'";
 const std::string kBoard = "--board '" MEBOTS_SOURCE_DIR "/configs/boards/ai_deck.json'";
 
@@ -136,8 +136,8 @@ TEST_F(Gdb, StepsOneInstructionAtATime) {
   EXPECT_THAT(run.gdb, HasSubstr("$4 = 0x3"));
 }
 
-/// gdb itself steps through a range only if the program has source lines, so this test sends the packets. Register 0x20
-/// is the pc.
+/// gdb itself steps through a range only if the program has source lines. Therefore this test sends the packets.
+/// Register 0x20 is the pc.
 TEST_F(Gdb, StepsUntilTheProgramIsOutOfARange) {
   const Debugged run(
       "maintenance packet vCont?\nstepi 2\nprint &add_up\n"
@@ -269,7 +269,7 @@ TEST_F(Gdb, SeesAFaultBeforeTheRunEnds) {
 }
 
 TEST_F(Gdb, InterruptsARunningProgram) {
-  // Ctrl-C with gdb's own means: `interrupt` from the background, in asynchronous mode.
+  // Sends Ctrl-C as gdb does: `interrupt` from the background, in asynchronous mode.
   const Debugged run(
       "python\nimport threading, os, signal, time\n"
       "threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT)).start()\nend\n"
@@ -368,7 +368,7 @@ TEST_F(Gdb, ReverseContinueUndoesTheLastStoreToAWatchedWord) {
   EXPECT_EQ(run.exit_code, 2) << run.err;
 }
 
-/// The run has two million instructions, so the debugger saves more than one state.
+/// The run has two million instructions, so the debugger saves several states.
 TEST_F(Gdb, ReverseContinueReachesAPlaceFarBack) {
   const Debugged run(
       "break *early\nbreak *late\ncontinue\ncontinue\nmonitor cycles\nreverse-continue\nmonitor cycles\n"
@@ -418,7 +418,6 @@ TEST_F(Gdb, MonitorGoesToSavedPlacesAndToTheStart) {
   EXPECT_EQ(run.exit_code, 2) << run.err;
 }
 
-/// This program prints A and B.
 constexpr std::string_view kPrinter = R"(
     .globl _start, finish
 _start: li s0, 0x10000000
@@ -432,7 +431,7 @@ finish: la t0, tohost
 1:  j 1b
 )";
 
-/// After a step, the instruction's output has been printed, although the next instruction has not begun.
+/// After a step, the output of the instruction is complete, although the next instruction has not begun.
 TEST_F(Gdb, WhatAStepPrintedIsNotPrintedAgain) {
   const Folder folder;
   const auto elf = folder.program(fmt::format("{}{}", kPrinter, kTohost));
@@ -447,7 +446,7 @@ TEST_F(Gdb, WhatAStepPrintedIsNotPrintedAgain) {
   EXPECT_EQ(run.exit_code, 1) << run.err;
 }
 
-/// The console keeps the text that was printed, and prints it only once. A change by gdb ends the history.
+/// The console keeps its text, and does not print it again. A change by gdb ends the history.
 TEST_F(Gdb, AReplayPrintsNothingAgainAndAChangeEndsTheHistory) {
   const Folder folder;
   const auto elf = folder.program(fmt::format("{}{}", kPrinter, kTohost));
@@ -463,8 +462,8 @@ TEST_F(Gdb, AReplayPrintsNothingAgainAndAChangeEndsTheHistory) {
   EXPECT_EQ(run.exit_code, 1) << run.err;
 }
 
-/// A saved place belongs to the run without the change. It is not restored in the changed run, although both have the
-/// same count of instructions there.
+/// A saved place belongs to the run without the change. It must not be restored in the changed run, although the count
+/// of instructions is the same there.
 TEST_F(Gdb, AChangeMakesSavedPlacesUnreachable) {
   const Debugged run(
       "break *early\nbreak *late\ncontinue\ncontinue\nmonitor save place\nreverse-continue\nset var $s1 = 99\n"
@@ -487,7 +486,7 @@ late: la t0, tohost
   EXPECT_EQ(run.exit_code, 3) << run.err;
 }
 
-/// These writes change nothing: equal values, an empty write (with which gdb asks whether packet X is supported), and
+/// Writes without an effect: equal values, an empty write (gdb uses it to check whether packet X is supported), and
 /// refused writes.
 TEST_F(Gdb, AWriteThatChangesNothingKeepsTheHistory) {
   const Debugged run(
@@ -501,7 +500,7 @@ TEST_F(Gdb, AWriteThatChangesNothingKeepsTheHistory) {
   EXPECT_EQ(run.exit_code, 2) << run.gdb << run.err;
 }
 
-/// The watched element of `seen` belongs to core 3. After this core's store, it is another core's turn.
+/// The watched element of `seen` belongs to core 3. After this core's store, another core is executed.
 TEST_F(Gdb, ReverseContinueStopsTheCoreOfTheClusterThatStored) {
   const Debugged run(
       "watch *((int*)&seen + 3)\ncontinue\ndelete\nstepi 2\nwatch *((int*)&seen + 3)\nthread 1\nreverse-continue\n"

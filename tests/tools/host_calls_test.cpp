@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests programs that call the host: semihosting, system calls through tohost, and a C library that uses them.
+// Tests programs that call the host: semihosting, system calls through tohost, and a C library with such calls.
 #include "support.hpp"
 
 #include <fmt/format.h>
@@ -21,7 +21,7 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// Defines the macro `host OPERATION, BLOCK`, which makes a call of semihosting. The answer is in a0.
+/// Defines the macro `host OPERATION, BLOCK`, which makes a call of semihosting. The result is in a0.
 constexpr std::string_view kSemihosting = R"(
     .macro host operation, block
     li a0, \operation
@@ -110,8 +110,8 @@ TEST(Semihosting, CostsNoTimeAndCountsNoInstruction) {
   EXPECT_EQ(std::stoi(counts(calls.out).substr(13)) + 1, std::stoi(counts(plain.out).substr(13)));
 }
 
-/// Returns a program that prints "Wow!" to the console of riscv-isa-sim. All characters have bit 0 set, as a value that
-/// ends a program has. `store` is the code that stores the command, which is in t0 and t1.
+/// Returns a program that prints "Wow!" to the console of riscv-isa-sim. Bit 0 of each character is set, as in a value
+/// that ends a program. `store` is the code that stores the command in t0 and t1.
 std::string console_program(std::string_view store) {
   return fmt::format(R"(
 _start: la s0, text
@@ -267,8 +267,8 @@ TEST(HostFiles, MustBeAFolder) {
   EXPECT_THAT(run.err, HasSubstr("this is not a folder"));
 }
 
-/// The program uses Debian's picolibc with its own start code, linker script and printf. It is optimised for size, and
-/// has another memory map than the runtime.
+/// The program uses Debian's picolibc with its own start code, linker script and printf. It is optimised for size. Its
+/// memory map differs from that of the runtime.
 TEST(CLibrary, PrintsAndKeepsFilesBySemihosting) {
   const Folder folder;
   std::filesystem::create_directory(folder / "shared");

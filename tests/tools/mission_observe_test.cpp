@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that the gate firmware inside the FMU's model has the same bits with and without observers.
+// Tests that the gate firmware in the FMU's model has the same bits with and without observers.
 #include "fmu/model.hpp"
 
 #include "support.hpp"
@@ -28,7 +28,7 @@ namespace {
 
 constexpr std::int64_t kStep = 2'000'000;
 
-/// A folder with the FMU's resources, as the archive has them.
+/// The FMU's resources folder, as in the archive.
 class Resources {
  public:
   Resources() {
@@ -41,8 +41,8 @@ class Resources {
   Folder folder_;
 };
 
-/// Runs the FMU's model for some steps, and returns its state at the end. Without a picture, the drone waits on the
-/// ground. With a picture, it flies and always sees this picture.
+/// Runs the FMU's model for some steps. Returns its state at the end. Without a picture, the drone waits on the ground.
+/// With a picture, the drone flies, and every camera picture is this picture.
 std::vector<std::byte> state_after(const Parameters& parameters, int steps,
                                    const std::function<void(std::string_view)>& on_message = {},
                                    std::span<const std::uint8_t> picture = {}) {
@@ -99,7 +99,7 @@ TEST(MissionObserve, AnUnwritableFileIsRefusedAtTheStart) {
   }
 }
 
-/// A minimal debugger for this test. It sends one packet and reads the answer.
+/// A minimal debugger. It sends one packet at a time and reads the answer.
 class Caller {
  public:
   explicit Caller(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
@@ -121,7 +121,6 @@ class Caller {
     ::send(socket_, packet.data(), packet.size(), MSG_NOSIGNAL);
     return read_packet();
   }
-  /// Returns the content of the next packet and acknowledges it.
   std::string read_packet() {
     std::string content;
     char c = 0;
@@ -140,7 +139,7 @@ class Caller {
   bool connected_ = false;
 };
 
-/// Starts a thread with a debugger, which connects to the port at the end of the message.
+/// Starts a thread with a debugger. It connects to the port at the end of the message.
 template <typename Talk>
 std::jthread start_debugger(std::string_view message, Talk talk) {
   const auto port = std::stoi(std::string(message.substr(message.rfind(':') + 1)));
@@ -173,7 +172,7 @@ TEST(MissionObserve, ADebuggerPausesTheMissionWhichThenContinuesWithTheSameBits)
   EXPECT_TRUE(bytes == state_after({}, kSteps));
 }
 
-/// Each step takes 2 ms. The firmware sleeps most of the time, so some steps have few instructions or none.
+/// Each step takes 2 ms. The firmware sleeps most of the time, so some steps have few or no instructions.
 TEST(MissionObserve, ADebuggerGoesBackOverStepsOfTheMissionAndTheBitsStay) {
   Parameters debugged;
   debugged.gdb_port = 0;
@@ -217,9 +216,9 @@ TEST(MissionObserve, ADebuggerGoesBackOverStepsOfTheMissionAndTheBitsStay) {
   EXPECT_TRUE(bytes == state_after({}, kSteps));
 }
 
-/// The debugger goes back and lets the timer's handler run a second time. This changes only the number of instructions,
-/// so later steps begin at other positions than before. `monitor reset` drops this path, and afterwards the bits are
-/// those of a run without a debugger.
+/// The debugger goes back, and makes the timer's handler run again. This changes only the number of instructions, so
+/// later steps start at other positions than before. `monitor reset` drops this change. Afterwards, the bits are those
+/// of a run without a debugger.
 TEST(MissionObserve, AfterAChangeInThePastADebuggerGoesBackAgain) {
   Parameters debugged;
   debugged.gdb_port = 0;

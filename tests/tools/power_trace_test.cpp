@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests power over time: its integral is the energy, and states follow each other without a gap.
+// Tests power over time: the integral is the energy, and states follow each other without gaps.
 #include "observe/power_trace.hpp"
 
 #include "board_system.hpp"
@@ -16,7 +16,7 @@
 namespace mebots::soc::test {
 namespace {
 
-/// A program with a loop that computes, requests a picture, changes the voltage, and sleeps until the picture arrives.
+/// A loop that computes, requests a picture, changes the voltage, and sleeps until the picture arrives.
 constexpr std::string_view kProgram = R"(
 _start: la t0, handler
     csrw mtvec, t0
@@ -87,7 +87,7 @@ TEST(PowerTrace, ForPerfettoHasTheEnergyAsItsArea) {
     close(name, kEnd * 1e-3);
     if (name.starts_with("power.")) chip_j += area_j[name];
   }
-  // Values are written with 9 digits.
+  // The file contains values with 9 digits.
   EXPECT_NEAR(chip_j, run.system.soc.energy().total_j(), 1e-8 * chip_j);
   EXPECT_NEAR(area_j["camera.power [W]"], run.system.camera_energy_j(), 1e-8);
   EXPECT_EQ(last.count("clock [Hz]"), 1U);

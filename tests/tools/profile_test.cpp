@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests time and energy per function and call stack: each function has its own time, and the parts add up to the total
-// exactly.
+// Tests time and energy per function and call stack. Each function has its own time, and the parts give exactly the
+// total.
 #include "observe/profile.hpp"
 
 #include "board_system.hpp"
@@ -22,7 +22,7 @@ using observe::CallTree;
 using observe::Cost;
 using observe::Profile;
 
-/// Returns the names of the frames of a stack, the outermost first, such as "main;leaf".
+/// Returns the names of a stack's frames, the outermost frame first, such as "main;leaf".
 std::string stack_text(Profile& profile, std::size_t node) {
   const auto& nodes = profile.hart(0).tree().nodes();
   std::string text;
@@ -157,7 +157,7 @@ TEST(Profile, HasAFrameForEveryLevelOfRecursion) {
   EXPECT_EQ(run.calls.count("_start;down;down;down;down;down"), 0U);
 }
 
-/// This program sleeps until its timer has reached 1 ms.
+/// A program that sleeps until the timer has reached 1 ms.
 constexpr std::string_view kSleepsUntilATimer = R"(
     .globl _start
     .type _start, @function
@@ -221,7 +221,7 @@ TEST(Profile, HearsThatACoreWokeWhichSleptInARestoredState) {
   EXPECT_NEAR(static_cast<double>(stacks.at("_start;[asleep]").time_ps), 0.5e9, 1e6) << "from 0.5 ms to 1 ms";
 }
 
-/// The program does the following 3000 times, with occasional interrupts: direct calls, calls by a register, tail
+/// The program executes the following 3000 times, with occasional interrupts: direct calls, calls by a register, tail
 /// calls, a jump table, code that continues into the next function, and recursion.
 TEST(Profile, IsTheSameForTranslatedAndInterpretedCode) {
   constexpr std::string_view kProgram = R"(
@@ -303,7 +303,7 @@ table: .word leaf, tail
     EXPECT_EQ(other.cycles, cost.cycles) << stack;
     EXPECT_EQ(other.instructions, cost.instructions) << stack;
     EXPECT_EQ(other.time_ps, cost.time_ps) << stack;
-    // Each of about 100,000 steps is rounded to a whole number of femtojoules, up or down.
+    // Each of about 100,000 steps rounds up or down to a whole number of femtojoules.
     EXPECT_NEAR(static_cast<double>(other.energy_fj), static_cast<double>(cost.energy_fj), 1e5) << stack;
   }
 }
@@ -349,7 +349,7 @@ TEST(Profile, BySpansOfTimeAddsUpToTheWholeExactly) {
   EXPECT_EQ(sum.cycles, total.cycles);
   EXPECT_EQ(sum.time_ps, total.time_ps);
   EXPECT_EQ(sum.energy_fj, total.energy_fj);
-  // From 300 to 400 us, the core only slept.
+  // From 300 to 400 us, the core only sleeps.
   EXPECT_EQ(written["windows"][3]["parts"].size(), 5U);
   EXPECT_EQ(written["windows"][3]["parts"][3], 100'000'000);
 }
@@ -376,8 +376,8 @@ TEST(Profile, ForSpeedscopeHoldsTheSameSums) {
   for (std::size_t i = 0; i < 3; ++i) {
     const auto& profile = json["profiles"][i];
     EXPECT_DOUBLE_EQ(profile["endValue"].get<double>(), ends[i]);
-    // Checks the rules of speedscope: frames are opened and closed like brackets, times never decrease, and all events
-    // are inside the frames.
+    // Checks the rules of speedscope: frames open and close like brackets, times never decrease, and all events are
+    // inside the frames.
     std::vector<int> open;
     double last = 0;
     double self = 0;

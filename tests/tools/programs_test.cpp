@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests programs of users: programs with system calls, with their own RAM or board, and with a console. Also tests the
-// messages and limits that end them.
+// Tests programs of users: system calls, own RAM or boards, and a console. Also tests messages and limits that end
+// programs.
 #include "support.hpp"
 
 #include <fmt/format.h>
@@ -23,7 +23,7 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// Defines the macro `call N, A0, A1, A2`, which makes a system call. The answer is in a0.
+/// Defines the macro `call N, A0, A1, A2`, which makes a system call. The result is in a0.
 constexpr std::string_view kCall = R"(
     .macro call number, first=0, second=0, third=0
     la a0, \first
@@ -156,8 +156,8 @@ failed: call 93, 0
     .balign 8
 time: .space 32)";
   const auto run = run_user(program);
-  // An addition and a taken branch take 1 and 3 cycles of 10 ns. Both of them 100 000 times take 4 ms, which is 62
-  // units of 64 us.
+  // An addition and a taken branch take 1 and 3 cycles of 10 ns. 100 000 iterations take 4 ms, which is 62 units of 64
+  // us.
   EXPECT_EQ(run.exit_code, 62);
   EXPECT_EQ(run_user(program).exit_code, 62);
 }
@@ -290,7 +290,7 @@ TEST(Virt, FinisherGivesTheExitCode) {
   EXPECT_THAT(other.err, HasSubstr("ignores 0x00001234"));
 }
 
-/// A program that polls the UART and sends each byte back. The byte 'q' ends the program with code 3.
+/// A program that polls the UART and sends each byte back. The byte 'q' ends the program with exit code 3.
 constexpr std::string_view kEcho = R"(
 _start: li s0, 0x10000000
     li a0, '>'
@@ -340,7 +340,7 @@ TEST(Console, TakesAPipe) {
   EXPECT_THAT(read_file(folder / "out"), StartsWith(">xyq"));
 }
 
-/// Reads until the text ends with `end`, for at most ten seconds.
+/// Reads until the text ends with `end`, but not longer than ten seconds.
 std::string read_until(int file, std::string_view end) {
   std::string text;
   for (int i = 0; i < 100 && !text.ends_with(end); ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests `mebots-soc run` as a user calls it: its output, the place where it ends, and its exit code.
+// Tests `mebots-soc run` as a user calls it: output, place of the end, and exit code.
 #include "support.hpp"
 
 #include <fmt/format.h>
@@ -59,7 +59,7 @@ TEST(Run, WritesTheReportAsJson) {
 }
 
 // Each program has three instructions (`la` consists of two) and the store under test. The code after the store must
-// not run, because it would store 9, which is another exit code.
+// not run: it would store 9, which gives another exit code.
 TEST(Run, EndsAtTheStoreThatSetsBit0OfTohostHoweverItIsDone) {
   const std::string_view after = "\nli t2, 9\nsw t2, 0(t0)\n1: j 1b";
   const auto ends_after = [&](std::string_view store, int instructions, int exit_code) {
@@ -231,7 +231,7 @@ TEST(Run, ControlRefusesASignature) {
 }
 
 TEST(Run, SaysThatMemoryIsProtected) {
-  // Without a PMP entry that matches, U mode may access nothing (RISC-V privileged specification 3.7.1).
+  // If no PMP entry matches, U mode must not access memory (RISC-V privileged specification 3.7.1).
   const auto run =
       run_program("_start: la t0, user\ncsrw mepc, t0\nli t1, 0x1800\ncsrc mstatus, t1\nmret\nuser: nop\n1: j 1b",
                   "--core rv32imcu");

@@ -189,7 +189,7 @@ const overHttp = {
     const { step } = JSON.parse(readFileSync(system, "utf8"));
     const more = ["--live-start", "browser", "--checkpoint-every", String(4 * step), "--stop-time", String(40 * step)];
     const values = new Map([[1, "0.3"], [4, "0.5"], [5, "0.6"], [8, "0.4"]]); // by step; a checkpoint is written at steps 0, 4 and 8
-    /** Makes single steps up to `last`, and sets the values on the way. */
+    /** Makes single steps up to step `last`. Sets the values of `values` at their steps. */
     const stepTo = async (live, last) => {
       await order(live, "hold");
       for (let { steps } = (await header(live)).runs[0].summary; ; ++steps) {

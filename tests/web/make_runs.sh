@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Usage: make_runs.sh MEBOTS CONFIGS OUT MEBOTS_SOC PROGRAM.elf. Creates the runs for page_test.mjs, and their pages.
+# Usage: make_runs.sh MEBOTS CONFIGS OUT MEBOTS_SOC PROGRAM.elf. Creates the runs for page_test.mjs and their pages.
 set -euo pipefail
 mebots=$1 configs=$2 out=$3 soc=$4 program=$5
 mkdir -p "$out"
-# The tests contain times of events of a flight. They are valid for these models, whose motors start immediately.
+# The tests contain times of events in a flight. They are valid for these models, whose motors start immediately.
 models=(motors.rotor_data=crazyflie_bench motors.bus.resistance=0 battery.cell.name=bitcraze_250 world.drone.name=crazyflie_bench
   soc.energy.name=gap8)
 "$mebots" run "$configs/gate_easy.json" --stop-time 4 --quiet --statistics --set "${models[@]}" "soc.observe.profile=$out/flight/profile.json" \

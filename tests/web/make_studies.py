@@ -50,7 +50,7 @@ def large(configs, designs, replicates):
 
 
 def mission(values, lot):
-    """Returns success, energy [J] and time [s] of one mission of an invented drone. This drone crashes more often if it flies fast."""
+    """Returns success, energy [J] and time [s] of a mission of an invented drone. It crashes more often if it flies fast."""
     speed, clock = values["soc.mission.cruise_speed"], values["soc.core.clock"]
     passed = lot.random() > 0.45 * max(0.0, speed - 0.8) * (1.3 if clock < 120e6 else 0.8)
     time_s = 1.5 + 7 / speed + 0.05 * lot.gauss(0, 1)
@@ -100,8 +100,7 @@ def write_rare(file, configs):
 
 
 def cost(macs, cycles, clock=87e6, cores=8):
-    """Returns the costs of a layer of an invented network, at 30 pJ per cycle of a core. The sums
-    of all accounts are equal."""
+    """Returns the costs of a layer of an invented network, at 30 pJ per cycle of a core. The sums of all accounts are equal."""
     causes = {"base": 5 * cycles, "cache": cycles // 2, "bank_conflict": cycles // 4, "far_memory": cycles // 8, "load_use": 0, "other": 0}
     energy_j = 30e-12 * cores * cycles
     return {

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks the MCAP file of a flight with MCAP's own package: channels, order, and numbers compared with results.csv.
+"""Checks the MCAP file of a flight with MCAP's own package. Compares channels, order and numbers with results.csv.
 
 Usage: mcap_check.py MEBOTS RUN_DIR OUT.mcap
 """

@@ -13,7 +13,7 @@ if (!chromium || chromium.endsWith("NOTFOUND")) {
 }
 const pageOf = (run) => join(runs, run, "flight.html");
 
-/** Returns a column of results.csv as numbers. No name here contains a comma. */
+/** Returns a column of results.csv as numbers. No name may contain a comma. */
 function column(run, name) {
   const [head, ...lines] = readFileSync(join(runs, run, "results.csv"), "utf8").trim().split("\n");
   const place = head.split(",").findIndex((title) => title.startsWith(`${name} [`));
@@ -42,8 +42,8 @@ const colours = (page, selector) => page.evaluate((which) => {
   return new Set(pixels).size;
 }, selector);
 
-/** Finds visible texts that overlap. The box of a text encloses its letters, and ends at the edges of ancestors that hide overflowing
- * content. */
+/** Finds visible texts that overlap. The box of a text encloses its letters, and ends at the edges of ancestors that
+ * hide overflowing content. */
 const overlaps = (page) => page.evaluate(() => {
   const boxes = [];
   const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
@@ -340,7 +340,7 @@ const tests = {
       const note = await page.$eval("#flame-note", (text) => text.textContent);
       const [, energy, start, stop] = /^([^,]*J), .* from ([\d.]+) s to ([\d.]+) s/.exec(note);
       assert.ok(Number(start) <= from + 1e-9 && Number(stop) >= to - 1e-9 && stop - start < to - from + 0.05, note);
-      // Windows start and end between rows: their energy is between that of the rows inside and that of the rows
+      // Windows start and end between rows. Their energy is between that of the rows inside and that of the rows
       // around.
       const at = (time) => energies[Math.min(times.findIndex((each) => each >= time - 0.006), times.length - 1)];
       const wanted = at(Number(stop)) - at(Number(start));

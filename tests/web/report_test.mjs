@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Usage: report_test.mjs PAGES [CHROMIUM]. The pages that make_studies.py writes, in a browser.
+// Usage: report_test.mjs PAGES [CHROMIUM]. Tests the pages of make_studies.py in a browser.
 import assert from "node:assert/strict";
 import { join } from "node:path";
 import { launch, open } from "./browser.mjs";
@@ -9,8 +9,8 @@ if (!chromium || chromium.endsWith("NOTFOUND")) {
   console.log("skipped: there is no Chromium; scripts/setup.sh installs it");
   process.exit(77);
 }
-// Limits of the work for 1,000 designs and 10,000 missions; 32 designs with 1,024 missions take a tenth of it. The necessary time depends
-// on the machine: bench/web/large_report.mjs measures it.
+// Limits of the work for 1,000 designs and 10,000 missions. 32 designs with 1,024 missions may take a tenth of it.
+// bench/web/large_report.mjs measures the time, which depends on the machine.
 const MOST_STROKES = 60_000; // calls that draw something or extend a path when the page opens
 const MOST_STROKES_OF_A_BRUSH = 30_000;
 const TIMES_DRAWN = 1; // drawings per panel for one brush
@@ -24,7 +24,7 @@ const state = (page) => page.evaluate(() => {
 });
 const panelOf = (page, title) => page.evaluateHandle((wanted) => [...document.querySelectorAll(".panel")].find((one) => one.querySelector("h2").textContent === wanted), title);
 
-/** Drags along an axis of the parallel coordinates, from one place to another. Places are numbers from 0 to 1. */
+/** Drags along an axis of the parallel coordinates. `from` and `to` are places from 0 to 1. */
 async function brush(page, label, from, to) {
   const canvas = await (await panelOf(page, "Parallel coordinates")).$("canvas");
   await canvas.scrollIntoView();
@@ -40,7 +40,7 @@ async function brush(page, label, from, to) {
   await frame(page);
 }
 
-/** Finds texts of canvases that overlap or leave their canvas, and elements that are wider than the page. */
+/** Finds texts of canvases that overlap or leave their canvas, and elements wider than the page. */
 const misplaced = (page) => page.evaluate(() => {
   const found = [];
   for (const canvas of document.querySelectorAll(".plot canvas")) {
@@ -57,7 +57,7 @@ const misplaced = (page) => page.evaluate(() => {
   return found;
 });
 
-/** Counts the calls with which a page draws. */
+/** Counts the calls that draw. */
 function countStrokes() {
   window.strokes = 0;
   for (const name of ["moveTo", "lineTo", "arc", "rect", "fillRect", "stroke", "fill", "fillText", "drawImage"]) {
@@ -312,7 +312,7 @@ try {
       const worst = { strokes: 0, drawn: 0 };
       for (let i = 1; i <= 20; ++i) {
         [window.strokes, drawn] = [0, 0];
-        // Several movements before a frame are drawn once.
+        // Several movements before a frame must be drawn once.
         for (const part of [0.3, 0.6, 1]) canvas.setBrush(1, [0, (i - 1 + part) / 20]);
         while (selection.dirty.size > 0) await new Promise(requestAnimationFrame);
         worst.strokes = Math.max(worst.strokes, window.strokes);

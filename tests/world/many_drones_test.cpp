@@ -21,7 +21,7 @@ using test::shipped_scene;
 using testing::Contains;
 using testing::HasSubstr;
 
-/// Sets the set-points of a take-off, a flight forward and a landing.
+/// Sets the set-points of a flight: take-off, forward, landing.
 template <typename Input>
 void script(Input& in, double t) {
   in.setpoint_mode = t < 4.0 ? FlightMode::take_off : t < 8.0 ? FlightMode::fly : FlightMode::land;
@@ -34,7 +34,7 @@ RigParameters together() {
   return p;
 }
 
-/// Compares bits.
+/// Compares the bits of both drones' outputs.
 void expect_same(const DroneOutputs& a, const DroneOutputs& b) {
   EXPECT_EQ(a.drone_position_m, b.drone_position_m);
   EXPECT_EQ(a.drone_velocity_m_per_s, b.drone_velocity_m_per_s);
@@ -99,7 +99,7 @@ TEST(ManyDrones, BothReportACollision) {
   for (int i = 0; i < 500; ++i) fleet.step();
   EXPECT_TRUE(fleet.drones[0].outputs.drone_crashed);
   EXPECT_TRUE(fleet.drones[1].outputs.drone_crashed);
-  // With a drag of c = 0.0128 N.s/m and m = 0.04 kg, tau = m / c: v = g tau (1 - exp(-t / tau)) = 4.163 m/s at 0.456 s.
+  // With drag c = 0.0128 N.s/m and m = 0.04 kg, tau = m / c. v = g tau (1 - exp(-t / tau)) = 4.163 m/s at 0.456 s.
   EXPECT_THAT(fleet.events, Contains(testing::MatchesRegex("drone\\[1\\].*crash: hit drone\\[2\\] with 4\\.16.*")));
   EXPECT_THAT(fleet.events, Contains(testing::MatchesRegex("drone\\[2\\].*crash: hit drone\\[1\\] with 4\\.16.*")));
 }
@@ -122,7 +122,7 @@ TEST(ManyDrones, ACollisionKeepsTheMomentumAndHasTheScenesBounce) {
   const double a = states[0].v_WB_m_per_s.x();
   const double b = states[1].v_WB_m_per_s.x();
   EXPECT_NEAR(a + b, 0.4, 1e-12);
-  // Soft contacts add a little to the bounce of 0.5 at the first step.
+  // Soft contacts increase the bounce of 0.5 a little.
   EXPECT_NEAR((b - a) / 0.8, scene.contact.bounce, 0.02);
 }
 
@@ -221,8 +221,8 @@ TEST(ManyDrones, ACameraShowsTheDroneAheadAndNotItsOwn) {
   const auto empty = pictures({0.5, 9.0, 1.0});
   EXPECT_EQ(empty[0], alone({0.0, 0.0, 1.0}));
   EXPECT_EQ(seen[1], alone({0.5, 0.0, 1.0}));
-  // The front of the box is 0.5 - 0.046 - 0.027 m ahead of the camera, and 0.092 m wide; its lower edge is 0.0265 m
-  // below.
+  // The front of the box is 0.5 - 0.046 - 0.027 m ahead of the camera and 0.092 m wide. Its lower edge is 0.0265 m
+  // below the camera.
   const double pixels_per_m = 0.5 * kSize / std::tan(0.5 * p.camera_field_of_view_rad) / 0.427;
   std::set<int> columns;
   int lowest = 0;
@@ -268,7 +268,7 @@ TEST(ManyDrones, ErrorsNameTheDrone) {
 }
 
 TEST(ManyDrones, ARestoredWorldContinuesWithTheSameBitsDuringContact) {
-  // The second drone falls onto the first one, and then rests on it or next to it.
+  // The second drone falls onto the first drone, and then rests on it or next to it.
   const auto make = [] {
     return std::make_unique<Fleet>(shipped_scene("empty"), together(),
                                    std::vector<std::array<double, 3>>{{}, {0.01, 0.02, 0.05}, {0.0, 0.5, 0.0}});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Robots other than drones: bodies whose pose is an input.
+// Tests robots other than drones, whose poses are inputs.
 #include "mebots/error.hpp"
 #include "support/fleet.hpp"
 #include "support/same_state.hpp"
@@ -26,7 +26,7 @@ RigParameters with_robots(int count) {
   return p;
 }
 
-/// An empty world with robots that are one box.
+/// Returns an empty world with robots that consist of one box.
 scene::Scene scene_of_box(const Eigen::Vector3d& middle_m, const Eigen::Vector3d& size_m) {
   auto scene = shipped_scene("empty");
   scene::Box box;
@@ -66,8 +66,8 @@ TEST(Robots, ADroneLeavesARobotWithTheMomentumOfAContactWithAHeavyBody) {
     touched = touched || bodies.robot_touches(0);
   }
   EXPECT_TRUE(touched);
-  // A body of infinite mass keeps its velocity V, and the drone at rest leaves with (1 + e) V. Soft contacts add a
-  // little to the bounce.
+  // A body of infinite mass keeps its velocity V. The drone at rest gets the velocity (1 + e) V. Soft contacts increase
+  // the bounce a little.
   EXPECT_NEAR(drone.v_WB_m_per_s.x() / kSpeed_m_per_s, 1.0 + scene.contact.bounce, 0.03);
   EXPECT_FALSE(bodies.robot_touches(0)) << "the drone left";
 }

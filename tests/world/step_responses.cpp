@@ -6,7 +6,7 @@
 #include <fstream>
 #include <functional>
 
-/// Writes one CSV per manoeuvre and rotor lag into the given folder. fmu_world/docs/plot_step_responses.py plots them.
+/// Writes one CSV file per manoeuvre and rotor lag. fmu_world/docs/plot_step_responses.py plots the files.
 namespace {
 
 using mebots::world::FlightMode;

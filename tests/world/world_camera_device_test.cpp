@@ -60,8 +60,8 @@ TEST(CameraDevice, ReportsTheSettingsOfThePicture) {
 }
 
 TEST(CameraDevice, ShowsTheViewAtTheBeginningOfTheStep) {
-  // A fall from 1.3 m for half a second would change the picture considerably. A picture that is requested at the start
-  // shows the start.
+  // A fall from 1.3 m for half a second would change the picture considerably, but the picture must show the start of
+  // the step.
   const auto picture_of_start = [] {
     test::RigParameters p = parameters();
     p.start_offset_m = {2.0, 0.0, 1.3};
@@ -116,7 +116,7 @@ TEST(CameraDevice, NoiseOfAPictureDependsOnItsNumberAlone) {
     many.inputs.camera_trigger = i;
     many.step();
   }
-  // At rest on the ground, all poses agree to much less than a grey level.
+  // The drone is at rest on the ground, so the poses differ by much less than a grey level.
   const auto a = copy(one.outputs.camera_frame);
   const auto b = copy(many.outputs.camera_frame);
   int largest = 0;
@@ -131,7 +131,7 @@ TEST(CameraDevice, SeesTheGateInTheEasySceneAheadAtFlightAltitude) {
   rig.inputs.camera_trigger = 1;
   rig.step();
   const auto frame = copy(rig.outputs.camera_frame);
-  // The bright frame, 0.6 m wide at 5 m, is near the centre of the picture; nothing else is as bright.
+  // The bright frame, 0.6 m wide at 5 m, is near the centre of the picture. Nothing else is as bright.
   const auto brightest = std::max_element(frame.begin(), frame.end());
   const auto index = static_cast<int>(brightest - frame.begin());
   EXPECT_NEAR(index % 64, 32, 6);

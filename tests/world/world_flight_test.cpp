@@ -71,7 +71,7 @@ TEST(Flight, PathLengthIntegratesTheSpeed) {
   const double before_m = rig.outputs.drone_path_length_m;
   const double x_m = rig.outputs.drone_position_m[0];
   rig.run(4.0);
-  // Straight and level: the path equals the distance, apart from millimetres of altitude.
+  // The flight is straight and level, so the path equals the distance, apart from millimetres of altitude.
   EXPECT_NEAR(rig.outputs.drone_path_length_m - before_m, rig.outputs.drone_position_m[0] - x_m, 1e-4);
 }
 
@@ -111,7 +111,7 @@ TEST(Flight, TakesOffAgainAfterLanding) {
 }
 
 TEST(Flight, ALightTouchOfTheFrameIsSurvivedAndSeen) {
-  // The drone flies 6 mm too far to the side, at 0.3 m/s. Its corner hits the upright's face.
+  // The drone flies 6 mm too far to the side at 0.3 m/s. Its corner hits the face of the frame's left side.
   FlightRig rig(shipped_scene("gate_easy"), starting_at(0.0, 0.2 + 0.160, 0.0));
   rig.take_off_and_fly();
   rig.inputs.setpoint_velocity_x_m_per_s = 0.3;
@@ -159,7 +159,7 @@ TEST(Flight, AFastHitOfAWallIsACrash) {
 }
 
 TEST(Flight, ADropFromTenCentimetresIsACrashAndFromThreeIsNot) {
-  // The drone hits the ground with 1.4 m/s and with 0.77 m/s. The scene's limit is 1 m/s.
+  // The drone hits the ground at 1.4 m/s and at 0.77 m/s. The scene's limit is 1 m/s.
   FlightRig high(shipped_scene("empty"), starting_at(0.0, 0.0, 0.10));
   high.run(1.0);
   EXPECT_TRUE(high.outputs.drone_crashed);

@@ -13,7 +13,7 @@ using test::shipped_scene;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-/// Returns the error message of one step with inputs changed by `spoil`.
+/// Returns the error message of a step after `spoil` has changed the inputs.
 template <typename Spoil>
 std::string step_error(Spoil spoil) {
   FlightRig rig;
@@ -107,7 +107,8 @@ TEST(WorldAlone, RunsAtStartValuesWithAnyStepUpToATenthOfASecond) {
 }
 
 TEST(WorldAlone, AStepOfADayIsTwoOfHalfADay) {
-  // Fractions of a second for which nanoseconds times the numerator exceed 63 bits; noise shows the sensors' time.
+  // For some fractions of this step, nanoseconds times the numerator exceed 63 bits. The noise depends on the
+  // sensors' times.
   constexpr std::int64_t kDay_ns = 100'000'000'000'000;
   test::RigParameters parameters = FlightRig::small_camera();
   parameters.physics_step_s = 1.0;

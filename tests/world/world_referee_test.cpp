@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests which flights count as a passage of the gate, in the complete world with its contacts.
+// Tests which flights count as a passage of the gate. Uses the complete world with its contacts.
 #include "support/flight_rig.hpp"
 
 #include <gmock/gmock.h>
@@ -14,8 +14,8 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
 
-/// Flights in gate_easy. start() places the drone `before_m` in front of the gate and `left_m` to the left of its
-/// centre.
+/// Flights in gate_easy. start() places the drone `before_m` in front of the gate, and `left_m` to the left of the
+/// gate's centre.
 class Referee : public ::testing::Test {
  protected:
   static test::RigParameters start(double before_m, double left_m, double yaw_rad = 0.0) {
@@ -85,7 +85,7 @@ TEST_F(Referee, ThroughAndBackAroundTheFrameIsNotPassed) {
 }
 
 TEST_F(Referee, HangingOnTheFrameIsStuck) {
-  // The drone flies straight into the left upright, and continues to push for twenty seconds.
+  // The drone flies straight into the frame's left side, and continues to push for twenty seconds.
   FlightRig rig(shipped_scene("gate_easy"), start(0.5, 0.25));
   rig.take_off_and_fly();
   fly(rig, 0.2, 22.0);
@@ -98,7 +98,7 @@ TEST_F(Referee, HangingOnTheFrameIsStuck) {
 }
 
 TEST_F(Referee, LandingInTheOpeningIsStuck) {
-  // The drone lands as soon as its centre is behind the plane. Therefore it lands on the lower beam.
+  // The drone lands as soon as its centre is behind the plane, so it lands on the lower beam.
   FlightRig rig(shipped_scene("gate_easy"), start(0.15, 0.0));
   rig.take_off_and_fly();
   fly(rig, 0.02, 0.0);
@@ -111,7 +111,7 @@ TEST_F(Referee, LandingInTheOpeningIsStuck) {
 }
 
 TEST_F(Referee, IgnoresTheMotionOfAWreck) {
-  // The rotors stop behind the gate: it crossed, but does not complete a passage with a landing.
+  // The rotors stop behind the gate. The drone has crossed the gate, but does not complete the passage with a landing.
   FlightRig rig(shipped_scene("gate_easy"), start(0.5, 0.0));
   rig.take_off_and_fly();
   fly(rig, 0.3, 4.0);
@@ -121,7 +121,7 @@ TEST_F(Referee, IgnoresTheMotionOfAWreck) {
   EXPECT_TRUE(rig.outputs.drone_crashed);
   EXPECT_FALSE(rig.outputs.drone_landed);
 
-  // The fast drone tips over shortly before the gate, and its body continues past the plane.
+  // The fast drone tips over shortly before the gate, and its body continues through the plane.
   FlightRig tipping(shipped_scene("gate_easy"), start(4.0, 0.0));
   tipping.take_off_and_fly();
   fly(tipping, 2.5, 0.0);

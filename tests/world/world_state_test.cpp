@@ -35,7 +35,7 @@ test::RigParameters noisy() {
   return p;
 }
 
-/// Sets the set-points of the next step, for a flight with pictures: take-off, contact with the gate, landing.
+/// Sets the set-points of the next step. The flight has pictures, a take-off, a contact with the gate and a landing.
 void script(FlightRig& rig) {
   const double t = rig.time_s();
   rig.inputs.setpoint_mode = t < 5.0 ? FlightMode::take_off : t < 14.0 ? FlightMode::fly : FlightMode::land;
@@ -57,7 +57,7 @@ constexpr int kSteps = 10'000;  // 20 s
 
 TEST(WorldState, ARestoredRunContinuesWithTheSameBitsAlsoDuringContact) {
   FlightRig straight(shipped_scene("gate_easy"), noisy());
-  // States are saved during the climb, before the gate, in contact with the gate, behind the gate, during the landing,
+  // Saves states during the climb, in front of the gate, in contact with the gate, behind the gate, during the landing,
   // and after the landing.
   std::vector<std::unique_ptr<FlightRig>> restored;
   for (const int cut : {700, 4000, 5300, 5800, 7600, 9800}) {
@@ -107,7 +107,7 @@ TEST(WorldState, InstancesInThreadsGiveTheSameBitsAsAlone) {
 }
 
 TEST(WorldState, OneStepAndTwoHalvesGiveTheSameBits) {
-  // Equal inner steps and constant inputs: the result must not depend on the communication steps.
+  // With equal inner steps and constant inputs, the result must not depend on the communication steps.
   FlightRig whole(shipped_scene("gate_easy"), noisy());
   FlightRig halves(shipped_scene("gate_easy"), noisy());
   for (auto* rig : {&whole, &halves}) {
@@ -124,7 +124,7 @@ TEST(WorldState, OneStepAndTwoHalvesGiveTheSameBits) {
 }
 
 TEST(WorldState, AFinerInnerStepConvergesWithFirstOrder) {
-  // The drone climbs and turns for two seconds under constant, slightly uneven thrust and wind, without a stabiliser.
+  // The drone climbs and rotates for two seconds under constant, slightly uneven thrust and wind, without a stabiliser.
   const auto end_of = [](double inner_step_s) {
     test::RigParameters p = FlightRig::small_camera();
     p.physics_step_s = inner_step_s;
@@ -139,7 +139,7 @@ TEST(WorldState, AFinerInnerStepConvergesWithFirstOrder) {
   const Eigen::Vector3d fine = end_of(1.25e-4);
   const double at_2ms = (end_of(2e-3) - fine).norm();
   const double at_1ms = (end_of(1e-3) - fine).norm();
-  // Errors relative to the finest: (2 - 1/8) / (1 - 1/8) = 2.14 for first order.
+  // Errors relative to the finest step: (2 - 1/8) / (1 - 1/8) = 2.14 for first order.
   EXPECT_NEAR(at_2ms / at_1ms, 15.0 / 7.0, 0.1);
   EXPECT_LT(at_1ms, 0.02);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Calls generated code (branchy.py) TURNS times; main() returns a checksum of the results.
+// Calls generated code (branchy.py) TURNS times. main() returns a checksum of the results.
 unsigned turn(unsigned x);
 
 int main(void) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the layer of convolution.c on CORES cores of the cluster. Each core computes some output channels, and all
-// data is in L1. One core does the same work as eight.
+// Computes the layer of convolution.c on CORES cores of the cluster. Each core computes some of the output channels.
+// All data are in L1. One core does the same work as eight.
 #include <stdint.h>
 
 #include "runtime/cluster.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Executes an event TURNS times. EVENT selects the event: 1 is a barrier of eight cores, 2 a DMA copy of 256 bytes with
-// its wait.
+// Executes an event TURNS times. EVENT selects the event: 1 is a barrier of eight cores, 2 is a DMA copy of 256 bytes
+// and waiting for its end.
 #include <stdint.h>
 
 #include "runtime/cluster.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A layer typical of small drones: 3 x 3 convolution on int8, 4 input and 8 output channels, ReLU, rescaled to int8.
+// A typical layer for small drones: 3 x 3 convolution on int8, 4 input and 8 output channels, ReLU, rescaled to int8.
 #include <stdint.h>
 
 #define SIDE 40

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Executes an event TURNS times. EVENT selects the event: 1 is a load from a device register, 2 a read of a counter, 3
-// a trap. Other values are no event. Runs on the machine "virt" of QEMU and on board virt. The register is the
-// interrupt priority of the PLIC's first source.
+// a trap. Other values execute no event. Runs on QEMU's machine "virt" and on board virt. The register is the interrupt
+// priority of the PLIC's first source.
 #include <stdint.h>
 
 static uint32_t sum;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Integer code similar to CoreMark: a linked list that is searched, reversed and sorted, small matrices, a state
-// machine that parses numbers, and a CRC over all results.
+// Integer code similar to CoreMark: searches, reverses and sorts a linked list, multiplies small matrices, parses
+// numbers with a state machine, and computes a CRC over all results.
 #include <stdint.h>
 
 #define NODES 40
@@ -52,7 +52,7 @@ static int by_data(const struct node* x, const struct node* y) {
   return (x->data & 0xff) - (y->data & 0xff);
 }
 
-/// Sorts the list by bottom-up merge sort.
+/// Uses bottom-up merge sort.
 static __attribute__((noinline)) struct node* sort(struct node* list,
                                                    int (*order)(const struct node*, const struct node*)) {
   for (int width = 1;; width *= 2) {

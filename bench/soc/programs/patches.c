@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Changes its own code. TURNS times, it overwrites the immediate of an instruction and calls the function that contains
-// the instruction. main() returns the sum of the results.
+// Changes its own code. TURNS times, overwrites the immediate of an instruction, and calls the function with this
+// instruction. main() returns the sum of the results.
 #include <stdint.h>
 
 // The function is: addi a0, zero, 0; ret

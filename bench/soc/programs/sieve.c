@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the primes below 100 000 by a sieve.
+// Counts the primes below 100 000 with a sieve.
 #include <stdint.h>
 
 #define LIMIT 100000

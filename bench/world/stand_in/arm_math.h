@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Contains the functions of CMSIS-DSP that the firmware's Kalman filter calls, in plain C. Therefore a checkout
- * without submodules is sufficient. */
+/* The functions of CMSIS-DSP that the firmware's Kalman filter calls, in plain C, so that a checkout without submodules
+ * suffices. */
 #pragma once
 
 #include <math.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Node 1 flies a square and broadcasts its position. The other nodes keep their distance to node 1. They measure it by
-// ultra-wideband, and compute the direction from the two positions.
+// Node 1 flies a square and broadcasts its position. Each other node keeps its distance to node 1. It measures the
+// distance by ultra-wideband, and computes the direction from both positions.
 #include "board.h"
 #include "drivers/timer.h"
 #include "radio.h"
@@ -39,7 +39,7 @@ static int32_t root(int32_t square) {
   return result;
 }
 
-// Flies the leader along the sides of the square, one side in each direction. Then the leader hovers.
+// Flies the leader along the four sides of the square. After the last side, the leader hovers.
 static void lead(int flown_periods) {
   static const int8_t kSides[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
   const int side = flown_periods / (SIDE_S * PERIODS_PER_S);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// mebots-network-bench measures the cost of an inference of the navigator network on the cluster, by operating point
-// and number of cores. Prints a table in Markdown.
+// mebots-network-bench measures the cost of an inference of the navigator network on the cluster, for several operating
+// points and numbers of cores. Prints a table in Markdown.
 
 #include "mebots/error.hpp"
 #include "soc/soc.hpp"
@@ -24,7 +24,7 @@ struct OperatingPoint {
   double fabric_hz;
 };
 
-/// Interval at which the energy is read. It limits the error of the energy of all inferences together.
+/// The interval at which the energy is read. It limits the error of the total energy of all inferences.
 constexpr std::int64_t kLookNs = 5'000;
 
 void measure(const OperatingPoint& point, const std::string& board_path, const mebots::soc::Elf& program) {

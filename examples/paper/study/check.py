@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Repeats some published flights, and checks that the results have the bits of the published ones."""
+"""Repeats some published flights. Checks that the results have the same bits as the published results."""
 
 import experiments
 from missions import BATTERIES
@@ -8,7 +8,8 @@ from run import fly_all
 
 
 def _speeds(published, count, place):
-    """Repeats `count` hard flights, the fastest (and shortest) first. Yields (name, values now, published values)."""
+    """Repeats `count` hard flights, the fastest first, because they are the shortest. Yields (name, new values, published
+    values)."""
     names = list(reversed(experiments.HARD_SPEEDS))[:count]
     flights = [flight for flight in experiments.speeds() if flight.speed_km_h in names and not flight.adaptive]
     for flight, summary in zip(flights, fly_all(flights, place).values()):
@@ -42,8 +43,8 @@ def _starts(published, count, place):
 
 
 def differences(published, count, place):
-    """Repeats each part's first flights. Yields (flight, its differences from the published results: {value:
-    (published, now)})."""
+    """Repeats the first flights of each part. Yields (flight, differences from the published results: {value: (published,
+    new)})."""
     for part in (_speeds, _batteries, _starts):
         for name, now, stored in part(published, count, place):
             yield name, {key: (stored[key], value) for key, value in now.items() if stored[key] != value}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compares the same flights with two chips: makes tables and texts of the report from the data of both."""
+"""Compares the same flights with two chips. Creates tables and texts of the report from both chips' data."""
 
 import re
 
@@ -11,7 +11,7 @@ from missions import BATTERIES, MOTORS
 from replay import READINGS
 from results import LAST_STRETCH_M, PASSED
 
-# Kinds of endurance flights: flights that land at 10 % charge, and flights that hover until the protection opens.
+# Kinds of endurance flights: two kinds that land at 10 % charge, and flights that hover until the protection opens.
 IN_THE_AIR = ("hover", "cruise", "empty")
 
 
@@ -24,8 +24,8 @@ def plain(outcome):
 
 
 def of_targets(first, second):
-    """Returns two lists. The first has (target, what, the paper's value, the first chip's, the second chip's) with the
-    bench's motors. The second has (target, what, reading, the first chip's, the second chip's) for the rows with other
+    """Returns two lists. The first list, with the bench's motors, contains (target, what, the paper's value, the first chip's,
+    the second chip's). The second list contains (target, what, reading, the first chip's, the second chip's) for the other
     readings."""
     pairs = list(zip(targets.rows(first), targets.rows(second), strict=True))
     bench = [(a.target, a.what, a.paper, a.texts()[0], b.texts()[0]) for a, b in pairs]
@@ -36,7 +36,7 @@ def of_targets(first, second):
 
 
 def targets_apart(first, second):
-    """Returns for each unit the largest difference between the chips in a target, and the name of this target."""
+    """Returns, for each unit, the largest difference between the chips in a target, and the name of this target."""
     apart = dict.fromkeys(("s", "%"), (-1.0, ""))
     for a, b in zip(targets.rows(first), targets.rows(second), strict=True):
         units = [after.strip(" ,") for after in re.findall(r"{[^}]*}( [^ ,]*)?", a.form)]
@@ -48,14 +48,13 @@ def targets_apart(first, second):
 
 
 def lives_of_both(first, second):
-    """Returns for each endurance flight its motors, battery and kind, and the values of the first and of the second
-    chip."""
+    """Returns for each endurance flight its motors, battery and kind, and the values with the first and with the second chip."""
     return [(motors, battery, kind, first["lives"][motors][battery][kind], second["lives"][motors][battery][kind])
             for motors in MOTORS for battery in BATTERIES for kind in IN_THE_AIR]
 
 
 def ends_apart(first, second):
-    """Returns the number of flights of both experiments, and the flights that end differently with the second chip."""
+    """Returns the number of flights in both experiments, and the flights that end differently with the second chip."""
     ends = [(f"{kind} on {BATTERIES[battery][0]}'s cell, {MOTORS[motors]}", a["crashed"], b["crashed"])
             for motors, battery, kind, a, b in lives_of_both(first, second)]
     ends += [(f"hard, {name}", *(data["speeds"][name]["outcome"] for data in (first, second))) for name in HARD_NAMES]
@@ -64,8 +63,8 @@ def ends_apart(first, second):
 
 
 def furthest(first, second, value, kinds=IN_THE_AIR):
-    """Returns the largest difference of a value between the two chips, over the endurance flights that have this value
-    with both chips. Returns None if there is no such flight."""
+    """Returns the largest difference of a value between the two chips, over the endurance flights that have this value with both
+    chips. If there is no such flight, returns None."""
     return max((abs(a[value] - b[value]) for _, _, kind, a, b in lives_of_both(first, second)
                 if kind in kinds and None not in (a[value], b[value])), default=None)
 
@@ -113,7 +112,7 @@ def describe_joules(both):
 
 
 def joules(one):
-    """Returns the energies of a flight's decisions: the chip's [J], the camera's [J], and the chip's share of the
+    """Returns texts for the decisions of a flight: the chip's energy [J], the camera's energy [J], and the chip's share of the
     cell's energy [%]."""
     return f"{one['chip_j']:.3f}", f"{one['camera_j']:.3f}", f"{100 * one['chip_j'] / one['cell_j']:.3f}"
 
@@ -137,7 +136,7 @@ def of_easy(both):
 
 
 def charge_apart(first, second):
-    """Returns the largest difference between the chips in the charge used in the easy flights [% of the capacity]."""
+    """Returns the largest difference between the chips in the charge used by the easy flights [% of the capacity]."""
     ours, theirs = first["batteries"]["used"], second["batteries"]["used"]
     return max(abs(ours[battery][speed][kind] - theirs[battery][speed][kind])
                for battery in ours for speed in ours[battery] for kind in ours[battery][speed])
@@ -160,7 +159,7 @@ def scenarios_of_both(first, second):
 
 
 def of_starts(both):
-    """Yields a row for each scenario and chip: the counts of outcomes over the starts that both chips ran."""
+    """Yields a row for each scenario and chip: the numbers of outcomes over the starts that both chips ran."""
     first, second = both
     for name in scenarios_of_both(both[first], both[second]):
         flights = min(data["robustness"][name]["flights"] for data in both.values())
@@ -173,8 +172,8 @@ def of_starts(both):
 
 
 def same_starts(first, second, name):
-    """Returns the numbers of common starts from which the drone passed: [with both chips, with the first only, with the
-    second only, with none]."""
+    """Returns the numbers of common starts from which the drone passed: [with both chips, with the first only, with the second
+    only, with none]."""
     ends = [{way["name"]: way["outcome"] in PASSED for way in data["robustness"][name]["ways"]} for data in (first, second)]
     pairs = [(ends[0][start], passed) for start, passed in ends[1].items() if start in ends[0]]
     return [pairs.count(pair) for pair in ((True, True), (True, False), (False, True), (False, False))]
@@ -195,8 +194,7 @@ def describe_starts(both, name):
 
 
 def bounds(data):
-    """Returns the tolerance of the chip's energy, relative to the computed energy. The tolerance comes from checks
-    against silicon."""
+    """Returns the tolerance of the chip's energy, relative to the computed energy. Checks against silicon determine it."""
     parts = [(one["least_j"] / one["chip_j"], one["most_j"] / one["chip_j"]) for one in data["decisions"].values()]
     return min(low for low, _ in parts), max(high for _, high in parts)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Converts flights to the compact data of the report: one function for each part of the study."""
+"""Converts flights to the data of the report. One function for each part of the study."""
 
 import base64
 import io
@@ -22,15 +22,15 @@ LAST_SECONDS = 15.0  # duration that is shown of a flight whose cell becomes emp
 
 
 def costs(summaries):
-    """Returns the cost of the flights on the machine that ran them."""
+    """Returns the cost of computing the flights."""
     values = list(summaries.values())
     return {"flights": len(values), "simulated_s": sum(s["simulated_time"] for s in values),
             "processor_s": sum(s["processor_s"] for s in values), "memory_mb": max(s["memory_mb"] for s in values)}
 
 
 def decisions(summaries):
-    """Returns {flight: times and energies [J] of its decisions}, with the tolerance according to checks against
-    silicon."""
+    """Returns {flight: times and energies [J] of its decisions}. `least_j` and `most_j` are the bounds of the chip's energy by
+    checks against silicon."""
     return {name: {"outcome": s["outcome"], "pictures": s["pictures"], "latency_s": s["decision"]["mean"]["latency"],
                    "read_out_s": s["decision"]["mean"]["read_out"], "inference_s": s["decision"]["mean"]["inference"],
                    "chip_j": s["chip_energy"]["total"], "least_j": s["chip_energy"]["least"], "most_j": s["chip_energy"]["most"],
@@ -53,8 +53,8 @@ def batteries(summaries):
 
 
 def life(summary):
-    """Returns the duration of a flight by two clocks that start when it leaves the ground: until 10 % of the charge are
-    left, and until the drone is on the ground [s]. Also returns how the flight ended."""
+    """Returns two durations from leaving the ground: until 10 % of the charge are left, and until the drone is on the ground [s].
+    Also returns the outcome."""
     trace = Trace(summary["folder"])
     start, end = trace.flown()
     charge = trace["battery.cell.state_of_charge"]
@@ -77,9 +77,9 @@ def last_seconds(summary):
 
 
 def readings(fmu, summaries):
-    """Returns results of the battery's FMU with the paper's motors: seconds of hovering until 10 % are left
-    {battery: {reading: s}}, the hard flights' charge at the gate and at the end {speed: {reading: %}}, and the
-    deviation of the replay of a flight's own loads from the flight's own charge [%]."""
+    """Returns results of the battery's FMU with the paper's motors: seconds of hovering until 10 % are left {battery: {reading:
+    s}}, the hard flights' charge at the gate and at the end {speed: {reading: %}}, and the error of replaying a flight's own
+    loads, relative to the flight's own charge [%]."""
     battery = Battery(fmu)
 
     def hovering(name, kind="hover"):
@@ -105,7 +105,7 @@ def readings(fmu, summaries):
 
 
 def embedded(path, edge):
-    """Reduces a picture of a flight in size, and returns it as a data URL."""
+    """Reduces the size of a picture, and returns the picture as a data URL."""
     out = io.BytesIO()
     Image.open(path).resize((edge, edge), Image.Resampling.BOX).save(out, "JPEG", quality=85)
     return "data:image/jpeg;base64," + base64.b64encode(out.getvalue()).decode()
@@ -118,8 +118,8 @@ def pictures(folder):
 
 
 def lateral_m(summary):
-    """Returns the offset from the opening's centre where the gate's plane was crossed [m]; None if the drone did not
-    reach it."""
+    """Returns the offset from the opening's centre at the crossing of the gate's plane [m]. If the drone did not reach it,
+    returns None."""
     return summary.get("lateral_error")
 
 
@@ -160,9 +160,9 @@ def wilson(passed, count, z=1.96):
 
 
 def clocks(flights, summaries):
-    """Returns a row for each entry of {(cores, clock): flights}. Times and energies are means over the flights that
-    crossed the opening. The energy up to the gate is the flight's mean power times the time, because the duration
-    after a contact is random."""
+    """Returns a row for each entry of {(cores, clock): flights}. Times and energies are means over the flights that crossed the
+    opening. The energy up to the gate is the flight's mean power times the time, because the duration after a contact is
+    random."""
     rows = []
     for (cores, clock), group in flights.items():
         flown = [summaries[flight.name] for flight in group]
@@ -185,8 +185,8 @@ def clocks(flights, summaries):
 
 
 def straight(name, flights):
-    """Returns the share of starts from which a drone that flies straight ahead crosses the opening. The opening is
-    reduced by half the drone's width on each side."""
+    """Returns the share of starts from which a drone that flies straight ahead crosses the opening. Reduces the opening by half
+    the drone's width on each side."""
     place = scene(scenario(name)["world.scene.name"])
     gate, (x, y, _) = place["gates"][0], place["start"]["position"]
     free = gate["inner"] / 2 - 0.046
@@ -205,7 +205,7 @@ def robustness(name, flights, summaries):
 
 
 def start_way(name, summary):
-    """Returns the path and the outcome of a flight from a random start, and the duration of its last stretch."""
+    """Returns path and outcome of a flight from a random start, and the duration of its last stretch."""
     trace = Trace(summary["folder"])
     return {"name": name, **trace.way(WAY_POINTS["start"]), "outcome": summary["outcome"],
             "crossed": bool(summary["gate"]["crossed"]), "last_stretch_s": trace.last_stretch_s()}
@@ -220,7 +220,7 @@ def start_offsets(summaries):
 
 
 def counted(ways, offsets):
-    """Returns the numbers of outcomes over the random starts of a scenario."""
+    """Counts the outcomes over the random starts of a scenario."""
     ends = [way["outcome"] for way in ways]
     passed, clean = sum(end in PASSED for end in ends), ends.count("passed")
     return {"flights": len(ways), "passed": passed, "interval": wilson(passed, len(ways)), "clean": clean,
@@ -230,23 +230,23 @@ def counted(ways, offsets):
 
 
 def start_rows(name, part):
-    """Returns (path, offset) of each flight from a random start. Older rows do not state whether the opening was
-    crossed; the position in the gate's plane shows it."""
+    """Returns (path, offset) of each flight from a random start. For older rows, which do not state whether the opening was
+    crossed, uses the position in the gate's plane."""
     half = scene(scenario(name)["world.scene.name"])["gates"][0]["inner"] / 2
     return [({"crossed": offset is not None and abs(offset) < half, **way}, offset)
             for way, offset in zip(part["ways"], part["lateral_m"])]
 
 
 def flown_again(name, part, summaries):
-    """Replaces the rows of these flights in the part of a scenario, and returns the new part."""
+    """Returns the part of a scenario with new rows for these flights."""
     new = dict(zip(summaries, zip(start_ways(summaries), start_offsets(summaries))))
     rows = [new.get(way["name"], (way, offset)) for way, offset in start_rows(name, part)]
     return {**part, **counted([way for way, _ in rows], [offset for _, offset in rows])}
 
 
 def failure(flight, summary):
-    """Returns the outcome, the start and a picture of a flight. The picture is from a metre before the gate, or from the
-    end if the drone did not get that close."""
+    """Returns the outcome, the start and a picture of a flight. The picture is from a metre before the gate. If the drone did not
+    get that close, the picture is from the end."""
     trace = Trace(summary["folder"])
     near = trace.first(trace["world.gate.distance"] < 1.0)
     when = trace.time[-1] if near is None else near

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Lists the flights of the paper's two experiments, and those of further questions."""
+"""Defines the flights of the paper's two experiments, and of further questions."""
 
 import dataclasses
 import random
@@ -11,31 +11,30 @@ HARD_SPEEDS = (0.1, 0.2, 0.3, 0.4, 0.5)
 ADAPTIVE_SPEED = 1.0
 CLOCKS_MHZ = (25, 50, 87, 131, 175)
 CORES = (8, 1)
-# Time for which a flight continues after the referee has reported that the drone is stuck on the frame, because some
-# drones get free.
+# The time for which a flight continues after the referee has reported that the drone is stuck on the frame. Some drones get free.
 STUCK_S = 30.0
 STARTS_RECORDED = ("world.drone.position.x", "world.drone.position.y", "world.drone.position.z", "world.gate.crossed",
                    "world.gate.distance")
-# Largest offsets of a random start: forward and sideways [m], rotation [rad]. Each offset is uniform between minus this
-# value and this value.
+# The largest offsets of a random start: forward and sideways [m], rotation [rad]. Each offset is uniform between minus this value
+# and this value.
 SPREAD = {"shipped": (0.5, 0.5, 0.3), "easy": (0.5, 0.05, 0.02), "hard": (0.3, 0.1, 0.02)}
 
 
 def named(motors, name):
-    """Returns a flight's name. The names of flights with the bench's motors have no prefix."""
+    """Returns the name of a flight. The names of flights with the bench's motors have no prefix."""
     return name if motors == "bench" else f"{motors}-{name}"
 
 
 def batteries():
-    """Returns the easy flights with real and with equal masses, whose used charge is compared."""
+    """Returns the easy flights with real and with equal masses, which show the used charge."""
     return [Flight(f"a-{battery}-{speed}-{'equal' if equal else 'real'}", "easy", speed, battery=battery,
                    equal_mass=equal)
             for battery in BATTERIES for speed in EASY_SPEEDS for equal in (False, True)]
 
 
 def in_the_air(motors, battery, name, speed, landing_charge):
-    """Returns one flight in a world without gates, from take-off until it lands at a charge. It takes five pictures per second,
-    although nothing is visible, because the firmware reads its gauge once per picture."""
+    """Returns a flight in a world without gates, from take-off until it lands at a given charge. It takes five pictures per
+    second, because the firmware reads its gauge once per picture."""
     extra = (("world.scene.name", "empty"), ("world.start.offset.y", 0.0), ("soc.mission.frame_period", 0.2),
              ("soc.mission.landing_charge", landing_charge))
     return Flight(named(motors, f"endurance-{battery}-{name}"), "easy", speed, battery=battery, motors=motors,
@@ -54,7 +53,7 @@ def empties(motors="bench"):
 
 
 def landing(motors, battery, percent):
-    """Returns a flight that hovers until its landing begins at a given charge."""
+    """Returns a flight that hovers and starts to land at a given charge."""
     return in_the_air(motors, battery, f"landing-{percent:.1f}", 0.0, percent / 100)
 
 
@@ -66,12 +65,12 @@ def speeds():
 
 
 def least_voltage(clock_mhz):
-    """Returns the lowest voltage of the chip, in steps of 50 mV, that permits a clock of the cluster [V]."""
+    """Returns the lowest voltage of the chip that permits a clock of the cluster [V], in steps of 50 mV."""
     return next(v for v in (1.0, 1.05, 1.1, 1.15, 1.2) if clock_mhz <= 87 + (v - 1.0) / 0.2 * (175 - 87) + 1e-6)
 
 
 def starts(name, count, seed):
-    """Returns flights that start at random offsets from the scenario's start. The camera's noise also differs."""
+    """Returns flights that start at random offsets from the scenario's start. The noise of the camera also differs."""
     draw = random.Random(f"{name} {seed}")
     own = scenario(name)
     forwards, sideways, turned = SPREAD[name]
@@ -86,8 +85,8 @@ def starts(name, count, seed):
 
 
 def clocks(count):
-    """Returns {(cores, clock in MHz): flights}. All entries have the same random starts of the hard scenario and the
-    adaptive policy. The entries are for several clocks of the cluster, on eight cores and on one core."""
+    """Returns {(cores, clock in MHz): flights}, for several clocks of the cluster, on eight cores and on one core. All entries
+    have the same random starts of the hard scenario and the adaptive policy."""
     drawn = starts("hard", count, seed=2)
 
     def at(clock, cores):

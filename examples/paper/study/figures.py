@@ -23,7 +23,7 @@ HALF_DRONE_M = 0.046  # half the width of the drone
 
 
 def svg(figure):
-    """Returns a figure as the text of an SVG for a page."""
+    """Returns a figure as SVG text for a page."""
     out = io.StringIO()
     figure.savefig(out, format="svg", metadata={"Date": None})
     text = out.getvalue()
@@ -31,8 +31,8 @@ def svg(figure):
 
 
 def batteries(used):
-    """Draws the charge that the easy flight uses. `used[battery][speed]` is {"real": charge, "equal": charge} in %,
-    with real and with equal masses.
+    """Draws the charge that the easy flights use. `used[battery][speed]` is {"real": charge, "equal": charge} in %, with real and
+    with equal masses.
     """
     figure, axes = plt.subplots(figsize=(8, 4.2), constrained_layout=True)
     width = 0.2
@@ -63,7 +63,7 @@ def decoded(url):
 
 
 def trajectories(flights, titles, name, first_view):
-    """Draws four flights seen from above, coloured by speed. The first plot contains the drone's first view."""
+    """Draws four flights from above, coloured by speed. The first plot contains the drone's first view."""
     figure, axes = plt.subplots(2, 2, figsize=(10, 5.2), constrained_layout=True, sharex=True, sharey=True)
     lines = None
     for plot, flight, title in zip(axes.flat, flights, titles):
@@ -93,8 +93,7 @@ def trajectories(flights, titles, name, first_view):
 
 
 def phases(tables):
-    """Draws energy by phase and consumer: {flight: {phase: {consumer: J}}}. The right plot shows only the small
-    energies."""
+    """Draws the energy by phase and consumer: {flight: {phase: {consumer: J}}}. The right plot shows only the small energies."""
     figure, axes = plt.subplots(len(tables), 2, figsize=(10, 2.3 * len(tables)), constrained_layout=True,
                                 squeeze=False)
     for row, (flight, table) in zip(axes, tables.items()):
@@ -117,7 +116,7 @@ def phases(tables):
 
 
 def clocks(rows):
-    """Draws the chip's mean energy up to the gate at each clock, on eight cores and on one."""
+    """Draws the chip's mean energy up to the gate over its clock, on eight cores and on one core."""
     figure, axes = plt.subplots(figsize=(8, 3.6), constrained_layout=True)
     for cores, marker, colour in ((8, "o", style.BLUE), (1, "s", style.VERMILION)):
         group = [row for row in rows if row["cores"] == cores and row["crossed"]]
@@ -132,8 +131,8 @@ def clocks(rows):
 
 
 def chips(both):
-    """Draws the chip's mean energy up to the gate, with one plot for eight cores and one for one core. `both` is {chip:
-    (rows, tolerance)}. The tolerance comes from checks against silicon, and is a pair of shares.
+    """Draws the chip's mean energy up to the gate, with one plot for eight cores and one for one core. `both` is {chip: (rows,
+    tolerance)}. The tolerance is a pair of shares; checks against silicon determine it.
     """
     figure, plots = plt.subplots(1, 2, figsize=(8, 3.4), constrained_layout=True, sharey=True)
     for axes, cores in zip(plots, (8, 1)):
@@ -150,8 +149,8 @@ def chips(both):
 
 
 def starts(part, name):
-    """Draws flights from random starts, seen from above. Flights that passed and flights that did not pass are in
-    separate plots. A further plot shows where the drone's centre crossed the gate's plane."""
+    """Draws flights from random starts from above, in separate plots for flights that passed and flights that did not. Another
+    plot shows where the drone's centre crossed the gate's plane."""
     ways, gate = part["ways"], scene(name)["gates"][0]
     groups = [("passed", [w for w in ways if w["outcome"] in ("passed", "touched_passed")], PASSED),
               ("not passed", [w for w in ways if w["outcome"] not in ("passed", "touched_passed")], FAILED)]
@@ -180,8 +179,8 @@ def starts(part, name):
 
 
 def crossings(axes, part, gate):
-    """Draws a histogram of the places where the centre crossed the plane, to the left of the gate's centre: flights per
-    centimetre."""
+    """Draws a histogram of the places where the centre crossed the plane, measured to the left from the gate's centre: flights
+    per centimetre."""
     half = gate["inner"] / 2
     places = [100 * x for x in part["lateral_m"] if x is not None and abs(x) < gate["outer"]]
     low, high = min([*places, -100 * half]) - 2, max([*places, 100 * half]) + 2
@@ -196,7 +195,7 @@ def crossings(axes, part, gate):
 
 
 def failures(found):
-    """Draws one picture for each flight that did not pass, taken a metre before the gate or at the end."""
+    """Draws one picture for each flight that did not pass, from a metre before the gate or from the end."""
     columns = min(6, len(found))
     rows = -(-len(found) // columns)
     figure, axes = plt.subplots(rows, columns, figsize=(10, 2.3 * rows), constrained_layout=True, squeeze=False)
@@ -209,13 +208,12 @@ def failures(found):
 
 
 def short_name(name):
-    """Returns a short name for a flight: "start 2" for "hard-1-002-pictures"."""
+    """Returns a short name of a flight, such as "start 2" for "hard-1-002-pictures"."""
     return f"start {int(name.split('-')[2])}"
 
 
 def landing(found):
-    """Draws the charges at which landings started, by cell and motors, and whether the drone reached the ground
-    under power."""
+    """Draws the charges at which landings started, by cell and motors. Marks whether the drone reached the ground under power."""
     figure, axes = plt.subplots(figsize=(8, 3.6), constrained_layout=True)
     places = {}
     for i, (battery, (label, _, _)) in enumerate(BATTERIES.items()):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Determines the charge at which a landing must start so that the drone reaches the ground under power. Runs flights
-that start to land at different charges, in steps of STEP, for each cell and motor model. Ends when a flight that lands
-and a flight that falls are one step apart."""
+"""Determines the charge at which a landing must start so that the drone reaches the ground under power. For each cell and motor
+model, runs flights that start to land at different charges, in steps of STEP. Ends when a flight that lands and a flight that
+falls are one step apart."""
 
 import experiments
 from missions import BATTERIES
@@ -13,19 +13,19 @@ DESCENT = 1.5  # [%]: the search starts this much above the charge at which the 
 
 
 def under_power(summary):
-    """Returns True if the drone landed upright before the protection opened."""
+    """True if the drone landed upright before the protection opened."""
     return bool(summary["landed"] and not summary["crashed"] and Trace(summary["folder"])["battery.cell.connected"][-1] > 0)
 
 
 def opening_charge(summary):
-    """Returns the charge at which the protection opened [%]; None if it did not."""
+    """Returns the charge at which the protection opened [%]. If it did not open, returns None."""
     trace = Trace(summary["folder"])
     open_ = trace["battery.cell.connected"] < 0.5
     return float(100 * trace["battery.cell.state_of_charge"][open_.argmax()]) if open_.any() else None
 
 
 class Search:
-    """Searches the lowest landing charge of one cell with one motor model. Changes the charge by one STEP per flight."""
+    """Searches the lowest landing charge of a cell with a motor model. Changes the charge by one STEP per flight."""
 
     def __init__(self, motors, battery, empty):
         self.motors, self.battery = motors, battery
@@ -34,7 +34,7 @@ class Search:
         self.flown = {}
 
     def flight(self):
-        """Returns the next flight to run; None if the result is known."""
+        """Returns the next flight to run. If the result is known, returns None."""
         landed = [at for at, ok in self.flown.items() if ok]
         fell = [at for at, ok in self.flown.items() if not ok]
         if landed and fell:
@@ -50,8 +50,8 @@ class Search:
 
 
 def least(found):
-    """Returns the lowest charge [%] from which a flight landed, if the flight that started one step lower fell. Returns
-    None if this is not known."""
+    """Returns the lowest charge [%] from which a flight landed, if the flight that started one step lower fell. Otherwise returns
+    None."""
     landed = [f["charge"] for f in found["flights"] if f["landed"]]
     fell = [f["charge"] for f in found["flights"] if not f["landed"]]
     return min(landed) if landed and fell and min(landed) - max(fell) <= STEP + 1e-9 else None

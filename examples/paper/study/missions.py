@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Defines the flights of the study: the differences between flights, and the conversion of a flight to a config of
-`mebots run`."""
+"""Defines the flights of the study: their differences, and their conversion to configs of `mebots run`."""
 
 import copy
 import dataclasses
@@ -24,15 +23,13 @@ MODELS = "fitted on flights"
 2015."""
 HEAVIEST_G = max(mass for _, _, mass in BATTERIES.values())
 
-# Maps each chip of the flights to the ending of its shipped missions' names in configs/. Those missions define what a
-# chip changes.
+# Maps a chip to the suffix of its shipped missions' names in configs/. These missions contain all changes for the chip.
 CHIPS = {"ai_deck": "", "gap8_drone": "_gap8"}
 FIRST_CHIP, SECOND_CHIP = CHIPS  # the report is about the first chip and compares it with the second
 SHIPPED = ("gate_easy", "gate_hard")
 LENS = "world.camera.field_of_view"
 
-# Flights are run with both motor models. The paper's other omissions are computed from the loads of a flight
-# (replay.py).
+# The motor models of the flights. The loads of a flight give the results for values that the paper omits (replay.py).
 MOTORS = {"bench": "bench motors", "paper": "paper's motors"}
 
 
@@ -51,7 +48,7 @@ def merged(value, patch):
 
 @functools.cache
 def shipped(name, chip):
-    """Returns the config of the shipped mission of this name for a chip."""
+    """Returns the config of a shipped mission for a chip."""
     mission = json.loads((ROOT / f"configs/{name}{CHIPS[chip]}.json").read_text())
     if "extends" not in mission:
         return mission
@@ -59,15 +56,15 @@ def shipped(name, chip):
 
 
 def lens(field_of_view, chip):
-    """Returns the field of view [rad] of the shipped mission with this chip. It corresponds to the shipped mission with
-    the first chip and the given field of view."""
+    """Converts a field of view [rad] of the shipped mission with the first chip to the corresponding field of view with this
+    chip."""
     def of(name, on):
         return shipped(name, on)["instances"]["world"]["parameters"].get(LENS.removeprefix("world."))
     return {of(name, FIRST_CHIP): of(name, chip) for name in SHIPPED}[field_of_view]
 
 
 def scene(name):
-    """Returns the content of the scene file of this name, from which fmu_world builds its world."""
+    """Returns the content of a scene file of fmu_world."""
     return json.loads((ROOT / f"fmu_world/params/scenes/{name}.json").read_text())
 
 
@@ -79,7 +76,7 @@ def scenario(name):
 
 @dataclasses.dataclass(frozen=True)
 class Flight:
-    """Describes a flight. Speeds are in km/h, as in the paper."""
+    """A flight. Speeds are in km/h, as in the paper."""
     name: str
     scenario: str
     speed_km_h: float

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Replays a flight's loads with another cell. Computes the results of the battery's FMU for the recorded powers of a
-flight, with the paper's motors, with or without the flight controller's power and the cell's resistance. The flight
-path stays the same."""
+"""Replays a flight's loads with another cell. Computes the results of the battery's FMU for the recorded powers of a flight with
+the paper's motors, with or without the flight controller's power and the cell's resistance. The flight path does not change."""
 
 import functools
 import json
@@ -15,8 +14,8 @@ from fmpy.fmi2 import FMU2Slave
 from missions import CELLS, ROOT
 from results import CRUISE
 
-# Describes the columns in addition to that of the bench's motors. Each column omits one more effect. An entry contains
-# its label, and states if the flight controller's power and the cell's resistance are included.
+# The columns in addition to the column of the bench's motors. Each column omits one more effect. An entry contains its label, and
+# whether it includes the flight controller's power and the cell's resistance.
 READINGS = {"paper": ("paper's motors", True, True), "no_avionics": ("without flight controller", False, True),
             "no_losses": ("nor cell resistance", False, False)}
 LOADS = {"motors.power": "motors.power", "soc.power": "soc.power", "camera.power": "soc.camera.power",
@@ -28,7 +27,7 @@ LONGEST_S = 1800.0
 
 @functools.cache
 def cell(name, resistance):
-    """Returns the cell parameter for a battery: its file's name, or the path of a copy with almost no resistance."""
+    """Returns the cell parameter for a battery: the name of its file, or the path of a copy with almost no resistance."""
     name = CELLS[name]
     if resistance:
         return name
@@ -42,8 +41,8 @@ def cell(name, resistance):
 
 
 def paper_power(trace, hover, cruise):
-    """Returns the power of the motors by the paper's model over a bench flight [W]. It has a part for hovering,
-    determined by two flights, and a part proportional to speed. It is 0 when the motors are off."""
+    """Returns the power of the motors over a bench flight by the paper's model [W]. It consists of a part for hovering, which two
+    flights determine, and a part proportional to speed. It is 0 while the motors are off."""
     def settled(flight):
         chosen = flight["world.drone.phase"] == CRUISE
         half = chosen & (np.cumsum(chosen) > chosen.sum() / 2)
@@ -55,7 +54,7 @@ def paper_power(trace, hover, cruise):
 
 
 class Battery:
-    """Runs the battery's FMU, with one instance at a time."""
+    """Runs the battery's FMU. Only one instance exists at a time."""
 
     def __init__(self, fmu):
         self.folder = fmpy.extract(str(fmu))
@@ -64,8 +63,8 @@ class Battery:
         self.references = {v.name: v.valueReference for v in description.modelVariables}
 
     def charges(self, name, loads, steps, enough):
-        """Returns the charge at the start and after each step. `steps` are the lengths of the steps [s], `loads` is
-        {input: array of W}. Ends when `enough(charge)` is true.
+        """Returns the charge at the start and after each step. `steps` contains the lengths of the steps [s]. `loads` is {input:
+        array of W}. Ends when `enough(charge)` is true.
         """
         fmu = FMU2Slave(guid=self.guid, unzipDirectory=self.folder, instanceName="replay", modelIdentifier=self.model)
         fmu.instantiate()
@@ -88,15 +87,15 @@ class Battery:
         return np.array(found)
 
     def of_flight(self, trace, motors_w, name, avionics, resistance):
-        """Returns the charge at the samples of the flight, if the motors had the power `motors_w`."""
+        """Returns the charge at the samples of the flight for the power `motors_w` of the motors."""
         loads = {load: trace[column] * (avionics or load != "avionics.power") for load, column in LOADS.items()}
         loads["motors.power"] = motors_w
         means = {load: (values[1:] + values[:-1]) / 2 for load, values in loads.items()}
         return self.charges(cell(name, resistance), means, np.diff(trace.time), lambda charge: False)
 
     def to_ten_s(self, trace, name, avionics, resistance):
-        """Returns the time after leaving the ground at which 10 % of the charge would be left, if the loads of the
-        flight's cruise continued [s]."""
+        """Returns the time after leaving the ground at which 10 % of the charge would be left [s], if the loads of the cruise
+        continued."""
         cruise = np.flatnonzero(trace["world.drone.phase"] == CRUISE)
         settled = cruise[len(cruise) // 2]
         step = float(np.median(np.diff(trace.time)))

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes the report in two forms from the same parts: one HTML file without dependencies, and REPORT.md with its
-pictures."""
+"""Writes the report in two forms from the same parts: an HTML file without dependencies, and REPORT.md with its pictures."""
 
 import html
 import json
@@ -15,7 +14,7 @@ from missions import BATTERIES, FIRST_CHIP, MOTORS, ROOT, SECOND_CHIP, scenario
 from replay import READINGS
 
 SHOWN = ("0.1", "0.2", "0.3", "adaptive")
-# Path of the pictures from REPORT.md. `study.py --publish` copies the pictures there.
+# The path of the pictures, relative to REPORT.md. `study.py --publish` copies the pictures there.
 PICTURES = "../../docs/img/paper_"
 STYLE = """body{font:16px/1.5 system-ui,sans-serif;max-width:70rem;margin:2rem auto;padding:0 1rem;color:#222}
 table{border-collapse:collapse;margin:1rem 0;font-size:.9em}td,th{border-bottom:1px solid #ddd;padding:.25rem .6rem;
@@ -25,7 +24,7 @@ figure{display:inline-block;margin:.3rem .6rem .3rem 0;width:200px;font-size:.8e
 
 
 class Number(str):
-    """Marks a text that is right-aligned in a table."""
+    """Marks a text that a table aligns to the right."""
 
 
 def n(value, digits=1):
@@ -37,7 +36,7 @@ def plain(outcome):
 
 
 class Page:
-    """Collects the parts of the page in both forms, and stores each figure as a picture next to it."""
+    """Collects the parts of the page in both forms. Stores each figure as a picture next to the page."""
 
     def __init__(self, out):
         self.folder = out / "figures"
@@ -68,8 +67,7 @@ class Page:
         self.markdown.append((f"{caption}:\n\n" if caption else "") + "\n".join(lines))
 
     def picture(self, url, text, link=None):
-        """Adds a picture to the HTML file only. The HTML file contains the picture. `link` is the page of the flight,
-        in the report's folder."""
+        """Embeds a picture in the HTML file only. `link` is the page of the flight, in the report's folder."""
         picture = f"<img src='{url}' alt='view near the gate'>"
         linked = f"<a href='{html.escape(link)}'>{picture}</a>" if link else picture
         more = f" <a href='{html.escape(link)}'>See it fly</a>" if link else ""
@@ -238,7 +236,7 @@ def what_it_rests_on(page, data):
 
 
 def numbers(rows, texts):
-    """Right-aligns all cells of each row after the first `texts` cells."""
+    """Aligns all cells after the first `texts` cells of each row to the right."""
     return [(*row[:texts], *map(Number, row[texts:])) for row in map(tuple, rows)]
 
 
@@ -300,8 +298,8 @@ def starts_of_both(page, both):
 
 
 def write(data, out, beside=None):
-    """Writes report.html, REPORT.md and their figures. Returns the table of targets as lines of text. `data` contains
-    the results of the first of CHIPS, `beside` those of the second."""
+    """Writes report.html, REPORT.md and their figures. Returns the lines of the table of targets. `data` contains the results of
+    the first of CHIPS, `beside` those of the second."""
     page = Page(out)
     page.heading("The paper's study, flown again", 1)
     page.text("See how the results of the paper compare with those of MEbots. In every flight, the simulated chip executes the drone's "

@@ -7,15 +7,15 @@ import pathlib
 import numpy as np
 
 TAKE_OFF, CRUISE, LANDING = 1, 2, 3  # values of world.drone.phase
-# The gate's part of a flight begins at this distance before the gate's plane [m], and ends at the landing.
+# The gate's part of a flight starts at this distance before the gate's plane [m], and ends with the landing.
 NEAR_GATE_M = 0.5
 PASSED = ("passed", "touched_passed")
-# The last part of the way to the gate begins and ends at these distances before the gate's plane [m].
+# The last stretch before the gate starts and ends at these distances before the gate's plane [m].
 LAST_STRETCH_M = (1.4, 0.2)
 
 
 class Trace:
-    """Contains the columns of results.csv by name, without units."""
+    """The columns of results.csv by name, without units."""
 
     def __init__(self, folder):
         with open(pathlib.Path(folder) / "results.csv", newline="") as file:
@@ -29,15 +29,15 @@ class Trace:
         return self.columns[name]
 
     def first(self, condition):
-        """Returns the first time at which a condition held [s]; None if it never did."""
+        """Returns the first time at which a condition was true [s]. If it was never true, returns None."""
         return float(self.time[np.argmax(condition)]) if condition.any() else None
 
     def time_at_gate(self):
-        """Returns the time at which the drone crossed the gate's plane [s]; None if it did not."""
+        """Returns the time at which the drone crossed the gate's plane [s]. If it did not cross, returns None."""
         return self.first(self["world.gate.distance"] <= 0)
 
     def last_stretch_s(self):
-        """Returns the duration of the last stretch before the gate [s]; None if the drone did not reach its end."""
+        """Returns the duration of the last stretch before the gate [s]. If the drone did not reach its end, returns None."""
         begin, end = (self.first(self["world.gate.distance"] <= left) for left in LAST_STRETCH_M)
         return None if end is None else round(end - begin, 3)
 
@@ -53,13 +53,13 @@ class Trace:
         return float(np.hypot(np.diff(x), np.diff(y)).sum())
 
     def distance_in_20_s(self):
-        """Returns the distance that the drone flew in 20 s in the middle of the cruise [m]."""
+        """Returns the distance that the drone flew during 20 s in the middle of the cruise [m]."""
         cruise = self["world.drone.phase"] == CRUISE
         middle = (self.time[cruise][0] + (self.time_at_gate() or self.time[cruise][-1])) / 2
         return self.path_to(middle + 10) - self.path_to(middle - 10)
 
     def thinned(self, points, start_s=0.0):
-        """Returns indices of `points` samples, evenly spaced from a time on."""
+        """Returns the indices of `points` evenly spaced samples from a time on."""
         first = int(np.searchsorted(self.time, start_s))
         return np.unique(np.linspace(first, len(self.time) - 1, points).astype(int))
 
@@ -89,8 +89,8 @@ ENERGIES = {  # maps uses of the cell's energy to recorded energies
 
 
 def energy_by_phase(trace):
-    """Returns {phase: {consumer: J}}: take-off, cruise up to the gate, the gate, landing. Every sample belongs to
-    one phase."""
+    """Returns {phase: {consumer: J}}: take-off, cruise up to the gate, the gate, landing. Every sample belongs to exactly one
+    phase."""
     phase = trace["world.drone.phase"]
     near = np.maximum.accumulate(trace["world.gate.distance"] < NEAR_GATE_M)
     masks = {"take-off": phase <= TAKE_OFF, "cruise": (phase == CRUISE) & ~near, "gate": (phase == CRUISE) & near,

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs flights with `mebots sweep`: each kind of flight becomes a study with its files, whose journal records the
-completed flights."""
+"""Runs flights with `mebots sweep`. Each kind of flight is a study. The study's journal records the completed flights."""
 
 import collections
 import csv
@@ -17,7 +16,7 @@ from results import PASSED
 
 @dataclasses.dataclass(frozen=True)
 class Place:
-    """Contains the folders of programs and results, the number of parallel flights, and the chip."""
+    """The folders of programs and results, the number of parallel flights, and the chip."""
     build: pathlib.Path
     results: pathlib.Path
     jobs: int
@@ -32,8 +31,8 @@ class Place:
 
 
 def write_study(name, flights, folder, chip):
-    """Writes the files of a study. Its designs are these flights, which differ only in parameters. `mebots sweep` can
-    also run the study. Returns the study's file."""
+    """Writes the files of a study with these flights as designs. They may differ only in parameters. `mebots sweep` can also run
+    the study. Returns the study's file."""
     folder.mkdir(parents=True, exist_ok=True)
     mission = config(flights[0], chip)
     mission["text"] = name
@@ -58,8 +57,8 @@ def write_study(name, flights, folder, chip):
 
 
 def studies(flights, chip):
-    """Groups flights that are equal except for the values of parameters, so that one study can run them. Returns {name
-    of the first flight: flights}."""
+    """Groups flights that differ only in the values of parameters, so that one study can run them. Returns {name of the first
+    flight: flights}."""
     groups = collections.defaultdict(list)
     for flight in flights:
         system = config(flight, chip)
@@ -71,9 +70,8 @@ def studies(flights, chip):
 
 
 def fly_all(flights, place):
-    """Runs all flights. Returns {name: summary} in their order, each with the folder of its files, its cost, and
-    whether it was run now. Results of the same programs in the folder are reused. Raises RuntimeError for a
-    failed flight."""
+    """Runs all flights. Returns {name: summary} in their order. A summary includes the folder of its files, its cost, and whether
+    it was run now. Reuses results of the same programs in the folder. Raises RuntimeError if a flight fails."""
     flown = {}
     for name, group in studies(flights, place.chip).items():
         folder = place.results / "studies" / name
@@ -102,7 +100,7 @@ def fly(flight, place):
 
 
 def _costs(folder):
-    """Returns {mission: seconds of processor time, and peak memory [MB] of its process}."""
+    """Returns {mission: processor time [s] and peak memory [MB] of its process}."""
     journal = folder / "journal.jsonl"
     records = map(json.loads, journal.read_text().splitlines() if journal.exists() else [])
     return {one["mission"]: {"processor_s": one["processor_time"], "memory_mb": one.get("memory_mb", 0.0)} for one in records}

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the paper's two experiments, and further parts if requested, and writes the report.
+"""Runs the paper's two experiments, and further parts on request. Writes the report.
 
-Results of earlier runs with the same programs are reused, so an interrupted study continues.
+Reuses results of earlier runs with the same programs, so an interrupted study continues.
 """
 
 import argparse
@@ -30,7 +30,7 @@ STARTS_PER_CLOCK = 20  # one in this many of a scenario's random starts is also 
 
 
 def fly_experiments(place, data):
-    """Runs both experiments of the paper. Stores their duration if no results were reused."""
+    """Runs both experiments of the paper. If no results were reused, stores their duration."""
     in_the_air = {motors: experiments.endurance(motors) + experiments.empties(motors) for motors in MOTORS}
     started = time.monotonic()
     summaries = fly_all(experiments.speeds() + sum(in_the_air.values(), []) + experiments.batteries(), place)
@@ -48,7 +48,7 @@ def fly_experiments(place, data):
 
 def fly_landings(place, data):
     data["landing"] = {motors: landing.fly(place, motors) for motors in MOTORS}
-    # Takes the last failed landing and the first successful landing with the standard battery.
+    # Takes the last failed and the first successful landing with the standard battery.
     charges = [landing.least(data["landing"]["bench"]["bitcraze_250"]) - landing.STEP * too_low for too_low in (1, 0)]
     flights = [experiments.landing("bench", "bitcraze_250", charge) for charge in charges]
     flown = fly_all(flights, place)
@@ -62,7 +62,7 @@ def fly_clocks(place, data, count):
 
 
 def replay(place, name, summary):
-    """Writes the page of a flight; returns its address relative to the report."""
+    """Writes the page of a flight. Returns its path relative to the report."""
     file = place.results.parent / "replays" / f"{name}.html"
     file.parent.mkdir(exist_ok=True)
     subprocess.run([place.build / "bin/mebots", "report", summary["folder"], "--out", file], check=True, stdout=subprocess.DEVNULL)
@@ -70,7 +70,7 @@ def replay(place, name, summary):
 
 
 def fly_starts(place, data, name, count, pages):
-    """Runs random starts of a scenario; repeats the first `pages` that fail, each for a separate page."""
+    """Runs random starts of a scenario. Repeats the first `pages` flights that fail, each for a separate page."""
     flights = experiments.starts(name, count, seed=1)
     summaries = fly_all(flights, place)
     part = collect.robustness(name, flights, summaries)
@@ -83,8 +83,8 @@ def fly_starts(place, data, name, count, pages):
 
 
 def fly_failed_again(place, data, name, count):
-    """Repeats with this build the first `count` starts of a scenario that did not pass before, and keeps all other
-    results. Prints the changes."""
+    """Repeats the first `count` starts of a scenario that did not pass before, with this build. Keeps all other results. Prints
+    the changes."""
     part = data["robustness"][name]
     before = {way["name"]: way["outcome"] for way in part["ways"]}
     flights = [f for f in experiments.starts(name, part["flights"], seed=1) if before[f.name] not in PASSED][:count]
@@ -95,7 +95,7 @@ def fly_failed_again(place, data, name, count):
 
 
 def check_published(count, place):
-    """Repeats published flights. Returns exit code 1 if one differs from the published flight."""
+    """Repeats published flights. If a flight differs from the published flight, returns exit code 1."""
     published = json.loads(PUBLISHED[place.chip].read_text())
     differ = 0
     for name, found in check.differences(published, count, place):
@@ -106,7 +106,7 @@ def check_published(count, place):
 
 
 def published_beside(chip):
-    """Returns the second chip's published data for the first chip's report; None if other models were used."""
+    """Returns the second chip's published data for the first chip's report. If other models were used, returns None."""
     if chip != FIRST_CHIP:
         return None
     first, second = (json.loads(PUBLISHED[one].read_text()) for one in (FIRST_CHIP, SECOND_CHIP))
@@ -114,7 +114,7 @@ def published_beside(chip):
 
 
 def publish(chip, data, folder):
-    """Stores the results of a chip's flights where the README shows them, with the report of both chips."""
+    """Stores the results of a chip's flights and the report of both chips where the README shows them."""
     PUBLISHED[chip].write_text(json.dumps(data) + "\n")
     folder.mkdir(exist_ok=True)
     report.write(json.loads(PUBLISHED[FIRST_CHIP].read_text()), folder, published_beside(FIRST_CHIP))

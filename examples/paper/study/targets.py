@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compares the paper's results with those of MEbots. The paper omits some values. So there is one row per target, and
-one column per assumption about these values."""
+"""Compares the paper's results with those of MEbots. The paper omits some values. Therefore the table has one column per
+assumption about these values, and one row per target."""
 
 import dataclasses
 
@@ -13,7 +13,7 @@ NOTHING = "-"  # text if a target was not run with these motors
 
 @dataclasses.dataclass(frozen=True)
 class Row:
-    """Contains a row of the table. `values` are the arguments of `form`, for each of COLUMNS or for the first only."""
+    """A row of the table. `values` are the arguments of `form`, for each of COLUMNS or for the first only."""
     target: str
     what: str
     paper: str
@@ -27,8 +27,7 @@ class Row:
 
 
 def row(target, what, paper, form, values, tells):
-    """Returns a row. `values` is a list of the displayed values in each column; several values in one column are a
-    tuple."""
+    """Returns a row. `values` contains the displayed values of each column. Several values in one column are a tuple."""
     return Row(target, what, paper, form, [shown if isinstance(shown, tuple) else (shown,) for shown in values], tells)
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Simulates a perfect network in the hard scenario: a unicycle that follows the expert's command and the policy.
+"""Simulates a perfect network in the hard scenario: a unicycle follows the expert's command and the policy.
 
-Separates the effects of the network, of the expert's fading near the gate, and of the yaw-rate scale. There is no contact and no
-noise; the speed follows its set-point with a time constant.
+Separates the effects of the network, of the fading of the expert's command near the gate, and of the yaw-rate scale. There is no
+contact and no noise. The speed follows its set-point with a time constant.
 """
 
 import math
@@ -13,14 +13,14 @@ from missions import KM_H, scene, scenario
 SPEED_LAG_S = 0.6          # lag of the stabiliser, read from the flights
 POLICY_STEP = 0.05 * KM_H  # step in fmu_soc/firmware/app/policy.c
 WINDOW = 10
-# Apparent edges of the frame, relative to half the picture's width, between which the command fades:
-# dataset/expert.cpp.
+# The command fades while the apparent edge of the frame grows from FULL_EDGE to NO_EDGE, relative to half the picture's width
+# (dataset/expert.cpp).
 FULL_EDGE, NO_EDGE = 1.05, 2.1
 
 
 def fly(speed_km_h, adaptive, fades):
-    """Returns the lateral offset at the gate's plane [m], positive = left, and the time from the start of the cruise to
-    that plane [s]."""
+    """Returns the lateral offset at the gate's plane [m], positive = left, and the time from the start of the cruise to this
+    plane [s]."""
     place = scenario("hard")
     gate = scene(place["world.scene.name"])["gates"][0]
     tangent = math.tan(place["world.camera.field_of_view"] / 2)

@@ -9,7 +9,7 @@ from network import EDGE
 
 
 class Pictures:
-    """Contains pictures (grey levels minus 128), and the expert's command for each picture."""
+    """Pictures (grey levels minus 128), and the expert's command for each picture."""
 
     def __init__(self, path):
         path = pathlib.Path(path)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes the files of a trained network for the firmware and its tests: the weights file and the golden vectors."""
+"""Writes a trained network for the firmware and its tests: the weights file and the golden vectors."""
 
 import argparse
 import hashlib
@@ -11,7 +11,7 @@ import integer_network
 from data import Pictures
 from sight import OUTPUTS, Sights
 
-# Maps each network to the class that reads its pictures, its outputs, and the number of golden pictures from each set.
+# For each network: the class that reads its pictures, its outputs, and the number of golden pictures from each set.
 NETWORKS = {"navigator": (Pictures, ("yaw",), {"test": 20, "easy": 6, "hard": 6}),
             "sight": (Sights, OUTPUTS, {"test": 8, "easy": 2, "hard": 2})}
 

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Computes the network in whole numbers with NumPy alone. These results define what every kernel of the firmware
-computes.
+"""Computes the network in whole numbers with NumPy alone. Every kernel of the firmware must give the same results.
 
 Layers are (weights[out][row][column][in] int8, biases[out] int32, shifts[out] uint8). An output is
 clip((sum of weight x input + bias + half) >> shift): [0, 255] after a convolution, [-127, 127] after the dense layer.
@@ -13,8 +12,8 @@ EDGE = 168
 
 
 def shrink(picture):
-    """Reduces a camera picture to the network's picture (168 x 168, grey level minus 128). Its pixels are rounded means
-    of 2 x 2 pixels, evenly spaced from edge to edge. fmu_soc/firmware/nn/shrink.c computes the same."""
+    """Reduces a camera picture to the network's picture (168 x 168, grey level minus 128). A pixel is the rounded mean of 2 x 2
+    pixels. These are evenly spaced from edge to edge. fmu_soc/firmware/nn/shrink.c computes the same."""
     picture = np.asarray(picture).astype(np.int32)
     rows, columns = (np.arange(EDGE) * (length - 2) // (EDGE - 1) for length in picture.shape)
     total = sum(picture[np.ix_(rows + i, columns + j)] for i in (0, 1) for j in (0, 1))
@@ -35,8 +34,8 @@ def requantise(sums, biases, shifts, low, high):
 
 
 def infer(layers, picture):
-    """Returns the network's outputs for a picture (168 x 168, grey level minus 128), and the outputs of all
-    convolutions. The output of the first convolution is pooled."""
+    """Returns the network's outputs for a picture (168 x 168, grey level minus 128), and the outputs of all convolutions. The
+    output of the first convolution is pooled."""
     values = np.asarray(picture).reshape(EDGE, EDGE, 1)
     activations = []
     for i, stride in enumerate(STRIDES):
@@ -60,14 +59,14 @@ def checksum(array, start=2166136261):
 
 
 def load(path):
-    """Reads the layers from the .npz file that train.py wrote."""
+    """Reads the layers from a .npz file of train.py."""
     with np.load(path) as file:
         return [tuple(file[f"{what}{i}"] for what in ("weights", "biases", "shifts")) for i in range(len(STRIDES) + 1)]
 
 
 def to_bytes(layers):
-    """Returns the content of the file that the firmware links. For each layer it contains biases with the rounding half
-    added, shifts, and weights. Each part is padded with zeros to whole words."""
+    """Returns the content of the file that the firmware links. Each layer consists of biases (rounding half included), shifts,
+    and weights. Zeros pad each part to whole words."""
     out = bytearray()
     for weights, biases, shifts in layers:
         rounded = biases.astype(np.int64) + (np.int64(1) << (shifts.astype(np.int64) - 1))

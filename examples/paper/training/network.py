@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Defines networks from a picture to numbers: their shapes, in floating point for training and with integers for
-deployment."""
+"""Defines networks from pictures to numbers: their shapes, in floating point for training, and in integers for deployment."""
 
 import dataclasses
 
@@ -12,8 +11,8 @@ from torch.nn import functional
 
 @dataclasses.dataclass(frozen=True)
 class Shape:
-    """Describes a network: convolutions as (input channels, output channels, kernel, stride, pooled by 2 afterwards),
-    then a dense layer."""
+    """A network: convolutions as (input channels, output channels, kernel, stride, true if a pool by 2 follows), then a dense
+    layer."""
     convolutions: tuple
     outputs: int
 
@@ -22,13 +21,13 @@ class Shape:
         return 6 * 6 * self.convolutions[-1][1]
 
 
-# Shape of the Stargate navigator with the camera as its only sensor. Its output is one yaw command.
+# The Stargate navigator with the camera as its only sensor. Its output is one yaw command.
 NAVIGATOR = Shape(((1, 4, 5, 2, True),
                    (4, 4, 3, 2, False), (4, 4, 3, 1, False),
                    (4, 16, 3, 2, False), (16, 16, 3, 1, False),
                    (16, 32, 3, 2, False), (32, 32, 3, 1, False)), 1)
-# Shape of the sight network, whose outputs are the position of the gate: yaw, rise, size, visible (sight.py). An
-# inference has 1.7 times the navigator's multiplications.
+# The sight network. Its outputs are the position of the gate: yaw, rise, size, visible (sight.py). An inference has 1.7 times the
+# navigator's multiplications.
 SIGHT = Shape(((1, 8, 5, 2, True),
                (8, 8, 3, 2, False), (8, 8, 3, 1, False),
                (8, 16, 3, 2, False), (16, 16, 3, 1, False),
@@ -40,8 +39,8 @@ OUTPUT_STEP = 1.0 / 127     # real value of one count of an output
 
 
 class Navigator(nn.Module):
-    """Computes the network in floating point, with batch normalisation. The input is pictures in grey levels minus 128,
-    and the result is the outputs of each picture. A single output has no dimension of its own."""
+    """The network in floating point, with batch normalisation. The input is pictures in grey levels minus 128. Returns the
+    outputs of each picture. A single output has no dimension of its own."""
 
     def __init__(self, shape=NAVIGATOR):
         super().__init__()
@@ -60,8 +59,7 @@ class Navigator(nn.Module):
         return self.dense(x.flatten(1)).squeeze(1)  # removes the last dimension only if it is 1
 
     def folded(self):
-        """Returns the weights and biases of each layer, with the batch normalisation included. The last layer is the
-        dense one."""
+        """Returns weights and biases of each layer, with the batch normalisation included. The last layer is the dense layer."""
         layers = []
         for convolution, norm in zip(self.convolutions, self.norms):
             gain = norm.weight / torch.sqrt(norm.running_var + norm.eps)
@@ -71,7 +69,7 @@ class Navigator(nn.Module):
 
 
 class _Round(torch.autograd.Function):
-    """Rounds half up. The gradient passes unchanged."""
+    """Rounds half up. The gradient is not changed."""
 
     @staticmethod
     def forward(_, x):
@@ -83,10 +81,9 @@ class _Round(torch.autograd.Function):
 
 
 class IntegerNavigator(nn.Module):
-    """The network as the chip computes it, in a form that can be trained. Every value is a whole number in a float, and
-    every sum is below 2^24 and therefore exact. An output count is clip((sum of weight x input + bias + half) >>
-    shift), with one shift per output channel. The scale of the weights is a power of two times the ratio of the steps,
-    so no multiplier is needed.
+    """The network as the chip computes it, in a form that can be trained. Every value is a whole number in a float. Every sum is
+    below 2^24, so it is exact. An output count is clip((sum of weight x input + bias + half) >> shift), with one shift per output
+    channel. The scale of the weights is a power of two times the ratio of the steps, so no multiplier is needed.
     """
 
     def __init__(self, navigator):
@@ -101,7 +98,7 @@ class IntegerNavigator(nn.Module):
             self.biases.append(nn.Parameter((bias / step_out).detach().clone()))
 
     def layer(self, i):
-        """Returns the integer weights and biases, and the shifts of layer i."""
+        """Returns the integer weights and biases and the shifts of layer i."""
         weight, bias = self.weights[i], self.biases[i]
         largest = weight.detach().abs().flatten(1).amax(1).clamp(min=1e-6)
         shift = torch.floor(torch.log2(127.0 / largest)).clamp(1, 15)
@@ -118,12 +115,12 @@ class IntegerNavigator(nn.Module):
             if pooled:
                 x = functional.max_pool2d(x, 2)
         weight, bias, shift = self.layer(len(self.shape.convolutions))
-        # The chip's order of activations is row, column, channel; training keeps the usual channel, row, column.
+        # Activations on the chip have the order row, column, channel. Training uses the usual order channel, row, column.
         x = functional.linear(x.flatten(1), weight, bias)
         return _Round.apply(x * 2.0 ** -shift).squeeze(1)
 
     def take(self, layers):
-        """Initialises the network from layers as exported() returns them, so that training can continue."""
+        """Initialises the network from layers in the format of exported(), so that training can continue."""
         for i, (weights, biases, shifts) in enumerate(layers):
             scale = 2.0 ** -torch.tensor(shifts.astype("float32"))
             weight = torch.tensor(weights.astype("float32")).permute(0, 3, 1, 2)
@@ -133,8 +130,8 @@ class IntegerNavigator(nn.Module):
             self.biases[i].data = torch.tensor(biases.astype("float32")) * scale
 
     def exported(self):
-        """Returns (weights, biases, shifts) of every layer as integer arrays in the chip's order: output channel,
-        row, column, input channel."""
+        """Returns (weights, biases, shifts) of every layer as integer arrays in the chip's order: output channel, row, column,
+        input channel."""
         layers = []
         last = len(self.shape.convolutions)
         for i in range(last + 1):

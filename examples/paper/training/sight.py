@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The outputs of the sight network for a picture, and its training pictures."""
+"""Defines the outputs of the sight network, and reads its training pictures."""
 
 import copy
 import pathlib
@@ -8,16 +8,15 @@ import numpy as np
 
 from network import EDGE
 
-# The network's outputs, each in [-1, 1]. yaw and rise are the position of the opening's centre, to the left of and
-# above the picture's centre, relative to half the picture. size is half the frame's edge, divided by half the picture's
-# width and by MOST_SIZE. visible is above 0 if there is a gate.
+# The network's outputs, each in [-1, 1]. yaw and rise are the position of the opening's centre, to the left of and above the
+# picture's centre, relative to half the picture. size is half the frame's edge, divided by half the picture's width and by
+# MOST_SIZE. visible is positive if there is a gate.
 OUTPUTS = ("yaw", "rise", "size", "visible")
 MOST_SIZE = 2.0
 
 
 class Sights:
-    """Contains pictures (grey levels minus 128) and the target of each picture: the outputs, and whether there is a
-    gate."""
+    """Pictures (grey levels minus 128) and the target of each picture: the outputs, and whether there is a gate."""
 
     def __init__(self, path):
         path = pathlib.Path(path)
@@ -33,7 +32,7 @@ class Sights:
         return len(self.pixels)
 
     def with_first(self, count, others):
-        """Returns these pictures and the first `count` pictures of `others`, without their labels."""
+        """Returns these pictures, and the first `count` pictures of `others` without their labels."""
         both = copy.copy(self)
         for name in ("pixels", "visible", "wanted"):
             setattr(both, name, np.concatenate([getattr(self, name), getattr(others, name)[:count]]))

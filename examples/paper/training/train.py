@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Trains the navigator in floating point, then continues with the integers of the chip."""
+"""Trains the navigator in floating point, then with the integers of the chip."""
 
 import argparse
 import json

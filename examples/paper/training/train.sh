@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Generates the pictures, trains, fine-tunes with integers, and writes weights and golden vectors. Under an hour on two idle
-# cores; a GPU is used if PyTorch has one. Needs scripts/setup.sh training.
+# Generates the pictures, trains, fine-tunes with integers, and writes weights and golden vectors. Takes less than an
+# hour on two idle cores. If PyTorch has a GPU, uses it. Needs scripts/setup.sh training.
 #
 #   examples/paper/training/train.sh [BUILD [WORK]]    default: build/release results/training
 set -euo pipefail
@@ -12,7 +12,8 @@ dataset=$build/bin/mebots-dataset
 scenes=fmu_world/params/scenes
 [ -x "$dataset" ] || { echo "$dataset is missing: build the project first" >&2; exit 2; }
 
-# First trains with only the wide lens, then with lenses between that of Webots' Crazyflie and that of Stargate's recordings.
+# Trains first with only the wide lens, then with lenses between that of Webots' Crazyflie and that of Stargate's
+# recordings.
 mkdir -p "$work/wide" "$work/mixed"
 "$dataset" --out "$work/wide/train" --seed 1 --scenes 1300 --pictures 20 --field-of-view 1.51844
 "$dataset" --out "$work/wide/val" --seed 2 --scenes 250 --pictures 8 --field-of-view 1.51844
@@ -22,7 +23,7 @@ mkdir -p "$work/wide" "$work/mixed"
 "$dataset" --out "$work/mixed/easy" --seed 4 --scenes 1 --pictures 500 --scene $scenes/gate_easy.json
 "$dataset" --out "$work/mixed/hard" --seed 5 --scenes 1 --pictures 500 --scene $scenes/gate_hard.json
 
-# Debian's Python has PyTorch; that of .venv does not.
+# Uses Debian's Python, because the Python in .venv has no PyTorch.
 python="/usr/bin/python3 -B"
 here=examples/paper/training
 $python $here/train.py "$work/wide" "$work/first" --epochs 7 --integer-epochs 0

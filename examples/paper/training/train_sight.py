@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Trains the sight network in floating point, then with the integers of the chip. With --begin, it trains an already
-trained network further, among clutter.
+"""Trains the sight network in floating point, then with the integers of the chip. With --begin, trains a trained network further,
+with cluttered pictures.
 """
 
 import argparse
@@ -18,18 +18,17 @@ from sight import Sights, batches
 
 SEED = 20261123
 BATCH = 64
-# Logit of the output `visible`. It is so steep that 0.5 is nearly certain.
+# The factor from the output `visible` to its logit. With this factor, an output of 0.5 is nearly certain.
 LOGIT = 6.0
 VISIBLE_WEIGHT = 0.08
-# Weight of the detection among clutter, where the main question is whether there is a gate.
+# The weight of the detection in clutter, where the main question is whether there is a gate.
 CLUTTER_VISIBLE_WEIGHT = 0.15
-# The number of pictures of the first training that the training with clutter also uses, so that the network keeps its
-# abilities.
+# The number of pictures of the first training in the training with clutter. With them, the network keeps its abilities.
 KEPT = 10000
 
 
 def loss_of(outputs, wanted, visible_weight):
-    """Returns the loss: the errors of position and size if there is a gate, and the error of the detection."""
+    """Returns the loss: errors of position and size if there is a gate, and the error of the detection."""
     there = wanted[:, 3:]
     place = functional.smooth_l1_loss(outputs[:, :3] * there, wanted[:, :3] * there, beta=0.05)
     return place + visible_weight * functional.binary_cross_entropy_with_logits(LOGIT * outputs[:, 3:], there)
@@ -43,7 +42,7 @@ def answers(model, sights, scale):
 
 
 def metrics(outputs, sights):
-    """Returns errors in units of the outputs if there is a gate, and the shares of missed gates and of false gates."""
+    """Returns errors in units of the outputs if there is a gate, and the shares of missed and of false gates."""
     there = sights.visible
     error = np.abs(outputs - sights.wanted)[there]
     result = {"missed": float((outputs[there, 3] <= 0).mean()),
@@ -85,7 +84,7 @@ def save(integer, path):
 
 
 def read(weights):
-    """Reads a weights file, and returns the network."""
+    """Reads a weights file. Returns the network."""
     integer = IntegerNavigator(Navigator(SIGHT))
     shapes = [layer[0].shape for layer in integer.exported()]
     integer.take(integer_network.from_bytes(weights.read_bytes(), shapes))
@@ -93,8 +92,8 @@ def read(weights):
 
 
 def train_among_clutter(arguments):
-    """Continues the training of the network in a weights file, on clutter_train and the first pictures of train.
-    Evaluates it on clutter_val and clutter_test."""
+    """Continues the training of the network in a weights file with clutter_train and the first pictures of train. Evaluates the
+    network on clutter_val and clutter_test."""
     integer = read(arguments.begin)
     data = {name: Sights(arguments.data / name) for name in ("train", "clutter_train", "clutter_val", "clutter_test")}
     print("before:", metrics(answers(integer, data["clutter_val"], OUTPUT_STEP), data["clutter_val"]), flush=True)

@@ -1,9 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Generates the pictures, trains the sight network, fine-tunes it with integers, and writes weights and golden vectors. Takes 14
-# to 20 minutes of processor time on one core. It uses one thread, so that the order of sums is fixed: a second run gave the
-# shipped files byte for byte.
-# Needs scripts/setup.sh training.
+# Generates the pictures, trains the sight network, fine-tunes it with integers, and writes weights and golden vectors.
+# Takes 14 to 20 minutes of processor time on one core. Uses one thread, so that the order of sums is fixed: a second
+# run gave the shipped files byte for byte. Needs scripts/setup.sh training.
 #
 #   examples/paper/training/train_sight.sh [BUILD [WORK]]    default: build/release results/sight
 set -euo pipefail
@@ -21,7 +20,7 @@ $dataset --out "$work/test" --seed 3 --scenes 200 --pictures 10
 $dataset --out "$work/easy" --seed 4 --scenes 1 --pictures 300 --scene $scenes/gate_easy.json
 $dataset --out "$work/hard" --seed 5 --scenes 1 --pictures 300 --scene $scenes/gate_edge.json --field-of-view 0.87
 
-# Debian's Python has PyTorch; that of .venv does not.
+# Uses Debian's Python, because the Python in .venv has no PyTorch.
 python="/usr/bin/python3 -B"
 here=examples/paper/training
 $python $here/train_sight.py "$work" "$work"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Drives straight for the errand's distance with the heading of the start, and stops. Exit code 0: arrived; 2: the
+// Drives straight for the errand's distance in the direction of the start, and stops. Exit code 0: arrived; 2: the
 // bumper was hit; 3: the wheels do not turn.
 #include "board.h"
 #include "drivers/timer.h"
@@ -22,7 +22,7 @@ static int32_t way_um(void) {
   return ((int32_t)WHEELS_WAY_LEFT + (int32_t)WHEELS_WAY_RIGHT) / 2;
 }
 
-// Drives the distance. Returns the reason why it stopped.
+// Drives the distance. Returns the exit code.
 static int go(int32_t distance_um, int32_t speed_um_s, int64_t* time_ns) {
   int32_t before_um = way_um();
   int still = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Requests twenty distances from the range finder, sleeps during each measurement, and reports them. The exit code is 0
-// if all distances were measured.
+// Requests twenty distances from the range finder, sleeps during each measurement, and reports each distance. Then
+// sends an invalid command. The exit code is 0 if the range finder refuses this command.
 #include "board.h"
 #include "runtime/console.h"
 #include "runtime/interrupt.h"

@@ -3,9 +3,9 @@
 
     dronet_reference.py WEIGHTS PICTURE...    prints steering and collision of each picture (a 324 x 244 PGM)
 
-WEIGHTS is pulp-dronet-v1/weights/binary of a checkout of pulp-platform/pulp-dronet. Layers, formats and the checksums
-of --check are from the file src/config.h of PULP-Dronet. Like GreenWaves' AutoTiler library, the kernels add the input
-planes one by one to 16-bit sums, which are shifted and saturated each time. Needs numpy.
+WEIGHTS is pulp-dronet-v1/weights/binary of a checkout of pulp-platform/pulp-dronet. Layers, formats and the checksums of --check
+are from the file src/config.h of PULP-Dronet. As in GreenWaves' AutoTiler library, the kernels add the input planes one by one to
+16-bit sums. They shift and saturate the sums each time. Needs numpy.
 """
 import argparse
 import pathlib
@@ -13,7 +13,7 @@ import pathlib
 import numpy as np
 
 CAMERA_WIDTH, CAMERA_HEIGHT, CROP = 324, 244, 200
-# Sums over the layers' outputs as unsigned 16-bit numbers, for Himax_Dataset/test_2/frame_22.pgm (src/config.h, Layer_GT).
+# Sums over each layer's outputs as unsigned 16-bit numbers, for Himax_Dataset/test_2/frame_22.pgm (src/config.h, Layer_GT).
 PUBLISHED_SUMS = [3583346007, 33640519, 3054757, 969723858, 733574305, 961234035, 5702624, 800684, 568751660, 536587146,
                   562176438, 2426322, 310799, 400248723, 382744684, 34510, 193, 59518]
 
@@ -23,7 +23,7 @@ def saturate(values):
 
 
 def shifted(values, norm):
-    """Shifts right and rounds half up."""
+    """Shifts right. Rounds half up."""
     return saturate(values + (1 << (norm - 1)) >> norm)
 
 

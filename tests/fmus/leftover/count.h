@@ -4,7 +4,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
-/// Returns how many times it has been called in this process.
+/// Returns the number of its calls in this process.
 __attribute__((visibility("default"))) int leftover_count(void);
 #ifdef __cplusplus
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// FMUs that keep data outside of their instances, each at the place that LEFTOVER_KIND names. In every step, `sum`
-// increases by gain times this data. So the second run in a process has another sum than the first.
+// FMUs that store data outside of their instances. LEFTOVER_KIND selects the place. In every step, `sum` increases by
+// gain times the data, so the second run in a process has another sum than the first run.
 #include "mebots/fmi2/functions.hpp"
 
 #include "count.h"
@@ -25,7 +25,7 @@ fmi2Real* reals_of(fmi2Component component) {
 }
 void changed(fmi2Component) {}
 
-// Each branch defines one place that keeps data.
+// Each branch defines one place for the data.
 #if defined(LEFTOVER_NOTHING)
 void begin_instance() {}
 double next() {
@@ -38,7 +38,7 @@ double next() {
   return ++steps;
 }
 #elif defined(LEFTOVER_FIRST_INSTANCE)
-// Only the first instance of a process has other results, because the memory changes only once.
+// The memory changes only once. Therefore only the first instance of a process has other results.
 bool is_first = true;
 double kept = 1;
 void begin_instance() {
@@ -49,7 +49,7 @@ double next() {
   return kept;
 }
 #elif defined(LEFTOVER_STATIC_OBJECT)
-// The bytes of the object itself do not change, but the memory to which it points does.
+// The bytes of the object do not change, but the memory to which it points changes.
 std::map<std::string, int> counts{{"steps", 0}};
 void begin_instance() {}
 double next() {
@@ -120,7 +120,7 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real, fmi2Real, fmi2Boolean) 
   return fmi2OK;
 }
 
-// A saved state contains only the data of the instance, not the data outside it.
+// A saved state contains only the data of the instance.
 fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate* state) {
   if (*state == nullptr) *state = new (std::nothrow) Instance;
   std::memcpy(*state, component, sizeof(Instance));

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-// A library that a tenant FMU contains.
 double tenant_gain(void);
 __attribute__((visibility("default"))) double tenant_gain(void) {
   return TENANT_GAIN;

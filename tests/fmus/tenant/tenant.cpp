@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// y = gain u after each step. TENANT_KIND selects the source of the gain: code or data that the loader may replace with
-// that of another FMU in the process.
+// y = gain u after each step. TENANT_KIND selects the source of the gain: code or data that the loader may replace by
+// code or data of another FMU in the process.
 #include "mebots/fmi2/functions.hpp"
 
 #include "frame.h"
@@ -72,7 +72,7 @@ Tenant& self(fmi2Component component) {
   return *static_cast<Tenant*>(component);
 }
 
-/// Returns the gain through an exception, so that the C++ runtime is involved.
+/// Returns the gain through an exception, which involves the C++ runtime.
 double thrown_gain() {
   try {
     throw std::out_of_range(std::to_string(find_gain()));

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs a GAP8 program in configs/dronet.json, and compares its outputs with the expected ones for its pictures.
+"""Runs a GAP8 program in configs/dronet.json, and compares its outputs with those expected for its pictures.
 
 Usage: mission.py MEBOTS CONFIG FIRMWARE OUT [--dronet FOLDER] [--stop-time SECONDS]
 
-FIRMWARE is brightness.elf or, with --dronet, PULP-Dronet v1's ELF. FOLDER is pulp-dronet-v1 of a checkout of
-pulp-platform/pulp-dronet, whose weights determine the expected outputs.
+FIRMWARE is brightness.elf, or with --dronet the ELF of PULP-Dronet v1. FOLDER is pulp-dronet-v1 of a checkout of
+pulp-platform/pulp-dronet. The weights in this folder determine the expected outputs.
 """
 import argparse
 import json

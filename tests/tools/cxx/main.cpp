@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Firmware in C++: a constructor before main(), a virtual call, a template; then a load from an invalid address.
+// Firmware in C++ with a constructor before main(), a virtual call and a template. Then loads from an invalid address.
 #include <stdint.h>
 
 #include "runtime/console.h"

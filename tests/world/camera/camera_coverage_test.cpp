@@ -20,7 +20,7 @@ constexpr double kFocal_px = 50.0;
 /// Counts how often each pixel is covered.
 class Counter {
  public:
-  /// `corners_C` must be counter-clockwise as seen by the camera.
+  /// `corners_C` must be counter-clockwise as seen from the camera.
   void add(const std::vector<Vector3d>& corners_C) {
     std::array<Outline::Edge, kMaxOutlineCorners> edges;
     const Outline outline({kFocal_px, kSize, kSize}, corners_C, edges);
@@ -44,7 +44,7 @@ class Counter {
   std::vector<int> counts_ = std::vector<int>(static_cast<std::size_t>(kSize) * kSize, 0);
 };
 
-/// Returns the point at depth 1 that appears at a pixel.
+/// Returns the point at a depth that appears at a pixel.
 Vector3d behind_pixel(double x_px, double y_px, double depth = 1.0) {
   return depth * Vector3d(1.0, (0.5 * kSize - x_px) / kFocal_px, (0.5 * kSize - y_px) / kFocal_px);
 }
@@ -70,8 +70,8 @@ TEST(CameraCoverage, TrianglesOfAMeshCoverEachPixelExactlyOnce) {
   std::uniform_real_distribution<double> jitter(-2.8, 2.8);
   std::uniform_real_distribution<double> depth(0.5, 3.0);
   for (int round = 0; round < 50; ++round) {
-    // A grid of points around and across the picture. Each point has a different depth, and its displacement is too
-    // small to fold the grid.
+    // A grid of points in and around the picture. Each point has a different depth. Its displacement is too small to
+    // fold the grid.
     std::array<std::array<Vector3d, 11>, 11> mesh;
     for (int j = 0; j < 11; ++j) {
       for (int i = 0; i < 11; ++i) {
@@ -96,8 +96,8 @@ TEST(CameraCoverage, TrianglesOfAMeshCoverEachPixelExactlyOnce) {
 }
 
 TEST(CameraCoverage, TrianglesThroughTheCamerasPlaneLeaveNoHole) {
-  // The ground reaches from far behind the camera to far in front of it, and is cut into random strips and triangles.
-  // All pixels below the horizon must be covered once, and no pixel above it.
+  // The ground reaches from far behind the camera to far in front of it. Random strips and triangles divide it. All
+  // pixels below the horizon must be covered once, and no pixel above the horizon.
   std::mt19937 random(5);
   std::uniform_real_distribution<double> anywhere(-3.0, 3.0);
   for (int round = 0; round < 50; ++round) {
@@ -125,7 +125,7 @@ TEST(CameraCoverage, TrianglesThroughTheCamerasPlaneLeaveNoHole) {
 }
 
 TEST(CameraCoverage, RowsOfAStripAreThoseTakenOneByOne) {
-  // A strip's edges continue from row to row; a single face computes a quotient for each row.
+  // In a strip, the edges continue from row to row. In a single row, a quotient gives the position.
   std::mt19937 random(13);
   std::uniform_real_distribution<double> place(-1.0, 1.0);
   std::uniform_real_distribution<double> exponent(-1.0, 14.0);
@@ -163,7 +163,7 @@ Geometry one_face(const Face& face) {
   return geometry;
 }
 
-/// Splits triangles at random points until there are `count`.
+/// Splits triangles at random points until there are `count` triangles.
 std::vector<Face> cut_up(const Face& quad, int count, std::mt19937& random) {
   std::uniform_real_distribution<double> share(0.1, 1.0);
   std::vector<Face> pieces(2, quad);
@@ -191,7 +191,7 @@ TEST(CameraCoverage, AFaceCutIntoRandomTrianglesLooksTheSameToTheByte) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> anywhere(-1.0, 1.0);
   for (int round = 0; round < 30; ++round) {
-    // The wall is seen from any place in front of it. A part of the wall may be behind the camera.
+    // The camera is anywhere in front of the wall. Parts of the wall may be behind the camera.
     Face wall;
     wall.normal_W = -Vector3d::UnitX();
     wall.offset_m = -1.0;
@@ -235,14 +235,14 @@ TEST(CameraCoverage, AGateCoversThePixelsOfItsFourBeams) {
   Renderer of_gates(with_gates, {}, 0.0);
   Renderer of_beams(with_beams, {}, 0.0);
   for (const Pose& from : testing::awkward_poses()) {
-    // A few pixels may differ. Separate beams may leave a crack of 1/4096 pixel at their joint. The corners of the
-    // gate's faces differ from those of separate beams, so their edges are rounded differently.
+    // Permits a few different pixels. Separate beams may leave a crack of 1/4096 pixel at their joint. The gate's faces
+    // have other corners than separate beams, so their edges are rounded differently.
     EXPECT_LE(testing::differing_pixels(testing::picture(of_gates, from), testing::picture(of_beams, from)), 3);
   }
 }
 
 TEST(CameraCoverage, NoCornerOfAGateLiesInTheMiddleOfAnotherFacesEdge) {
-  // A corner in the middle of another face's edge is rounded off this edge, and the background is sometimes visible.
+  // Rounding can move such a corner away from the edge. The background is then visible in the gap.
   scene::Scene scene = testing::room();
   scene.boxes.clear();
   const Geometry geometry = make_geometry(scene);

@@ -24,7 +24,7 @@ using mebots::world::camera::PictureSides;
 
 constexpr Intrinsics kCamera{120, 90, 1.5};
 
-/// Generates triangles of all sizes around the camera. Some of them cross the camera's plane or the picture's sides.
+/// Generates triangles of all sizes around the camera. Some cross the camera's plane or the picture's sides.
 class Triangles {
  public:
   std::vector<Vector3d> next() {

@@ -23,18 +23,17 @@ std::shared_ptr<const Scenery> scenery_of(const scene::Scene& scene) {
   return std::make_shared<const Scenery>(make_geometry(scene));
 }
 
-/// Returns the index of a pixel in the rows of a picture.
 std::size_t pixel_at(int column, int row) {
   return static_cast<std::size_t>(row) * static_cast<std::size_t>(kFormat.width) + static_cast<std::size_t>(column);
 }
 
-/// Returns the camera's direction through a pixel of an undistorted picture, with a length of 1 along the axis.
+/// Returns the camera's direction through a pixel of an undistorted picture. Its component along the axis is 1.
 Eigen::Vector3d direction_of(const Pose& from, double right_px, double down_px) {
   const double f = kFormat.focal_length_px();
   return from.R_WC * Eigen::Vector3d(1.0, -right_px / f, -down_px / f);
 }
 
-/// Returns the depth along a direction by ray casting; 0 beyond the drawn ground.
+/// Returns the depth along a direction by ray casting. Beyond the drawn ground, returns 0.
 double cast_m(const RayCaster& rays, const scene::Scene& scene, const Pose& from, const Eigen::Vector3d& direction_W) {
   const double distance_m = rays.distance_m(from.p_WC_m, direction_W.normalized(), 0, {});
   if (std::isinf(distance_m)) return 0.0;
@@ -51,7 +50,6 @@ std::vector<double> depths_m(GroundTruth& truth, const Pose& from, std::uint64_t
   return depths;
 }
 
-/// A room with a mesh, seen from a few poses.
 scene::Scene room_with_ring() {
   scene::Scene scene = room();
   scene::MeshThing ring;
@@ -79,12 +77,12 @@ TEST(GroundTruth, DepthsAreThoseOfRaysThroughThePixels) {
         const double expected_m = cast_m(rays, scene, from, ray_W);
         const double depth_m = depths[pixel_at(column, row)];
         ++compared;
-        // Half a millimetre of rounding; the renderer's planes are in single precision.
+        // Permits half a millimetre of rounding. The renderer's planes have single precision.
         if (std::abs(depth_m - expected_m) > 0.0005 + 2e-5 * expected_m) ++different;
       }
     }
   }
-  // The renderer rounds corners to 1/4096 pixel, so the centres of a few pixels are on the other side of an edge.
+  // The renderer rounds corners to 1/4096 pixel, so a few pixel centres are on the other side of an edge.
   EXPECT_LE(different, compared / 2000) << "of " << compared;
 }
 
@@ -110,7 +108,7 @@ TEST(GroundTruth, DepthsFollowTheLens) {
       if (std::abs(depth_m - expected_m) > 0.0005 + 2e-5 * expected_m) ++different;
     }
   }
-  // Next to an edge, the nearest pixel of the undistorted picture may show the other face.
+  // At an edge, the nearest pixel of the undistorted picture may show the other face.
   EXPECT_LE(different, kFormat.width * kFormat.height / 33);
 }
 
@@ -136,7 +134,7 @@ TEST(GroundTruth, DepthNoiseGrowsWithTheSquareOfTheDepth) {
   EXPECT_NE(depths_m(truth, pose({0.0, 0.0, 1.0}), 4), depths);
 }
 
-/// Returns the box around all pixels that are not black, and their number.
+/// Returns the box around all pixels that are not black, and the number of these pixels.
 std::pair<PixelBox, int> bright_pixels(const scene::Scene& scene, const Pose& from) {
   Renderer renderer(scene, kFormat, 0.0);
   const auto image = picture(renderer, from);
@@ -230,7 +228,7 @@ TEST(GroundTruth, MarksOtherDronesButNotItsOwn) {
   EXPECT_EQ(seen[0].kind, SceneObject::Kind::drone);
   EXPECT_EQ(seen[0].name, "drone[2]");
   EXPECT_DOUBLE_EQ(seen[0].distance_m, Eigen::Vector3d(0.97, 0.2, 0.1).norm());
-  // The left end is that of the left front rotor's disc.
+  // The left end is the left front rotor's disc.
   const double arm_m = scene.drone.arm_m;
   const double slope = (0.2 + (1.0 + kRotorRadiusOverArm) * arm_m) / (0.97 - arm_m);
   EXPECT_NEAR(seen[0].box.left, 0.5 * kFormat.width - kFormat.focal_length_px() * slope, 1.0);

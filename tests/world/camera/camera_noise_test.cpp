@@ -53,7 +53,7 @@ double correlation(const std::vector<float>& a, const std::vector<float>& b, dou
   return sum / (static_cast<double>(a.size()) * variance);
 }
 
-// The bounds below are five standard errors for n = 10^6 samples of a normal distribution: mean 1/sqrt(n), variance
+// The bounds are five standard errors for n = 10^6 samples of a normal distribution: mean 1/sqrt(n), variance
 // sqrt(2/n), skewness sqrt(6/n), kurtosis sqrt(24/n), correlation 1/sqrt(n).
 constexpr int kNoisySize = 1000;
 constexpr double kFive = 5.0 / kNoisySize;
@@ -64,7 +64,7 @@ TEST(CameraNoise, IsGaussianWithTheStatedDeviation) {
   EXPECT_NEAR(m.mean / 2.0, 0.0, kFive);
   EXPECT_NEAR(m.variance / 4.0, 1.0, kFive * std::sqrt(2.0));
   EXPECT_NEAR(m.skewness, 0.0, kFive * std::sqrt(6.0));
-  // The table has no tails beyond 3.7 standard deviations, which reduces the kurtosis of 3 by 0.01.
+  // The table ends at 3.7 standard deviations, which reduces the kurtosis of 3 by 0.01.
   EXPECT_NEAR(m.kurtosis, 2.99, 0.01 + kFive * std::sqrt(24.0));
 }
 
@@ -74,7 +74,7 @@ TEST(CameraNoise, FollowsTheNormalDistributionFunction) {
   for (double x = -3.0; x <= 3.0; x += 0.5) {
     const double below = static_cast<double>(std::count_if(all.begin(), all.end(), [=](float v) { return v < x; }));
     const double expected = 0.5 * std::erfc(-x / std::sqrt(2.0));
-    // The bound is five standard errors of a share, plus half a step of the table of 4096 values.
+    // Five standard errors of a share, plus half a step of the table of 4096 values.
     const double bound = 5.0 * std::sqrt(expected * (1.0 - expected)) / kNoisySize + 0.5 / 4096;
     EXPECT_NEAR(below / (kNoisySize * static_cast<double>(kNoisySize)), expected, bound) << "below " << x;
   }
@@ -126,7 +126,7 @@ TEST(CameraNoise, SaturatesAtBlackAndWhite) {
     for (int row = 0; row < 100; ++row) white += seen.at(column, row) == 255 ? 1 : 0;
     for (int row = 220; row < 320; ++row) black += seen.at(column, row) == 0 ? 1 : 0;
   }
-  // P(noise >= -0.5 grey) for a deviation of 5; bounds are five standard errors.
+  // P(noise >= -0.5 grey) for a standard deviation of 5. The bounds are five standard errors.
   const double share = 0.5 * std::erfc(-0.1 / std::sqrt(2.0));
   EXPECT_NEAR(white / 32000.0, share, 5.0 * 0.5 / std::sqrt(32000.0));
   EXPECT_NEAR(black / 32000.0, share, 5.0 * 0.5 / std::sqrt(32000.0));

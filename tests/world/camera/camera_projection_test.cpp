@@ -16,8 +16,7 @@ using Eigen::Vector3d;
 using testing::Picture;
 using testing::pose;
 
-/// Returns a scene in which the gate's front is white and everything else is black. The sun is in front of the gate,
-/// and is the only light.
+/// Returns a scene in which only the gate's front is white. The sun is the only light, and is in front of the gate.
 scene::Scene white_front(const scene::Gate& gate) {
   scene::Scene scene = testing::dark_scene();
   scene.lighting.ambient = 0.0;
@@ -28,7 +27,7 @@ scene::Scene white_front(const scene::Gate& gate) {
   return scene;
 }
 
-/// Returns the four corners of a square with this edge in the plane of the gate's front, in order.
+/// Returns the corners of a square with this edge in the plane of the gate's front, in order.
 std::array<Vector3d, 4> front_square(const scene::Gate& gate, double edge_m) {
   const Vector3d x(std::cos(gate.yaw_rad), std::sin(gate.yaw_rad), 0.0);
   const Vector3d y(-std::sin(gate.yaw_rad), std::cos(gate.yaw_rad), 0.0);
@@ -38,7 +37,6 @@ std::array<Vector3d, 4> front_square(const scene::Gate& gate, double edge_m) {
           middle - h * y - h * Vector3d::UnitZ(), middle + h * y - h * Vector3d::UnitZ()};
 }
 
-/// A line in the picture: point and direction.
 struct Line {
   Vector2d point, direction;
 };
@@ -95,8 +93,8 @@ TEST(CameraProjection, CornersOfAGateLandOnTheirAnalyticPixels) {
       for (int i = 0; i < 4; ++i) {
         const Line before = fitted_edge(seen, expected[(i + 3) % 4], expected[i]);
         const Line after = fitted_edge(seen, expected[i], expected[(i + 1) % 4]);
-        // The position of a crossing is known to one pixel. A line that is fitted to over 80 crossings has an error of
-        // about 0.29 * 2 / sqrt(80) = 0.06 pixel (one sigma) at its end.
+        // A crossing is known to one pixel. A line that is fitted to over 80 crossings has an error of about 0.29 * 2 /
+        // sqrt(80) = 0.06 pixel (one sigma) at its end.
         EXPECT_LT((crossing(before, after) - expected[i]).norm(), 0.2) << "edge " << edge_m << " m, corner " << i;
       }
     }
@@ -121,11 +119,12 @@ TEST(CameraProjection, AreaOfAGateFrontIsItsProjectedArea) {
   };
   const Picture seen = testing::picture(renderer, from);
   const auto white = std::count(seen.pixels.begin(), seen.pixels.end(), 255);
-  // About 2000 boundary pixels, each inside or outside at random: 0.29 sqrt(2000) = 13 pixels (one sigma).
+  // About 2000 pixels at the boundary are inside or outside at random: 0.29 sqrt(2000) = 13 pixels (one sigma).
   EXPECT_NEAR(static_cast<double>(white), area(gate.outer_m) - area(gate.inner_m), 50.0);
 }
 
-/// Returns where a row of grey levels crosses `middle`, in either direction, next to `near`, to a fraction of a pixel.
+/// Returns the position next to `near` at which a row of grey levels crosses `middle` in either direction. The position
+/// has a fraction.
 std::optional<double> transition(const std::vector<double>& grey, double middle, double near) {
   std::optional<double> best;
   for (std::size_t i = 0; i + 1 < grey.size(); ++i) {
@@ -146,7 +145,7 @@ TEST(CameraProjection, CheckersOnTheGroundChangeWherePerspectivePutsThem) {
   const Pose from = pose({0.13, 0.21, 1.0});
   const Picture seen = testing::picture(renderer, from);
 
-  // Tests a column, which crosses the lines x = k scale. The column must not be parallel to a line y = k scale.
+  // Tests a column, which crosses the lines x = k scale. The column is not parallel to a line y = k scale.
   const int column = 165;
   const double lateral_per_depth = -(column + 0.5 - 160.0) / f;
   std::vector<double> down(320);
@@ -159,7 +158,7 @@ TEST(CameraProjection, CheckersOnTheGroundChangeWherePerspectivePutsThem) {
     const double expected = 160.0 + f * from.p_WC_m.z() / depth;
     const auto found = transition(down, 125.0, expected);
     ASSERT_TRUE(found);
-    // A pixel covers up to a tenth of a square; interpolation between two pixels leaves part of that as error.
+    // A pixel covers up to a tenth of a square. Interpolation between two pixels leaves a part of this as an error.
     EXPECT_NEAR(*found, expected, 0.3) << "line x = " << k * kScale;
     ++checked;
   }
@@ -185,8 +184,8 @@ TEST(CameraProjection, CheckersOnTheGroundChangeWherePerspectivePutsThem) {
   EXPECT_GE(checked, 15);
 }
 
-/// Returns the grey level that a ray from `origin` hits. Intersects the solids themselves (slabs) in double precision,
-/// without the renderer's code.
+/// Returns the grey level of the surface that a ray from `origin` meets. Intersects the solids directly (slabs) in
+/// double precision, without the renderer's code.
 class RayCaster {
  public:
   explicit RayCaster(const scene::Scene& scene) : scene_(scene), boxes_(scene.boxes) {
@@ -258,8 +257,8 @@ TEST(CameraProjection, EveryPixelSeesWhatARayThroughItsCentreMeets) {
         wrong += std::abs(seen.at(column, row) - expected) > 0.51 ? 1 : 0;
       }
     }
-    // Corners are rounded to 1/4096 pixel, so about one of some 3000 edge pixels may fall on the other side. If the
-    // camera almost touches a face, single precision affects a few more.
+    // Corners are rounded to 1/4096 pixel, so about one of 3000 edge pixels may be on the other side. If the camera
+    // almost touches a face, single precision affects a few more.
     EXPECT_LE(wrong, 8) << "pose " << place;
     ++place;
   }
@@ -278,7 +277,7 @@ TEST(CameraProjection, PatternOfASlantedWallLiesWhereRaysMeetIt) {
   const double f = intrinsics.focal_length_px();
   Renderer renderer(scene, intrinsics, 0.0);
   for (const Pose& from : {pose({0.3, -0.6, 1.2}, 0.1, 0.1, 0.5), pose({0.0, 0.5, 0.7}, -0.3, -0.4, -1.1)}) {
-    // Returns 200 or 50 if the ray hits the side towards the camera, 0 otherwise.
+    // Returns 200 or 50 if the ray meets the side towards the camera, otherwise 0.
     const auto expected = [&](double x_px, double y_px) {
       const Vector3d ray = from.R_WC * Vector3d(1.0, (160.0 - x_px) / f, (160.0 - y_px) / f);
       const Vector3d x(std::cos(wall.yaw_rad), std::sin(wall.yaw_rad), 0.0);
@@ -295,7 +294,7 @@ TEST(CameraProjection, PatternOfASlantedWallLiesWhereRaysMeetIt) {
     for (int row = 3; row < 317; ++row) {
       for (int column = 3; column < 317; ++column) {
         const int middle = expected(column + 0.5, row + 0.5);
-        // Pixels near a line between squares are averages.
+        // Skips pixels near a line between squares, because they are averages.
         bool plain = middle > 0;
         for (const int dx : {-3, 0, 3}) {
           for (const int dy : {-3, 0, 3}) plain = plain && expected(column + 0.5 + dx, row + 0.5 + dy) == middle;

@@ -56,7 +56,7 @@ TEST(Camera, LightFollowsLambert) {
     Renderer renderer(scene, {}, 0.0);
     const Picture seen = testing::picture(renderer, pose({0.0, 0.0, 1.0}));
     const double cosine = std::max(0.0, std::cos(turn));
-    // The tolerance is that of rounding to a whole grey level.
+    // Permits rounding to a whole grey level.
     EXPECT_NEAR(seen.at(160, 160), 200.0 * (0.3 + 0.6 * cosine), 0.51) << "turn " << turn;
   }
 }
@@ -134,7 +134,7 @@ TEST(Camera, RenderingNeedsNoHeap) {
 }
 
 TEST(Camera, OddSizesAreRenderedToo) {
-  // A picture of another size with the same focal length shows the same central part.
+  // A picture of another size with the same focal length shows the same middle part.
   const Intrinsics large{320, 320, 1.51844};
   const double f = large.focal_length_px();
   const Intrinsics small{258, 34, 2.0 * std::atan(0.5 * 258 / f)};

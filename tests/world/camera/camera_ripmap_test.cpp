@@ -24,7 +24,7 @@ TEST(CameraTexture, EveryLevelHasTheMeanOfTheTile) {
       for (int y = 0; y < 16; ++y) {
         for (int x = 0; x < 16; ++x) exact += ripmap.texel(0, 0, x, y) / 256.0;
       }
-      // The tolerance allows for two roundings to whole grey levels.
+      // Permits two roundings to whole grey levels.
       EXPECT_NEAR(sum / ((16 >> lu) * (16 >> lv)), exact, 1.0) << lu << ", " << lv;
     }
   }
@@ -89,7 +89,7 @@ TEST(CameraTexture, StripesChangeEachWidthAlongTheFirstAxis) {
   }
 }
 
-/// Returns the ground with squares of 5 cm, seen from a height of 1 m after moving north-east by `way_m`.
+/// Returns the ground with squares of 5 cm, seen from a height of 1 m, `way_m` farther north-east.
 testing::Picture ground_from(Renderer& renderer, double way_m, double yaw_rad) {
   return testing::picture(renderer, testing::pose({way_m, 0.6 * way_m, 1.0}, yaw_rad));
 }
@@ -111,15 +111,15 @@ TEST(CameraTexture, FarGroundFadesToItsMeanInsteadOfShimmering) {
         difference += std::abs(first.at(column, row) - 120.0);
       }
     }
-    // A single sample per pixel would differ from the mean by 80, and between pictures by about 40.
+    // A single sample per pixel would differ by 80 from the mean, and by about 40 between pictures.
     EXPECT_LT(difference / pixels, 4.0) << "yaw " << yaw_rad;
     EXPECT_LT(change / pixels, 4.0) << "yaw " << yaw_rad;
   }
 }
 
 TEST(CameraTexture, GroundAcrossTheViewIsNotSmearedAlongTheView) {
-  // Stripes along the view are 50 cm wide. At 8 m a pixel covers 5 cm x 38 cm: averaging over the longer side in both
-  // directions would remove most of their contrast.
+  // Stripes along the view are 50 cm wide. At 8 m, a pixel covers 5 cm x 38 cm. Averaging over the longer side in both
+  // directions would remove most of the contrast.
   scene::Scene scene = testing::dark_scene();
   scene.ground.half_size_m = 100.0;
   scene.ground.texture = testing::patterned(Kind::checker, 200.0, 40.0, 0.5);

@@ -27,7 +27,7 @@ inline scene::Texture patterned(scene::Texture::Kind kind, double light, double 
   return texture;
 }
 
-/// Returns a scene with black ground and background, and with white light from all directions.
+/// Returns a scene with black ground and background, and white light from all directions.
 inline scene::Scene dark_scene() {
   scene::Scene scene;
   scene.ground.texture = uniform(0.0);
@@ -68,7 +68,6 @@ inline scene::Scene room() {
   return scene;
 }
 
-/// Returns the room with a pattern on every surface.
 inline scene::Scene patterned_room() {
   using Kind = scene::Texture::Kind;
   scene::Scene scene = room();
@@ -88,7 +87,8 @@ inline Pose pose(const Eigen::Vector3d& p_WC_m, double yaw_rad = 0.0, double pit
                       .toRotationMatrix()};
 }
 
-/// Returns poses that reveal errors early: in a gate's opening, on the ground, against a wall, above, upside down.
+/// Returns poses that are likely to reveal errors: in a gate's opening, on the ground, against a wall, above, upside
+/// down.
 inline std::vector<Pose> awkward_poses() {
   return {
       pose({0.0, 0.0, 1.0}),
@@ -125,7 +125,7 @@ inline int differing_pixels(const Picture& a, const Picture& b) {
   return count;
 }
 
-/// Returns column and row of a point of the world in the picture; the point must be in front of the camera.
+/// Returns column and row of a point of the world in the picture. The point must be in front of the camera.
 inline Eigen::Vector2d projected(const Eigen::Vector3d& p_W_m, const Pose& from, const Intrinsics& intrinsics) {
   const Eigen::Vector3d p_C = from.R_WC.transpose() * (p_W_m - from.p_WC_m);
   const double f = 0.5 * intrinsics.width / std::tan(0.5 * intrinsics.horizontal_field_of_view_rad);

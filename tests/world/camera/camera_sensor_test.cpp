@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests lens and sensor: each effect alone, compared with its formula.
+// Tests lens and sensor. Compares each effect alone with its formula.
 #include "camera/sensor.hpp"
 #include "camera_scenes.hpp"
 #include "mebots/error.hpp"
@@ -42,7 +42,7 @@ double mean_of(const Picture& picture) {
          static_cast<double>(picture.pixels.size());
 }
 
-/// Returns a wall of one grey level that fills the view.
+/// Returns a wall of one grey level. The wall fills the view.
 scene::Scene grey_wall(double grey) {
   scene::Scene scene = testing::dark_scene();
   scene.boxes = {{"wall", {3.0, 0.0, 1.0}, {0.1, 40.0, 40.0}, 0.0, testing::uniform(grey)}};
@@ -50,14 +50,13 @@ scene::Scene grey_wall(double grey) {
   return scene;
 }
 
-/// Returns a white upright strip on black, straight ahead.
+/// Returns a white vertical strip on black, straight ahead.
 scene::Scene strip(double left_m = 0.0) {
   scene::Scene scene = grey_wall(0.0);
   scene.boxes.push_back({"strip", {2.8755, left_m, 1.0}, {0.001, 0.1, 6.0}, 0.0, testing::uniform(200.0)});
   return scene;
 }
 
-/// Returns the centre of the white pixels in a row.
 double centre_of(const Picture& picture, int row) {
   double sum = 0.0;
   double weight = 0.0;
@@ -97,7 +96,7 @@ TEST(CameraLens, BendsRaysAsBrownsFormulaSays) {
       Sensor sensor(strip(left_m), {}, {k1, k2, 0.0}, {});
       const Picture seen = taken(sensor, still(pose(kEye)));
       const double f = Intrinsics{}.focal_length_px();
-      // The strip's nearer side, seen at the height of the camera.
+      // The strip's nearer side at the camera's height.
       const double r = left_m / 2.875;
       const double bent = r * (1.0 + k1 * r * r + k2 * r * r * r * r);
       EXPECT_NEAR(centre_of(seen, 160), 160.0 - f * bent, 0.6) << k1 << " " << left_m;
@@ -156,7 +155,7 @@ TEST(CameraSensor, MotionBlurIsAsWideAsTheTurnWhileItIsExposed) {
   const double way_px = Intrinsics{}.focal_length_px() * std::tan(rate * settings.exposure_s);
   EXPECT_NEAR(wide - narrow, way_px, 1.5);
   EXPECT_NEAR(light, same_light, 200.0);  // a pixel at a sharp edge is inside or outside
-  // One sample is taken at the middle of the exposure.
+  // The only sample is at the middle of the exposure.
   EXPECT_NEAR(centre_of(seen, 160), centre_of(instant, 160), 0.5);
 }
 
@@ -167,7 +166,7 @@ TEST(CameraSensor, ARollingShutterLeansWhatIsUprightByTheTimeOfItsRows) {
   Sensor sensor(strip(), {}, {}, settings);
   const Picture seen = taken(sensor, turning(rate));
   const double f = Intrinsics{}.focal_length_px();
-  // Turning left moves the strip to the right.
+  // A rotation to the left moves the strip to the right.
   for (const int row : {20, 100, 160, 300}) {
     const double band_middle = (row / 8) * 8 + 3.5;
     EXPECT_NEAR(centre_of(seen, row), 160.0 + f * std::tan(rate * settings.line_time_s * band_middle), 0.6) << row;
@@ -198,7 +197,7 @@ TEST(CameraSensor, ShotNoiseHasTheVarianceOfCountedElectrons) {
       for (const std::uint8_t pixel : seen.pixels) square += (pixel - grey) * (pixel - grey);
       const double variance = square / static_cast<double>(seen.pixels.size());
       // n = grey / gain x well / 255 electrons, each of 255 gain / well grey levels: variance grey x gain x 255 / well.
-      // Rounding adds 1/12. With 102,400 pixels the variance is accurate to 0.5 % (one standard deviation).
+      // Rounding adds 1/12. With 102,400 pixels, the variance is accurate to 0.5 % (one standard deviation).
       const double expected = 1.5 * 1.5 + grey * gain * 255.0 / 7400.0 + 1.0 / 12.0;
       EXPECT_NEAR(variance, expected, 0.02 * expected) << grey << " " << gain;
     }

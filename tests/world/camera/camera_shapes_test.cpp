@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests pitched boxes, cylinders, meshes, picture textures and moving bodies as seen by the camera.
+// Tests the camera's view of pitched boxes, cylinders, meshes, picture textures and moving bodies.
 #include "camera/tile.hpp"
 #include "camera_scenes.hpp"
 #include "math/rotation.hpp"
@@ -27,7 +27,7 @@ TEST(CameraShapes, APitchedBoxCoversWhatItsCornersProjectTo) {
   Renderer renderer(scene, {}, 0.0);
   const Pose from = pose({0.0, 0.0, 1.0});
   const Picture seen = testing::picture(renderer, from);
-  // Points of its upper face: bright inside, dark outside of the edges.
+  // Points of the plate's upper face: bright inside, dark outside of the edges.
   const Eigen::Quaterniond turned = rotation_of({0.0, -1.0, 0.0});
   for (const double a : {-0.93, -0.4, 0.0, 0.7, 0.93}) {
     for (const double b : {-0.95, 0.1, 0.95}) {
@@ -53,8 +53,8 @@ TEST(CameraShapes, ACylinderIsAsWideAsItsDiameter) {
   const Picture seen = testing::picture(renderer, pose({0.0, 0.0, 1.0}));
   int columns = 0;
   for (int column = 0; column < 320; ++column) columns += seen.at(column, 160) == 200 ? 1 : 0;
-  // Rays that graze a circle of radius r at distance d: r / sqrt(d^2 - r^2) on each side. 32 sides are at most half a
-  // per cent narrower; the centre of a pixel is inside or outside.
+  // Rays that graze a circle of radius r at distance d: r / sqrt(d^2 - r^2) on each side. With 32 sides, the cylinder
+  // is at most half a per cent narrower. The centre of a pixel is inside or outside.
   const double wide_px = 2.0 * Intrinsics{}.focal_length_px() * 0.5 / std::sqrt(16.0 - 0.25);
   EXPECT_LE(columns, wide_px + 1.0);
   EXPECT_GE(columns, 0.995 * wide_px - 1.0);
@@ -76,12 +76,12 @@ TEST(CameraShapes, AMeshLooksAsTheBoxOfItsShapeFromEverywhere) {
   Renderer meshes(of_mesh, {}, 0.0);
   for (double turn = 0.0; turn < 6.2; turn += 0.7) {
     const Pose from = pose({2.0 - 1.2 * std::cos(turn), 0.3 - 1.2 * std::sin(turn), 1.2}, turn, 0.1);
-    // The two halves of a side share an edge exactly; only rounding at the silhouette differs.
+    // Both triangles of a side have exactly the same edge. Only rounding at the silhouette differs.
     EXPECT_LE(testing::differing_pixels(testing::picture(boxes, from), testing::picture(meshes, from)), 3) << turn;
   }
 }
 
-/// Returns a picture whose left half is black and whose right half is white. Its upper left quarter is grey.
+/// Returns a picture with a black left half and a white right half. Its upper left quarter is grey.
 std::shared_ptr<const scene::Picture> quarters() {
   scene::Picture picture{8, 4, {}};
   for (int row = 0; row < 4; ++row) {
@@ -115,7 +115,7 @@ TEST(CameraShapes, APictureIsUprightAndFitsTheSideThatIsAsWide) {
 }
 
 TEST(CameraShapes, TextureCoordinatesOfAMeshPutThePictureWhereTheySay) {
-  // A triangle with the picture's lower left half, rotated by a quarter turn.
+  // The triangle shows the picture's lower left half, rotated by a quarter turn.
   scene::Mesh mesh;
   scene::Texture texture;
   texture.kind = scene::Texture::Kind::picture;

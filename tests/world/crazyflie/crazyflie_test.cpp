@@ -49,8 +49,8 @@ TEST(CrazyfliePid, AnAngleGoesTheShortWay) {
 }
 
 TEST(CrazyflieMotors, TurnTheDroneInTheRequestedDirection) {
-  // A positive roll (to the right) requires more thrust of the left rotors, 3 and 4. A positive pitch (nose down)
-  // requires more thrust of the rear rotors, 2 and 3.
+  // Positive roll (to the right) requires more thrust of the left rotors, 3 and 4. Positive pitch (nose down) requires
+  // more thrust of the rear rotors, 2 and 3.
   const auto torque_of = [](const crazyflie::Demand& demand) {
     const auto drone = shipped_scene("empty").drone;
     RotorValues thrust = crazyflie::distributed(demand);
@@ -75,7 +75,7 @@ TEST(CrazyflieMotors, AMotorBeyondFullLowersAllFour) {
   EXPECT_THAT(crazyflie::capped({0.5, -0.1, 0.5, 0.5}), ElementsAre(0.5, 0.0, 0.5, 0.5));
 }
 
-/// Returns the thrust of a rotor at its motor's voltage, by the firmware's cubic for the propellers.
+/// Returns the thrust of a rotor at a motor voltage by the firmware's cubic.
 double thrust_n(const crazyflie::ThrustOverVoltage& rotor, double v) {
   return rotor.constant_n + rotor.linear_n_per_v * v + rotor.square_n_per_v2 * v * v + rotor.cubic_n_per_v3 * v * v * v;
 }
@@ -92,7 +92,7 @@ TEST(CrazyflieMotors, CompensationGivesTheVoltageThatThePublishedCubicHasForAThr
   }
 }
 
-// Bitcraze's table for the 2.1+ has 0.1067 N at 2.93 V (rotor file crazyflie_21plus, steady_speed and
+// Bitcraze's table for the 2.1+ contains 0.1067 N at 2.93 V (rotor file crazyflie_21plus, steady_speed and
 // thrust_coefficient).
 TEST(CrazyflieMotors, PropellersOfThe21PlusNeedMoreVoltageForAThrust) {
   const auto voltage_for = [](Propellers propellers) {
@@ -117,7 +117,8 @@ TEST(CrazyflieLowPass, LetsThroughWhatIsSlowAndHalvesThePowerAtItsCutoff) {
                                                        // %
 }
 
-/// Passes readings without noise to the filter: those of a drone that flies level at v (body axes) at the height h.
+/// Updates the filter with readings without noise: those of a drone in level flight with the velocity v (body axes) at
+/// the height h.
 void fly_level(Kalman& filter, const scene::FlowData& flow, const Vector3d& v, double h_m, double seconds) {
   const Vector3d force{0.0, 0.0, kGravity_m_per_s2};
   const int count = static_cast<int>(std::lround(100.0 * seconds));
@@ -139,7 +140,7 @@ TEST(CrazyflieKalman, FindsVelocityAndHeightFromFlowAndDistance) {
   fly_level(filter, flow, {0.5, -0.2, 0.0}, 1.0, 30.0);
   EXPECT_LT((filter.velocity_W_m_per_s() - Vector3d(0.5, -0.2, 0.0)).norm(), 0.01);
   EXPECT_NEAR(filter.position_m().z(), 1.0, 1e-3);
-  // No sensor measures the position. It is the integral of the estimated velocity, which is wrong at first.
+  // No sensor measures the position. The filter integrates the estimated velocity, which is wrong at first.
   EXPECT_NEAR(filter.position_m().x(), 2.0 + 0.5 * 30.0, 1.0);
   EXPECT_LT(filter.deviation(3), 0.2);
   EXPECT_GT(filter.deviation(0), 1.0);
@@ -167,7 +168,7 @@ TEST(CrazyflieKalman, FollowsTheGyroscopeThroughAWholeTurn) {
   EXPECT_NEAR(filter.attitude().angularDistance(Eigen::Quaterniond::Identity()), 0.0, 1e-6);
 }
 
-/// Returns the parameters of a real Crazyflie: the firmware's controller uses the estimate, with the noise of the IMU.
+/// Returns the parameters of a real Crazyflie: the firmware's controller uses the estimate. The IMU is noisy.
 test::RigParameters own() {
   test::RigParameters p = FlightRig::small_camera();
   p.stabiliser_controller = FlightController::crazyflie;
@@ -193,7 +194,7 @@ void expect_a_landing(FlightRig& rig) {
 }
 
 TEST(CrazyflieEstimate, AFlightAcrossTimeZeroIsThatOfAnyOtherTime) {
-  // 100 ms are a whole number of periods of every sensor and of the controller; without noise nothing else depends on
+  // 100 ms are a whole number of periods of every sensor and of the controller. Without noise, nothing else depends on
   // time.
   constexpr std::int64_t kMillisecond = 1'000'000;
   test::RigParameters p = own();
@@ -241,7 +242,7 @@ TEST(CrazyflieController, TakesOffFliesAndLandsOnItsOwnEstimate) {
   expect_a_landing(rig);
 }
 
-/// The firmware's filter trusts its distance sensor: it has no test for impossible values.
+/// The firmware's filter does not check whether a distance is plausible.
 TEST(CrazyflieEstimate, TakesTheLowerBeamOfAGateForTheGround) {
   test::RigParameters p = own();
   p.start_offset_m = {0.0, 0.25, 0.0};

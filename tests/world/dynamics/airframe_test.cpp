@@ -22,7 +22,7 @@ TEST(Airframe, EqualThrustsLiftWithoutTurning) {
 }
 
 TEST(Airframe, MoreThrustOnTheLeftRollsToTheRight) {
-  // Rotors 3 (rear left) and 4 (front left); right-handed about x forward: left side up.
+  // Rotors 3 (rear left) and 4 (front left). Roll is right-handed about x forward: the left side rises.
   const Wrench w = rotor_wrench(airframe_drone(), {0.0, 0.0, 0.1, 0.1}, {});
   EXPECT_DOUBLE_EQ(w.torque_n_m.x(), 0.2 * airframe_drone().arm_m);
   EXPECT_EQ(w.torque_n_m.y(), 0.0);
@@ -36,7 +36,7 @@ TEST(Airframe, MoreThrustAtTheRearPitchesNoseDown) {
 }
 
 TEST(Airframe, ClockwiseRotorsTurnTheBodyToTheLeft) {
-  // Rotors 1 and 3 turn counter-clockwise seen from above, so the torque of rotors 2 and 4 on the body is positive yaw.
+  // Rotors 1 and 3 turn counter-clockwise seen from above, so rotors 2 and 4 exert a positive yaw torque on the body.
   EXPECT_DOUBLE_EQ(rotor_wrench(airframe_drone(), {}, {0.0, 1e-3, 0.0, 1e-3}).torque_n_m.z(), 2e-3);
   EXPECT_DOUBLE_EQ(rotor_wrench(airframe_drone(), {}, {1e-3, 0.0, 1e-3, 0.0}).torque_n_m.z(), -2e-3);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Tests a drone that comes down without a landing: its phase, its event and its outputs.
+// Tests a drone that descends to the ground without a landing: its phase, its event and its outputs.
 #include "flight/ground_contact.hpp"
 #include "support/flight_rig.hpp"
 
@@ -69,10 +69,10 @@ TEST(GroundContact, IsNoDescentForADroneThatWasOnTheGround) {
   EXPECT_FALSE(contact.has_landed()) << "it has landed";
 }
 
-/// After a fall from this height, a bounce is below 10 cm.
+/// After a fall from this height, bounces are below 10 cm.
 constexpr double kFall_m = 0.3;
 
-/// A low flight in still air without drag. From t = 0 on, the thrust of the rotors is `share` of the weight.
+/// A low flight in still air without drag. From t = 0 on, the thrust is `share` of the weight.
 struct WeakFlight {
   static scene::Scene scene() {
     auto made = shipped_scene("empty");

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests effects that are disabled unless a parameter enables them: spinning rotors, ground effect, gusts, the link,
-// inertial sensors.
+// Tests effects that parameters enable: spinning rotors, ground effect, gusts, the link, inertial sensors.
 #include "mebots/error.hpp"
 #include "support/flight_rig.hpp"
 #include "support/same_state.hpp"
@@ -23,7 +22,7 @@ TEST(SpinTorque, DoesNoWorkAndIsMinusRateCrossMomentum) {
   const Vector3d rate{0.7, -1.1, 2.0};
   const Vector3d torque = spin_torque(7e-8, speed, {}, rate);
   EXPECT_NEAR(torque.dot(rate), 0.0, 1e-20);
-  // Rotors 1 and 3 turn counter-clockwise seen from above: along +z.
+  // Rotors 1 and 3 turn counter-clockwise seen from above, which is along +z.
   const Vector3d momentum{0.0, 0.0, 7e-8 * (2000 - 1900 + 2100 - 1700)};
   EXPECT_TRUE(torque.isApprox(-rate.cross(momentum), 1e-12));
 }
@@ -69,7 +68,7 @@ TEST(Dryden, HasItsIntensityAndItsLength) {
     }
     return sum / static_cast<double>(kCount - lag);
   };
-  // tau = L / V = 0.5 s: 4000 s contain some thousands of independent gusts, so a variance is accurate to 2 or 3 %.
+  // tau = L / V = 0.5 s. 4000 s contain some thousands of independent gusts, so a variance is accurate to 2 or 3 %.
   const double tau_s = 0.5;
   for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(correlation(axis, 0), 2.25, 0.2) << axis;
   for (const int lag : {10, 25, 50, 100}) {
@@ -91,8 +90,8 @@ TEST(Dryden, IsTheSameWhateverTheSteps) {
 }
 
 TEST(Dryden, BlowsBeforeTimeZeroAsAfter) {
-  // Periods of 10 ms, one of which starts at 0. The gust is constant within a period and changes between periods with
-  // tau = 5 s.
+  // Periods of 10 ms, one of which starts at 0. The gust is constant in a period, and changes between periods with tau
+  // = 5 s.
   Dryden gusts({1.0, 5.0, 1.0, 3});
   Vector3d last = gusts.at(-10'000'000'000);
   double sum = 0.0;
@@ -134,7 +133,7 @@ TEST(Dryden, NamesSpeedAndLengthThatNoFilterCanHave) {
   EXPECT_THAT([] { Dryden({1.0, 1e15, 0.01, 3}); }, named);
   EXPECT_THAT([] { Dryden({1.0, 0.001, 1e300, 3}); }, named);
   EXPECT_THAT([] { Dryden({1.0, 0.001, 1e10, 3}); }, named);
-  // At the limits there are still gusts. Without gusts, the values are not checked.
+  // At the limits, there are still gusts. Without gusts, the values are not checked.
   for (const auto& [length_m, speed_m_per_s] : {std::pair{5e11, 1.0}, std::pair{0.001, 5e8}}) {
     Dryden gusts({1.0, length_m, speed_m_per_s, 3});
     gusts.at(0);
@@ -156,7 +155,7 @@ TEST(Link, ASetpointArrivesAfterItsLatencyAndInOrder) {
 }
 
 TEST(Link, LatencyShiftsAFlightInTime) {
-  // A take-off that starts a tenth of a second later has the same bits.
+  // A take-off that starts a tenth of a second later must have the same bits.
   test::RigParameters late = FlightRig::small_camera();
   late.setpoint_latency_s = 0.1;
   FlightRig delayed(shipped_scene("empty"), late);

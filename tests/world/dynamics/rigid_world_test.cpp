@@ -16,7 +16,6 @@ namespace {
 constexpr double kMass_kg = 0.04;
 const Eigen::Vector3d kNone = Eigen::Vector3d::Zero();
 
-/// A drone far above an empty ground.
 class FreeFlight : public testing::Test {
  protected:
   FreeFlight() : scene_(test::shipped_scene("empty")), inertia_(inertia_for(scene_.drone, kMass_kg)), bodies_(scene_) {
@@ -31,7 +30,7 @@ class FreeFlight : public testing::Test {
     const Eigen::Vector3d w = state_.body_rate_rad_per_s();
     return 0.5 * w.dot(inertia_.cwiseProduct(w));
   }
-  /// Returns the largest relative change of angular momentum and rotational energy in a second of tumbling without
+  /// Returns the largest relative changes of angular momentum and of rotational energy in a second of tumbling without
   /// torque.
   std::pair<double, double> drift(double dt_s) {
     state_ = {};
@@ -57,7 +56,7 @@ class FreeFlight : public testing::Test {
 TEST_F(FreeFlight, FallsAsTheSemiImplicitRuleOfFreeFallSays) {
   const double dt_s = 1e-3;
   for (int i = 0; i < 1000; ++i) bodies_.step(state_, kNone, kNone, dt_s);
-  // v is exact; z differs from -g t^2 / 2 by g t dt / 2. Tolerance: rounding of 1000 additions at 1000 m.
+  // v is exact. z differs from -g t^2 / 2 by g t dt / 2. Tolerance: rounding of 1000 additions at 1000 m.
   EXPECT_NEAR(state_.v_WB_m_per_s.z(), -kGravity_m_per_s2, 1e-11);
   EXPECT_NEAR(state_.p_WB_m.z(), 1000.0 - 0.5 * kGravity_m_per_s2 * (1.0 + dt_s), 1e-9);
   EXPECT_EQ(state_.p_WB_m.head<2>().norm(), 0.0);
@@ -87,7 +86,7 @@ TEST_F(FreeFlight, SpinsUpAboutAnAxisAsTorqueOverInertiaSays) {
 TEST_F(FreeFlight, TumblingKeepsMomentumAndEnergyUpToFirstOrder) {
   const auto coarse = drift(1e-3);
   const auto fine = drift(5e-4);
-  // Measured: 0.4 % and 0.2 % at 1 ms; the bound has a margin of a factor of two.
+  // Measured: 0.4 % and 0.2 % at 1 ms. The bound has a margin of a factor of two.
   EXPECT_LT(coarse.first, 1e-2);
   EXPECT_LT(coarse.second, 1e-2);
   EXPECT_NEAR(coarse.first / fine.first, 2.0, 0.1);
@@ -102,7 +101,7 @@ TEST_F(FreeFlight, ApproachesTheTerminalSpeedOfLinearDrag) {
   for (int i = 0; i < 3000; ++i, t_s += dt_s)
     bodies_.step(state_, drag_force(scene_.drone, state_, kNone), kNone, dt_s);
   const double terminal = kGravity_m_per_s2 * lag_s;
-  // Explicit Euler on v' = g - v / lag has an error of about dt / (2 lag) = 0.2 % of the difference to the terminal
+  // Explicit Euler on v' = g - v / lag has an error of about dt / (2 lag) = 0.2 % of the difference from the terminal
   // speed.
   const double exact = -terminal * (1.0 - std::exp(-t_s / lag_s));
   EXPECT_NEAR(state_.v_WB_m_per_s.z(), exact, 1e-5 * terminal);
@@ -154,7 +153,7 @@ TEST_F(FreeFlight, RefusesForcesThatAreNotFinite) {
   EXPECT_THROW(bodies_.step(state_, {0.0, 0.0, INFINITY}, kNone, 1e-3), Error);
 }
 
-/// Returns the state of a drone some steps after it has started to fall and tumble to the ground.
+/// Returns the state of a drone after some steps of falling and tumbling to the ground.
 RigidState tumble(int steps, RigidState state = {}, bool fresh = true) {
   const auto scene = test::shipped_scene("gate_easy");
   test::OneBody bodies(scene);
@@ -209,13 +208,13 @@ TEST_F(OnTheGround, FrictionHoldsAgainstLessThanTheWeightTimesMu) {
 TEST_F(OnTheGround, SlidesUnderMoreThanTheWeightTimesMu) {
   const double weight_n = kMass_kg * kGravity_m_per_s2;
   for (int i = 0; i < 200; ++i) bodies_.step(state_, {1.5 * weight_n, 0.0, 0.0}, kNone, 1e-3);
-  // a = (1.5 - mu) g with mu = 1. A margin of a tenth allows for bounces of a box that is pushed at its centre.
+  // a = (1.5 - mu) g with mu = 1. A margin of a tenth permits bounces of a box that is pushed at its centre.
   EXPECT_NEAR(state_.v_WB_m_per_s.x(), 0.5 * kGravity_m_per_s2 * 0.2, 0.1 * 0.5 * kGravity_m_per_s2 * 0.2);
 }
 
 TEST_F(OnTheGround, BouncesWithTheRestitutionThatSoftContactLeaves) {
-  // Four equal contacts share the impulse; soft_cfm makes each yield by cfm / dt per unit of impulse. Therefore the
-  // share (4 / m) / (4 / m + cfm / dt) of the required change of speed (1 + e) v is reached.
+  // Four equal contacts share the impulse. soft_cfm makes each of them yield by cfm / dt per unit of impulse. Therefore
+  // only the share (4 / m) / (4 / m + cfm / dt) of the required change of speed (1 + e) v is reached.
   for (const double dt_s : {1e-3, 1e-4}) {
     state_ = {};
     state_.p_WB_m.z() = 0.0145 + 0.05;

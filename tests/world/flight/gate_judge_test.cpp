@@ -26,7 +26,7 @@ GateFrame gate_at(double x_m, const Eigen::Matrix3d& R_WG = Eigen::Matrix3d::Ide
   return frame;
 }
 
-/// A drone that the test moves. Positions are in the frame of the first gate.
+/// A drone that the test moves. Positions are in the first gate's coordinates.
 class Puppet {
  public:
   explicit Puppet(const std::vector<GateFrame>& gates, const Eigen::Quaterniond& q_WB = Eigen::Quaterniond::Identity())
@@ -35,7 +35,7 @@ class Puppet {
     at.p_WB_m = world({-1.0, 0.0, 0.0});
   }
 
-  /// Moves the drone along a straight line in steps of a millimetre. Returns the events during this flight.
+  /// Moves the drone along a straight line in steps of a millimetre. Returns the events.
   std::vector<Kind> fly(const Eigen::Vector3d& to_G_m) {
     std::vector<Kind> kinds;
     const Eigen::Vector3d from_W_m = at.p_WB_m;
@@ -67,7 +67,7 @@ struct Pose {
   double gate_yaw_rad, gate_pitch_rad, drone_yaw_rad, drone_pitch_rad;
 };
 
-/// Flights through gates and with drones in many orientations.
+/// Tests gates and drones in many orientations.
 class AnyPose : public ::testing::TestWithParam<Pose> {
  protected:
   static Eigen::Matrix3d turned(double yaw_rad, double pitch_rad) {
@@ -117,7 +117,7 @@ TEST_P(AnyPose, ThroughAndBackRoundTheFrameIsTurnedBack) {
 }
 
 TEST_P(AnyPose, ThroughAndOnlyAHandBackIsTurnedBack) {
-  // The frame turned the drone back when its centre was a centimetre behind the plane.
+  // The frame turned the drone back when the drone's centre was a centimetre behind the plane.
   Puppet drone = puppet();
   drone.fly({0.01, 0.0, 0.0});
   EXPECT_TRUE(drone.judge.crossed());
@@ -223,7 +223,7 @@ TEST(GateJudge, OpeningEndsAtItsEdgeToATenthOfAMillimetre) {
 
 TEST(GateJudge, JudgesThePointOnThePlaneNotTheEndOfTheMove) {
   GateJudge judge({gate_at(2.0)}, kBody_m);
-  // When the drone crosses the plane, y is 0.1; at the end, y is 0.5.
+  // At the plane, y is 0.1. At the end, y is 0.5.
   EXPECT_EQ(judge.move(state_at(1.9, 0.0, 1.0), state_at(2.4, 0.5, 1.0))->kind, Kind::crossed);
   EXPECT_NEAR(judge.lateral_error_m(), 0.1, 1e-12);
 }
@@ -288,7 +288,7 @@ TEST(GateJudge, GatesCountInTheirOrder) {
 }
 
 TEST(GateJudge, ACourseMayLeadRoundAGateButNotBackThroughIt) {
-  // The second gate is next to the first and is flown in the opposite direction.
+  // The second gate is next to the first gate. Its direction of flight is opposite.
   const Eigen::Matrix3d back = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   GateFrame second = gate_at(1.0, back);
   second.p_WG_m.y() = 2.0;

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-/// Tests contacts between the drone's box and the gate's frame, to a tenth of a millimetre. The opening is 0.40 m wide.
+/// Tests contacts between the drone's box and the gate's frame to a tenth of a millimetre. The opening is 0.40 m wide.
 /// The drone is 0.092 m wide and 0.029 m high, so the clearance is 0.154 m on each side, and 0.1855 m above and below.
 namespace mebots::world {
 namespace {
@@ -19,8 +19,8 @@ class GateGeometry : public testing::Test {
     bodies_.set_mass(0.04, inertia_for(scene_.drone, 0.04));
   }
 
-  /// True if the drone touches the gate. The drone's centre is at (x, y, z) in the gate's frame, and the drone is
-  /// aligned with the gate.
+  /// True if a drone with its centre at (x, y, z) in the gate's coordinates touches the gate. The drone is aligned with
+  /// the gate.
   bool touches(double x_m, double y_m, double z_m) {
     RigidState state;
     const auto& gate = scene_.gates[0];
@@ -89,7 +89,7 @@ TEST(GateBeams, FillTheFrameExactlyOnceForAnyYaw) {
   double volume_m3 = 0.0;
   for (const auto& beam : gate.beams()) volume_m3 += beam.size_m.prod();
   EXPECT_NEAR(volume_m3, (0.6 * 0.6 - 0.4 * 0.4) * 0.03, 1e-15);  // rounding of sums of 1e-3 m3
-  // The left upright is on the left in the flight direction.
+  // The first beam is on the left in the direction of flight.
   const Eigen::Vector3d left = yaw_rotation(gate.yaw_rad) * Eigen::Vector3d(0.0, 0.25, 0.0);
   EXPECT_TRUE(gate.beams()[0].p_W_m.isApprox(gate.p_W_m + left, 1e-12));
 }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests gates of all shapes: the volume of their frames, the area that counts as the opening, and whether the two fit
-// together.
+// Tests gates of all shapes: the volume of their frames, the area of the opening, and whether both are consistent.
 #include "dynamics/rigid_world.hpp"
 #include "flight/gate_judge.hpp"
 #include "scene/scene.hpp"
@@ -41,7 +40,7 @@ bool crosses(const scene::Gate& gate, double y_m, double z_m) {
   return event && event->kind == GateEvent::Kind::crossed;
 }
 
-/// True if a small drone at this place of the gate's plane, aligned with the gate, touches the frame.
+/// True if a small drone at this place of the gate's plane touches the frame. The drone is aligned with the gate.
 bool frame_is_at(const scene::Gate& gate, double y_m, double z_m) {
   scene::Scene scene = test::shipped_scene("empty");
   scene.gates = {gate};
@@ -49,7 +48,7 @@ bool frame_is_at(const scene::Gate& gate, double y_m, double z_m) {
   test::OneBody bodies(scene);
   RigidState state;
   state.q_WB = scene::attitude_of(gate);
-  // At the frame's front face, because triangles have no interior.
+  // Tests at the frame's front face, because a mesh has no interior.
   state.p_WB_m = gate.p_W_m + state.q_WB * Vector3d(-0.5 * gate.thickness_m, y_m, z_m);
   for (const Touch& touch : bodies.touches_at(state)) {
     if (touch.what == Touch::What::gate) return true;
@@ -75,7 +74,7 @@ TEST_P(GateShape, TheOpeningIsFreeOfTheFrameAndTheRestIsNot) {
     }
   }
   const GateFrame frame(gate);
-  // Measures areas by counting points: each point represents 0.031 x 0.037 m2.
+  // Measures areas by counting points. Each point represents 0.031 x 0.037 m2.
   const double cell_m2 = 0.031 * 0.037;
   const double sides = gate.side_count();
   const auto polygon_m2 = [&](double across_m) { return 0.25 * sides * across_m * across_m * std::tan(M_PI / sides); };
@@ -116,7 +115,7 @@ TEST(GateShapes, ARingIsClosed) {
     EXPECT_EQ(std::count(edges.begin(), edges.end(), std::pair(a, b)), 1);
     EXPECT_EQ(std::count(edges.begin(), edges.end(), std::pair(b, a)), 1);
   }
-  // By the divergence theorem, the volume is positive if normals point outwards.
+  // By the divergence theorem, the volume is positive only if normals point outwards.
   double volume_m3 = 0.0;
   for (const auto& [corners, material, tiles] : mesh.triangles) {
     volume_m3 += mesh.points_m[corners[0]].dot(mesh.points_m[corners[1]].cross(mesh.points_m[corners[2]])) / 6.0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests glTF and PNG files of a scene: their content after reading, and the messages for errors.
+// Tests reading glTF and PNG files of a scene: their content, and messages for errors.
 #include "mebots/base64.hpp"
 #include "mebots/error.hpp"
 #include "mebots/png_file.hpp"
@@ -39,7 +39,7 @@ class MeshFile : public testing::Test {
       : folder_(fs::path(testing::TempDir()) /
                 (std::string("mebots_mesh_") + testing::UnitTest::GetInstance()->current_test_info()->name())) {
     fs::create_directories(folder_);
-    // A triangle: points (x left, y up, z forward), followed by three indices.
+    // A triangle: points (x left, y up, z forward), then three indices.
     const std::vector<float> places{0, 0, 0, 1, 0, 0, 0, 2, 3};
     const std::vector<std::uint16_t> corners{0, 1, 2};
     std::vector<std::uint8_t> bytes(places.size() * 4 + corners.size() * 2);
@@ -85,7 +85,7 @@ TEST_F(MeshFile, PlacesWhatNodesHoldInEachOther) {
   gltf["nodes"] =
       json::parse(R"([{"children": [1], "translation": [0, 0, 10]}, {"mesh": 0, "rotation": [0, 1, 0, 0]}])");
   const Mesh mesh = read();
-  // The mesh is rotated by half a turn about the file's y axis, and then shifted forward by 10.
+  // The mesh is rotated by half a turn about the file's y axis, then shifted forward by 10.
   EXPECT_TRUE(mesh.points_m[1].isApprox(Eigen::Vector3d(10, -1, 0), 1e-12)) << mesh.points_m[1].transpose();
   EXPECT_TRUE(mesh.points_m[2].isApprox(Eigen::Vector3d(7, 0, 2), 1e-12)) << mesh.points_m[2].transpose();
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests objects that the drone touches and measures: pitched boxes, cylinders, meshes, moving bodies.
+// Tests contacts and distances of objects: pitched boxes, cylinders, meshes, moving bodies.
 #include "dynamics/rigid_world.hpp"
 #include "math/rotation.hpp"
 #include "mebots/error.hpp"
@@ -38,7 +38,7 @@ bool touches(const scene::Scene& scene, const RigidState& state, std::int64_t ti
   return std::any_of(found.begin(), found.end(), [](const Touch& t) { return t.what == Touch::What::obstacle; });
 }
 
-/// Releases a drone at rest and returns its state after some seconds.
+/// Releases a drone, and returns its state after some seconds.
 RigidState let_fall(const scene::Scene& scene, RigidState state, double seconds) {
   test::OneBody bodies(scene);
   bodies.set_mass(kDroneMass_kg, inertia_for(scene.drone, kDroneMass_kg));
@@ -58,7 +58,7 @@ scene::Box slope(double pitch_rad) {
 TEST(PitchedBox, IsTouchedWhereItsTurnedSurfaceIs) {
   scene::Scene scene = shipped_scene("empty");
   scene.boxes = {slope(0.3)};
-  // Nose down by 0.3 rad like the slope: the drone's underside is parallel to it.
+  // The nose is down by 0.3 rad, so the drone's underside is parallel to the slope.
   const Vector3d up_along = rotation_of({0.0, 0.3, 0.0}) * Vector3d::UnitZ();
   const auto over = [&](double height_m) {
     return at(scene.boxes[0].p_W_m + (0.05 + 0.0145 + height_m) * up_along, 0.0, 0.3);
@@ -74,7 +74,8 @@ TEST(PitchedBox, ADroneSlidesDownASlopeSteeperThanFriction) {
   const Vector3d up_along = rotation_of({0.0, 0.5, 0.0}) * Vector3d::UnitZ();
   const RigidState start = at(scene.boxes[0].p_W_m + 0.065 * up_along, 0.0, 0.5);
   const RigidState end = let_fall(scene, start, 0.4);
-  // a = g (sin - mu cos) along the slope, which descends towards +x. Soft contact and settling reduce it slightly.
+  // a = g (sin - mu cos) along the slope, which descends towards +x. Soft contact and settling reduce the acceleration
+  // slightly.
   const double expected = kGravity_m_per_s2 * (std::sin(0.5) - 0.2 * std::cos(0.5)) * 0.4;
   EXPECT_NEAR(end.v_WB_m_per_s.x(), expected * std::cos(0.5), 0.15 * expected);
   EXPECT_LT(end.p_WB_m.z(), start.p_WB_m.z());
@@ -122,7 +123,8 @@ TEST(MeshObstacle, IsTouchedWhereABoxOfItsShapeIs) {
   for (double x = -1.2; x <= 1.2; x += 0.11) {
     for (double z = 1.55; z <= 2.45; z += 0.0137) {
       const RigidState state = at({x, 0.07, z}, 0.4);
-      // A mesh is only a surface, so a drone that has passed through a side stays inside the box.
+      // A mesh is only a surface, so a drone inside of it touches nothing, unlike a drone inside of a box. Skips these
+      // positions.
       const Vector3d inside = rotation_of({0.0, 0.3, 0.0}).conjugate() * (state.p_WB_m - thing.p_W_m);
       if (inside.cwiseAbs().x() < 1.0 && inside.cwiseAbs().z() < 0.05) continue;
       EXPECT_EQ(touches(meshes, state), touches(boxes, state)) << x << " " << z;
@@ -170,7 +172,7 @@ TEST(Path, GoesAtEvenSpeedAndBeginsAgain) {
   EXPECT_EQ(path.at(500'000'000).offset_W_m, Vector3d(0.25, 0.0, 0.125));
   EXPECT_EQ(path.at(500'000'000).velocity_W_m_per_s, Vector3d(0.5, 0.0, 0.25));
   EXPECT_EQ(path.at(3'000'000'000).velocity_W_m_per_s, Vector3d(-0.5, 0.0, -0.25));
-  // The millionth cycle is as exact as the first.
+  // The millionth cycle must be as exact as the first cycle.
   EXPECT_EQ(path.at(4'000'000'000LL * 1'000'000 + 500'000'000).offset_W_m, path.at(500'000'000).offset_W_m);
   path.repeat = false;
   EXPECT_EQ(path.at(9'000'000'000).velocity_W_m_per_s, kNothing);
@@ -211,8 +213,8 @@ TEST(MovingObstacle, PushesWithItsOwnSpeedAndIsNotHeldUp) {
     }
   }
   EXPECT_NEAR(closing, 1.0, 1e-9);
-  // The collision has no bounce. The contact also pushes the drone out by soft_erp x depth / dt, with a depth of at
-  // most a millimetre.
+  // The collision has no bounce. The contact also pushes the drone out with the speed soft_erp x depth / dt. The depth
+  // is at most a millimetre.
   EXPECT_GE(state.v_WB_m_per_s.x(), 0.99);
   EXPECT_LE(state.v_WB_m_per_s.x(), 1.0 + scene.contact.soft_erp);
 }
@@ -257,7 +259,7 @@ class RangeOver : public testing::Test {
 
 TEST_F(RangeOver, ASlopeIsItsDistanceStraightDown) {
   scene_.boxes = {slope(0.3)};
-  // The slope's upper surface at x: 2 + 0.05 / cos - x tan.
+  // The slope's upper surface at x is 2 + 0.05 / cos - x tan.
   for (const double x : {-0.5, 0.0, 0.4}) {
     EXPECT_NEAR(from({x, 0.2, 3.0}), 1.0 - 0.05 / std::cos(0.3) + x * std::tan(0.3), 1e-12);
   }

@@ -23,7 +23,7 @@ json parsed(const fs::path& file) {
   return json::parse(stream);
 }
 
-/// Copies the shipped files. Each test damages one of the copies.
+/// Copies the shipped files. Each test changes one of the copies.
 class SceneFile : public testing::Test {
  protected:
   SceneFile()

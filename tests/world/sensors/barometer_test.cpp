@@ -29,7 +29,7 @@ TEST(Barometer, FollowsTheTableOfTheStandardAtmosphere) {
 }
 
 TEST(Barometer, PressureFallsByTheWeightOfTheAir) {
-  // dp/dh = -g p / (R T), the hydrostatic equation with the ideal gas law, for the air of a warm day.
+  // dp/dh = -g p / (R T): the hydrostatic equation with the ideal gas law, for air on a warm day.
   const Air air{98000.0, 303.15};
   constexpr double kStep_m = 0.5;
   for (const double height_m : {0.0, 10.0, 800.0}) {

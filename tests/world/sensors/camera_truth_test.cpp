@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Boxes of objects and depth pictures of a drone's camera.
+// Tests the boxes of objects and the depth pictures of a drone's camera.
 #include "support/fleet.hpp"
 #include "support/flight_rig.hpp"
 #include "support/same_state.hpp"
@@ -55,7 +55,7 @@ TEST(CameraTruth, DescribesTheLastPicture) {
 
   const auto depth = copy(rig.outputs.camera_depth);
   ASSERT_EQ(depth.size(), 2U * 64U * 48U);
-  // The frame's left side is between the columns `left` and `right`; its front is 15 mm before the gate's middle.
+  // The frame's left side is between the columns `left` and `right`. Its front is 15 mm in front of the gate's middle.
   const int row = (gate["box"][1].get<int>() + gate["box"][3].get<int>()) / 2;
   const std::size_t pixel = static_cast<std::size_t>(row) * 64 + gate["box"][0].get<std::size_t>();
   const double depth_m = 0.001 * (depth[2 * pixel] + 256 * depth[2 * pixel + 1]);

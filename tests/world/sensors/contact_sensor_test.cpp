@@ -70,8 +70,8 @@ TEST(ContactSensor, FeelsNothingInFlight) {
 }
 
 TEST(ContactSensor, TheImpulseOfAnImpactIsTheChangeOfMomentum) {
-  // The drone falls from 0.3 m without thrust, level, and bounces. Its drag is 0, so the momentum changes by gravity
-  // and contact only.
+  // The drone falls level from 0.3 m without thrust, and bounces. Without drag, only gravity and contact change the
+  // momentum.
   scene::Scene scene = test::shipped_scene("empty");
   scene.drone.drag_n_s_per_m.setZero();
   auto parameters = with_contact(0.002);
@@ -90,7 +90,7 @@ TEST(ContactSensor, TheImpulseOfAnImpactIsTheChangeOfMomentum) {
 
 TEST(ContactSensor, DronesThatTouchFeelOppositeForces) {
   const auto scene = test::shipped_scene("empty");
-  // The second drone rests on the first one.
+  // The second drone rests on the first drone.
   test::RigParameters parameters = with_contact(0.1);
   parameters.start_spacing_m = {};
   const double height_m = scene.drone.body_size_m.z();
@@ -98,7 +98,7 @@ TEST(ContactSensor, DronesThatTouchFeelOppositeForces) {
   for (int i = 0; i < 1000; ++i) fleet.step();
   const double weight_n = fleet.drones[1].outputs.drone_mass_kg * kGravity;
   EXPECT_NEAR(fleet.drones[1].outputs.contact_force_n[2], weight_n, 1e-3 * weight_n);
-  // The ground carries both; the sum of all forces on the lower drone is its own weight.
+  // The ground carries both drones. The sum of all contact forces on the lower drone is its own weight.
   EXPECT_NEAR(fleet.drones[0].outputs.contact_force_n[2], weight_n, 1e-3 * weight_n);
 }
 

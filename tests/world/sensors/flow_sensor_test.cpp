@@ -24,7 +24,7 @@ struct Sum {
   int seen = 0;
 };
 
-/// Returns the sensor's counts over a time with constant motion.
+/// Returns the sum of the sensor's counts over a time with constant motion.
 Sum counted(FlowSensor& sensor, const RigidState& state, double distance_m, int milliseconds) {
   Sum sum;
   std::int64_t last = sensor.sample().number;
@@ -44,7 +44,7 @@ TEST(FlowSensor, CountsHowFarThePictureMovesAndLosesNothingToRounding) {
   RigidState state;
   state.v_WB_m_per_s = {0.3, -0.05, 0.0};
   const Sum sum = counted(sensor, state, 1.5, 10'000);
-  // The drone flies for 10 s. A count is a tenth of a pixel.
+  // The time is 10 s, and a count is a tenth of a pixel.
   EXPECT_NEAR(sum.x, 10.0 * 48.83 * 0.3 / 1.5 / 0.1, 1.0);
   EXPECT_NEAR(sum.y, 10.0 * 48.83 * -0.05 / 1.5 / 0.1, 1.0);
   EXPECT_EQ(sum.seen, 1000);
@@ -96,8 +96,8 @@ TEST(FlowSensor, HasTheNoiseOfItsData) {
     sensor.update(i * 10 * kMillisecond, still, 1.0, 1e-2);
     squares += std::pow(sensor.sample().counts[0], 2);
   }
-  // The noise has a standard deviation of 2 counts. With 4000 samples, its estimate is accurate to 1.1 %. Rounding and
-  // the remainders that are added to the next sample increase it a little.
+  // The noise has a standard deviation of 2 counts. With 4000 samples, its estimate is accurate to 1.1 %. Rounding, and
+  // remainders that are added to the next sample, increase it a little.
   EXPECT_NEAR(std::sqrt(squares / kCount), 2.0, 0.12);
 }
 

@@ -55,7 +55,7 @@ TEST(Magnetometer, MeasuresTheFieldAlongTheBodysAxes) {
 TEST(Magnetometer, GivesTheHeadingOfALevelDrone) {
   for (const double yaw_rad : {-3.0, -1.0, 0.2, 2.5}) {
     const Eigen::Vector3d field_B_t = reading(exact_magnetometer(), yaw_rotation(yaw_rad));
-    // The horizontal field is atan2(north, east) to the left of the world's x axis.
+    // The horizontal field points atan2(north, east) to the left of the world's x axis.
     const double heading_rad = std::atan2(kWorldField.y(), kWorldField.x()) - std::atan2(field_B_t.y(), field_B_t.x());
     EXPECT_NEAR(wrapped_rad(heading_rad - yaw_rad), 0.0, 1e-12);
   }

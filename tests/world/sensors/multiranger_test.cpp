@@ -19,7 +19,7 @@ using testing::ThrowsMessage;
 constexpr std::int64_t kMultirangerPeriod_ns = 100'000'000;
 const Eigen::Vector3d kOffset_m{0.0175, 0.0175, 0.005};
 
-/// Returns a drone whose sensors have the offsets above.
+/// Returns a drone with the offset above.
 scene::Drone drone() {
   scene::Drone drone = test::shipped_drone("crazyflie");
   drone.multiranger->offset_m = kOffset_m;
@@ -44,8 +44,8 @@ Multiranger::Readings readings(const scene::Scene& scene, const RigidState& stat
   return sensors.readings_m();
 }
 
-/// A room with a wall on each side and a ceiling; all are boxes 0.2 m thick. The inner faces are 1.5 m east, 1.0 m
-/// west, 0.8 m north and 0.5 m south of the origin; the ceiling is at 2.5 m.
+/// A room with a wall on each side and a ceiling. All are boxes 0.2 m thick. The inner faces are 1.5 m east, 1.0 m
+/// west, 0.8 m north and 0.5 m south of the origin. The ceiling is at 2.5 m.
 scene::Scene room() {
   scene::Scene scene = test::shipped_scene("empty");
   scene.boxes = {
@@ -107,7 +107,8 @@ TEST(Multiranger, MeetsCylindersGatesAndMeshes) {
   const auto read_m = readings(scene, at({0.0, 0.0, 1.0}));
   // The circle around (2, 0.1) with a radius of 0.3 meets y = 0 at x = 2 - sqrt(0.3^2 - 0.1^2).
   EXPECT_NEAR(read_m[direction::front], 2.0 - std::sqrt(0.08) - kOffset_m.x(), 1e-12);
-  // The sides of the frame are 0.1 to 0.3 m from its middle. The drone looks through the opening, at the north wall.
+  // The sides of the frame are 0.1 to 0.3 m from its middle. Through the opening, the sensor measures the distance to
+  // the north wall.
   EXPECT_NEAR(read_m[direction::left], 4.0 - kOffset_m.y(), 1e-12);
   const auto beside_m = readings(scene, at({0.2, 0.0, 1.0}));
   EXPECT_NEAR(beside_m[direction::left], 2.0 - 0.02 - kOffset_m.y(), 1e-12);
@@ -173,7 +174,7 @@ TEST(Multiranger, AConeMeasuresItsNearestSurface) {
     sensors.update(i * kMultirangerPeriod_ns, at({0.0, 0.0, 1.0}, kYaw_rad));
     sum_m += sensors.readings_m()[direction::front];
   }
-  // The sensor is at 1.5 m - 0.0175 cos(yaw) from the wall. The rays are up to 0.06 rad from the perpendicular one.
+  // The sensor is 1.5 m - 0.0175 cos(yaw) away from the wall. The rays are up to 0.06 rad from the perpendicular.
   EXPECT_NEAR(sum_m / kCount, 1.5 - kOffset_m.x() * std::cos(kYaw_rad), 0.004);
 }
 

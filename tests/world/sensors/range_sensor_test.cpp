@@ -29,7 +29,7 @@ TEST(RangeSensor, SeesTheGatesBeamsBelow) {
   const auto scene = test::shipped_scene("gate_easy");
   const RangeSensor sensor = test::sensor_in(scene, {}, 1);
   const auto& gate = scene.gates[0].p_W_m;
-  // In the opening, the top of the lower beam is at 0.83 m; above the frame, its top is at 1.33 m.
+  // In the opening, the top of the lower beam is at 0.83 m. Above the frame, its top is at 1.33 m.
   EXPECT_NEAR(sensor.distance_m(at(gate.x(), gate.y(), 1.0)), 1.0 - 0.83, 1e-12);
   EXPECT_NEAR(sensor.distance_m(at(gate.x(), gate.y(), 1.5)), 1.5 - 1.33, 1e-12);
   EXPECT_NEAR(sensor.distance_m(at(gate.x() - 0.016, gate.y(), 1.0)), 1.0, 1e-12);
@@ -90,7 +90,7 @@ RigidState tilted(double height_m, double roll_rad) {
   return at(0.0, 0.0, height_m, roll_rad);
 }
 
-/// Returns mean and standard deviation of a cone's readings.
+/// Returns mean and standard deviation of readings in mode `cone`.
 std::pair<double, double> readings(const RigidState& state) {
   RangeSensor sensor = test::sensor_in(test::shipped_scene("empty"), {.model = RangeModel::cone}, 7);
   constexpr int kCount = 4000;
@@ -106,7 +106,8 @@ std::pair<double, double> readings(const RigidState& state) {
 }
 
 TEST(RangeCone, ATiltWithinTheFieldOfViewChangesLittle) {
-  // 0.2 rad is within the half angle of 0.2356: the nearest point is below. The distance between the cone's rays adds 1
+  // 0.2 rad is less than the half angle of 0.2356, so the nearest point is below. The distance between the cone's rays
+  // adds 1 - cos(half of it), 0.3 %.
   // - cos(half of it), 0.3 %.
   EXPECT_NEAR(readings(tilted(1.0, 0.2)).first, 1.0, 0.004);
   // At larger angles, the nearest ray is at the edge of the cone.
@@ -115,7 +116,8 @@ TEST(RangeCone, ATiltWithinTheFieldOfViewChangesLittle) {
 
 TEST(RangeCone, NoiseGrowsWithTheDistanceAsThePublishedModelSays) {
   const auto [near_m, near_noise_m] = readings(tilted(1.0, 0.0));
-  // near_noise (1 + exp(-1.5 growth)), growth = log(80) / 1.5: 2.53 mm; a millimetre's rounding adds 0.29 mm squared.
+  // near_noise (1 + exp(-1.5 growth)) with growth = log(80) / 1.5 is 2.53 mm. Rounding to a millimetre adds 0.29 mm, as
+  // a sum of squares.
   EXPECT_NEAR(near_noise_m, std::hypot(0.00253, 0.00029), 0.00012);
   EXPECT_NEAR(near_m, 1.0, 0.001);
   EXPECT_NEAR(readings(tilted(3.0, 0.0)).second, 0.0025 * (1.0 + std::pow(80.0, 0.5 / 1.5)), 0.0006);

@@ -10,7 +10,7 @@
 #include <tuple>
 #include <vector>
 
-/// Tests step responses of the closed loop of world, stabiliser and four lagging rotors, which exchange their values at
+/// Tests step responses of the closed loop of world, stabiliser and four lagging rotors. They exchange their values at
 /// each communication point. The bounds are those of the design (fmu_world/docs/stabiliser.md), and are wide enough for
 /// every tested lag and step.
 namespace mebots::world {
@@ -28,8 +28,7 @@ class StepResponse : public testing::TestWithParam<std::tuple<double, std::int64
   }
   std::int64_t h_ns() const { return std::get<1>(GetParam()); }
 
-  /// Runs a step response from `from` to `to`. Returns the time at which `value` first reaches 90 %, the time from
-  /// which it stays within 5 %, and the overshoot.
+  /// The time at which a step response first reaches 90 %, the time from which it stays within 5 %, and the overshoot.
   struct Response {
     double rise_s = 0.0;
     double settle_s = 0.0;
@@ -102,13 +101,13 @@ TEST_P(StepResponse, WindIsHeldAgainst) {
   EXPECT_LT(fastest, 0.5);
   EXPECT_LT(rig_.outputs.drone_speed_m_per_s, 0.01);
   EXPECT_NEAR(rig_.altitude_m(), 1.0, 0.01);
-  // The drone leans into the wind: the angle is the ratio of drag to weight.
+  // The drone leans into the wind. The tangent of the angle is the ratio of drag to weight.
   const double lean = std::atan(0.0147 * 2.0 / (0.04 * 9.80665));
   EXPECT_NEAR(rig_.outputs.drone_roll_rad, lean, 0.002);
 }
 
 TEST_P(StepResponse, ABusThatSagsMoreAndMoreIsMadeUpFor) {
-  // The thrust decreases by 0.2 % per second, some twenty times faster than a cell discharges. For such a ramp, the
+  // The thrust decreases by 0.2 % per second, about twenty times as fast as a cell discharges. For such a ramp, the
   // integrators have the steady error g rate / sag / (k_i k_altitude) = 0.0021 g / 2.4.
   const double steady_m = 0.002 / 0.93 * kGravity_m_per_s2 / 2.4;
   double lowest_m = 1.0;
@@ -148,7 +147,7 @@ TEST(Stabiliser, TurnsWhileItFliesWithoutSlidingOutwards) {
                         std::cos(out.drone_yaw_rad) * out.drone_velocity_m_per_s[1];
     slip = std::max(slip, std::abs(left));
   });
-  // The lean lags behind the turning heading by about 0.25 s x 0.3 rad/s.
+  // The lean lags the rotating heading by about 0.25 s x 0.3 rad/s.
   EXPECT_LT(slip, 0.05);
   EXPECT_NEAR(rig.outputs.drone_forward_velocity_m_per_s, 0.5, 0.02);
 }
@@ -164,7 +163,7 @@ TEST(Stabiliser, HoldsItsPlaceAndHeadingWhileClimbing) {
 }
 
 TEST(Stabiliser, ComesBackFromATiltOf45Degrees) {
-  // The bound on height is a metre of fall.
+  // The drone starts at 5 m with a quarter of the hover thrust. It may sink by at most a metre.
   const auto scene = test::shipped_scene("empty");
   Stabiliser stabiliser(scene.drone);
   test::OneBody bodies(scene);
@@ -193,7 +192,7 @@ TEST(Stabiliser, ComesBackFromATiltOf45Degrees) {
   EXPECT_LT(state.v_WB_m_per_s.norm(), 0.02);
 }
 
-/// Returns the greatest command of a drone that climbs to 1 m, at each millisecond of the first 1.2 s.
+/// Returns the greatest command of a climb to 1 m, at each millisecond of the first 1.2 s.
 std::vector<double> commands_of_a_start(const scene::Drone& drone, double height_m) {
   Stabiliser stabiliser(drone);
   stabiliser.set_mass(0.04, drone.inertia_kg_m2);

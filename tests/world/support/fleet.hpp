@@ -12,10 +12,10 @@
 
 namespace mebots::world::test {
 
-/// Couples a world of several drones with their rotors, as FlightRig does for one.
+/// Couples a world of several drones with their rotors. FlightRig does this for one drone.
 class Fleet {
  public:
-  /// `offsets_m`: start.offset of each drone.
+  /// `offsets_m` contains start.offset of each drone.
   Fleet(const scene::Scene& scene, const RigParameters& common, const std::vector<std::array<double, 3>>& offsets_m)
       : shared(common),
         drones(drones_at(common, offsets_m)),

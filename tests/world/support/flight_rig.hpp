@@ -18,8 +18,8 @@ inline scene::Drone shipped_drone(const std::string& name) {
   return scene::load_drone(std::string(MEBOTS_SOURCE_DIR) + "/fmu_world/params/drones/" + name + ".json");
 }
 
-/// Returns a shipped scene with a drone whose motors start without a limit. So the transients are those of the control
-/// loops.
+/// Returns a shipped scene with a drone whose motors start without a limit. The transients are then only those of the
+/// control loops.
 inline scene::Scene shipped_scene(const std::string& name) {
   auto scene = scene::load_scene(std::string(MEBOTS_SOURCE_DIR) + "/fmu_world/params/scenes/" + name + ".json");
   scene.drone = shipped_drone("crazyflie_bench");
@@ -30,8 +30,8 @@ inline RangeSensor sensor_in(const scene::Scene& scene, const RangeSensor::Setti
   return {std::make_shared<const RayCaster>(scene), scene.drone, settings, seed};
 }
 
-/// Four rotors that follow their commands with a first-order lag (solved exactly over a step), on a bus whose sag
-/// scales the thrust. Their true curve is the stabiliser's curve times `sag`.
+/// Four rotors that follow their commands with a first-order lag, which is solved exactly over a step. Their thrust is
+/// that of the stabiliser's curve times `sag`, the voltage sag of the bus.
 struct Rotors {
   explicit Rotors(const scene::Drone& drone)
       : curve(drone.thrust_curve), torque_per_thrust_m(drone.torque_per_thrust_m) {}
@@ -48,12 +48,11 @@ struct Rotors {
   std::array<double, 4> thrust_n{};
 };
 
-/// The variables of a world of one drone.
 struct RigParameters : Parameters, DroneParameters {};
 struct RigInputs : Inputs, DroneInputs {};
 struct RigOutputs : Outputs, DroneOutputs {};
 
-/// Couples world and rotors as a Jacobi master does: both step from t_k with the outputs of the other at t_k.
+/// Couples world and rotors as a Jacobi master does. Both step from t_k with the other's outputs at t_k.
 class FlightRig {
  public:
   explicit FlightRig(const scene::Scene& scene = shipped_scene("empty"), RigParameters parameters = small_camera(),
@@ -96,7 +95,6 @@ class FlightRig {
         seconds, [] {}, h_ns);
   }
 
-  /// Climbs to the altitude and hovers in mode fly.
   void take_off_and_fly(double altitude_m = 1.0, std::int64_t h_ns = 2'000'000) {
     inputs.setpoint_mode = FlightMode::take_off;
     inputs.setpoint_altitude_m = altitude_m;
@@ -104,7 +102,7 @@ class FlightRig {
     inputs.setpoint_mode = FlightMode::fly;
   }
 
-  /// Continues from the saved state of a rig with the same scene and parameters.
+  /// Continues from the state of a rig with the same scene and parameters.
   void continue_from(const FlightRig& other) {
     inputs = other.inputs;
     outputs = other.outputs;

@@ -7,14 +7,14 @@
 
 namespace mebots::world::test {
 
-/// A rigid world of the scene's drone.
+/// A rigid world that contains only the scene's drone.
 class OneBody {
  public:
   explicit OneBody(const scene::Scene& scene) : bodies_(scene, std::span(&scene.drone.body_size_m, 1)) {}
 
   void set_mass(double mass_kg, const Eigen::Vector3d& inertia_kg_m2) { bodies_.set_mass(0, mass_kg, inertia_kg_m2); }
 
-  /// Advances the state, and returns the touches before the step.
+  /// Advances the state. Returns the touches before the step.
   const std::vector<Touch>& step(RigidState& state, const Eigen::Vector3d& force_W_n,
                                  const Eigen::Vector3d& torque_B_n_m, double dt_s, std::int64_t time_ns = 0) {
     bodies_.place(0, state, force_W_n, torque_B_n_m);

@@ -10,7 +10,6 @@
 
 namespace mebots::world::test {
 
-/// Returns a box of triangles around the origin.
 inline std::shared_ptr<const scene::Mesh> box_mesh(const Eigen::Vector3d& size_m, const scene::Texture& texture) {
   scene::Mesh mesh;
   mesh.materials = {texture};
@@ -27,7 +26,7 @@ inline std::shared_ptr<const scene::Mesh> box_mesh(const Eigen::Vector3d& size_m
   return std::make_shared<const scene::Mesh>(std::move(mesh));
 }
 
-/// Returns a path along an offset and back in four seconds, which repeats.
+/// Returns a repeating path to an offset and back in four seconds.
 inline scene::Path shuttle(const Eigen::Vector3d& offset_m) {
   scene::Path path;
   path.repeat = true;

@@ -10,15 +10,14 @@
 namespace mebots::motor_thermal {
 namespace {
 
-/// Temperature coefficient of copper's resistance at 20 degrees Celsius [1/K]: IEC 60028, annealed copper.
+/// The temperature coefficient of copper's resistance at 20 degrees Celsius [1/K]: IEC 60028, annealed copper.
 constexpr double kCopper_per_k = 0.00393;
 constexpr double kReference_k = 293.15;
-/// Maximum temperature, far above the limits of insulation and magnet. A higher temperature means that the parameters
-/// are wrong.
+/// The maximum temperature, far above the limits of insulation and magnet. If it is exceeded, the parameters are wrong.
 constexpr double kRunaway_k = 1000;
 constexpr double kMotors = 4;
 
-/// Contains three functions of an eigenvalue l over the step t: exp(l t), and its first and second integrals.
+/// Three functions of an eigenvalue l over the step t: exp(l t), and its first and second integrals.
 struct Mode {
   double grown;
   double once;
@@ -28,7 +27,7 @@ struct Mode {
 Mode mode(double l, double t) {
   const double x = l * t;
   const double once = std::abs(x) < 1e-8 ? t * (1 + x / 2) : std::expm1(x) / l;
-  // Uses the series for small x, because (once - t) / l would lose digits.
+  // Uses a series for small x, because (once - t) / l would lose digits.
   const double twice = std::abs(x) < 1e-3 ? t * t * (0.5 + x / 6 + x * x / 24 + x * x * x / 120) : (once - t) / l;
   return {std::exp(x), once, twice};
 }
@@ -45,13 +44,13 @@ void Model::start(const Inputs& /*inputs*/, Outputs& outputs) {
 void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& outputs) {
   const double t = 1e-9 * static_cast<double>(duration_ns);
   const auto& p = parameters_;
-  // Computes the current of the winding: the battery's current divided by the duty cycle. The driver switches the
-  // supply. The winding carries current at all times, but the battery supplies it only during the duty cycle.
+  // Computes the current of the winding: the battery's current divided by the duty cycle. The winding always carries
+  // current, but the battery supplies it only during the duty cycle.
   const double effective_v = inputs.motor_command * inputs.bus_voltage_v;
   current_a_ = effective_v > 0 ? inputs.motor_power_w / kMotors / effective_v : 0;
   const double loss_w = current_a_ * current_a_ * p.winding_resistance_ohm;
 
-  // The equations are x' = A x + g for x = (T_w - T_air, T_c - T_air).
+  // The equations are x' = A x + g, with x = (T_w - T_air, T_c - T_air).
   const double a = (loss_w * kCopper_per_k - p.winding_conductance_w_per_k) / p.winding_heat_capacity_j_per_k;
   const double b = p.winding_conductance_w_per_k / p.winding_heat_capacity_j_per_k;
   const double c = p.winding_conductance_w_per_k / p.case_heat_capacity_j_per_k;
@@ -61,8 +60,8 @@ void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& output
   const double x = winding_k_ - inputs.air_temperature_k;
   const double y = case_k_ - inputs.air_temperature_k;
 
-  // The matrix has two eigenvalues l1 >= l2, which are real because b c >= 0. A function f of A is f(l1) P + f(l2) (1 -
-  // P), with P = (A - l2) / (l1 - l2).
+  // The matrix has two eigenvalues l1 >= l2, which are real because b c >= 0. For a function f, f(A) = f(l1) P + f(l2)
+  // (1 - P), with P = (A - l2) / (l1 - l2).
   const double middle = 0.5 * (a + d);
   const double half_gap = std::hypot(0.5 * (a - d), std::sqrt(b * c));
   const Mode m1 = mode(middle + half_gap, t);

@@ -9,7 +9,7 @@
 
 namespace mebots::motor_thermal {
 
-/// Models the temperatures of a motor. The winding (w) and the case (c) around it are heat capacities:
+/// The temperatures of a motor. The winding (w) and the case (c) around it are heat capacities:
 ///
 ///     C_w dT_w/dt = I^2 R (1 + a (T_w - 20 degC)) - G_w (T_w - T_c)
 ///     C_c dT_c/dt = G_w (T_w - T_c) - G_c (T_c - T_air)
@@ -17,14 +17,12 @@ namespace mebots::motor_thermal {
 /// For constant inputs, these equations are linear in (T_w, T_c), so a step of any length is the exact solution.
 class Model {
  public:
-  /// Creates the model. `resources` is not used. The FMI functions have checked each parameter against its limits in
-  /// the description.
+  /// `resources` is not used. The FMI functions have checked each parameter against its limits in the description.
   Model(const Parameters& parameters, const std::filesystem::path& resources);
 
-  /// Sets the outputs to their values at the start.
   void start(const Inputs& inputs, Outputs& outputs);
-  /// Advances by duration_ns, which must be > 0, with constant inputs. Throws mebots::Error if the temperature of the
-  /// winding rises without limit.
+  /// Advances by duration_ns with constant inputs. duration_ns must be positive. Throws mebots::Error if the
+  /// temperature of the winding rises without limit.
   void step(const Inputs& inputs, std::int64_t duration_ns, Outputs& outputs);
 
   void visit(state::Visitor& v);

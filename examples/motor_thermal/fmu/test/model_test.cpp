@@ -10,7 +10,7 @@ namespace {
 struct Bench {
   Bench() : model(parameters, ".") { model.start(inputs, outputs); }
 
-  /// Sets the inputs for a motor of a hovering drone, whose winding carries 1.2 A.
+  /// Sets the inputs of a hovering drone's motor. Its winding carries 1.2 A.
   void hover() {
     inputs.motor_power_w = 10;
     inputs.motor_command = 0.58;
@@ -39,7 +39,7 @@ TEST(MotorThermal, SettlesWhereLossesLeaveThroughTheCase) {
   bench.run(3600, 3600);
   const double current = 2.5 / (0.58 * 3.6);
   const auto& p = bench.parameters;
-  // These equations are solved by hand: W = I^2 R (1 + a (T_w - 20 degC)), T_c = T_air + W / G_c, T_w = T_c + W / G_w.
+  // The solution by hand of W = I^2 R (1 + a (T_w - 20 degC)), T_c = T_air + W / G_c, T_w = T_c + W / G_w.
   const double series = 1 / p.winding_conductance_w_per_k + 1 / p.case_conductance_w_per_k;
   const double loss = current * current * p.winding_resistance_ohm;
   const double heat = loss / (1 - loss * 0.00393 * series);
@@ -56,7 +56,7 @@ TEST(MotorThermal, HeatIsStoredOrGivenAway) {
   const auto& [p, o] = std::pair{bench.parameters, bench.outputs};
   const double stored = p.winding_heat_capacity_j_per_k * (o.winding_temperature_k - 293.15) +
                         p.case_heat_capacity_j_per_k * (o.case_temperature_k - 293.15);
-  // The step is exact, so the only error is the rounding of 1000 additions.
+  // The step is exact, so only the rounding of 1000 additions remains.
   EXPECT_NEAR(o.heat_copper_j, stored + o.heat_air_j, 1e-10 * o.heat_copper_j);
 }
 

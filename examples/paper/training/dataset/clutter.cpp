@@ -25,7 +25,7 @@ using world::scene::Picture;
 using world::scene::Scene;
 using world::scene::Texture;
 
-/// Describes a place on the floor with a heading. The parts of an object are placed around it.
+/// A place on the floor with a heading. The parts of an object are positioned relative to it.
 struct Stand {
   Vector3d p_W_m;
   double yaw_rad = 0.0;
@@ -53,19 +53,19 @@ Box part(const Stand& stand, const Vector3d& middle, const Vector3d& size, const
   return box;
 }
 
-/// Adds a vertical board with a frame. `middle` is its centre in the stand's coordinates; its width is along y, its
-/// height along z. The painted inside protrudes from the frame by 5 mm on both sides, so that it is visible.
+/// Adds a vertical board with a frame. `middle` is its centre in the stand's coordinates. Its width is along y, its
+/// height along z. The painted inside protrudes 5 mm from the frame on both sides, so that it is visible.
 void add_framed(Random& random, const Stand& stand, const Vector3d& middle, double width_m, double height_m,
                 Scene& scene) {
   const double level = random.chance(0.5) ? random.between(200.0, 255.0) : random.between(0.0, 255.0);
-  // A small frame keeps an inside of at least two fifths of its shorter edge.
+  // Limits the border, so that the inside is at least two fifths of the shorter edge.
   const double border = std::min(random.between(0.03, 0.17), 0.3 * std::min(width_m, height_m));
   scene.boxes.push_back(part(stand, middle, {0.02, width_m, height_m}, plain(level)));
   const auto inside = random.chance(0.5) ? random_paint(random, random.between(20.0, 235.0)) : drawn_paint(random);
   scene.boxes.push_back(part(stand, middle, {0.03, width_m - 2.0 * border, height_m - 2.0 * border}, inside));
 }
 
-/// Adds a picture on a wall, or in the room as a board on a stand.
+/// Adds a framed board: on a wall, or on a stand in the room.
 void framed_picture(Random& random, const Floor& floor, Scene& scene) {
   Stand stand = somewhere(random, floor);
   if (random.chance(0.6)) {
@@ -90,7 +90,6 @@ void crate(Random& random, const Stand& stand, double edge_m, double bottom_m, S
     scene.boxes.push_back(part(stand, middle, Vector3d::Constant(edge_m), texture));
     return;
   }
-  // Adds beams around the front and the back.
   scene.boxes.push_back(part(stand, middle, Vector3d::Constant(edge_m), plain(level)));
   const double beam = edge_m * random.between(0.08, 0.2);
   const auto frame = plain(std::clamp(level + random.between(-90.0, 90.0), 0.0, 255.0));
@@ -102,7 +101,7 @@ void crate(Random& random, const Stand& stand, double edge_m, double bottom_m, S
   }
 }
 
-/// Adds two posts with a bar, or four legs with a board.
+/// Adds a table (four legs with a board) or a doorway (two posts with a bar).
 void table_or_doorway(Random& random, const Floor& floor, Scene& scene) {
   const Stand stand = somewhere(random, floor);
   const auto paint = random_paint(random, random.between(20.0, 235.0));
@@ -143,7 +142,7 @@ void shelf(Random& random, const Floor& floor, Scene& scene) {
   }
 }
 
-/// Creates a surface of revolution. `profile_m` contains radius and height of at least two points, from the top down.
+/// Creates a surface of revolution. `profile_m` contains radius and height of at least two points, from top to bottom.
 Mesh lathed(const std::vector<Vector2d>& profile_m, int sides, double wobble, const Texture& texture, Random& random) {
   Mesh mesh;
   mesh.materials = {texture};
@@ -166,7 +165,7 @@ Mesh lathed(const std::vector<Vector2d>& profile_m, int sides, double wobble, co
   return mesh;
 }
 
-/// Adds a trunk with a crown, conical or round.
+/// Adds a trunk with a conical or round crown.
 void tree(Random& random, const Floor& floor, Scene& scene) {
   const Stand stand = somewhere(random, floor);
   const double height = random.between(1.5, 5.0);

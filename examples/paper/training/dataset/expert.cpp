@@ -9,14 +9,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Apparent edges of the frame, relative to half the picture's width, between which the command fades.
+/// The command fades while the apparent edge of the frame grows from the first value to the second, relative to half
+/// the picture's width.
 constexpr double kFullCommandEdge = 1.05;
 constexpr double kNoCommandEdge = 2.1;
 constexpr double kLeastVisiblePart = 0.25;
-/// Minimum cosine of the angle at which an opening is visible. A gate that is seen at a flatter angle looks like a
-/// beam.
+/// The minimum cosine of the angle at which an opening is visible. At a flatter angle, a gate looks like a beam.
 constexpr double kLeastCosine = 0.3;
-/// Minimum depth along the optical axis. A nearer point is outside of the picture.
+/// The minimum depth along the optical axis. Nearer points are outside of the picture.
 constexpr double kLeastDepth_m = 0.05;
 constexpr double kBeside = 100.0;
 
@@ -32,8 +32,8 @@ Advice expert(const world::scene::Scene& scene, const world::camera::Intrinsics&
   const Vector3d to_gate_W = gate.p_W_m - camera.p_WC_m;
   advice.distance_m = ahead_W.dot(to_gate_W);
   const double tangent = std::tan(0.5 * intrinsics.horizontal_field_of_view_rad);
-  // Returns the offset of a point in half widths of the picture. If the point is to the side of the camera or behind
-  // it, the offset is outside of every edge.
+  // Returns the offset of a point in half widths of the picture. For a point beside or behind the camera, the offset is
+  // outside of every edge.
   const auto offset_of = [&](const Vector3d& p_W) {
     const Vector3d p_C = camera.R_WC.transpose() * (p_W - camera.p_WC_m);
     return p_C.x() > kLeastDepth_m ? p_C.y() / p_C.x() / tangent : std::copysign(kBeside, p_C.y());
@@ -45,7 +45,7 @@ Advice expert(const world::scene::Scene& scene, const world::camera::Intrinsics&
   const double high = std::max(a, b);
   const double seen = std::min(high, 1.0) - std::max(low, -1.0);
   if (seen <= 0.0) return advice;
-  // Near the gate, the frame may extend beyond the picture on both sides while its centre is ahead.
+  // Close to the gate, the frame may extend beyond the picture on both sides while its centre is ahead.
   const bool through = advice.distance_m > 0.0 && low < -1.0 && high > 1.0 && std::abs(advice.offset) < 1.0;
   const bool flat = advice.distance_m < kLeastCosine * to_gate_W.norm();
   if (!through && (flat || seen < kLeastVisiblePart * (high - low))) {
@@ -53,7 +53,7 @@ Advice expert(const world::scene::Scene& scene, const world::camera::Intrinsics&
     return advice;
   }
   advice.visibility = Visibility::enough;
-  // The command fades linearly over the distance, which is the inverse of the apparent edge.
+  // Fades the command linearly over the distance, which is proportional to the inverse of the apparent edge.
   const double near = advice.distance_m * tangent / gate.outer_m;
   advice.strength =
       std::clamp((near - 1.0 / kNoCommandEdge) / (1.0 / kFullCommandEdge - 1.0 / kNoCommandEdge), 0.0, 1.0);

@@ -6,14 +6,13 @@
 
 namespace mebots::training {
 
-/// States how much of a gate's width is visible.
+/// The visible part of a gate's width.
 enum class Visibility {
   none,
   sliver,  ///< too small a part, or a view from the side or from behind: no correct answer
   enough
 };
 
-/// Contains the expert's answer to a picture.
 struct Advice {
   Visibility visibility = Visibility::none;
   /// Yaw command in [-1, 1], positive = left.
@@ -24,12 +23,12 @@ struct Advice {
                             ///< picture's width
 };
 
-/// The expert steers towards the centre of the opening. Yaw is the offset of this centre from the picture's centre,
-/// relative to half the picture's width (1 = the left edge), limited to [-1, 1]. Near the gate, the command fades from
-/// its full value to 0. It fades while the apparent edge of the frame grows from 1.05 half widths (0.6 m away with a
-/// lens of 87 degrees) to 2.1. At 2.1, the frame leaves the picture, and the drone flies straight ahead. Without a gate
-/// in the picture, the command is 0, too. A gate is a `sliver` if less than a quarter of its width is in the picture.
-/// It is also one if it is seen from behind or at less than 17 degrees to its plane. A `sliver` has no correct answer.
+/// Returns the command of an expert who steers towards the centre of the opening. Yaw is the offset of this centre from
+/// the picture's centre, relative to half the picture's width (1 = the left edge), limited to [-1, 1]. Close to the
+/// gate, the command fades to 0 while the apparent edge of the frame grows from 1.05 half widths (0.6 m away with a
+/// lens of 87 degrees) to 2.1. At 2.1, the frame leaves the picture, and the drone flies straight ahead. If the picture
+/// contains no gate, the command is also 0. A gate is a `sliver` if less than a quarter of its width is in the picture,
+/// or if the camera sees it from behind or at less than 17 degrees to its plane. A `sliver` has no correct answer.
 Advice expert(const world::scene::Scene& scene, const world::camera::Intrinsics& intrinsics,
               const world::camera::Pose& camera);
 

@@ -22,9 +22,9 @@ constexpr int kMostThings = 11;
 constexpr double kClearOfGate_m = 0.8;
 
 constexpr int kMostClutter = 9;
-/// Minimum distance of clutter from a gate. Clutter may be next to a gate, but not in it.
+/// The minimum distance of clutter from a gate. Clutter may be next to a gate, but not in it.
 constexpr double kClutterClearOfGate_m = 0.55;
-/// Share of cluttered halls whose walls are hedges under the sky.
+/// The share of cluttered halls that have hedges as walls, under the sky.
 constexpr double kOutdoors = 0.2;
 
 Texture frame_paint(Random& random) {
@@ -46,7 +46,7 @@ Texture frame_paint(Random& random) {
   return texture;
 }
 
-/// Sets a random shape of a gate. In more than half of the calls, the gate stays a square.
+/// Sets a random shape of a gate. More than half of the gates stay squares.
 void random_shape(Random& random, Gate& gate) {
   const double kind = random.unit();
   if (kind < 0.55) return;
@@ -90,14 +90,13 @@ Cylinder column(Random& random, double length_m, double half_width_m) {
   return cylinder;
 }
 
-/// Returns true if an object whose half diagonal is `reach_m` is so far from the gates that it cannot hide a gate from
-/// every side.
+/// True if an object with the half diagonal `reach_m` is too far from the gates to hide a gate from every side.
 bool keeps_away(const Scene& scene, const Vector3d& p_W, double reach_m, double clear_m = kClearOfGate_m) {
   return std::all_of(scene.gates.begin(), scene.gates.end(),
                      [&](const Gate& gate) { return (p_W - gate.p_W_m).head<2>().norm() >= clear_m + reach_m; });
 }
 
-/// Returns a gate after the first gate, in about the same direction.
+/// Returns a second gate after the first gate, in about the same direction.
 Gate next_gate(Random& random, const Gate& first, double length_m, double half_width_m) {
   Gate gate = random_gate(random, true, length_m, half_width_m);
   gate.yaw_rad = first.yaw_rad + random.between(-0.4, 0.4);
@@ -108,14 +107,14 @@ Gate next_gate(Random& random, const Gate& first, double length_m, double half_w
   return gate;
 }
 
-/// Returns the largest distance of a mesh from the vertical line through its place.
+/// Returns the largest distance of a mesh's points from the vertical line through its origin.
 double reach_m(const world::scene::MeshThing& thing) {
   double reach = 0.0;
   for (const auto& point : thing.mesh->points_m) reach = std::max(reach, point.head<2>().norm());
   return reach;
 }
 
-/// Returns true if all objects that are in `with` but not in `before` are far enough from the gates.
+/// True if all objects that are in `with` but not in `before` are far enough from the gates.
 bool clear_of_gates(const Scene& before, const Scene& with) {
   const auto boxes_keep = std::all_of(
       with.boxes.begin() + static_cast<std::ptrdiff_t>(before.boxes.size()), with.boxes.end(), [&](const auto& box) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// mebots-dataset: writes pictures in the form of the drone's network, with the expert's command for each or with the
-// position of the gate (--task sight).
+// mebots-dataset: writes pictures in the format of the drone's network. Each picture has a label: the expert's command,
+// or the position of the gate (--task sight).
 //
-// Every picture is taken by fmu_world's camera, disturbed, and reduced by the firmware's own code. Writes two files:
-// <out>.pictures, 168 x 168 bytes each (signed, grey level minus 128), and <out>.labels.csv.
+// fmu_world's camera takes every picture. The picture is then disturbed, and reduced by the firmware's own code. Writes
+// two files: <out>.pictures, 168 x 168 bytes each (signed, grey level minus 128), and <out>.labels.csv.
 
 #include "camera/renderer.hpp"
 #include "expert.hpp"
@@ -39,7 +39,7 @@ using mebots::training::Random;
 using mebots::training::Sight;
 using mebots::training::Visibility;
 
-/// Selects the output of the network: the expert's command, or the position of the gate.
+/// The output of the network: the expert's command, or the position of the gate.
 enum class Task { command, sight };
 
 struct Options {
@@ -53,7 +53,7 @@ struct Options {
   bool clutter = false;            ///< if true, takes pictures in random rooms with much clutter
 };
 
-/// Describes the disturbances of a picture between the renderer and the network.
+/// The disturbances of a picture between the renderer and the network.
 struct Disturbance {
   int blur_px = 1;    // width of a horizontal box blur, due to the exposure of a turning drone
   int blur_rows = 1;  // height of a vertical box blur, due to a climbing or pitching drone
@@ -72,7 +72,7 @@ Disturbance random_disturbance(Random& random) {
   return d;
 }
 
-/// Returns a stronger disturbance, for the sight network.
+/// Returns a stronger disturbance for the sight network.
 Disturbance strong_disturbance(Random& random) {
   Disturbance d;
   if (random.chance(0.4)) d.blur_px = 2 + random.below(6);
@@ -127,13 +127,14 @@ void disturb(const Disturbance& d, int width, std::vector<std::uint8_t>& pixels)
   }
 }
 
-/// Contains position and attitude of the drone, usually with the gate ahead.
+/// Position and attitude of the drone.
 struct BodyPose {
   Vector3d p_WB_m;
   Eigen::Matrix3d R_WB;
 };
 
-/// Returns a drone at this position and heading. Pitch and roll are random, with magnitudes of about `spread_rad`.
+/// Returns a drone with this position and heading. Pitch and roll are random, with a standard deviation of
+/// `spread_rad`.
 BodyPose tilted(Random& random, const Vector3d& p, double yaw, double spread_rad) {
   const Eigen::Matrix3d R =
       (AngleAxisd(yaw, Vector3d::UnitZ()) * AngleAxisd(random.normal(spread_rad), Vector3d::UnitY()) *
@@ -147,8 +148,8 @@ BodyPose random_pose(Random& random, const mebots::world::scene::Scene& scene, d
   Vector3d p{random.between(-1.5, 4.0), random.between(-2.0, 2.0), 1.0 + random.normal(0.06)};
   if (!scene.gates.empty() && random.chance(0.9)) {
     const auto& gate = scene.gates[0];
-    // Large distances are more frequent than in a uniform logarithm, because such pictures contain the least
-    // information.
+    // Large distances are more frequent than in a uniform distribution of the logarithm, because these pictures contain
+    // the least information.
     const double distance = random.chance(0.6) ? random.between(0.8, 7.5) : random.log_between(0.15, 2.0);
     const double off_axis = random.chance(0.5) ? random.normal(0.25) : random.between(-1.05, 1.05);
     const double towards = gate.yaw_rad + off_axis;
@@ -160,7 +161,7 @@ BodyPose random_pose(Random& random, const mebots::world::scene::Scene& scene, d
   return tilted(random, p, yaw, 0.035);
 }
 
-/// Places a camera of the sight network so that the gate is in the picture or just outside.
+/// Places a camera of the sight network so that the gate is in the picture or just outside of it.
 void place_before(Random& random, const mebots::world::scene::Gate& gate, double half_view_rad, Vector3d& p,
                   double& yaw) {
   const double distance = random.chance(0.6) ? random.between(0.5, 7.5) : random.log_between(0.3, 2.5);
@@ -173,8 +174,8 @@ void place_before(Random& random, const mebots::world::scene::Gate& gate, double
   yaw = towards - bearing;
 }
 
-/// Returns a random position and attitude of the drone, for the sight network. Compared with random_pose(), heights
-/// vary more, the tilt is stronger, and more pictures have no gate.
+/// Returns a random position and attitude of the drone for the sight network. Compared with random_pose(), heights vary
+/// more, the tilt is stronger, and more pictures contain no gate.
 BodyPose random_view(Random& random, const mebots::world::scene::Scene& scene, double half_view_rad) {
   double yaw = random.between(-M_PI, M_PI);
   Vector3d p{random.between(-1.5, 4.0), random.between(-2.0, 2.0), random.between(0.5, 1.6)};
@@ -185,7 +186,7 @@ BodyPose random_view(Random& random, const mebots::world::scene::Scene& scene, d
   return tilted(random, p, yaw, 0.045);
 }
 
-/// Returns the position of a random wall or object for a camera that does not look at a gate.
+/// Returns the position of a random wall or object, for a camera that does not look at a gate.
 Vector3d random_thing(Random& random, const mebots::world::scene::Scene& scene) {
   const int boxes = static_cast<int>(scene.boxes.size());
   const int cylinders = static_cast<int>(scene.cylinders.size());
@@ -196,7 +197,7 @@ Vector3d random_thing(Random& random, const mebots::world::scene::Scene& scene) 
 }
 
 /// Returns a random position and attitude of the drone in a cluttered hall. The camera may look at any gate. Many
-/// pictures have no gate.
+/// pictures contain no gate.
 BodyPose view_of_clutter(Random& random, const mebots::world::scene::Scene& scene, double half_view_rad) {
   double yaw = random.between(-M_PI, M_PI);
   Vector3d p{random.between(-1.5, 4.0), random.between(-2.0, 2.0), random.between(0.5, 1.6)};
@@ -214,7 +215,7 @@ BodyPose view_of_clutter(Random& random, const mebots::world::scene::Scene& scen
   return tilted(random, p, yaw, 0.045);
 }
 
-/// Returns everything that can hide a gate as boxes. A cylinder is replaced by its bounding box.
+/// Returns all objects that can hide a gate, as boxes. For cylinders, returns their bounding boxes.
 std::vector<mebots::world::scene::Box> obstacles(const mebots::world::scene::Scene& scene) {
   auto boxes = scene.boxes;
   for (const auto& cylinder : scene.cylinders) {
@@ -242,7 +243,7 @@ bool inside(const mebots::world::scene::Box& box, const Vector3d& p_W, double ma
   return (p.cwiseAbs() - 0.5 * box.size_m).maxCoeff() < margin_m;
 }
 
-/// Returns true if the drone can be at `p`, and nothing is between it and the gate.
+/// True if the drone can be at this position, and no object is between it and the gate.
 bool free_view(const mebots::world::scene::Scene& scene, const Vector3d& p_W) {
   for (const auto& box : obstacles(scene)) {
     if (inside(box, p_W, 0.1)) return false;
@@ -260,7 +261,7 @@ bool free_view(const mebots::world::scene::Scene& scene, const Vector3d& p_W) {
   return true;
 }
 
-/// Returns true if the straight line from `from` to `to` intersects the box.
+/// True if the straight line between both points intersects the box.
 bool meets(const mebots::world::scene::Box& box, const Vector3d& from_W, const Vector3d& to_W) {
   const AngleAxisd turn(-box.yaw_rad, Vector3d::UnitZ());
   const Vector3d from = turn * (from_W - box.p_W_m);
@@ -281,7 +282,7 @@ bool meets(const mebots::world::scene::Box& box, const Vector3d& from_W, const V
   return enter < leave;
 }
 
-/// Returns the share of a gate's frame that objects hide from `p`, measured along the middle of its beams.
+/// Returns the share of a gate's frame that objects hide from a position. Only considers the middle of the beams.
 double hidden_part(const std::vector<mebots::world::scene::Box>& things, const mebots::world::scene::Gate& gate,
                    const Vector3d& p_W) {
   return mebots::training::part_of_frame(gate, 0.5, [&](const Vector3d& point_W) {
@@ -289,10 +290,10 @@ double hidden_part(const std::vector<mebots::world::scene::Box>& things, const m
   });
 }
 
-/// Maximum hidden share of a gate that the sight network must detect.
+/// The maximum hidden share of a gate that the sight network must detect.
 constexpr double kMostHidden = 0.35;
 
-/// Returns true if the drone can be at `p`, and at most kMostHidden of the gate to detect is hidden.
+/// True if the drone can be at this position, and at most kMostHidden of the gate is hidden.
 bool has_answer(const mebots::world::scene::Scene& scene, const std::vector<mebots::world::scene::Box>& things,
                 const Sight& seen, const Vector3d& p_W) {
   if (std::any_of(things.begin(), things.end(), [&](const auto& box) { return inside(box, p_W, 0.1); })) return false;
@@ -300,7 +301,7 @@ bool has_answer(const mebots::world::scene::Scene& scene, const std::vector<mebo
   return hidden_part(things, scene.gates[static_cast<std::size_t>(seen.gate)], p_W) <= kMostHidden;
 }
 
-/// Returns true if the point is more than 0.3 m inside the outermost boxes, which are the walls of the room.
+/// True if the point is in the room, at least 0.3 m from the outermost boxes, which are its walls.
 bool in_room(const mebots::world::scene::Scene& scene, const Vector3d& p_W) {
   Vector3d low = Vector3d::Constant(1e9);
   Vector3d high = -low;
@@ -345,11 +346,11 @@ class Writer {
   std::string path_;
 };
 
-/// Range of the field of view: between the lens of Webots' Crazyflie and that of Stargate's recordings.
+/// The range of the field of view: from the lens of Webots' Crazyflie to the lens of Stargate's recordings.
 constexpr double kNarrowest_rad = 0.87;
 constexpr double kWidest_rad = 1.51844;
 
-/// Range of the field of view for the sight network. It is wider and includes both lenses.
+/// The range of the field of view for the sight network. It is wider than the range above on both sides.
 constexpr double kNarrowestSight_rad = 0.82;
 constexpr double kWidestSight_rad = 1.56;
 
@@ -406,7 +407,7 @@ mebots::world::scene::Scene room_of(const Options& options, Random& random) {
                                      : mebots::training::random_room(random);
 }
 
-/// Ends the program before a file is written if options contradict each other.
+/// Ends the program if options contradict each other, before it writes a file.
 void refuse_contradictions(const Options& options) {
   const char* why = nullptr;
   if (options.clutter && options.task != Task::sight) {
@@ -453,7 +454,7 @@ int main(int argc, char** argv) {
   try {
     Writer writer(options.out, options.task);
     for (int i = 0; i < options.scenes; ++i) {
-      // Each room has its own random numbers, independent of earlier rooms.
+      // Each room has its own random numbers, which do not depend on earlier rooms.
       Random random(options.seed * 1000003U + static_cast<std::uint64_t>(i));
       take_pictures(room_of(options, random), i, options, random, writer);
     }

@@ -6,13 +6,13 @@
 
 namespace mebots::training {
 
-/// Returns a random paint whose grey levels are around `middle`.
+/// Returns a random paint with grey levels around `middle`.
 world::scene::Texture random_paint(Random& random, double middle);
 
-/// Returns an upright wall in random paint whose middle is between 50 and 210.
+/// Returns an upright wall in random paint, with a mean grey level from 50 to 210.
 world::scene::Box wall(Random& random, const char* name, const Eigen::Vector3d& centre, const Eigen::Vector3d& size);
 
-/// Returns a pillar, a crate or a board of about a gate's size.
+/// Returns a pillar, a crate or a board of about the size of a gate.
 world::scene::Box distractor(Random& random, double length_m, double half_width_m);
 
 }  // namespace mebots::training

@@ -7,20 +7,19 @@
 
 namespace mebots::training {
 
-/// Draws random numbers that are the same on every machine, unlike those of std::uniform_real_distribution.
+/// Draws the same random numbers on every machine, unlike std::uniform_real_distribution.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : bits_(seed) {}
 
-  /// Returns a number that is uniformly distributed in [0, 1).
   double unit() { return static_cast<double>(bits_() >> 11) * 0x1p-53; }
   double between(double low, double high) { return low + (high - low) * unit(); }
-  /// Returns a whole number from 0 to count - 1, uniformly distributed.
+  /// Returns a uniformly distributed whole number from 0 to count - 1.
   int below(int count) { return static_cast<int>(unit() * count); }
   bool chance(double probability) { return unit() < probability; }
-  /// Returns a number whose logarithm is uniformly distributed.
+  /// Returns a number with a uniformly distributed logarithm.
   double log_between(double low, double high) { return low * std::pow(high / low, unit()); }
-  /// Returns a normally distributed number with mean 0, limited to three standard deviations.
+  /// Returns a normally distributed number with mean 0. Rejects numbers beyond three standard deviations.
   double normal(double deviation) {
     for (;;) {
       const double x = std::sqrt(-2.0 * std::log(1.0 - unit())) * std::cos(2.0 * M_PI * unit());

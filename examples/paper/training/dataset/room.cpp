@@ -16,7 +16,7 @@ using world::scene::Gate;
 using world::scene::Scene;
 using world::scene::Texture;
 
-/// Minimum distance between the gate and other objects. At this distance, they cannot hide the gate from every side.
+/// The minimum distance between the gate and other objects. Farther objects cannot hide the gate from every side.
 constexpr double kFreeAroundGate_m = 0.9;
 
 Texture gate_paint(Random& random) {

@@ -6,8 +6,8 @@
 
 namespace mebots::training {
 
-/// Returns a room with at most one gate and some other objects: random sizes, places, paint and light. The opening of
-/// the gate faces along the gate's x axis, as everywhere in fmu_world.
+/// Returns a room with at most one gate and some other objects: random sizes, places, paint and light. The direction of
+/// flight is the gate's x axis, as everywhere in fmu_world.
 world::scene::Scene random_room(Random& random);
 
 }  // namespace mebots::training

@@ -11,14 +11,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Minimum cosine of the angle at which an opening is visible. A gate that is seen at a flatter angle looks like a
-/// beam.
+/// The minimum cosine of the angle at which an opening is visible. At a flatter angle, a gate looks like a beam.
 constexpr double kFlatCosine = 0.3;
-/// Minimum depth along the optical axis. A nearer point is outside of the picture.
+/// The minimum depth along the optical axis. Nearer points are outside of the picture.
 constexpr double kBesideDepth_m = 0.05;
-/// Minimum share of the points along the opening's edge that are in the picture.
+/// The minimum share of points along the opening's edge that must be in the picture.
 constexpr double kLeastInnerPart = 0.15;
-/// Position of these points in the beams, as a share of the distance from the inner edge to the outer edge.
+/// The position of these points in the beams, as a share of the distance from the inner to the outer edge.
 constexpr double kIntoBeam = 0.2;
 
 Sight sight_of_gate(const world::scene::Gate& gate, const world::camera::Intrinsics& intrinsics,

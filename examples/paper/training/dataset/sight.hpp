@@ -7,14 +7,14 @@
 
 namespace mebots::training {
 
-/// Contains the position of the nearest gate in a picture, which the sight network learns.
+/// The position of the nearest gate in a picture. The sight network learns this.
 struct Sight {
   /// enough: the gate is in the picture. none: not even a corner of the gate is in the picture. sliver: the visible
-  /// part is too small or too flat for a correct answer. A gate that the camera is about to fly through is also a
-  /// sliver, if the inner edges are all outside of the picture.
+  /// part is too small or too flat for a correct answer. If the camera is close to the gate and all inner edges are
+  /// outside of the picture, the gate is also a sliver.
   Visibility visibility = Visibility::none;
-  /// Centre of the opening relative to the picture's centre, in [-1, 1]. yaw: distance to the left, divided by half the
-  /// picture's width. rise: distance upwards, divided by half its height.
+  /// The centre of the opening relative to the picture's centre, in [-1, 1]. yaw: distance to the left, divided by half
+  /// the picture's width. rise: distance upwards, divided by half the picture's height.
   double yaw = 0.0;
   double rise = 0.0;
   double size = 0.0;        ///< half the frame's width at the gate's depth, relative to half the picture's width

@@ -11,16 +11,16 @@ namespace mebots::rover_wheels {
 
 /// Two wheels on one axis, which roll without slip.
 ///
-/// The speed u of a rim follows its command c by u' = (c - u) / lag. For a constant command, speed and distance of a
-/// step are exact. The pose moves along the chord at the mean heading of the step, an error of third order in the turn.
+/// The speed u of a rim follows its command c: u' = (c - u) / lag. For a constant command, speed and distance of a step
+/// are exact. The pose moves along the chord at the mean heading of the step, which gives an error of third order in
+/// the turn.
 class Model {
  public:
-  /// `resources` is not used. Each parameter is checked against its limits in the description.
+  /// `resources` is not used. The FMI functions have checked each parameter against its limits in the description.
   Model(const Parameters& parameters, const std::filesystem::path& resources);
 
-  /// Writes the outputs at the start.
   void start(const Inputs& inputs, Outputs& outputs);
-  /// Advances by duration_ns > 0 with constant inputs.
+  /// Advances by duration_ns with constant inputs. duration_ns must be positive.
   void step(const Inputs& inputs, std::int64_t duration_ns, Outputs& outputs);
 
   void visit(state::Visitor& v);

@@ -10,7 +10,7 @@
 
 namespace mebots::bank {
 
-/// Models independent integrators, whose number is the parameter `lines`.
+/// Independent integrators. Their number is the parameter `lines`.
 class Bank {
  public:
   explicit Bank(const Parameters& parameters);

@@ -5,7 +5,7 @@
 namespace mebots::bank {
 namespace {
 
-/// Binds the model. The model needs no resources, so the importing tool may pass no path for them.
+/// Binds the model. The model needs no resources, so the importing tool need not pass their path.
 class BankModel final : public fmu::Model {
  public:
   explicit BankModel(Variables& variables) : variables_(variables), bank_(variables.parameters) {

@@ -12,10 +12,10 @@
 
 namespace mebots::lag {
 
-/// Models y' = (gain u - y) / time_constant. Each step uses the exact solution for constant u.
+/// y' = (gain u - y) / time_constant. Each step uses the exact solution for constant u.
 class Lag {
  public:
-  /// Reads the label file in `resources`. Throws mebots::Error if it is missing.
+  /// Reads the label file in `resources`. Throws mebots::Error if the file is missing.
   Lag(Variables& variables, const std::filesystem::path& resources);
 
   void step(std::int64_t duration_ns);

@@ -8,8 +8,8 @@
 
 namespace mebots::walk {
 
-/// Moves up or down by one in every step with equal probability. The direction is a function of seed and step, so it
-/// needs no state.
+/// Moves up or down by one in every step with equal probability. Seed and step determine the direction, so the
+/// direction needs no state.
 class Walk {
  public:
   explicit Walk(Variables& variables);
