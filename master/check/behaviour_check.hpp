@@ -21,7 +21,7 @@ struct Probe {
 };
 
 /// Returns probes that run the FMU, reset it, restore states, halve steps, replay a run, and detect memory leaks. The
-/// second probe is a plain run. If the plain run fails, all other probes are skipped.
+/// second probe is a plain run. If one of the first two probes fails, all later probes are skipped.
 std::vector<Probe> life_probes(const Target& target, double half_step_tolerance);
 /// Returns a probe that detects whether the FMU only starts with a stop time. If so, all other probes pass a stop time.
 Probe start_probe();

@@ -219,8 +219,8 @@ class FmuCheck {
     }
   }
 
-  /// Runs an FMU under wine if its only library is for 64-bit Windows. Skips other probes, because they call the
-  /// library directly.
+  /// Runs an FMU under wine if it has a library for 64-bit Windows and none for this machine. Skips other probes,
+  /// because they call the library directly.
   void run_under_wine() {
     const modeldesc::TemporaryFolder place("mebots-check-wine");
     const auto folder = place.path() / "fmu";

@@ -12,7 +12,7 @@ namespace mebots::check {
 struct Options {
   /// Accepted difference between full and half steps, relative to the output's largest magnitude in the run.
   double half_step_tolerance = 1e-3;
-  double deadline_s = 30;         ///< processor and sleeping time of each experiment [s]
+  double deadline_s = 30;         ///< maximum processor and sleeping time of each experiment [s]
   Level level = Level::standard;  ///< the report counts findings of higher levels, but does not show them
   /// If this flag becomes true, the check throws Interrupted. If null, the check cannot be cancelled.
   const std::atomic<bool>* given_up = nullptr;

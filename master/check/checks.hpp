@@ -33,7 +33,8 @@ void check_units_and_types(const ModelDescription& model, Findings findings);
 /// Checks that the combination of causality, variability, initial and start is permitted for each variable. Checks that
 /// start values are within their limits, or items of their enumeration.
 void check_variables(const ModelDescription& model, Findings findings);
-/// Checks that names are unique and printable. Checks the grammar of structured names.
+/// Checks that names are unique and printable. If the description declares structured names, checks their
+/// grammar.
 void check_names(const ModelDescription& model, Findings findings);
 /// Checks that variables with the same value reference have consistent declarations.
 void check_aliases(const ModelDescription& model, Findings findings);

@@ -32,8 +32,7 @@ class Interrupted final : public std::exception {
 struct CrashRule {
   Severity severity = Severity::error;
   std::string way_out = "run the FMU under a debugger, or build it with -fsanitize=address";
-  double deadline_s = 30;                       ///< processor and sleeping time [s]; excludes time spent waiting for a
-                                                ///< processor
+  double deadline_s = 30;                       ///< processor and sleeping time [s], without waiting for a processor
   const std::atomic<bool>* given_up = nullptr;  ///< if this flag becomes true, kills the child; may be null
 };
 

@@ -44,7 +44,7 @@ struct Check {
 
 struct Report {
   std::string fmu;
-  std::string summary;  ///< such as "FMI 2.0 co-simulation, 54 variables"; empty if the description is invalid
+  std::string summary;  ///< such as "FMI 2.0 co-simulation, 54 variables"; empty if the description cannot be read
   Level level = Level::standard;
   std::size_t hidden_findings = 0;  ///< number of findings above `level`
   std::vector<PlatformNeeds> platforms;

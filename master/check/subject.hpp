@@ -55,8 +55,8 @@ struct Outputs {
   bool operator==(const Outputs&) const = default;
 };
 
-/// Detects changes that an FMU makes to the process: file mode, working directory, locale, limits, descriptors, signal
-/// handlers and mask, timers, priority, affinity, and floating-point environment.
+/// Detects changes that an FMU makes to the process: file mode mask, working directory, locale, limits, descriptors,
+/// signal handlers and mask, timers, priority, affinity, and floating-point environment.
 class Surroundings {
  public:
   /// Returns descriptions of all changes since construction or the last call, and reverts them if possible.

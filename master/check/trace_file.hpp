@@ -70,8 +70,8 @@ struct TracedInstance {
 };
 
 /// Steps the instance from row to row of `outputs` and compares its outputs. Sets the latest values of `inputs` before
-/// each step. Tolerates a relative difference of 1e-6 for Reals, because compilers round differently. Reports the first
-/// difference to the witness. Returns true if the run reaches the end of the trace.
+/// each step. Reals may differ by 1e-6 of their value, because compilers round differently; all other values must be
+/// equal. Reports the first difference to the witness. Returns true if the run reaches the end of the trace.
 bool replay(Witness& witness, const TraceFiles& files, const Trace& inputs, const Trace& outputs,
             const TracedInstance& instance);
 

@@ -64,9 +64,7 @@ class Trajectories(unittest.TestCase):
                     self.assertAlmostEqual(ours.velocity_m_per_s[axis], other * forward.at(t).velocity_m_per_s[axis], delta=1e-9)
 
     def test_a_spiral_keeps_its_distance_from_the_centre(self):
-        """The path is a polynomial of degree 7. For a quarter circle, its distance from the centre differs from the radius by at most 0.8
-        %.
-        """
+        """The path is a polynomial of degree 7. For a quarter circle, its distance from the centre is within 0.8 % of the radius."""
         for clockwise, centre in ((True, (0.0, -1.0)), (False, (0.0, 1.0))):
             planner = Planner()
             planner.spiral(math.pi / 2, (1.0, 1.0), 0.5, 4.0, 0.0, sideways=False, clockwise=clockwise)

@@ -23,8 +23,8 @@ import tempfile
 import time
 
 PROCESSES = ("shared", "own", "sandboxed")
-PATIENCE_S = 60  # limit for a run that ends alone
-SHARED_HANGS_S = 8  # limit for the master's process, in which no call can be ended
+PATIENCE_S = 60  # time limit of a run; a run that exceeds it hangs
+SHARED_HANGS_S = 8  # time limit if the FMU runs in the master's process, which cannot end a call
 MEMORY_BYTES = 1 << 30  # memory limit for runs that use all memory
 SKIPPED = 77
 

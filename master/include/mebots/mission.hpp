@@ -34,7 +34,7 @@ class Mission {
   explicit Mission(const std::filesystem::path& config, const RunOptions& options = {});
   /// Returns a mission that resumes from the last checkpoint in a results folder.
   static Mission resume(const std::filesystem::path& folder, bool in_memory = true);
-  /// A moved-from mission can only be destroyed or assigned to.
+  /// Closes the mission. A moved-from mission can only be destroyed or assigned to.
   ~Mission();
   Mission(Mission&& other) noexcept;
   Mission& operator=(Mission&& other) noexcept;
@@ -113,8 +113,8 @@ class Mission {
   double stop_time_s() const;
   /// True if the run has ended or failed.
   bool ended() const;
-  /// Returns the outcome in the config whose conditions are true at the last point. Returns "completed" if there is
-  /// none, and "interrupted", "closed" or "failed" if the run ended early. Returns an empty text before the start.
+  /// Returns the outcome in the config whose conditions are true at the last point, or "completed" if there is none.
+  /// After an interrupt, close() or a failure, returns "interrupted", "closed" or "failed". Empty before the start.
   std::string outcome() const;
   /// Returns the reason for the end of the run; nullopt before the end.
   std::optional<EndReason> end_reason() const;

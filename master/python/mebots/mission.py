@@ -131,7 +131,7 @@ class Mission:
         self._run.set(variable, value)
 
     def add_scenario(self, file: Path) -> None:
-        """Adds the overrides of a file to those of the config. Must be called before start()."""
+        """Appends the overrides of a file to those of the config. Must be called before start()."""
         self._run.add_scenario(file)
 
     def add_inputs(self, file: Path) -> None:

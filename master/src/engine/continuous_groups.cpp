@@ -30,8 +30,8 @@ double tolerance_of(const ResolvedSystem& system, const std::vector<std::size_t>
   return smallest.value_or(kUsualTolerance);
 }
 
-/// Returns the inputs on which an output directly depends, as ModelStructure declares. If ModelStructure declares no
-/// dependencies, the output may depend on all inputs, and the function returns nullopt.
+/// Returns the inputs on which an output directly depends, as ModelStructure declares. If it has no entry with
+/// `dependencies` for this output, returns nullopt: the output may depend on all inputs.
 std::optional<std::vector<ValueReference>> dependencies_of(const modeldesc::ModelDescription& model,
                                                            const modeldesc::Variable& output) {
   const auto index = static_cast<std::size_t>(&output - model.variables.data());
@@ -113,8 +113,9 @@ void ContinuousGroups::connect() {
   }
 }
 
-/// True for a connection between continuous Reals. The solver transfers these values whenever it evaluates the
-/// derivatives. All other connections, such as those of clocked variables, transfer values only at events.
+/// True for a connection from an unclocked Real to a continuous Real. The solver transfers these values whenever it
+/// evaluates the derivatives. All other connections, such as those of clocked variables, transfer values only at
+/// events.
 bool ContinuousGroups::is_wire(const ResolvedConnection& connection) const {
   return !is_clocked(*connection.from.variable) && kind_of(connection.from.variable->type) == ValueKind::real &&
          kind_of(connection.to.variable->type) == ValueKind::real &&

@@ -125,9 +125,7 @@ double CoupledInput::deviation_integral(std::int64_t time_ns, const TimeGrid& gr
   MEBOTS_ASSERT(start_ns_.has_value(), "advance() comes first");
   const double length_s = grid.length_s(*start_ns_, time_ns);
   const double at_end = std::abs(input_at(time_ns, grid) - value());
-  if (*input_.start_ns != *start_ns_)
-    return at_end * length_s;  // the two instances started their steps at different
-                               // times
+  if (*input_.start_ns != *start_ns_) return at_end * length_s;  // the two steps started at different times
   const double middle_s = length_s / 2;
   const auto [c0, c1, c2] = course().coefficients(length_s);
   const double in_middle = at(input_, middle_s) - (factor_ * (c0 + (c1 + c2 * middle_s) * middle_s) + offset_);

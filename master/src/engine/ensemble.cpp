@@ -297,7 +297,7 @@ void Ensemble::connect_mapped(const ResolvedConnection& connection, SignalId fro
   const bool is_whole = type != Type::boolean && type != Type::enumeration;
   if (is_whole && connection.from.variable->type != type)  // values without an entry in the map may be out of range
     members_[connection.to.instance].range_checks.push_back({&connection, to});
-  if (type == Type::enumeration) check_items_of(connection, to);  // values without an entry in the map may be no items
+  if (type == Type::enumeration) check_items_of(connection, to);  // values without an entry may be invalid items
 }
 
 void Ensemble::check_items_of(const ResolvedConnection& connection, std::size_t slot) {

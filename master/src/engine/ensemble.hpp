@@ -83,9 +83,9 @@ class Ensemble {
   /// if an output is NaN or infinite.
   void read_outputs(std::size_t instance, std::int64_t time_ns);
   /// Writes the latest values of the connected outputs to a slave's inputs. `time_ns` is the start of the slave's step.
-  /// Also writes time derivatives if the slave accepts and the sources provide them. If a source has already stepped
-  /// past `time_ns`, the input follows the line through the source's last two values. Throws NotFiniteError if a unit
-  /// conversion overflows. Throws Error if an Integer is not an item of the connected Enumeration.
+  /// Also writes time derivatives if the slave accepts them and the sources provide them. If such a source has already
+  /// stepped past `time_ns`, the input follows the line through the source's last two values. Throws NotFiniteError if
+  /// a conversion or a sum overflows. Throws Error if an Integer is not an item of the connected Enumeration.
   void write_inputs(std::size_t instance, std::int64_t time_ns);
 
   /// Return the latest value of a signal. References are valid from initialize() until the ensemble is destroyed.
@@ -108,8 +108,8 @@ class Ensemble {
   std::vector<Banks> outputs() const;
   void bring_back(const std::vector<Banks>& outputs);
 
-  /// Returns the order in which the slaves step. An instance that reads another instance's buffer steps before the
-  /// owner of the buffer.
+  /// Returns the order of steps for the Jacobi algorithm. An instance that reads another instance's buffer steps before
+  /// the owner of the buffer.
   const std::vector<std::size_t>& step_order() const { return step_order_; }
 
   /// Saves or restores the latest outputs and inputs. An instance with a longer step keeps them between its steps.

@@ -60,7 +60,7 @@ class StopConditions final : public Observer {
   struct Watch {
     Condition condition;
     std::int64_t for_ns;
-    std::optional<std::int64_t> since_ns = {};  // start of the time in which the condition has always been true
+    std::optional<std::int64_t> since_ns = {};  // time at which the condition became true; nullopt while it is false
 
     void visit(state::Visitor& v) { v("since_ns", since_ns); }
   };

@@ -19,7 +19,7 @@ PageParts read_data_page_parts();
 /// Returns an HTML document that shows the first run in detail and compares it with the other runs.
 std::string make_page(const PageParts& parts, std::span<const RunFolder> runs);
 
-/// Returns an HTML document that shows a run in progress. The page loads data from the server that sent it.
+/// Returns an HTML document that shows a run in progress. The page loads data only from the server that sent it.
 std::string make_live_page(const PageParts& parts, const std::string& name);
 
 /// Returns an HTML document that shows `data`, which must be JSON as in web/src/report/content.ts. The page works

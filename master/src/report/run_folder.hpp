@@ -22,15 +22,15 @@ struct Picture {
 struct PictureSeries {
   std::string name;  ///< name of the frame, such as "world.camera.frame"
   std::vector<Picture> pictures;
-  std::size_t every = 1;  ///< only every n-th picture was kept
+  std::size_t every = 1;  ///< n if only every n-th picture was kept; 1 if all were kept
 };
 
 /// Maximum number of bytes of pictures in a page. A larger page would be too large for mail.
 inline constexpr std::size_t kMostPictureBytes = 1'500'000;
 
 /// Reduces the pictures to kMostPictureBytes. First halves width and height repeatedly, as long as at least 128 pixels
-/// of width remain. If this is not enough, removes pictures evenly in time. Keeps pictures within the spans `whole`,
-/// and files that are not grey PNGs.
+/// of width remain. If this is not enough, removes pictures evenly in time. Neither shrinks nor removes pictures within
+/// the spans `whole`. Does not shrink files that are not grey PNGs.
 void fit_into_page(PictureSeries& series, const std::vector<TimeSpan>& whole);
 
 /// The content of a results folder. `results` is always present. Other members are empty if the folder lacks their

@@ -17,8 +17,8 @@ namespace mebots::master {
 /// freed.
 std::vector<Leftover> leftovers_of(const ResolvedSystem& system);
 
-/// Returns the name of the first FMU that computes with data outside its instances, and the reason. Returns nullopt if
-/// no FMU does.
+/// Names the first instance whose FMU computes with data outside its instances, with the reason. Returns nullopt if no
+/// FMU does.
 std::optional<std::string> fmu_without_whole_state(const ResolvedSystem& system);
 /// Throws InputError if an FMU computes with data outside its instances. `what` names the call that needs the complete
 /// state.

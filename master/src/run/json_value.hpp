@@ -26,7 +26,7 @@ inline double shortest_float32(double value) {
   return shortest;
 }
 
-/// Converts a value to JSON. No value becomes null, and a Binary becomes hexadecimal digits.
+/// Converts a value to JSON. A missing value becomes null, and a Binary becomes hexadecimal digits.
 inline nlohmann::ordered_json json_of(modeldesc::Type type, const modeldesc::Value& value) {
   if (type == modeldesc::Type::uint64 && std::holds_alternative<std::int64_t>(value))
     return static_cast<std::uint64_t>(std::get<std::int64_t>(value));

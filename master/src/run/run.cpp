@@ -336,7 +336,7 @@ void Run::begin() {
 
 void Run::open() {
   install_crash_notice();
-  take_kept_signal();  // discards a signal that an earlier run did not handle
+  take_kept_signal();  // discards a signal that arrived before this run
   MEBOTS_ASSERT(state_ == RunState::open && !simulation_);
   if (options_.isolate) {
     for (auto& instance : system_.instances) {

@@ -42,7 +42,7 @@ namespace mebots::master {
 /// this class.
 ///
 /// If a function such as start() or step() fails, it throws and sets the state to `failed`. The files then contain the
-/// results up to this point. A failed run calls no FMU.
+/// results up to this point. A failed run calls no FMU, and its step() throws.
 ///
 /// At each communication point, observers are called in this order: scenario, result files, pictures, recorder, summary
 /// values, outcomes, stop conditions, coupling, observers of add(), checkpointer. Therefore a checkpoint contains the
@@ -98,8 +98,8 @@ class Run {
   /// Opens the FMUs, checks the system, and initialises the run at the start time or at the checkpoint. A second call
   /// has no effect. Throws InputError and Error.
   void start();
-  /// Performs one communication step. Starts the run if necessary. Returns false if the run has ended, or if it ends
-  /// without reaching a new point because of an interrupt or an FMU.
+  /// Performs one communication step. Starts the run if necessary. Returns false if the run had already ended, or if
+  /// an interrupt or an FMU ends it before a new point is reached.
   bool step();
   void run_until(std::int64_t time_ns);
   void run();

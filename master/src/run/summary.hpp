@@ -18,7 +18,7 @@
 
 namespace mebots::master {
 
-/// Stores the values of the section `summary` in the config at the last communication point.
+/// Stores the values that the config requests under `summary`, as they are at the last communication point.
 class SummaryValues final : public Observer {
  public:
   /// Throws InputError if a variable is unknown, or if a label is a key that summary.json uses itself.
@@ -60,7 +60,7 @@ class SummaryValues final : public Observer {
   void add_entry(const ResolvedSystem& system, Ensemble& ensemble, const SummaryEntry& entry);
   void add_group(const ResolvedSystem& system, Ensemble& ensemble, const SummaryEntry& entry);
   nlohmann::ordered_json value_of(const Entry& entry) const;
-  /// Returns the statistics of a group by name.
+  /// Returns the statistics of a group. The keys are names of statistics, such as `mean`.
   nlohmann::ordered_json statistics_of(const Group& group) const;
 
   const Ensemble* ensemble_;

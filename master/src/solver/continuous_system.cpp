@@ -440,7 +440,7 @@ bool ContinuousSystem::schedule_tick() {
 /// Rounds a time to a communication point within kSameTime_s, or returns the time unchanged. Without rounding, a tick
 /// at 3 * 0.1 s would occur one step after the point 0.3 s.
 double ContinuousSystem::on_grid(double time_s) const {
-  constexpr double kLatest_s = 9e9;  // limit of the master's time in nanoseconds
+  constexpr double kLatest_s = 9e9;  // nanoseconds of later times may not fit into 64 bits
   if (!(time_s < kLatest_s)) return time_s;
   const double point_s = parts_.grid.time_s(std::llround(time_s * 1e9));
   return std::abs(point_s - time_s) <= kSameTime_s ? point_s : time_s;

@@ -174,7 +174,7 @@ TEST(RatioSteps, ARunContinuesFromASavedStateWithTheSameBits) {
   straight.to_end();
   TestRun second(text);
   second.initialize();
-  const auto kept = second.simulation().save_state();  // requires that the FMUs can restore an earlier state
+  const auto kept = second.simulation().save_state();  // the FMUs must then keep data to return to this state
   for (int i = 0; i < 23; ++i) second.simulation().step();
   const auto bytes = second.simulation().serialize(second.simulation().save_state());
   for (int i = 0; i < 9; ++i) second.simulation().step();

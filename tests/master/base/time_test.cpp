@@ -121,7 +121,7 @@ TEST(Time, SecondsOfARatioAreTheNearestDouble) {
     ASSERT_TRUE(is_nearest(numerator, denominator, x)) << x;
     ASSERT_EQ(nearest_double(-numerator, denominator), -x);
   }
-  // Between two doubles, the even one is chosen.
+  // Half-way between two doubles, the even one is chosen.
   constexpr std::int64_t kTwoTo53 = std::int64_t{1} << 53;
   EXPECT_EQ(nearest_double(WideInteger{kTwoTo53} + 1, 1), static_cast<double>(kTwoTo53));
   EXPECT_EQ(nearest_double(WideInteger{kTwoTo53} + 3, 1), static_cast<double>(kTwoTo53) + 4);

@@ -179,7 +179,7 @@ TEST(Scenario, ItsStateIsSavedWithTheRun) {
   }
   TestRun second(text);
   second.initialize();
-  const auto kept = second.simulation().save_state();  // requires that the FMUs can restore an earlier state
+  const auto kept = second.simulation().save_state();  // the FMUs must then keep data to return to this state
   for (int i = 0; i < 9; ++i) second.simulation().step();
   second.simulation().restore_state(second.simulation().deserialize(bytes));
   while (second.simulation().step()) {

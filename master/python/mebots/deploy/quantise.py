@@ -204,7 +204,8 @@ class Quantiser:
 
 
 def _weight_steps(node: Node, source: Scale) -> np.ndarray:
-    """Returns the weight step of each output channel: the model's step, or 1/127 of the largest magnitude."""
+    """Returns the weight step of each output channel: the model's step, otherwise 1/127 of the largest magnitude or of ``_least_step``,
+    whichever is greater."""
     channels = node.weight.shape[0]
     if node.weight_steps is not None and node.weight_steps.size in (1, channels):
         return np.broadcast_to(node.weight_steps.ravel(), (channels,))

@@ -24,7 +24,7 @@ def simplify(graph: Graph) -> None:
 
 
 def join_flattened(graph: Graph) -> None:
-    """Merges only nodes that do not change numbers: pads, flattened inputs, and integers added to sums."""
+    """Merges pads, flattened inputs and added integers into the layers that use or compute them. Integer weights stay integers."""
     _drop_unused(graph)
     while _join_pads(graph) or _join_flatten(graph) or _join_addends(graph):
         pass

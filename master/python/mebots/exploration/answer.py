@@ -81,7 +81,7 @@ def _aligned(titles: Sequence[str], rows: Sequence[Row]) -> list[str]:
 
 
 class Judge:
-    """Ranks designs by the first objective with a sense, or by the first share if no objective has a sense."""
+    """Ranks designs by the first objective that is minimised or maximised. If no objective is, ranks them by the first share."""
 
     def __init__(self, evidence: Evidence, units: Units, names: Sequence[str], status: Sequence[str]) -> None:
         self._evidence = evidence

@@ -79,7 +79,7 @@ def _times_log(count: int, p: float) -> float:
 
 
 def _edge(outside: Callable[[float], bool], far: float, near: float) -> float:
-    """Returns the point nearest to ``near``, which is inside, that is still outside. Searches from ``far``, which is outside."""
+    """Searches between ``far``, which is outside, and ``near``, which is inside. Returns the outside point that is nearest to ``near``."""
     for _ in range(60):
         middle = (far + near) / 2
         if outside(middle):

@@ -264,7 +264,7 @@ def _status(folder: pathlib.Path) -> int:
 
 
 def _dry_run(study: Study, options: argparse.Namespace) -> int:
-    """Returns lines with the best designs so far and their intervals, and with the number of ended designs for each reason."""
+    """Checks the study, and runs one mission to estimate the time of all missions."""
     with _campaign(study, None, options.jobs) as campaign:
         campaign.check()
         jobs = options.jobs or len(os.sched_getaffinity(0))

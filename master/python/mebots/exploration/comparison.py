@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Computes statistics of designs and comparisons from the missions so far.
 
-All designs use the same draws, so designs are compared replicate by replicate, and common effects of chance cancel out. For shares, only
-replicates with one success count. If two designs are equal, each has this success with probability one half.
+All designs use the same draws, so designs are compared replicate by replicate, and common effects of chance cancel out. For shares, a
+replicate counts only if exactly one of the two designs succeeds. If the designs are equal, each of them has this success with probability
+one half.
 """
 
 from __future__ import annotations
@@ -107,7 +108,7 @@ class Evidence:
         own[begin:end] = values
 
     def count_to(self, design: int, replicates: int) -> None:
-        """Counts the first ``replicates`` results of a design."""
+        """Includes the first ``replicates`` results of a design in its statistics."""
         self.counts[design] = replicates
 
     def miss(self, design: int, replicate: int) -> None:
@@ -138,8 +139,8 @@ class Evidence:
 
     @property
     def design_error(self) -> float:
-        """Returns the permitted error of one statement about one design. Statements about single designs use half of ``error``, comparisons
-        of designs the other half.
+        """Returns the permitted error of one statement about one design. All statements about single designs together use half of
+        ``error``; comparisons of designs use the other half.
         """
         statements = len(self.study.constraints) + (self.study.stop is not None) + len(self._senses)
         return self.study.error / 2 / (max(len(self.counts), 1) * max(statements, 1))

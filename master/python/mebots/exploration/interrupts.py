@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Delivers Ctrl-C only between two steps of a study.
 
-Python raises KeyboardInterrupt between any two instructions. An exception in ``Thread.start`` leaves a thread that its pool does not know.
+Python raises KeyboardInterrupt between any two instructions. An exception in ``Thread.start`` leaves a thread that is missing in its pool.
 An exception inside a lock's ``with`` leaves the lock locked."""
 
 from __future__ import annotations

@@ -22,8 +22,8 @@ Measures = tuple[float | None, ...]
 
 
 class Measurer:
-    """Computes the measures of missions. ``labels`` are those of the missions' summaries. Raises InputError if an objective does not
-    exist."""
+    """Computes the measures of missions. ``labels`` are those of the missions' summaries. Raises InputError if an objective
+    refers to something that does not exist."""
 
     def __init__(self, study: Study, labels: Iterable[str]) -> None:
         self._objectives = study.objectives

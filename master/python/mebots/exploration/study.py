@@ -53,7 +53,7 @@ class Objective:
 
 @dataclasses.dataclass(frozen=True)
 class Constraint:
-    """A design is feasible if its share or mean of ``label`` is on this side of ``bound``."""
+    """A design is feasible only if its share or mean of ``label`` is on this side of ``bound``."""
 
     label: str
     above: bool

@@ -85,7 +85,7 @@ _FILES = ("mission.json", "inputs.csv", "errors.csv", "replay.json", "traces.csv
 
 
 def _make(folder: pathlib.Path) -> None:
-    """Creates the folder. Raises an error before the replay, which takes minutes, if no file can be written there."""
+    """Creates the folder. Raises InputError if this fails, or if a folder has the name of a result file."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -55,7 +55,8 @@ PX4: dict[str, Meaning] = {
 
 
 def read_ulog(file: pathlib.Path, meanings: Mapping[str, Meaning] = {}) -> FlightLog:
-    """Reads a log. ``meanings`` extend PX4's names and take precedence. Raises InputError if the log is invalid."""
+    """Reads a log. ``meanings`` adds columns to PX4's. If several columns have the same signal, those in ``meanings`` take precedence; a
+    column of PX4 keeps its meaning. Raises InputError if the log is invalid."""
     data = file.read_bytes()
     if not data.startswith(MAGIC) or len(data) < _SIZE_OF_HEADER:
         raise InputError(f"{file}: byte 0: this is not the start of a ULog file; it is cut off, or of another kind", "syntax_error")

@@ -9,7 +9,7 @@
     records    uint16 id of the event; time; the values of its variables, without padding
     uint32     CRC-32 of all bytes before it
 
-All numbers are little-endian. A log that an empty cell truncated has no CRC.
+All numbers are little-endian. A truncated log, such as that of a flight until the cell was empty, has no CRC.
 """
 
 from __future__ import annotations
@@ -69,7 +69,8 @@ class _Reader:
 
 
 def read_usd(file: pathlib.Path, meanings: Mapping[str, Meaning] = {}) -> FlightLog:
-    """Reads a log. ``meanings`` extend the firmware's names and take precedence. Raises InputError if the log is invalid."""
+    """Reads a log. ``meanings`` adds columns to the firmware's. If several columns have the same signal, those in ``meanings`` take
+    precedence; a column of the firmware keeps its meaning. Raises InputError if the log is invalid."""
     log = _parse(file)
     columns = ((name, times, values) for _, times, kind in _tables(log) for name, values in kind.items())
     return log_of(file, "Crazyflie uSD log", named(columns, dict(meanings) | CRAZYFLIE), log.notes)

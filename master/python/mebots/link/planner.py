@@ -150,5 +150,5 @@ class Planner:
 
 
 def _nearest(angle_rad: float, to_rad: float) -> float:
-    """Returns the angle, changed by full turns, that is nearest to the second angle."""
+    """Returns the first angle plus the full turns that bring it nearest to the second angle."""
     return to_rad + wrapped(angle_rad - to_rad)

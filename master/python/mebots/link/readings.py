@@ -17,7 +17,7 @@ class Readings(NamedTuple):
     rates_rad_per_s: Vector  # about the body's axes, from the gyroscope
     acceleration_m_per_s2: Vector  # specific force along the body's axes, from the accelerometer
     motors: tuple[float, float, float, float]  # duty cycles
-    range_m: float  # distance to the ground below the drone
+    range_m: float  # measured distance below the drone
     bus_voltage_v: float
     crashed: bool
 

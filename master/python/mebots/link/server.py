@@ -26,8 +26,8 @@ _DATAGRAM_BYTES = 2048
 
 
 class Pace:
-    """Determines when each period starts. After a delay of up to 0.4 s, the simulation catches up. A longer delay also delays all later
-    periods."""
+    """Determines the wall-clock time at which each period starts. After a delay of up to 0.4 s, the simulation catches up. A longer delay
+    also delays all later periods."""
 
     def __init__(self, clock: Callable[[], float], report: Callable[[str], None]) -> None:
         self._clock = clock

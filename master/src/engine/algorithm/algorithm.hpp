@@ -22,9 +22,9 @@ class Algorithm {
   virtual ~Algorithm() = default;
 
   /// Performs one communication step. Returns nullopt if the run continues, and an End if a slave ends the run. Throws
-  /// InterruptedError after an interrupt. Passes on the exceptions of slaves. After the step, the ensemble contains the
-  /// outputs at the end of the step. If the run ends in this step, the ensemble still contains the outputs at its
-  /// start.
+  /// InterruptedError after an interrupt. Passes on the exceptions of slaves. After a completed step, the ensemble
+  /// contains the outputs at the end of the step. After a returned End or InterruptedError, it still contains those at
+  /// the start of the step.
   virtual std::optional<End> step(const GridStep& span) = 0;
 };
 

@@ -131,7 +131,7 @@ class Jacobi final : public Algorithm {
   SlaveSteps* slaves_;
   OrderedMessages* messages_;
   std::vector<std::vector<std::size_t>> groups_;  // the members of a group step in order on one thread
-  // Results of steps that were pending, discarded, or ended by the slave.
+  // Results of steps that are pending, were discarded, or ended the run.
   std::vector<std::pair<std::size_t, StepResult>> unfinished_;
   // Only for parallel stepping. The pointers are null if there is only one thread.
   unsigned threads_ = 1;

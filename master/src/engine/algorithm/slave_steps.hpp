@@ -37,7 +37,7 @@ class SlaveSteps {
     return steps_[slave].multiple == 1 || k % steps_[slave].multiple == 0;
   }
 
-  /// If a step of the slave starts at t_k, sets the slave's inputs to the latest outputs.
+  /// If a step of the slave starts at t_k, sets its inputs to the latest values of the connected outputs.
   void write_inputs(std::size_t slave, std::int64_t k);
   /// Performs the slave's step that starts at `span.from`. Different threads may step different slaves at the same
   /// time. After an interrupt, throws InterruptedError without calling the slave. Passes on exceptions of the slave.

@@ -20,7 +20,7 @@ void ThreadPolicy::window_took(double time_s) {
   if (!parallel_) {
     serial_s_ = std::min(serial_s_, time_s);
     if (--left_ > 0) return;
-    left_ = 1;  // the steps may become longer
+    left_ = 1;  // checks again after the next window, because the steps may become longer
     if (to_beat_s() < kWindow * kLeastStep_s) return;
     parallel_ = true;
     left_ = kParallelRun;

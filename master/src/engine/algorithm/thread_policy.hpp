@@ -35,8 +35,9 @@ class ThreadPolicy {
   void window_took(double time_s);
 
  private:
-  // Number of serial windows before the first trial, and of parallel windows before serial times are measured again.
+  // Number of serial windows before the first trial and after each parallel run.
   static constexpr std::int64_t kFirstWindows = 2;
+  // Number of parallel windows after which the serial time is measured again.
   static constexpr std::int64_t kParallelRun = 64;
   // Number of serial runs whose times are stored for the comparison.
   static constexpr std::size_t kRemembered = 8;

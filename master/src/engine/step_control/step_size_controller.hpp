@@ -15,6 +15,7 @@ namespace mebots::master {
 /// a power p, e is the error to the power 2 / p.
 class StepSizeController {
  public:
+  /// `description` must outlive the controller.
   explicit StepSizeController(const StepControlDescription& description);
 
   /// Returns the length of the next step, which is at most `limit`. If one step would not reach `limit` and two steps

@@ -69,6 +69,8 @@ class CallbackTarget {
   CallbackTarget& operator=(const CallbackTarget&) = delete;
 
   static fmiCallbackFunctions fmi1_functions(bool asynchronous);
+  /// Returns the callbacks for FMI 2.0. They are valid as long as this object exists or, after keep_environment(),
+  /// until the process ends.
   const fmi2CallbackFunctions& functions(bool asynchronous);
   /// Returns the callbacks for FMI 3.0. They are valid as long as the result of functions().
   Fmi3Callbacks fmi3_callbacks();

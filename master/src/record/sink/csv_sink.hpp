@@ -26,7 +26,7 @@ class CsvSink final : public RowSink {
   std::string_view state_name() const override { return "csv"; }
 
  private:
-  /// Length of the longest double in shortest form.
+  /// Maximum length of the text of a double.
   static constexpr std::size_t kLongestNumber = 24;
 
   struct Column {

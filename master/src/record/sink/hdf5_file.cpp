@@ -52,8 +52,8 @@ const DriverFile& as_file(const H5FD_t* file) {
 }
 
 /// Repeats `call` until `size` bytes are transferred, because a signal (EINTR) or a short transfer may interrupt a
-/// call. Returns the number of transferred bytes. After a return of fewer bytes, errno is 0 at the end of the file, or
-/// states the error.
+/// call. Returns the number of transferred bytes. If it is less than `size`, errno states the error, or is 0 at the end
+/// of the file.
 template <typename Call>
 std::size_t transfer_all(std::size_t size, Call call) {
   std::size_t done = 0;

@@ -159,7 +159,7 @@ struct Hdf5Sink::File {
 
 Hdf5Sink::Hdf5Sink(const std::vector<RecordColumn>& columns, const std::filesystem::path& file) {
   const std::lock_guard lock(library());
-  auto made = std::make_unique<File>(file);  // closes the file before it releases the lock if an error occurs
+  auto made = std::make_unique<File>(file);  // declared after the lock, so that an error closes the file under the lock
   made->add("time", {"time", "s", Type::real});
   std::set<std::string> used;
   for (const auto& column : columns) {

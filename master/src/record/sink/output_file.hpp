@@ -28,7 +28,7 @@ class OutputFile {
  public:
   enum class Mode {
     anew,    ///< creates or truncates the file; follows a symbolic link, such as /dev/stdout
-    fresh,   ///< removes a file or link of this name, then creates the file
+    fresh,   ///< removes a file or link of this name, then creates the file; never follows a link
     append,  ///< opens an existing file for appending
   };
 

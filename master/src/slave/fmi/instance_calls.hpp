@@ -168,7 +168,7 @@ class InstanceCalls final : public CallbackListener {
   bool unusable_ = false;
   bool is_watched_ = false;  // true: process-wide changes are reported and reverted
   bool freed_ = false;
-  bool is_gone_ = false;  // true if the FMU itself has freed the instance
+  bool is_gone_ = false;  // true after the FMU has freed the instance without an error
   std::int64_t steps_ = 0;
   std::int64_t watched_step_ = 0;  // number of the next step that is checked; 0: no step is checked
   std::function<void(int)> step_finished_ = [](int) {};
