@@ -62,6 +62,14 @@ class UsdLogs(LogCase):
         self.assertEqual(log["battery.voltage"].column, "pm.vbatMV")
         self.assertEqual(log.notes, ())
 
+    def test_a_mapping_replaces_the_meanings_of_known_columns(self):
+        content = usd_log([STATE], [(0xFFFF, 0, (6000, 65535, 4000, 1.0, -7))])
+        mapping = {"columns": {"pm.vbatMV": {"signal": "battery.voltage", "unit": "mV", "scale": 2.0}, "acc.z": {"signal": "acceleration.z", "unit": "m/s2"}}}
+        log = read_log(self.file(content), self.mapping(mapping))
+        np.testing.assert_allclose(log["battery.voltage"].values, [8.0])
+        np.testing.assert_allclose(log["acceleration.z"].values, [1.0])
+        np.testing.assert_allclose(log["rotor[1].speed"].values, [200 * np.pi])
+
     def test_version_1_counts_milliseconds(self):
         log = read_log(self.file(usd_log([POSE], [(8, 10, (1.0,)), (8, 30, (2.0,))], 1)))
         np.testing.assert_allclose(log["locSrv.x"].times, [0, 0.02])

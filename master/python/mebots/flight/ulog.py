@@ -55,8 +55,8 @@ PX4: dict[str, Meaning] = {
 
 
 def read_ulog(file: pathlib.Path, meanings: Mapping[str, Meaning] = {}) -> FlightLog:
-    """Reads a log. ``meanings`` adds columns to PX4's. If several columns have the same signal, those in ``meanings`` take precedence; a
-    column of PX4 keeps its meaning. Raises InputError if the log is invalid."""
+    """Reads a log. ``meanings`` adds meanings of columns to PX4's, and replaces those of equal names. If several columns have the same
+    signal, those in ``meanings`` take precedence. Raises InputError if the log is invalid."""
     data = file.read_bytes()
     if not data.startswith(MAGIC) or len(data) < _SIZE_OF_HEADER:
         raise InputError(f"{file}: byte 0: this is not the start of a ULog file; it is cut off, or of another kind", "syntax_error")
@@ -73,7 +73,7 @@ def read_ulog(file: pathlib.Path, meanings: Mapping[str, Meaning] = {}) -> Fligh
     if parsed.dropouts:
         lost_s = sum(one.duration for one in parsed.dropouts) * 1e-3
         notes.append(f"the autopilot lost {lost_s:.3g} s of the log in {len(parsed.dropouts)} drop-outs")
-    return log_of(file, "PX4 ULog", named(_columns(parsed), dict(meanings) | PX4), notes)
+    return log_of(file, "PX4 ULog", named(_columns(parsed), {**meanings, **PX4, **meanings}), notes)
 
 
 def _columns(parsed: Any) -> Iterator[tuple[str, Array, Array]]:

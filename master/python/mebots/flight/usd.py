@@ -69,11 +69,11 @@ class _Reader:
 
 
 def read_usd(file: pathlib.Path, meanings: Mapping[str, Meaning] = {}) -> FlightLog:
-    """Reads a log. ``meanings`` adds columns to the firmware's. If several columns have the same signal, those in ``meanings`` take
-    precedence; a column of the firmware keeps its meaning. Raises InputError if the log is invalid."""
+    """Reads a log. ``meanings`` adds meanings of columns to the firmware's, and replaces those of equal names. If several columns have the same
+    signal, those in ``meanings`` take precedence. Raises InputError if the log is invalid."""
     log = _parse(file)
     columns = ((name, times, values) for _, times, kind in _tables(log) for name, values in kind.items())
-    return log_of(file, "Crazyflie uSD log", named(columns, dict(meanings) | CRAZYFLIE), log.notes)
+    return log_of(file, "Crazyflie uSD log", named(columns, {**meanings, **CRAZYFLIE, **meanings}), log.notes)
 
 
 def read_events(file: pathlib.Path) -> dict[str, dict[str, Array]]:
