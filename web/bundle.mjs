@@ -21,8 +21,8 @@ const scripts = await build({
   target: "es2022",
   legalComments: "none", // their licences are in LICENSES.txt
 });
-// Bundles the style sheets after the scripts, because esbuild also writes a page.css for the packages that the scripts
-// import.
+// Bundles the style sheets after the scripts, so that page.css replaces the page.css that esbuild writes for the
+// packages that the scripts import.
 const styles = await build({ ...common, entryPoints: { page: "src/page.css", report: "src/report/report.css" } });
 copyFileSync(join(here, "page.html"), join(out, "page.html"));
 

@@ -17,7 +17,7 @@ namespace {
 
 /// A surface supports the drone if the normal of the touch is at most 45 degrees from the vertical.
 constexpr double kSupportNormal_z = 0.7071;
-/// At the start, a drone at or below this height is on the ground.
+/// A drone whose underside is at or below this height at the start is on the ground.
 constexpr double kOnGround_m = 0.01;
 constexpr double kStartOverlap_m = 0.001;
 

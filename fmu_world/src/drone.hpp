@@ -69,7 +69,9 @@ class Drone {
   void begin_step(std::int64_t start_ns, std::int64_t duration_ns, const Others& others);
   /// Applies the forces to the body. `downwash_n` is the force of air from other drones, along the body's -z axis.
   void push(const Eigen::Vector3d& wind_W_m_per_s, double downwash_n);
+  /// Reads the body's new state.
   void move();
+  /// Evaluates contacts and gates, and advances the flight sequence.
   void judge(std::int64_t end_ns, double dt_s);
   /// Updates the sensors, then the flight control.
   void control(std::int64_t end_ns, double dt_s, const Others& others);

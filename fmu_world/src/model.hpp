@@ -19,9 +19,9 @@ namespace mebots::world {
 
 /// A world with its drones, robots and wind.
 ///
-/// A step of h is divided into n = ceil(h / physics.step) equal inner steps. Rotor thrusts, wind and set-points are
-/// constant during the step. The flight control runs in every inner step with the new state. Outputs describe the end
-/// of the step, except the picture, which shows the start of the step.
+/// A step of h is divided into n = ceil(h / physics.step) equal inner steps. Rotor thrusts, the wind input and
+/// set-points are constant during the step. The flight control runs in every inner step with the new state. Outputs
+/// describe the end of the step, except the picture, which shows the start of the step.
 ///
 /// A drone that touches no other drone has the same bits as in a world without other drones. The noise of drone i
 /// depends only on the seed and on i.

@@ -9,8 +9,8 @@
 namespace mebots::command_line {
 namespace {
 
-/// Returns the text in single quotes. `quote` replaces each single quote in the text. Inside single quotes, all three
-/// shells interpret no other character.
+/// Returns the text in single quotes. `quote` replaces each single quote in the text. Inside single quotes, bash and
+/// zsh interpret no other character. fish also interprets a backslash before a backslash or a single quote.
 std::string quoted(const std::string& text, const std::string& quote) {
   std::string result = "'";
   for (const char character : text) {

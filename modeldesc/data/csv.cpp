@@ -85,7 +85,7 @@ void CsvReader::refuse_other_formats() const {
   }
 }
 
-/// Throws Error if other characters than commas separate the cells. Spreadsheets with a decimal comma use semicolons.
+/// Throws Error if semicolons or tabs separate the cells. Spreadsheets with a decimal comma use semicolons.
 void CsvReader::refuse_other_separators() const {
   const auto first = unquoted_part(text_.substr(0, text_.find_first_of("\n\r")));
   const auto commas = std::ranges::count(first, ',');

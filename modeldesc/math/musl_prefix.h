@@ -25,8 +25,8 @@
 #define __cosl mebots_musl_cosl
 #define __tanl mebots_musl_tanl
 
-// Rounds each operation, also on processors that could fuse a multiplication and an addition. musl itself calls fma()
-// where fma() is fast.
+// Rounds each operation, also on processors that could fuse a multiplication and an addition. musl would call fma() if
+// these macros declared it fast.
 #pragma GCC optimize("fp-contract=off")
 #undef __FP_FAST_FMA
 #undef __FP_FAST_FMAF

@@ -47,6 +47,7 @@ class Instance final : public Host {
 
   /// Returns the bytes of the Binary that begins in this row. The bytes are valid until the next call.
   std::span<const std::uint8_t> get_binary(fmi2ValueReference reference);
+  /// Stores a copy of `bytes`.
   void set_binary(fmi2ValueReference reference, std::span<const std::uint8_t> bytes);
 
   /// Returns the number of elements of the FMI 3.0 variable that begins in this row. A variable size depends on the

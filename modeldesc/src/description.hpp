@@ -28,8 +28,8 @@ struct Enumeration {
   std::vector<EnumerationItem> items;
 };
 
-/// The object of which an FMU may have several copies, such as a drone. With several copies, the variables have names
-/// such as `drone[2].mass`.
+/// The object of which an FMU may have several copies, such as a drone. With several copies, the variables of each copy
+/// have names such as `drone[2].mass`.
 struct Repeat {
   std::string word;
   std::string size_source;  // name of the parameter that sets the number of copies in use

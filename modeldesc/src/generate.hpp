@@ -16,7 +16,8 @@ ModelDescription to_model_description(const Description& description, std::vecto
 
 /// Returns an HTML page that documents the FMU and its variables.
 std::string write_html(const ModelDescription& description);
-/// Returns the same page as write_html() for an FMU of FMI 3.0.
+/// Returns the same page as write_html() for an FMU of FMI 3.0. `common` is the result of to_model_description() for
+/// the same description.
 std::string write_fmi3_html(const Description& description, const ModelDescription& common);
 
 /// The modelDescription.xml of FMI 3.0. The token is a hash of its content, like the GUID of FMI 2.0.
@@ -24,6 +25,7 @@ struct Fmi3Text {
   std::string xml;
   std::string token;
 };
+/// `common` is the result of to_model_description() for the same description.
 Fmi3Text write_fmi3_xml(const Description& description, const ModelDescription& common);
 
 /// Returns the text of terminalsAndIcons.xml for FMI 3.0; empty if the FMU has neither terminals nor an icon.
@@ -45,14 +47,14 @@ struct GenerateOptions {
 
 /// Writes modelDescription.xml, index.html, variables.hpp, binding.hpp and variable_table.cpp into `folder`. For FMI
 /// 3.0, also writes terminalsAndIcons.xml and, if the archive has sources, buildDescription.xml. If both versions are
-/// generated, writes the files for FMI 3.0 alone into `folder`/fmi3.
+/// generated, writes the files that only FMI 3.0 uses into `folder`/fmi3.
 void generate(const Description& description, const std::filesystem::path& folder, const GenerateOptions& options = {});
 
 }  // namespace mebots::modeldesc
 
 namespace mebots::modeldesc {
 
-/// Returns variables.hpp, which defines Parameters, Inputs, Outputs and Variables without FMI.
+/// Returns variables.hpp, which defines Parameters, Inputs, Outputs and Variables. This header does not depend on FMI.
 std::string variables_header(const Description& description);
 
 /// Returns binding.hpp, which declares make_model(). The file fmu.cpp of the FMU defines this function.
@@ -71,7 +73,8 @@ bool is_cpp_namespace(std::string_view name);
 /// True for a structured name of FMI: identifiers joined by dots. Each identifier may have an index `[n]`.
 bool is_structured_name(std::string_view name);
 
-/// Converts an FMI name to a C++ name: `.`, `[` and `]` become `_`. Removes repeated `_`, and `_` at the end.
+/// Converts an FMI name to a C++ name: `.`, `[` and `]` become `_`. Replaces several `_` in a row by one, and removes
+/// `_` at the end.
 std::string to_cpp_name(std::string_view fmi_name);
 
 std::string cpp_literal(std::string_view text);

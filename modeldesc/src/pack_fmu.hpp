@@ -32,7 +32,7 @@ struct Product {
 /// Returns a bill of materials in SPDX 2.3 JSON (https://spdx.github.io/spdx-spec/v2.3): the product, its parts, and
 /// the relation of each part to the product. The same product and parts give the same bytes. The creation time is
 /// $SOURCE_DATE_EPOCH. If this variable is not set, it is the time of the entries in MEbots' archives. The document's
-/// name space contains a hash of the document.
+/// name space contains a hash of the product, the parts and their relations.
 std::string spdx_document(const Product& product, std::vector<Part> parts);
 
 struct FmuParts {

@@ -128,7 +128,7 @@ class Fmi1Reader {
     variable.negated_reference = variable.value_reference;
   }
 
-  /// Converts causality and variability to the terms of FMI 2.0.
+  /// Sets causality, variability and initial in the terms of FMI 2.0.
   static void read_role(const Element& element, Variable& variable) {
     const auto causality = element.word<Causality1>("causality", fmi::kCausalityWords1).value_or(Causality1::internal);
     const auto variability =

@@ -161,7 +161,7 @@ std::string model_identifier(const Element& element);
 /// attribute with ModelDescription::guid.
 void read_head(const Element& root, const char* guid, ModelDescription& result);
 
-/// Reads the elements that are equal in all versions of FMI into `result`: <UnitDefinitions>, <LogCategories>,
+/// Reads the elements that have the same form in all versions of FMI into `result`: <UnitDefinitions>, <LogCategories>,
 /// <DefaultExperiment>.
 void read_common(const Element& root, ModelDescription& result);
 

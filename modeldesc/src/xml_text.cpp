@@ -35,7 +35,7 @@ std::string_view wide_encoding(std::string_view bytes) {
   return {};
 }
 
-/// Returns the encoding in `<?xml ... encoding="..."?>`; empty if the declaration is missing.
+/// Returns the encoding in `<?xml ... encoding="..."?>`; empty if the text declares no encoding.
 std::string declared_encoding(std::string_view text) {
   if (!text.starts_with("<?xml")) return {};
   const auto declaration = text.substr(0, std::min(text.find("?>"), text.size()));

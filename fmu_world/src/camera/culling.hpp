@@ -12,16 +12,16 @@
 
 namespace mebots::world::camera {
 
-/// The four planes through the camera and the sides of a picture, or of some rows of the picture. A face outside of a
-/// plane covers no pixel. Rounding errors cannot change this: the centres of the outermost pixels are half a pixel away
-/// from the planes.
+/// The four planes through the camera and the sides of a picture, or of some rows of the picture. A face that is
+/// completely outside of one plane covers no pixel. Rounding errors cannot change this: the centres of the outermost
+/// pixels are half a pixel away from the planes.
 class PictureSides {
  public:
   PictureSides(const Intrinsics& intrinsics, int first_row, int end_row);
 
-  /// If this returns true, a face with these corners in the camera frame is invisible.
+  /// Return true if an object is certainly outside of the picture: a face with these corners in the camera frame, or a
+  /// sphere in the camera frame. If the result is false, the object may still be invisible.
   bool leave_out(std::span<const Eigen::Vector3d> corners_C_m) const;
-  /// True if a sphere in the camera frame is invisible, for example because it is behind the camera.
   bool leave_out(const Eigen::Vector3d& middle_C_m, double radius_m) const;
 
  private:
@@ -30,8 +30,8 @@ class PictureSides {
   double per_across_, per_lower_, per_upper_;  // lengths of the planes' normals
 };
 
-/// The data of a face that decide its visibility, and all data that a face without texture needs. Thousands of these
-/// compact structures fit into few cache lines.
+/// The data of a face that decide its visibility, and all data that a face without texture needs. The structure is
+/// compact, so that a loop over thousands of faces reads few cache lines.
 struct FaceCover {
   Eigen::Vector3d normal_W;
   double offset_m;

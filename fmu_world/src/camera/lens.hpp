@@ -62,7 +62,8 @@ struct LensSettings {
 class Lens {
  public:
   /// Computes the tables. The field of view of `intrinsics` is that of the lens without distortion. Throws
-  /// mebots::Error if two rays meet the same point of the sensor, or if a ray would be too far from the axis.
+  /// mebots::Error if a setting is out of range, if no ray within 80 degrees of the axis is found for a pixel of the
+  /// sensor, or if the undistorted picture would be too large.
   Lens(const Intrinsics& intrinsics, const LensSettings& settings);
 
   /// Returns the intrinsics of the undistorted picture that must be rendered: the lens's focal length, and a size that

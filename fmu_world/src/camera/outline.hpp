@@ -140,8 +140,8 @@ class Outline {
   int width_;
   int first_row_ = 0;
   int end_row_ = 0;
-  /// True if each row's centre line crosses two edges, as for a convex polygon. Rounding by 1/4096 pixel can make a
-  /// polygon concave.
+  /// True if each row's centre line crosses two edges, as for a convex polygon. Rounding to 1/4096 pixel can make a
+  /// polygon slightly concave.
   bool two_crossings_ = true;
 };
 

@@ -15,8 +15,8 @@ namespace {
 
 constexpr int kSamples = 4096;
 
-/// Returns x with P(X > x) = tail for a standard normal X and 0 < tail < 1/2. Uses Newton's method. P is convex for x >
-/// 0, so the iterates rise from 0 to the root.
+/// Returns x with P(X > x) = tail for a standard normal X and 0 < tail < 1/2. Uses Newton's method. The probability is
+/// convex in x for x > 0, so the iterates rise from 0 to the root.
 double upper_quantile(double tail) {
   constexpr double kInverseSqrt2Pi = 0.39894228040143267794;
   double x = 0.0;

@@ -115,7 +115,8 @@ void Sensor::take(const PoseAt& pose_at, std::uint64_t seed, std::uint64_t frame
   MEBOTS_ASSERT(pixels.size() == sensor_.size());
   gather(pose_at);
   lens_.project(light_, static_cast<float>(light_factor_), sensor_);
-  // With noise and gain, the variance of a grey level g is reading^2 + g x (grey levels per electron).
+  // The noise of a grey level g has the variance reading^2 + g x (grey levels per electron). The gain multiplies the
+  // grey levels per electron.
   const auto reading = static_cast<float>(settings_.noise_std * settings_.noise_std);
   const auto shot = static_cast<float>(settings_.full_well > 0.0 ? 255.0 * gain() / settings_.full_well : 0.0);
   const auto width = static_cast<std::size_t>(intrinsics_.width);

@@ -14,9 +14,10 @@
 
 namespace mebots::world::crazyflie {
 
-/// Estimates the state from sensor values with a Kalman filter, at the firmware's rates. Low-pass filters the IMU's
-/// samples (gyroscope 80 Hz, accelerometer 30 Hz). Predicts the state every 10 ms from the means of the filtered
-/// samples. Uses measurements of flow and distance when they arrive. Starts with the true position and attitude.
+/// Estimates the state from sensor values with a Kalman filter, at the firmware's rates. Filters the IMU's samples with
+/// low-pass filters (gyroscope 80 Hz, accelerometer 30 Hz). Predicts the state every 10 ms from the means of the
+/// filtered samples. Uses measurements of flow and distance when they arrive. Starts with the true position and
+/// attitude.
 class Estimator {
  public:
   static constexpr std::int64_t kPredictionPeriod_ns = 10'000'000;

@@ -21,7 +21,8 @@ constexpr double kStartAttitude_rad = 0.01;
 constexpr double kAcceleration_xy_m_per_s2 = 0.5;
 constexpr double kAcceleration_z_m_per_s2 = 1.0;
 constexpr double kGyroscope_rad_per_s = 0.1;
-/// The share of the initial attitude that each prediction on the ground adds to the attitude.
+/// On the ground, each prediction replaces the attitude by a weighted mean of the attitude and the initial attitude.
+/// This is the weight of the initial attitude.
 constexpr double kReversion = 0.001;
 
 constexpr double kLeastVariance = 1e-6;
@@ -29,7 +30,7 @@ constexpr double kMostVariance = 100.0;
 
 /// The least height in the prediction of a flow measurement.
 constexpr double kLeastHeight_m = 0.1;
-/// Half the opening angle of the distance sensor's cone, 7.5 degrees.
+/// Half the opening angle of the distance sensor's cone in the filter: 7.5 degrees.
 constexpr double kHalfCone_rad = 0.130899693899575;
 /// Standard deviation at distance d: kRangeDeviation_m (1 + exp(kRangeGrowth_per_m (d - kRangeFrom_m))).
 constexpr double kRangeDeviation_m = 0.0025;

@@ -88,8 +88,8 @@ class TriangleMesh {
   std::vector<dTriIndex> corners_;
 };
 
-/// Protects working memory that all worlds of the process share: that of ODE's routines for triangles in Debian's
-/// build.
+/// Protects the working memory of ODE's routines for triangles. In Debian's build, all worlds of the process share this
+/// memory.
 std::mutex mesh_collisions;
 
 }  // namespace

@@ -64,7 +64,7 @@ struct GateEvent {
 ///
 /// The way to the next gate may lead around a gate. Therefore a crossing becomes invalid only if the drone flies back
 /// through the gate's frame before it crosses the next gate. The flight must end after the last gate, so the crossing
-/// of the last gate becomes invalid at any return to the front of its plane.
+/// of the last gate becomes invalid whenever the whole drone returns to the front of the gate.
 class GateJudge {
  public:
   /// `gates` are in the order of the scene. `body_size_m` contains the edges of the drone's contact box along its body

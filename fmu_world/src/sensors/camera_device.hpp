@@ -46,7 +46,8 @@ class CameraDevice {
   const Settings& settings() const { return settings_; }
   /// Returns the last picture, row by row from the top left; empty before the first picture.
   std::span<const std::uint8_t> frame() const;
-  /// Returns the depth picture of the last picture, in the format of GroundTruth::depth(). Empty if `depth` is false.
+  /// Returns the depth picture of the last picture, in the format of GroundTruth::depth(). Empty if `depth` is false,
+  /// and before the first picture.
   std::span<const std::uint8_t> depth() const;
   /// Returns the gates and drones in the last picture as JSON (docs/sensors.md describes the format). Empty if `labels`
   /// is false.

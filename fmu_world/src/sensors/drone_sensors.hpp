@@ -43,7 +43,7 @@ struct Motion {
 /// and the number of the sample.
 class DroneSensors {
  public:
-  /// Throws mebots::Error if a parameter is invalid, or if it enables a sensor that the drone's file does not describe.
+  /// Throws mebots::Error if a parameter is invalid, or if it needs a sensor that the drone's file does not describe.
   DroneSensors(const Views& views, const scene::Drone& drone, const Parameters& shared,
                const DroneParameters& parameters, std::size_t index, std::int64_t start_ns);
 

@@ -17,8 +17,8 @@ namespace mebots::world {
 ///   x: v_x / d - w_y      y: v_y / d + w_x      [rad/s], v and w in body axes
 ///
 /// A sample is this motion over a period in pixels, with normal noise, rounded to a whole number of counts. The
-/// rounding error is added to the next sample. A sample is invalid if the surface was too near, out of range, or too
-/// fast.
+/// rounding error is added to the next sample. A sample is invalid if at any time in its period no surface was below
+/// the sensor, the surface was too near, or the motion was too fast.
 class FlowSensor {
  public:
   struct Sample {

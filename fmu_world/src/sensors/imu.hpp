@@ -14,8 +14,8 @@ namespace mebots::world {
 ///
 ///   reading = truth + bias + normal noise
 ///
-/// The true values are the body rate, and the mean specific force since the last inner step. The specific force is the
-/// sum of all forces except gravity, divided by the mass. Each bias is constant, and is drawn once from the seed with a
+/// The true values are the body rate, and the mean specific force in the last inner step. The specific force is the sum
+/// of all forces except gravity, divided by the mass. Each bias is constant, and is drawn once from the seed with a
 /// standard deviation. The noise depends only on seed and time.
 class Imu {
  public:

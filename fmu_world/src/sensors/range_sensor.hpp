@@ -15,8 +15,8 @@
 namespace mebots::world {
 
 /// Measures the distance from the body's centre along the body's -z axis to the next surface: ground, obstacles, gates,
-/// other drones. The output is constant between two samples. If no surface is nearer than `range_limit_m`, the output
-/// is this limit.
+/// other drones. The output is constant between two samples. If no surface is nearer than `range_limit_m`, the measured
+/// distance is this limit. In mode `ray`, noise is added to the limit, too.
 ///
 /// In mode `ray`, takes a sample every 25 ms, the interval at which the Crazyflie's firmware reads its VL53L1X. In mode
 /// `cone`, takes a sample in each period from the drone's file.

@@ -39,6 +39,7 @@ class Ranging {
 
   const RayCaster& rays() const { return *rays_; }
   double limit_m() const { return limit_m_; }
+  /// Empty in mode `ray`.
   const std::optional<scene::RangeData>& cone() const { return cone_; }
 
  private:

@@ -115,8 +115,8 @@ Eigen::Vector3d Stabiliser::wanted_torque(const StabiliserGoal& goal, const Rigi
       sine > 1e-12 ? Eigen::Vector3d(axis_B * (angle / sine)) : Eigen::Vector3d::Zero();
 
   const double turn_rad_per_s = goal.hold_place ? 0.0 : goal.yaw_rate_rad_per_s;
-  // The loop follows a wanted rate with the lag 1 / pole. The heading reference has the same lag, so that the heading
-  // does not overshoot.
+  // The loop follows a wanted rate with the lag 1 / pole. The rate of the heading reference has the same lag, so that
+  // the heading does not overshoot.
   memory_.yaw_rate_rad_per_s += dt_s * gains_.yaw_pole_per_s * (turn_rad_per_s - memory_.yaw_rate_rad_per_s);
   const double lead_rad = std::clamp(wrapped_rad(memory_.heading_rad + dt_s * memory_.yaw_rate_rad_per_s - yaw_rad),
                                      -gains_.max_yaw_lead_rad, gains_.max_yaw_lead_rad);

@@ -14,8 +14,8 @@ namespace mebots::world {
 namespace {
 
 constexpr std::int64_t kPeriod_ns = 10'000'000;
-/// Limits of speed / length. Outside of these limits, the filters' coefficients are not finite or have large rounding
-/// errors.
+/// Limits of speed / length. Outside of these limits, the filters' coefficients are not finite or have too large
+/// rounding errors.
 constexpr double kSlowest_per_s = 1e-12;
 constexpr double kFastest_per_s = 1e12;
 constexpr int kNormals = 5;  // normal numbers per filter step

@@ -11,7 +11,7 @@
 ///
 /// The macro is active if MEBOTS_ASSERTIONS is defined (presets dev, ci, and the presets of the sanitizers). Otherwise
 /// (preset release), the condition is compiled but not evaluated. Its variables count as used. If the condition
-/// contains a comma, put the condition in parentheses.
+/// contains a comma outside of parentheses, put the whole condition in parentheses.
 #ifdef MEBOTS_ASSERTIONS
 #define MEBOTS_ASSERT(condition, ...) \
   (static_cast<bool>(condition)       \

@@ -13,6 +13,7 @@ namespace mebots {
 ///
 ///     throw Error(error.code(), place + ": " + error.what());
 ///
+/// In `main` and in the C functions of FMI, guards convert an Error into a status and a message.
 class Error : public std::runtime_error {
  public:
   explicit Error(const std::string& text) : Error(ErrorCode::unspecified, text) {}

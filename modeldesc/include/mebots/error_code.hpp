@@ -10,7 +10,7 @@
 namespace mebots {
 
 /// Identifies the kind of an error. The name of a code keeps its meaning across versions, in C++, Python and files. The
-/// number of a code may change.
+/// number of a code may change, and new codes may be added.
 enum class ErrorCode {
   unspecified,
   // Errors of access to files.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Checks whether a path names a file or a folder. Unlike std::filesystem, returns false for an impossible path, such as
-// a path that is too long. If access to a folder of the path is denied, is_there() returns true, because the file may
-// exist.
+// Checks whether a path names a file or a folder. For an impossible path, such as a path that is too long,
+// std::filesystem throws, but these functions return false. If access to a folder of the path is denied, is_there()
+// returns true, because the file may exist.
 #pragma once
 
 #include <filesystem>

@@ -22,7 +22,7 @@ export function panelsOf(run: Run): PanelInfo[] {
 }
 
 function defaultPanels(run: Run): PanelInfo[] {
-  const varying = run.variables.filter((name) => run.header.live || !run.stands(name)); // at the start of a live run, no variable has changed
+  const varying = run.variables.filter((name) => run.header.live || !run.stands(name)); // at the start of a live run, none has changed
   const isState = (name: string) => ["Boolean", "Enumeration"].includes(run.info(name)?.type ?? "");
   const found = taken(groupsOf(run, varying.filter((name) => !isState(name))).map((group) => panelOf(run, group)));
   const states = varying.filter(isState).slice(0, MOST_STATES);

@@ -124,6 +124,7 @@ export function makeDistributions(study: Study, selection: Selection, shown: Sho
     ...(missions!.outcomes.length ? [makeEnds(study, selection)] : []), spread.root, histogram.root);
 }
 
+/** Creates a bar with the shares of the outcomes in missions of the selected designs. */
 function makeEnds(study: Study, selection: Selection): HTMLElement {
   const { outcomes, outcome_counts } = study.missions!;
   const root = element("div", { class: "ends" });

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shows main effects: the mean over designs at each level of each factor. Also shows the means over selected designs.
+// Shows main effects: the mean over designs at each level of each factor. If designs are selected, also shows the means
+// over these designs.
 import { element } from "../dom";
 import { colour, onTheme, styleColour } from "../theme";
 import type { Factor, Objective, Study } from "./content";

@@ -5,7 +5,7 @@ import type { Json } from "../data/payload";
 import type { Run } from "../data/run";
 import { Mover } from "./mover";
 
-/** A larger face is a wall. A wall is hidden while it would hide the target. */
+/** A larger face that does not move is a wall. A wall is hidden while it would hide the target. */
 const WALL_M2 = 0.8;
 
 /** Faces with one texture, which are drawn together. `lights` contains a number for each corner. */

@@ -81,8 +81,7 @@ function windowedChoices(profile: WindowedProfile, window: Window): Choices {
 function wholeChoices(profiles: Json[]): Choices {
   const list = profiles.flatMap((file) => file.profiles.map((profile: Json) => ({ profile, frames: file.shared.frames })));
   const choice = element("select", { "aria-label": "profile" }, ...list.map(({ profile }, i) => option(String(i), profile.name)));
-  // Shows cycles first. After its program has ended, the core still consumes time and energy, which would dominate
-  // these profiles.
+  // Shows cycles first, because the core uses most time and energy after its program has ended.
   choice.value = String(Math.max(0, list.findIndex(({ profile }) => profile.name === "cycles")));
   return {
     inputs: [choice],

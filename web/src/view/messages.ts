@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists the messages of the FMUs and of the run. A click on a message shows its time.
+// Lists the messages of the FMUs and of the run. A click on a message sets the shown time to the time of the message.
 import type { Clock } from "../clock";
 import { shortText } from "../data/messages";
 import type { Run } from "../data/run";

@@ -100,7 +100,7 @@ function curvesOf(info: PanelInfo, runs: Run[]): RunCurve[] {
   return curves;
 }
 
-/** Draws the mark in front of a curve's name like the curve. */
+/** Gives the mark in front of a curve's name the colour and the dashes of the curve. */
 function paintSwatch(swatch: HTMLElement, tone: string, dash: [number, number] | undefined): void {
   swatch.classList.toggle("dashed", dash !== undefined);
   swatch.style.background = dash

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Handles the pointer on elements with a time axis. On a plot, dragging selects a time span, and a click sets the shown
 // time. On the timeline, dragging moves the shown time. Shift exchanges these two actions. A finger moves the shown
-// time. Two fingers, or ctrl and wheel, zoom. A double click shows the whole run.
+// time. Two fingers zoom, as does the wheel with ctrl or shift. A double click shows the whole run.
 import type { Clock } from "../clock";
 import { element } from "../dom";
 import type { Window } from "./window";

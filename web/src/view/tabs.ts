@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shows one of several views. Creates a view when it is shown first.
+// Shows one of several views. Creates a view when it is shown for the first time.
 import { element } from "../dom";
 
 export interface Tab {

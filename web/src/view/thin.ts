@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A note for recordings that are too long for a page. Such a page contains only extremes and smaller pictures. After
-// zooming in, the note names the command for a page with all values.
+// A note for recordings that are too long for a page. Such a page contains only extremes and smaller pictures. If the
+// user zooms in, the note names the command for a page with all values.
 import type { Run } from "../data/run";
 import { element } from "../dom";
 import type { Window } from "./window";

@@ -41,7 +41,8 @@ class Node {
   std::uint64_t natural_number() const;
 
   std::vector<Node> elements() const;
-  /// Returns the members of an object, in the order of the file. For a duplicate key, uses the first value.
+  /// Returns the members of an object, in the order of the file. If a key occurs twice, the result contains both
+  /// members, and find() returns the first of them.
   std::vector<Member> members() const;
   bool has(std::string_view key) const { return find(key).has_value(); }
   /// Returns the member with this key. Returns empty if the member is missing or this value is not an object.

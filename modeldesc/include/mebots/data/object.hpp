@@ -60,7 +60,7 @@ class Object {
   /// Permits an optional key whose value is a text and has no effect.
   void comment(std::string_view key);
 
-  /// Reports each key that was not read, and suggests the nearest known key.
+  /// Reports each key that was neither read nor permitted by allow() or comment(). Suggests the nearest known key.
   void finish() const;
 
   /// True if no mistake was added to the document since this Object was constructed. Then all members that were read
@@ -98,7 +98,7 @@ std::vector<double> read_numbers(const Node& node, const Limits& limits);
 inline auto numbers(const Limits& limits = {}) {
   return [limits](const Node& node) { return read_numbers(node, limits); };
 }
-/// Reads numbers as read_numbers() does. Throws Mistakes if a number is not greater than its predecessor.
+/// Reads numbers as read_numbers() does. Adds a mistake for each number that is not greater than its predecessor.
 std::vector<double> read_rising_numbers(const Node& node, const Limits& limits);
 inline auto rising_numbers(const Limits& limits = {}) {
   return [limits](const Node& node) { return read_rising_numbers(node, limits); };
@@ -109,7 +109,7 @@ double read_quantity(const Node& node, std::string_view unit, const Limits& limi
 inline auto quantity(std::string_view unit, const Limits& limits = {}) {
   return [=](const Node& node) { return read_quantity(node, unit, limits); };
 }
-/// Reads the member `unit`, which must equal the argument `unit`.
+/// Read the members `unit` and `source`. `unit` must equal the argument `unit`, and `source` must not be empty.
 void read_unit(Object& object, std::string_view unit);
 void read_source(Object& object);
 

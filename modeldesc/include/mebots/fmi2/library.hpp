@@ -6,8 +6,9 @@
 
 namespace mebots::fmi2 {
 
-/// States which FMUs must export a function. `to_run`: all FMUs, because a simulation is impossible without it.
-/// `to_step`: FMUs for co-simulation. Other values: all FMUs, FMUs for one interface, or FMUs whose
+/// States which FMUs must export a function. A simulation is impossible without functions with `to_run` (all FMUs),
+/// `to_step` (FMUs for co-simulation) and `to_integrate` (FMUs for model exchange). The standard also requires
+/// functions with `always` (all FMUs) and `co_simulation` (FMUs for co-simulation). Other values: FMUs whose
 /// modelDescription.xml declares a capability.
 enum class Need {
   to_run,

@@ -13,7 +13,8 @@ namespace mebots::fmu {
 
 enum class Severity { info, warning, error };
 
-/// The services that the FMI shell offers to a model. Each instance has its own Host.
+/// The services that the FMI shell (modeldesc/shell) offers to the model of an FMU (`fmu.cpp`). Each instance has its
+/// own Host.
 class Host {
  public:
   virtual ~Host() = default;
@@ -34,7 +35,8 @@ class Model {
   virtual void step(std::int64_t start_ns, std::int64_t duration_ns) = 0;
   /// Called once, when the importing tool terminates the instance. The model may log a last message.
   virtual void terminate() {}
-  /// Visits all state outside of Variables, which saved states must contain. See mebots/state/visitor.hpp.
+  /// Visits the state of the model that is not in Variables. A saved state contains the visited values. See
+  /// mebots/state/visitor.hpp.
   virtual void visit(state::Visitor& v) = 0;
   /// Returns the value of the `on_demand` String output with this FMI name.
   virtual std::string on_demand_text(std::string_view /*name*/) const { return {}; }

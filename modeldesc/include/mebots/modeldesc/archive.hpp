@@ -28,7 +28,7 @@ std::vector<std::string> unpack(const std::filesystem::path& archive, const std:
                                 const UnpackLimits& limits = {});
 
 /// Explains why an unpacked archive has no file `name` at its root, and how to correct this. For example, the file is
-/// in a folder, or its name differs in case. If no reason is found, returns "It contains no `name`".
+/// in a folder, or its name differs in case. If no reason is found, returns "it contains no `name`".
 std::string why_missing(const std::filesystem::path& folder, const std::string& name);
 
 /// A file to pack: `entry` is its path in the archive, with forward slashes.

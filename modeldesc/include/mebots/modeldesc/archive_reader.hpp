@@ -16,12 +16,12 @@ struct DiscardZip {
 };
 using ZipHandle = std::unique_ptr<zip, DiscardZip>;
 
-/// Opens a zip archive for reading. Throws mebots::Error with the reason of libzip.
+/// Opens a zip archive for reading. If this fails, throws mebots::Error with the reason of libzip.
 ZipHandle open_zip(const std::filesystem::path& archive);
 /// Opens an archive in memory, which must outlive the handle. `name` is the archive's name in messages.
 ZipHandle open_zip(std::string_view bytes, std::string_view name);
 
-/// Normalises the name of an entry: removes parts that are empty or ".", and adds a slash to the name of a folder.
+/// Normalises the name of an entry: removes parts that are empty or ".". Keeps the slash at the end of a folder's name.
 /// Returns nullopt if a part is "..".
 std::optional<std::string> normal_entry_name(std::string_view name);
 

@@ -114,7 +114,7 @@ struct Fmi3Part {
   bool operator==(const Fmi3Part&) const = default;
 };
 
-/// Holds a variable's Fmi3Part. Variables of FMI 2.0 have an empty holder, which takes the memory of one pointer.
+/// Holds a variable's Fmi3Part. For variables of FMI 2.0, the holder is empty and uses no memory on the heap.
 class Fmi3Holder {
  public:
   Fmi3Holder() = default;

@@ -62,8 +62,8 @@ struct KnownUnit {
 std::span<const KnownUnit> known_units();
 
 /// Parses a product of powers of known units in the notation of FMI and Modelica: "m3/s", "rad/(s.V)", "kg.m2", "1/s",
-/// "s-1", "1". In a product, a unit with an offset, such as degC, means a difference. Throws Error (wrong_unit), which
-/// suggests the nearest known unit.
+/// "s-1", "1". In a product, a unit with an offset, such as degC, means a difference. Throws Error (wrong_unit) with
+/// the fault. If a unit is unknown, the error suggests the nearest known units.
 Unit parse_unit(std::string_view text);
 
 /// Returns the suffix of C++ names for this unit, such as "_m3_per_s". Throws the same errors as parse_unit().

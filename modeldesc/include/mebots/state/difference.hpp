@@ -173,8 +173,8 @@ std::optional<Difference> first_difference(const T& first, const T& second) {
   return first_difference(list(first), list(second));
 }
 
-/// Returns the first difference between two saved states of one object. Restores first one and then the other state
-/// into `object`.
+/// Returns the first difference between two saved states of one object. Restores both states into `object`, which is
+/// then in the second state.
 template <Visited T>
 std::optional<Difference> first_difference(T& object, std::span<const std::byte> first,
                                            std::span<const std::byte> second) {

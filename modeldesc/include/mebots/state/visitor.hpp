@@ -101,7 +101,7 @@ class Visitor {
   bool restores() const { return purpose_ == Purpose::restore; }
 
   /// Visits a plain value, an object with visit(), or an array, vector, text, optional or variant of these. `name` is
-  /// the member's name without the underscore, and must be valid only during the call.
+  /// the member's name without the underscore, and need not be valid after the call.
   template <typename T>
   void operator()(std::string_view name, T& value) {
     if constexpr (Visited<T>) {
@@ -134,7 +134,8 @@ class Visitor {
   /// Visits the size of a list of objects. `present` is the current size. The caller must resize the list to the
   /// returned size.
   virtual std::size_t count(std::string_view name, std::size_t present) = 0;
-  /// Opens a scope: all values up to the matching leave() are parts of `name`.
+  /// Opens a scope: all values up to the matching leave() are parts of `name`. Called only if wants_names() returns
+  /// true.
   virtual void enter(std::string_view /*name*/) {}
   virtual void leave() {}
 
